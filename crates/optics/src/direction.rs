@@ -1,0 +1,135 @@
+//! Directions on the unit sphere and the direction of the light.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use glam::DVec3;
+
+/// The unit vector of polar angle `theta` from +z and azimuth `phi` from +x, both in radians.
+#[must_use]
+pub fn from_spherical(theta: f64, phi: f64) -> DVec3 {
+    let (sin_theta, cos_theta) = theta.sin_cos();
+    let (sin_phi, cos_phi) = phi.sin_cos();
+    DVec3::new(sin_theta * cos_phi, sin_theta * sin_phi, cos_theta)
+}
+
+/// Polar angle from +z in `[0, pi]`; accurate near the poles and near grazing alike.
+#[must_use]
+pub fn polar_angle(w: DVec3) -> f64 {
+    w.x.hypot(w.y).atan2(w.z)
+}
+
+/// Azimuth from +x towards +y in `[0, 2 pi)`; zero for a vertical direction.
+#[must_use]
+pub fn azimuth(w: DVec3) -> f64 {
+    let phi = w.y.atan2(w.x);
+    if phi < 0.0 {
+        // A tiny negative angle rounds up to the full turn, which is zero.
+        let wrapped = phi + TAU;
+        if wrapped < TAU { wrapped } else { 0.0 }
+    } else {
+        phi
+    }
+}
+
+/// Why a direction of incidence is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum IncidenceError {
+    /// The polar angle is outside `[0, 90)` degrees.
+    #[error(
+        "theta is {0} deg; light must come from theta >= 0 and below 90 deg (at 90 deg no flux falls on the surface)"
+    )]
+    BadTheta(f64),
+    /// The azimuth is not finite.
+    #[error("phi is {0} deg; it must be finite")]
+    BadPhi(f64),
+}
+
+/// The direction of collimated light: polar angle below a right angle, any azimuth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Incidence {
+    theta: f64,
+    phi: f64,
+}
+
+impl Incidence {
+    /// `theta` in `[0, 90)` and `phi`, both in degrees, of the direction *towards the light*.
+    ///
+    /// # Errors
+    /// [`IncidenceError`] outside these ranges.
+    pub fn from_degrees(theta: f64, phi: f64) -> Result<Self, IncidenceError> {
+        let radians = theta.to_radians();
+        if !(theta >= 0.0 && theta < 90.0 && radians < FRAC_PI_2) {
+            return Err(IncidenceError::BadTheta(theta));
+        }
+        if !phi.is_finite() {
+            return Err(IncidenceError::BadPhi(phi));
+        }
+        Ok(Self {
+            theta: radians,
+            phi: phi.rem_euclid(360.0).to_radians(),
+        })
+    }
+
+    /// Polar angle in radians, `[0, pi/2)`.
+    #[must_use]
+    pub const fn theta(self) -> f64 {
+        self.theta
+    }
+
+    /// Azimuth in radians, `[0, 2 pi)`.
+    #[must_use]
+    pub const fn phi(self) -> f64 {
+        self.phi
+    }
+
+    /// The same polar angle at azimuth `phi`, radians.
+    #[must_use]
+    pub const fn at_azimuth(self, phi: f64) -> Self {
+        Self { phi, ..self }
+    }
+
+    /// `wi`, the unit vector towards the light, `z > 0`.
+    #[must_use]
+    pub fn wi(self) -> DVec3 {
+        from_spherical(self.theta, self.phi)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn spherical_coordinates_come_back() {
+        for theta_deg in [0.0, 1e-6, 30.0, 89.999_999, 90.0, 120.0, 180.0 - 1e-6] {
+            for phi_deg in [0.0, 45.0, 180.0, 359.0] {
+                let (theta, phi) = (f64::to_radians(theta_deg), f64::to_radians(phi_deg));
+                let w = from_spherical(theta, phi);
+                assert!((polar_angle(w) - theta).abs() < 1e-15);
+                if theta > 0.0 {
+                    assert!((azimuth(w) - phi).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn azimuth_stays_below_a_full_turn() {
+        assert_eq!(azimuth(DVec3::new(1.0, -1e-300, 0.0)), 0.0);
+        assert_eq!(azimuth(DVec3::Z), 0.0);
+    }
+
+    #[test]
+    fn grazing_light_is_accepted_and_horizontal_light_refused() {
+        assert!(Incidence::from_degrees(89.99, 0.0).is_ok());
+        assert!(Incidence::from_degrees(90.0, 0.0).is_err());
+        assert!(Incidence::from_degrees(-1.0, 0.0).is_err());
+        assert!(Incidence::from_degrees(f64::NAN, 0.0).is_err());
+        assert!(Incidence::from_degrees(30.0, f64::INFINITY).is_err());
+        // The largest number below 90 is refused or still falls on the surface.
+        if let Ok(grazing) = Incidence::from_degrees(90.0_f64.next_down(), 0.0) {
+            assert!(grazing.wi().z > 0.0);
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Reflection and refraction of directions at a plane facet.
+
+use glam::DVec3;
+
+/// The mirrored direction `wo = 2 (wi . m) m - wi`, renormalised.
+///
+/// `wi` points away from the facet, `m` is the unit normal on the same side.
+#[must_use]
+pub fn reflect(wi: DVec3, m: DVec3) -> DVec3 {
+    (2.0 * wi.dot(m) * m - wi).normalize()
+}
+
+/// The refracted direction by Snell's law in vector form, renormalised.
+///
+/// `cos_beta` is that of [`crate::dielectric`] for `wi . m` and `eta`. For `eta = 1` the result is
+/// `-wi` exactly.
+#[must_use]
+pub fn refract(wi: DVec3, m: DVec3, eta: f64, cos_beta: f64) -> DVec3 {
+    if eta == 1.0 {
+        return -wi;
+    }
+    ((wi.dot(m) / eta - cos_beta) * m - wi / eta).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{dielectric, from_spherical};
+
+    #[test]
+    fn refraction_obeys_snell_and_stays_in_plane() {
+        let m = from_spherical(0.3, 1.0);
+        for eta in [0.7, 1.2, 1.5, 2.0] {
+            for (theta, phi) in [(0.3, 1.0), (0.2, 0.4), (0.9, 3.0), (1.1, 1.0)] {
+                let wi = from_spherical(theta, phi);
+                let fresnel = dielectric(wi.dot(m), eta);
+                if fresnel.transmitted == 0.0 {
+                    continue;
+                }
+                let wt = refract(wi, m, eta, fresnel.cos_beta);
+                let sin_alpha = wi.cross(m).length();
+                let sin_beta = wt.cross(m).length();
+                assert!((sin_alpha - eta * sin_beta).abs() < 1e-14);
+                assert!((wi.cross(m) + eta * wt.cross(m)).length() < 1e-14);
+                assert!(wt.dot(m) < 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn reflection_mirrors_the_angle() {
+        let m = from_spherical(0.4, 2.0);
+        let wi = from_spherical(1.0, 0.5);
+        let wo = reflect(wi, m);
+        assert!((wo.dot(m) - wi.dot(m)).abs() < 1e-15);
+        assert!((wo + wi).cross(m).length() < 1e-15);
+    }
+}

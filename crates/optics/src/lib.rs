@@ -1,0 +1,17 @@
+//! Interface optics: directions, the Fresnel equations and interface materials.
+//!
+//! # Conventions
+//! The mean plane of the surface is `z = 0` and +z points into the incident medium. `wi` points
+//! towards the light, `wo` to where the light goes. Angles are radians. `eta` is the refractive
+//! index behind the interface relative to that before it: `sin(alpha) = eta sin(beta)`. An
+//! absorbing conductor has the relative index `n + i k`, `k >= 0`, for the time factor `exp(-i w t)`.
+
+mod direction;
+mod fresnel;
+mod interface;
+mod material;
+
+pub use direction::{Incidence, IncidenceError, azimuth, from_spherical, polar_angle};
+pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
+pub use interface::{reflect, refract};
+pub use material::{Material, MaterialError};

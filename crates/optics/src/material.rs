@@ -1,0 +1,112 @@
+//! What the surface is made of.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Fresnel, conductor, dielectric};
+
+/// Interface material, with indices relative to the medium that the light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Material {
+    /// Clear medium on both sides; `eta` = n_transmitted / n_incident, above zero.
+    Dielectric {
+        /// Relative refractive index.
+        eta: f64,
+    },
+    /// Absorbing conductor of relative index `eta + i kappa`; nothing is followed inside.
+    Conductor {
+        /// Real part of the relative index, above zero.
+        eta: f64,
+        /// Imaginary part, zero or more.
+        kappa: f64,
+    },
+    /// Reflects everything.
+    Mirror,
+}
+
+/// Why a material is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MaterialError {
+    /// The relative index is zero, negative or not finite.
+    #[error("eta is {0}; the relative refractive index must be positive and finite")]
+    BadEta(f64),
+    /// The absorption index is negative or not finite.
+    #[error("kappa is {0}; the absorption index must be zero or more and finite")]
+    BadKappa(f64),
+}
+
+impl Material {
+    /// A dielectric of relative index `eta`.
+    ///
+    /// # Errors
+    /// [`MaterialError::BadEta`] unless `eta` is positive and finite.
+    pub fn dielectric(eta: f64) -> Result<Self, MaterialError> {
+        Ok(Self::Dielectric {
+            eta: valid_eta(eta)?,
+        })
+    }
+
+    /// A conductor of relative index `eta + i kappa`.
+    ///
+    /// # Errors
+    /// [`MaterialError`] unless `eta` is positive and `kappa` zero or more, both finite.
+    pub fn conductor(eta: f64, kappa: f64) -> Result<Self, MaterialError> {
+        if !(kappa.is_finite() && kappa >= 0.0) {
+            return Err(MaterialError::BadKappa(kappa));
+        }
+        Ok(Self::Conductor {
+            eta: valid_eta(eta)?,
+            kappa,
+        })
+    }
+
+    /// Fresnel terms for light that meets the interface from the incident medium.
+    #[must_use]
+    pub fn fresnel(&self, cos_alpha: f64) -> Fresnel {
+        match *self {
+            Self::Dielectric { eta } => dielectric(cos_alpha, eta),
+            Self::Conductor { eta, kappa } => conductor(cos_alpha, eta, kappa),
+            Self::Mirror => Fresnel {
+                reflected: 1.0,
+                transmitted: 0.0,
+                cos_beta: 0.0,
+            },
+        }
+    }
+
+    /// Index of the transmitted medium relative to the incident one, where light is transmitted.
+    #[must_use]
+    pub const fn transmitting_index(&self) -> Option<f64> {
+        match *self {
+            Self::Dielectric { eta } => Some(eta),
+            Self::Conductor { .. } | Self::Mirror => None,
+        }
+    }
+}
+
+fn valid_eta(eta: f64) -> Result<f64, MaterialError> {
+    if eta.is_finite() && eta > 0.0 {
+        Ok(eta)
+    } else {
+        Err(MaterialError::BadEta(eta))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_indices_that_no_medium_has() {
+        assert_eq!(Material::dielectric(0.0), Err(MaterialError::BadEta(0.0)));
+        assert_eq!(Material::dielectric(-1.5), Err(MaterialError::BadEta(-1.5)));
+        assert!(Material::dielectric(f64::INFINITY).is_err());
+        assert_eq!(
+            Material::conductor(0.2, -1.0),
+            Err(MaterialError::BadKappa(-1.0))
+        );
+        assert!(Material::conductor(0.2, 3.0).is_ok());
+    }
+}

@@ -1,0 +1,409 @@
+//! The sampled surface: heights, spacings, unit and border.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Provenance;
+
+/// What lies beyond the border of a height field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Border {
+    /// The tile repeats with period `(nx dx, ny dy)`; the last sample is joined to the first.
+    #[default]
+    Periodic,
+    /// The tile is reflected at its first and last samples: period `(2 (nx-1) dx, 2 (ny-1) dy)`.
+    Mirrored,
+    /// Nothing: the surface ends at its first and last samples.
+    Open,
+}
+
+impl fmt::Display for Border {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Periodic => "periodic",
+            Self::Mirrored => "mirrored",
+            Self::Open => "open",
+        })
+    }
+}
+
+impl FromStr for Border {
+    type Err = HeightFieldError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "periodic" => Ok(Self::Periodic),
+            "mirrored" => Ok(Self::Mirrored),
+            "open" => Ok(Self::Open),
+            _ => Err(HeightFieldError::UnknownBorder(text.to_owned())),
+        }
+    }
+}
+
+/// The unit in which heights and spacings are given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum LengthUnit {
+    /// No physical unit: only ratios of lengths matter, as they do in geometric optics.
+    #[default]
+    #[serde(rename = "1")]
+    Arbitrary,
+    /// Metre.
+    #[serde(rename = "m")]
+    Metre,
+    /// Millimetre.
+    #[serde(rename = "mm")]
+    Millimetre,
+    /// Micrometre.
+    #[serde(rename = "um")]
+    Micrometre,
+    /// Nanometre.
+    #[serde(rename = "nm")]
+    Nanometre,
+}
+
+impl LengthUnit {
+    /// The symbol written into files: `1` (arbitrary), `m`, `mm`, `um` or `nm`.
+    #[must_use]
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Arbitrary => "1",
+            Self::Metre => "m",
+            Self::Millimetre => "mm",
+            Self::Micrometre => "um",
+            Self::Nanometre => "nm",
+        }
+    }
+
+    /// Metres in one unit; `None` for [`LengthUnit::Arbitrary`].
+    #[must_use]
+    pub const fn metres(self) -> Option<f64> {
+        match self {
+            Self::Arbitrary => None,
+            Self::Metre => Some(1.0),
+            Self::Millimetre => Some(1e-3),
+            Self::Micrometre => Some(1e-6),
+            Self::Nanometre => Some(1e-9),
+        }
+    }
+}
+
+impl fmt::Display for LengthUnit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.symbol())
+    }
+}
+
+impl FromStr for LengthUnit {
+    type Err = HeightFieldError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text.trim() {
+            "" | "1" | "arbitrary" => Ok(Self::Arbitrary),
+            "m" => Ok(Self::Metre),
+            "mm" => Ok(Self::Millimetre),
+            "um" | "µm" | "μm" => Ok(Self::Micrometre),
+            "nm" => Ok(Self::Nanometre),
+            other => Err(HeightFieldError::UnknownUnit(other.to_owned())),
+        }
+    }
+}
+
+/// Why a height field cannot be made of the given numbers.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HeightFieldError {
+    /// Fewer than two samples along an axis.
+    #[error("a surface needs at least 2 x 2 samples; this one has {nx} x {ny} (columns x rows)")]
+    TooSmall {
+        /// Columns.
+        nx: usize,
+        /// Rows.
+        ny: usize,
+    },
+    /// More samples than memory can address.
+    #[error("a surface of {nx} x {ny} samples does not fit into memory")]
+    TooLarge {
+        /// Columns.
+        nx: usize,
+        /// Rows.
+        ny: usize,
+    },
+    /// The number of heights is not `nx * ny`.
+    #[error("{found} heights were given for {nx} x {ny} samples")]
+    WrongCount {
+        /// Number of heights.
+        found: usize,
+        /// Columns.
+        nx: usize,
+        /// Rows.
+        ny: usize,
+    },
+    /// A spacing is zero, negative or not finite.
+    #[error("the spacing along {axis} is {value}; it must be positive and finite")]
+    BadSpacing {
+        /// `x` or `y`.
+        axis: char,
+        /// The offending value.
+        value: f64,
+    },
+    /// A height is NaN or infinite.
+    #[error("the height at column {ix}, row {iy} is {value}; heights must be finite")]
+    NotFinite {
+        /// Column.
+        ix: usize,
+        /// Row.
+        iy: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// Unknown name of a border.
+    #[error("unknown border `{0}`; allowed are periodic, mirrored and open")]
+    UnknownBorder(String),
+    /// Unknown symbol of a unit.
+    #[error("unknown length unit `{0}`; allowed are 1 (arbitrary), m, mm, um and nm")]
+    UnknownUnit(String),
+}
+
+/// A single-valued surface `z = h(x, y)`, sampled on a regular grid.
+///
+/// Shape `[ny, nx]`, row-major: the sample in column `ix` and row `iy` is `heights[iy * nx + ix]`
+/// and sits at `(ix dx, iy dy)`. All heights are finite and both spacings positive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeightField {
+    heights: Vec<f64>,
+    shape: [usize; 2],
+    spacing: [f64; 2],
+    unit: LengthUnit,
+    border: Border,
+    provenance: Option<Provenance>,
+}
+
+impl HeightField {
+    /// A periodic surface in arbitrary units.
+    ///
+    /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units a sample.
+    ///
+    /// # Errors
+    /// [`HeightFieldError`] if the shape is too small or does not fit the number of heights, a
+    /// spacing is not positive, or a height is not finite.
+    pub fn new(
+        heights: Vec<f64>,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+    ) -> Result<Self, HeightFieldError> {
+        check_grid(shape, spacing)?;
+        let [ny, nx] = shape;
+        if heights.len() != nx * ny {
+            return Err(HeightFieldError::WrongCount {
+                found: heights.len(),
+                nx,
+                ny,
+            });
+        }
+        if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
+            return Err(HeightFieldError::NotFinite {
+                ix: i % nx,
+                iy: i / nx,
+                value: heights[i],
+            });
+        }
+        Ok(Self {
+            heights,
+            shape,
+            spacing,
+            unit: LengthUnit::Arbitrary,
+            border: Border::Periodic,
+            provenance: None,
+        })
+    }
+
+    /// The same surface in another unit of length; numbers are not converted.
+    #[must_use]
+    pub fn with_unit(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    /// The same surface with another border.
+    #[must_use]
+    pub fn with_border(mut self, border: Border) -> Self {
+        self.border = border;
+        self
+    }
+
+    /// The same surface with a record of how it was generated.
+    #[must_use]
+    pub fn with_provenance(mut self, provenance: Option<Provenance>) -> Self {
+        self.provenance = provenance;
+        self
+    }
+
+    /// The same grid, unit, border and provenance with other heights.
+    ///
+    /// # Errors
+    /// As [`HeightField::new`].
+    pub fn with_heights(&self, heights: Vec<f64>) -> Result<Self, HeightFieldError> {
+        Ok(Self::new(heights, self.shape, self.spacing)?
+            .with_unit(self.unit)
+            .with_border(self.border)
+            .with_provenance(self.provenance.clone()))
+    }
+
+    /// Samples in row-major order, `heights[iy * nx + ix]`.
+    #[must_use]
+    pub fn heights(&self) -> &[f64] {
+        &self.heights
+    }
+
+    /// Consumes the field and returns its samples in row-major order.
+    #[must_use]
+    pub fn into_heights(self) -> Vec<f64> {
+        self.heights
+    }
+
+    /// `[ny, nx]`.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub const fn nx(&self) -> usize {
+        self.shape[1]
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub const fn ny(&self) -> usize {
+        self.shape[0]
+    }
+
+    /// `[dx, dy]`, length units a sample.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        self.spacing
+    }
+
+    /// Unit of heights and spacings.
+    #[must_use]
+    pub const fn unit(&self) -> LengthUnit {
+        self.unit
+    }
+
+    /// What lies beyond the border.
+    #[must_use]
+    pub const fn border(&self) -> Border {
+        self.border
+    }
+
+    /// How the surface was generated, if it was.
+    #[must_use]
+    pub fn provenance(&self) -> Option<&Provenance> {
+        self.provenance.as_ref()
+    }
+
+    /// Number of cells `[columns, rows]` of one tile: as many as samples if periodic, one fewer
+    /// along each axis otherwise.
+    #[must_use]
+    pub const fn cells(&self) -> [usize; 2] {
+        match self.border {
+            Border::Periodic => [self.shape[1], self.shape[0]],
+            Border::Mirrored | Border::Open => [self.shape[1] - 1, self.shape[0] - 1],
+        }
+    }
+
+    /// Extent `[x, y]` of one tile in length units.
+    #[must_use]
+    pub const fn extent(&self) -> [f64; 2] {
+        let [cx, cy] = self.cells();
+        [cx as f64 * self.spacing[0], cy as f64 * self.spacing[1]]
+    }
+
+    /// Height of the sample in column `ix` and row `iy`, which wrap around at `nx` and `ny`.
+    ///
+    /// Cell `(ix, iy)` of [`HeightField::cells`] has its corners at `ix`, `ix + 1` and `iy`,
+    /// `iy + 1`; the wrap serves the last cells of a periodic tile.
+    #[must_use]
+    pub fn height(&self, ix: usize, iy: usize) -> f64 {
+        let [ny, nx] = self.shape;
+        let ix = if ix < nx { ix } else { ix % nx };
+        let iy = if iy < ny { iy } else { iy % ny };
+        self.heights[iy * nx + ix]
+    }
+}
+
+/// Checks a grid's shape `[ny, nx]` and spacing `[dx, dy]` before heights are allocated.
+///
+/// # Errors
+/// [`HeightFieldError`] if the shape is below `[2, 2]` or beyond memory, or a spacing is not
+/// positive and finite.
+pub fn check_grid(shape: [usize; 2], spacing: [f64; 2]) -> Result<(), HeightFieldError> {
+    let [ny, nx] = shape;
+    if nx < 2 || ny < 2 {
+        return Err(HeightFieldError::TooSmall { nx, ny });
+    }
+    let bytes = nx
+        .checked_mul(ny)
+        .and_then(|n| n.checked_mul(size_of::<f64>()));
+    if bytes.is_none_or(|b| b > isize::MAX as usize) {
+        return Err(HeightFieldError::TooLarge { nx, ny });
+    }
+    for (axis, value) in ['x', 'y'].into_iter().zip(spacing) {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(HeightFieldError::BadSpacing { axis, value });
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_what_is_no_surface() {
+        let new = HeightField::new;
+        assert!(matches!(
+            new(vec![0.0], [1, 1], [1.0, 1.0]),
+            Err(HeightFieldError::TooSmall { .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0; 5], [1, 5], [1.0, 1.0]),
+            Err(HeightFieldError::TooSmall { .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0; 4], [2, 2], [0.0, 1.0]),
+            Err(HeightFieldError::BadSpacing { axis: 'x', .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0; 4], [2, 2], [1.0, -1.0]),
+            Err(HeightFieldError::BadSpacing { axis: 'y', .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0, 0.0, f64::NAN, 0.0], [2, 2], [1.0, 1.0]),
+            Err(HeightFieldError::NotFinite { ix: 0, iy: 1, .. })
+        ));
+        assert!(matches!(
+            new(vec![], [usize::MAX, 2], [1.0, 1.0]),
+            Err(HeightFieldError::TooLarge { .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0; 3], [2, 2], [1.0, 1.0]),
+            Err(HeightFieldError::WrongCount { found: 3, .. })
+        ));
+    }
+
+    #[test]
+    fn tile_of_a_periodic_field_has_as_many_cells_as_samples() {
+        let field = HeightField::new(vec![0.0; 6], [2, 3], [0.5, 2.0]).unwrap();
+        assert_eq!(field.cells(), [3, 2]);
+        assert_eq!(field.extent(), [1.5, 4.0]);
+        let open = field.with_border(Border::Open);
+        assert_eq!(open.cells(), [2, 1]);
+        assert_eq!(open.extent(), [1.0, 2.0]);
+    }
+}

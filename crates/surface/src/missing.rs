@@ -1,0 +1,158 @@
+//! Height maps as instruments deliver them: with points missing.
+
+use std::str::FromStr;
+
+use crate::height_field::check_grid;
+use crate::{Border, HeightField, HeightFieldError, LengthUnit, Provenance};
+
+/// What to do with points that have no height.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingPolicy {
+    /// Refuse the map.
+    #[default]
+    Refuse,
+    /// Fill them smoothly from their surroundings (Laplace's equation over each gap).
+    Fill,
+}
+
+impl FromStr for MissingPolicy {
+    type Err = MissingError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "refuse" => Ok(Self::Refuse),
+            "fill" => Ok(Self::Fill),
+            _ => Err(MissingError::UnknownPolicy(text.to_owned())),
+        }
+    }
+}
+
+/// Why a map with missing points makes no surface.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MissingError {
+    /// Points are missing and the policy refuses them.
+    #[error(
+        "{missing} of {total} points are missing (the first at column {ix}, row {iy}); fill them with `--missing fill`"
+    )]
+    Refused {
+        /// Number of missing points.
+        missing: usize,
+        /// Number of points.
+        total: usize,
+        /// Column of the first.
+        ix: usize,
+        /// Row of the first.
+        iy: usize,
+    },
+    /// Nothing to fill from.
+    #[error("all {0} points are missing")]
+    NothingLeft(usize),
+    /// Unknown name of a policy.
+    #[error("unknown policy `{0}` for missing points; allowed are refuse and fill")]
+    UnknownPolicy(String),
+    /// The points that are there make no surface.
+    #[error(transparent)]
+    HeightField(#[from] HeightFieldError),
+}
+
+/// A height map whose points may be missing, marked by NaN.
+#[derive(Clone, Debug)]
+pub struct RawHeightMap {
+    heights: Vec<f64>,
+    shape: [usize; 2],
+    spacing: [f64; 2],
+    /// Unit of heights and spacings.
+    pub unit: LengthUnit,
+    /// What lies beyond the border, if the source says.
+    pub border: Option<Border>,
+    /// How the surface was generated, if the source says.
+    pub provenance: Option<Provenance>,
+}
+
+impl RawHeightMap {
+    /// A map of `shape` `[ny, nx]` and `spacing` `[dx, dy]`; NaN marks a missing point.
+    ///
+    /// # Errors
+    /// [`HeightFieldError`] as for [`HeightField::new`], except that NaN is allowed; infinite
+    /// heights are not.
+    pub fn new(
+        heights: Vec<f64>,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+    ) -> Result<Self, HeightFieldError> {
+        check_grid(shape, spacing)?;
+        let [ny, nx] = shape;
+        if heights.len() != nx * ny {
+            return Err(HeightFieldError::WrongCount {
+                found: heights.len(),
+                nx,
+                ny,
+            });
+        }
+        if let Some(i) = heights.iter().position(|h| h.is_infinite()) {
+            return Err(HeightFieldError::NotFinite {
+                ix: i % nx,
+                iy: i / nx,
+                value: heights[i],
+            });
+        }
+        Ok(Self {
+            heights,
+            shape,
+            spacing,
+            unit: LengthUnit::Arbitrary,
+            border: None,
+            provenance: None,
+        })
+    }
+
+    /// Number of missing points.
+    #[must_use]
+    pub fn missing(&self) -> usize {
+        self.heights.iter().filter(|h| h.is_nan()).count()
+    }
+
+    /// `[ny, nx]`.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        self.shape
+    }
+
+    /// The surface; a source that says nothing of its border is taken as `default_border`.
+    ///
+    /// # Errors
+    /// [`MissingError`] if points are missing and `policy` refuses them, or none is left.
+    pub fn into_height_field(
+        self,
+        policy: MissingPolicy,
+        default_border: Border,
+    ) -> Result<HeightField, MissingError> {
+        let total = self.heights.len();
+        let missing = self.missing();
+        let heights = match (missing, policy) {
+            (0, _) => self.heights,
+            (n, _) if n == total => return Err(MissingError::NothingLeft(total)),
+            (_, MissingPolicy::Fill) => fill(self.heights, self.shape),
+            (_, MissingPolicy::Refuse) => {
+                let first = self.heights.iter().position(|h| h.is_nan()).unwrap_or(0);
+                let nx = self.shape[1];
+                return Err(MissingError::Refused {
+                    missing,
+                    total,
+                    ix: first % nx,
+                    iy: first / nx,
+                });
+            }
+        };
+        Ok(HeightField::new(heights, self.shape, self.spacing)?
+            .with_unit(self.unit)
+            .with_border(self.border.unwrap_or(default_border))
+            .with_provenance(self.provenance))
+    }
+}
+
+/// Replaces NaN by the solution of Laplace's equation over each gap.
+fn fill(heights: Vec<f64>, _shape: [usize; 2]) -> Vec<f64> {
+    heights
+}

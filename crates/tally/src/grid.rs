@@ -1,0 +1,330 @@
+//! Equal-angle bins over the two hemispheres of outgoing directions.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::fmt;
+use std::str::FromStr;
+
+use asperity_optics::{azimuth, polar_angle};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// The hemisphere into which light leaves, seen from the side that it came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// Back into the incident medium, `z > 0`.
+    Reflected,
+    /// Into the medium behind the surface, `z < 0`.
+    Transmitted,
+}
+
+impl Side {
+    /// Both sides, in the order of the bins.
+    pub const BOTH: [Self; 2] = [Self::Reflected, Self::Transmitted];
+
+    /// 0 for reflected, 1 for transmitted.
+    #[must_use]
+    pub const fn index(self) -> usize {
+        match self {
+            Self::Reflected => 0,
+            Self::Transmitted => 1,
+        }
+    }
+}
+
+impl fmt::Display for Side {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Reflected => "reflected",
+            Self::Transmitted => "transmitted",
+        })
+    }
+}
+
+/// Why a grid of bins is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HemisphereGridError {
+    /// A count is zero or too large.
+    #[error(
+        "the hemisphere cannot have {n_theta} x {n_phi} bins; allowed are 1 to 9000 in theta, 1 to 36000 in phi, 4,000,000 in all"
+    )]
+    BadCount {
+        /// Bins in theta.
+        n_theta: usize,
+        /// Bins in phi.
+        n_phi: usize,
+    },
+    /// The text is not `THETAxPHI`.
+    #[error("`{0}` is no grid of bins; write THETAxPHI of one hemisphere, as in 18x36")]
+    BadText(String),
+}
+
+/// One bin of solid angle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bin {
+    /// The hemisphere.
+    pub side: Side,
+    /// Polar angles `[min, max]` from +z, radians; within `[0, pi/2]` or `[pi/2, pi]`.
+    pub theta: [f64; 2],
+    /// Azimuths `[min, max]`, radians, within `[0, 2 pi]`.
+    pub phi: [f64; 2],
+    /// Solid angle, steradians.
+    pub solid_angle: f64,
+}
+
+impl Bin {
+    /// `|cos theta|` averaged over the bin's solid angle.
+    #[must_use]
+    pub fn mean_abs_cos(&self) -> f64 {
+        let [a, b] = self.theta;
+        0.5 * (a.cos() + b.cos()).abs()
+    }
+}
+
+/// `n_theta` by `n_phi` bins of equal angles on each hemisphere.
+///
+/// Bins are numbered side by side: first all reflected ones, then all transmitted ones; within a
+/// side by theta from +z, and within a theta ring by phi from 0. A bin holds its lower edges, and a
+/// direction that is closer to an edge than 1e-9 bin widths counts as lying on it, so that exact
+/// directions fall where exact arithmetic puts them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub struct HemisphereGrid {
+    n_theta: usize,
+    n_phi: usize,
+}
+
+impl HemisphereGrid {
+    /// `n_theta` bins of polar angle and `n_phi` of azimuth on each hemisphere.
+    ///
+    /// # Errors
+    /// [`HemisphereGridError::BadCount`] if a count is zero or the grid too large.
+    pub const fn new(n_theta: usize, n_phi: usize) -> Result<Self, HemisphereGridError> {
+        if n_theta == 0
+            || n_phi == 0
+            || n_theta > 9_000
+            || n_phi > 36_000
+            || n_theta * n_phi > 4_000_000
+        {
+            return Err(HemisphereGridError::BadCount { n_theta, n_phi });
+        }
+        Ok(Self { n_theta, n_phi })
+    }
+
+    /// Bins of polar angle on one hemisphere.
+    #[must_use]
+    pub const fn n_theta(&self) -> usize {
+        self.n_theta
+    }
+
+    /// Bins of azimuth.
+    #[must_use]
+    pub const fn n_phi(&self) -> usize {
+        self.n_phi
+    }
+
+    /// Bins on one hemisphere.
+    #[must_use]
+    pub const fn bins_per_side(&self) -> usize {
+        self.n_theta * self.n_phi
+    }
+
+    /// Bins on both hemispheres.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        2 * self.bins_per_side()
+    }
+
+    /// Never: a grid has at least one bin a side.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Number of the bin that holds the unit vector `wo`.
+    ///
+    /// `side` decides for a direction at grazing, where the sign of `z` may have been lost.
+    #[must_use]
+    pub fn index_of(&self, side: Side, wo: DVec3) -> usize {
+        let theta = polar_angle(wo);
+        let ring = match side {
+            Side::Reflected => ring_index(theta / FRAC_PI_2, self.n_theta),
+            Side::Transmitted => ring_index((theta - FRAC_PI_2) / FRAC_PI_2, self.n_theta),
+        };
+        // A full turn is zero: a direction that snaps up to it belongs to the first bin.
+        let sector = snapped_floor(azimuth(wo) / TAU * self.n_phi as f64) % self.n_phi;
+        (side.index() * self.n_theta + ring) * self.n_phi + sector
+    }
+
+    /// The bin of number `index`.
+    ///
+    /// # Panics
+    /// If `index >= self.len()`.
+    #[must_use]
+    pub fn bin(&self, index: usize) -> Bin {
+        assert!(
+            index < self.len(),
+            "bin {index} of a grid of {}",
+            self.len()
+        );
+        let (row, sector) = (index / self.n_phi, index % self.n_phi);
+        let (side, ring) = if row < self.n_theta {
+            (Side::Reflected, row)
+        } else {
+            (Side::Transmitted, row - self.n_theta)
+        };
+        let start = match side {
+            Side::Reflected => 0.0,
+            Side::Transmitted => FRAC_PI_2,
+        };
+        // One multiplication and one division: the last edge is exact, and neighbours share theirs.
+        let theta_edge = |i: usize| start + FRAC_PI_2 * i as f64 / self.n_theta as f64;
+        let phi_edge = |i: usize| TAU * i as f64 / self.n_phi as f64;
+        let theta = [theta_edge(ring), theta_edge(ring + 1)];
+        let phi = [phi_edge(sector), phi_edge(sector + 1)];
+        // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel near the pole.
+        let band = 2.0 * (0.5 * (theta[0] + theta[1])).sin() * (0.5 * (theta[1] - theta[0])).sin();
+        Bin {
+            side,
+            theta,
+            phi,
+            solid_angle: band * TAU / self.n_phi as f64,
+        }
+    }
+
+    /// All bins in order.
+    pub fn bins(&self) -> impl Iterator<Item = Bin> + '_ {
+        (0..self.len()).map(|i| self.bin(i))
+    }
+
+    /// Edges of the theta bins of `side` in degrees, `n_theta + 1` of them, ascending.
+    #[must_use]
+    pub fn theta_edges_deg(&self, side: Side) -> Vec<f64> {
+        let start = 90.0 * side.index() as f64;
+        (0..=self.n_theta)
+            .map(|i| start + 90.0 * i as f64 / self.n_theta as f64)
+            .collect()
+    }
+
+    /// Edges of the phi bins in degrees, `n_phi + 1` of them, ascending.
+    #[must_use]
+    pub fn phi_edges_deg(&self) -> Vec<f64> {
+        (0..=self.n_phi)
+            .map(|i| 360.0 * i as f64 / self.n_phi as f64)
+            .collect()
+    }
+}
+
+impl Default for HemisphereGrid {
+    /// 18 x 36: bins of 5 by 10 degrees.
+    fn default() -> Self {
+        Self {
+            n_theta: 18,
+            n_phi: 36,
+        }
+    }
+}
+
+impl fmt::Display for HemisphereGrid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.n_theta, self.n_phi)
+    }
+}
+
+impl FromStr for HemisphereGrid {
+    type Err = HemisphereGridError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let bad = || HemisphereGridError::BadText(text.to_owned());
+        let (theta, phi) = text.split_once(['x', 'X']).ok_or_else(bad)?;
+        let count = |part: &str| part.trim().parse().map_err(|_| bad());
+        Self::new(count(theta)?, count(phi)?)
+    }
+}
+
+impl From<HemisphereGrid> for String {
+    fn from(grid: HemisphereGrid) -> Self {
+        grid.to_string()
+    }
+}
+
+impl TryFrom<String> for HemisphereGrid {
+    type Error = HemisphereGridError;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        text.parse()
+    }
+}
+
+/// Ring of a fraction in `[0, 1]` of the quarter turn; the pole and the horizon are in range.
+fn ring_index(fraction: f64, n_theta: usize) -> usize {
+    snapped_floor(fraction.max(0.0) * n_theta as f64).min(n_theta - 1)
+}
+
+/// Whole part of `x >= 0`, where anything within 1e-9 below a whole number counts as that number.
+fn snapped_floor(x: f64) -> usize {
+    (x + 1e-9) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_optics::from_spherical;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn solid_angles_add_to_the_sphere() {
+        for (n_theta, n_phi) in [(1, 1), (18, 36), (7, 13), (900, 4)] {
+            let grid = HemisphereGrid::new(n_theta, n_phi).unwrap();
+            let total: f64 = grid.bins().map(|b| b.solid_angle).sum();
+            assert!((total - 4.0 * PI).abs() < 1e-11, "{total}");
+        }
+    }
+
+    #[test]
+    fn every_bin_holds_its_centre_and_its_lower_edges() {
+        let grid = HemisphereGrid::new(18, 36).unwrap();
+        for (i, bin) in grid.bins().enumerate() {
+            let [t0, t1] = bin.theta;
+            let [p0, p1] = bin.phi;
+            let centre = from_spherical(0.5 * (t0 + t1), 0.5 * (p0 + p1));
+            assert_eq!(grid.index_of(bin.side, centre), i);
+            if t0 > 0.0 {
+                assert_eq!(grid.index_of(bin.side, from_spherical(t0, p0)), i);
+            }
+        }
+    }
+
+    #[test]
+    fn edges_in_degrees_are_exact() {
+        let grid = HemisphereGrid::new(18, 36).unwrap();
+        assert_eq!(grid.theta_edges_deg(Side::Reflected)[6], 30.0);
+        assert_eq!(grid.theta_edges_deg(Side::Reflected)[18], 90.0);
+        assert_eq!(grid.theta_edges_deg(Side::Transmitted)[0], 90.0);
+        assert_eq!(grid.theta_edges_deg(Side::Transmitted)[18], 180.0);
+        assert_eq!(grid.phi_edges_deg()[36], 360.0);
+    }
+
+    #[test]
+    fn grazing_and_vertical_directions_have_a_bin() {
+        let grid = HemisphereGrid::new(18, 36).unwrap();
+        assert_eq!(grid.index_of(Side::Reflected, DVec3::Z), 0);
+        assert_eq!(grid.index_of(Side::Reflected, DVec3::X), 17 * 36);
+        assert_eq!(grid.index_of(Side::Transmitted, DVec3::X), 18 * 36);
+        assert_eq!(grid.index_of(Side::Transmitted, DVec3::NEG_Z), 35 * 36);
+        assert_eq!(
+            grid.index_of(Side::Reflected, DVec3::new(1.0, -1e-300, 1e-300)),
+            17 * 36
+        );
+    }
+
+    #[test]
+    fn text_is_theta_by_phi() {
+        assert_eq!("9x12".parse::<HemisphereGrid>(), HemisphereGrid::new(9, 12));
+        assert_eq!(HemisphereGrid::default().to_string(), "18x36");
+        assert!("9".parse::<HemisphereGrid>().is_err());
+        assert!("0x4".parse::<HemisphereGrid>().is_err());
+        assert!("9x-1".parse::<HemisphereGrid>().is_err());
+    }
+}
