@@ -21,6 +21,9 @@ pub fn polar_angle(w: DVec3) -> f64 {
 /// Azimuth from +x towards +y in `[0, 2 pi)`; zero for a vertical direction.
 #[must_use]
 pub fn azimuth(w: DVec3) -> f64 {
+    if w.x == 0.0 && w.y == 0.0 {
+        return 0.0;
+    }
     let phi = w.y.atan2(w.x);
     if phi < 0.0 {
         // A tiny negative angle rounds up to the full turn, which is zero.
@@ -59,7 +62,7 @@ impl Incidence {
     /// [`IncidenceError`] outside these ranges.
     pub fn from_degrees(theta: f64, phi: f64) -> Result<Self, IncidenceError> {
         let radians = theta.to_radians();
-        if !(theta >= 0.0 && theta < 90.0 && radians < FRAC_PI_2) {
+        if !((0.0..90.0).contains(&theta) && radians < FRAC_PI_2) {
             return Err(IncidenceError::BadTheta(theta));
         }
         if !phi.is_finite() {
@@ -118,6 +121,7 @@ mod tests {
     fn azimuth_stays_below_a_full_turn() {
         assert_eq!(azimuth(DVec3::new(1.0, -1e-300, 0.0)), 0.0);
         assert_eq!(azimuth(DVec3::Z), 0.0);
+        assert_eq!(azimuth(DVec3::new(-0.0, 0.0, 1.0)), 0.0);
     }
 
     #[test]

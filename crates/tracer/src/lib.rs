@@ -1,1 +1,31 @@
-//! tracer
+//! Light paths on explicit surfaces.
+//!
+//! A [`Surface`] is a height field seen as the triangles that are traced: cell `(ix, iy)` split
+//! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`. An [`Accelerator`] finds
+//! where a ray meets one tile of it; [`border`] carries rays across periodic, mirrored and open
+//! borders without copying geometry; [`Tracer`] follows light from interaction to interaction and
+//! hands what leaves to a record.
+//!
+//! # Why no epsilon is needed
+//! A ray above the surface can only pass a facet downwards, a ray below only upwards. The
+//! intersection test asks for just that: the signed height above the facet falls along the ray and
+//! is negative where the ray leaves the facet's footprint. The facet that was just left is never
+//! hit again, and since neighbouring facets share the heights of their common edge, no ray slips
+//! between them.
+
+mod accelerator;
+pub mod border;
+mod brute_force;
+mod bvh;
+mod mesh;
+mod path;
+mod ray;
+mod surface;
+
+pub use accelerator::{Accelerator, AcceleratorKind};
+pub use brute_force::BruteForce;
+pub use bvh::{BuildError, MeshBvh};
+pub use mesh::{MeshError, TriangleMesh};
+pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
+pub use ray::{Hit, Medium, TileRay};
+pub use surface::{Facet, Half, Surface};

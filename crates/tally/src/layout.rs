@@ -1,0 +1,319 @@
+//! Where in a record each quantity stands.
+
+use std::ops::Range;
+
+use crate::{EventPath, HemisphereGrid, Side};
+
+/// Highest order of scattering that has an entry of its own; higher ones share the last entry.
+pub const MAX_LISTED_ORDER: usize = 64;
+
+/// Longest event path that has an entry of its own; longer ones share one entry a side.
+pub const MAX_LISTED_PATH: usize = 6;
+
+/// Event paths of 1 to `MAX_LISTED_PATH` interactions, and one entry for longer ones.
+const PATH_ENTRIES: usize = (1 << (MAX_LISTED_PATH + 1)) - 1;
+
+/// Classes of scattering order kept for rings and in-plane bins.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrderClass {
+    /// One interaction.
+    First,
+    /// Two interactions.
+    Second,
+    /// Three interactions.
+    Third,
+    /// Four or more interactions.
+    FourthOrMore,
+    /// All orders together.
+    All,
+}
+
+impl OrderClass {
+    /// All classes in the order of their entries.
+    pub const ALL: [Self; 5] = [
+        Self::First,
+        Self::Second,
+        Self::Third,
+        Self::FourthOrMore,
+        Self::All,
+    ];
+
+    pub(crate) const fn of(order: u32) -> Self {
+        match order {
+            0 | 1 => Self::First,
+            2 => Self::Second,
+            3 => Self::Third,
+            _ => Self::FourthOrMore,
+        }
+    }
+}
+
+/// Share of the light kept for each bin of the hemisphere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Share {
+    /// Scattered once.
+    Single,
+    /// Scattered more than once.
+    Multiple,
+    /// Both.
+    Total,
+}
+
+impl Share {
+    /// All shares in the order of their entries.
+    pub const ALL: [Self; 3] = [Self::Single, Self::Multiple, Self::Total];
+}
+
+/// Why a layout is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LayoutError {
+    /// The half width of the in-plane wedge is out of range.
+    #[error("the in-plane half width is {0} deg; it must be above 0 and at most 90 deg")]
+    BadHalfWidth(f64),
+}
+
+/// Places of all quantities of a record: one flat vector of flux fractions.
+///
+/// | quantity | entries |
+/// |---|---|
+/// | budget: reflected, transmitted, absorbed, truncated, lost, and the part of truncated that left an open patch | 6 |
+/// | orders, a side | [`MAX_LISTED_ORDER`], the last for that order and above |
+/// | event paths, a side | all strings up to [`MAX_LISTED_PATH`], one for longer ones |
+/// | bins of the grid | single, multiple, total |
+/// | rings (theta bins, all azimuths), a side | each [`OrderClass`] |
+/// | in-plane profile, a side | each [`OrderClass`] |
+/// | number of rays, bins of the grid | single, multiple |
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    grid: HemisphereGrid,
+    in_plane_half_width: f64,
+}
+
+impl Layout {
+    /// Flux fraction that was reflected.
+    pub const REFLECTED: usize = 0;
+    /// Flux fraction that was transmitted.
+    pub const TRANSMITTED: usize = 1;
+    /// Flux fraction that was absorbed.
+    pub const ABSORBED: usize = 2;
+    /// Flux fraction of paths that were ended: bounce limit, roulette bookkeeping, open border.
+    pub const TRUNCATED: usize = 3;
+    /// Flux fraction of paths that failed numerically.
+    pub const LOST: usize = 4;
+    /// The part of truncated that left an open patch sideways.
+    pub const LEFT_PATCH: usize = 5;
+
+    /// Default half width of the in-plane wedge, radians (5 degrees).
+    pub const DEFAULT_HALF_WIDTH: f64 = 5.0 * std::f64::consts::PI / 180.0;
+
+    /// A layout over `grid` whose in-plane profile takes directions within `half_width` radians of
+    /// the plane of incidence.
+    ///
+    /// # Errors
+    /// [`LayoutError::BadHalfWidth`] unless `0 < half_width <= pi / 2`.
+    pub fn new(grid: HemisphereGrid, half_width: f64) -> Result<Self, LayoutError> {
+        if !(half_width > 0.0 && half_width <= std::f64::consts::FRAC_PI_2) {
+            return Err(LayoutError::BadHalfWidth(half_width.to_degrees()));
+        }
+        Ok(Self {
+            grid,
+            in_plane_half_width: half_width,
+        })
+    }
+
+    /// The grid of bins.
+    #[must_use]
+    pub const fn grid(&self) -> HemisphereGrid {
+        self.grid
+    }
+
+    /// Half width of the in-plane wedge, radians.
+    #[must_use]
+    pub const fn in_plane_half_width(&self) -> f64 {
+        self.in_plane_half_width
+    }
+
+    /// Number of entries.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.hits_start() + 2 * self.grid.len()
+    }
+
+    /// Never: a layout has at least its budget.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Flux of one order of scattering, `order >= 1`.
+    #[must_use]
+    pub fn order(&self, side: Side, order: usize) -> usize {
+        ORDERS_START + side.index() * MAX_LISTED_ORDER + order.clamp(1, MAX_LISTED_ORDER) - 1
+    }
+
+    /// Flux of one event path; paths longer than [`MAX_LISTED_PATH`] share an entry.
+    #[must_use]
+    pub fn path(&self, side: Side, path: EventPath) -> usize {
+        let order = path.order() as usize;
+        let entry = if (1..=MAX_LISTED_PATH).contains(&order) {
+            (1 << order) - 2 + path.code() as usize
+        } else {
+            PATH_ENTRIES - 1
+        };
+        PATHS_START + side.index() * PATH_ENTRIES + entry
+    }
+
+    /// All event paths with an entry of their own.
+    pub fn listed_paths(&self) -> impl Iterator<Item = EventPath> {
+        (1..=MAX_LISTED_PATH as u32)
+            .flat_map(|order| (0..1 << order).map(move |code| EventPath::from_code(order, code)))
+    }
+
+    /// Entry of all paths of `side` longer than [`MAX_LISTED_PATH`].
+    #[must_use]
+    pub fn longer_paths(&self, side: Side) -> usize {
+        PATHS_START + (side.index() + 1) * PATH_ENTRIES - 1
+    }
+
+    /// Flux into the bins of the grid, in its order.
+    #[must_use]
+    pub fn bins(&self, share: Share) -> Range<usize> {
+        let start = BINS_START + share as usize * self.grid.len();
+        start..start + self.grid.len()
+    }
+
+    /// Flux into the theta bins of `side`, from +z, over all azimuths.
+    #[must_use]
+    pub fn rings(&self, side: Side, class: OrderClass) -> Range<usize> {
+        let n = self.grid.n_theta();
+        let start =
+            self.rings_start() + (side.index() * OrderClass::ALL.len() + class as usize) * n;
+        start..start + n
+    }
+
+    /// Number of in-plane bins of one side: twice that of theta bins.
+    #[must_use]
+    pub const fn in_plane_len(&self) -> usize {
+        2 * self.grid.n_theta()
+    }
+
+    /// Flux into the in-plane bins of `side`, by signed angle from the side's own normal (+z for
+    /// reflection, -z for transmission) from -90 to +90 degrees; positive is forward, the way the
+    /// light travels horizontally.
+    #[must_use]
+    pub fn in_plane(&self, side: Side, class: OrderClass) -> Range<usize> {
+        let n = self.in_plane_len();
+        let start =
+            self.in_plane_start() + (side.index() * OrderClass::ALL.len() + class as usize) * n;
+        start..start + n
+    }
+
+    /// Edges `[min, max]` of in-plane bin `i`, signed degrees.
+    #[must_use]
+    pub fn in_plane_edges_deg(&self, i: usize) -> [f64; 2] {
+        let n = self.grid.n_theta() as f64;
+        [i, i + 1].map(|k| 90.0 * (k as f64 - n) / n)
+    }
+
+    /// Solid angle of in-plane bin `i`, steradians.
+    #[must_use]
+    pub fn in_plane_solid_angle(&self, i: usize) -> f64 {
+        let [a, b] = self.in_plane_edges_deg(i).map(|deg| deg.to_radians().abs());
+        let band = 2.0 * (0.5 * (a + b)).sin() * (0.5 * (b - a)).abs().sin();
+        2.0 * self.in_plane_half_width * band
+    }
+
+    /// Number of rays per incident ray that reached the bins of the grid (`Single` or `Multiple`;
+    /// `Total` is taken as `Single`).
+    #[must_use]
+    pub fn hits(&self, share: Share) -> Range<usize> {
+        let start = self.hits_start() + usize::from(share == Share::Multiple) * self.grid.len();
+        start..start + self.grid.len()
+    }
+
+    const fn rings_start(&self) -> usize {
+        BINS_START + Share::ALL.len() * self.grid.len()
+    }
+
+    const fn in_plane_start(&self) -> usize {
+        self.rings_start() + 2 * OrderClass::ALL.len() * self.grid.n_theta()
+    }
+
+    const fn hits_start(&self) -> usize {
+        self.in_plane_start() + 2 * OrderClass::ALL.len() * self.in_plane_len()
+    }
+}
+
+const ORDERS_START: usize = 6;
+const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
+const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
+
+impl Default for Layout {
+    /// The default grid and an in-plane half width of 5 degrees.
+    fn default() -> Self {
+        Self {
+            grid: HemisphereGrid::default(),
+            in_plane_half_width: Self::DEFAULT_HALF_WIDTH,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_fill_the_record_without_overlap() {
+        let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+        let mut seen = vec![0_u32; layout.len()];
+        seen[..ORDERS_START].fill(1);
+        for side in Side::BOTH {
+            for order in 1..=MAX_LISTED_ORDER {
+                seen[layout.order(side, order)] += 1;
+            }
+            for path in layout.listed_paths() {
+                seen[layout.path(side, path)] += 1;
+            }
+            seen[layout.longer_paths(side)] += 1;
+            for class in OrderClass::ALL {
+                layout.rings(side, class).for_each(|i| seen[i] += 1);
+                layout.in_plane(side, class).for_each(|i| seen[i] += 1);
+            }
+        }
+        for share in Share::ALL {
+            layout.bins(share).for_each(|i| seen[i] += 1);
+        }
+        for share in [Share::Single, Share::Multiple] {
+            layout.hits(share).for_each(|i| seen[i] += 1);
+        }
+        assert!(seen.iter().all(|&n| n == 1), "{seen:?}");
+    }
+
+    #[test]
+    fn long_paths_and_high_orders_share_the_last_entry() {
+        let layout = Layout::default();
+        let long = EventPath::from_code(MAX_LISTED_PATH as u32 + 1, 0);
+        assert_eq!(
+            layout.path(Side::Reflected, long),
+            layout.longer_paths(Side::Reflected)
+        );
+        assert_eq!(
+            layout.order(Side::Reflected, 1000),
+            layout.order(Side::Reflected, MAX_LISTED_ORDER)
+        );
+    }
+
+    #[test]
+    fn in_plane_bins_are_symmetric_about_the_normal() {
+        let layout = Layout::default();
+        assert_eq!(layout.in_plane_edges_deg(0), [-90.0, -85.0]);
+        assert_eq!(layout.in_plane_edges_deg(35), [85.0, 90.0]);
+        assert_eq!(
+            layout.in_plane_solid_angle(0),
+            layout.in_plane_solid_angle(35)
+        );
+        let expected = 10_f64.to_radians() * (1.0 - 5_f64.to_radians().cos());
+        assert!((layout.in_plane_solid_angle(18) - expected).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,232 @@
+//! What one batch of rays did.
+
+use std::f64::consts::{PI, TAU};
+
+use asperity_optics::azimuth;
+use glam::DVec3;
+
+use crate::{EventPath, Layout, OrderClass, Share, Side};
+
+/// Light that left the surface for good.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exit {
+    /// The hemisphere that it left into.
+    pub side: Side,
+    /// Unit direction in which it goes; +z points into the incident medium.
+    pub wo: DVec3,
+    /// Its flux; a whole incident ray carries 1.
+    pub flux: f64,
+    /// What happened to it.
+    pub path: EventPath,
+}
+
+/// Why flux came to an end without an exit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Loss {
+    /// Absorbed by a conductor.
+    Absorbed,
+    /// The path was ended by a bounce limit, or roulette removed (or, negative, added) flux.
+    Truncated,
+    /// It left an open patch sideways, on its way to surface that is not there.
+    LeftPatch,
+    /// The path failed numerically.
+    Lost,
+}
+
+/// Sums over one batch of rays; entries by [`Layout`].
+#[derive(Clone, Debug)]
+pub struct Record {
+    layout: Layout,
+    forward_azimuth: f64,
+    values: Vec<f64>,
+}
+
+impl Record {
+    /// An empty record for light whose horizontal component *travels* towards `forward_azimuth`,
+    /// radians: the azimuth of `wi` plus half a turn.
+    #[must_use]
+    pub fn new(layout: Layout, forward_azimuth: f64) -> Self {
+        Self {
+            layout,
+            forward_azimuth,
+            values: vec![0.0; layout.len()],
+        }
+    }
+
+    /// Adds light that left the surface.
+    pub fn add_exit(&mut self, exit: &Exit) {
+        let Exit {
+            side,
+            wo,
+            flux,
+            path,
+        } = *exit;
+        let layout = self.layout;
+        let grid = layout.grid();
+        let class = OrderClass::of(path.order());
+        let share = if path.order() > 1 {
+            Share::Multiple
+        } else {
+            Share::Single
+        };
+
+        self.values[side.index()] += flux;
+        self.values[layout.order(side, path.order() as usize)] += flux;
+        self.values[layout.path(side, path)] += flux;
+
+        let bin = grid.index_of(side, wo);
+        self.values[layout.bins(share).start + bin] += flux;
+        self.values[layout.hits(share).start + bin] += 1.0;
+        let ring = bin / grid.n_phi() - side.index() * grid.n_theta();
+        self.values[layout.rings(side, class).start + ring] += flux;
+
+        // Angle from the plane of incidence, folded so that both its halves are near zero.
+        let relative = (azimuth(wo) - self.forward_azimuth).rem_euclid(TAU);
+        let forward = !(0.5 * PI..1.5 * PI).contains(&relative);
+        let off_plane = if forward {
+            relative.min(TAU - relative)
+        } else {
+            (relative - PI).abs()
+        };
+        if off_plane <= layout.in_plane_half_width() {
+            let n = grid.n_theta();
+            // Rings count from +z; the in-plane angle counts from the side's own normal.
+            let from_normal = match side {
+                Side::Reflected => ring,
+                Side::Transmitted => n - 1 - ring,
+            };
+            let i = if forward {
+                n + from_normal
+            } else {
+                n - 1 - from_normal
+            };
+            self.values[layout.in_plane(side, class).start + i] += flux;
+        }
+    }
+
+    /// Adds flux that ended without an exit.
+    pub fn add_loss(&mut self, loss: Loss, flux: f64) {
+        match loss {
+            Loss::Absorbed => self.values[Layout::ABSORBED] += flux,
+            Loss::Truncated => self.values[Layout::TRUNCATED] += flux,
+            Loss::Lost => self.values[Layout::LOST] += flux,
+            Loss::LeftPatch => {
+                self.values[Layout::TRUNCATED] += flux;
+                self.values[Layout::LEFT_PATCH] += flux;
+            }
+        }
+    }
+
+    /// Fractions of the incident flux, for a batch of `rays` rays of flux one.
+    #[must_use]
+    pub fn into_fractions(mut self, rays: u64) -> Vec<f64> {
+        let layout = self.layout;
+        for side in Side::BOTH {
+            for i in 0..layout.grid().n_theta() {
+                self.sum_classes(|class| layout.rings(side, class).start + i);
+            }
+            for i in 0..layout.in_plane_len() {
+                self.sum_classes(|class| layout.in_plane(side, class).start + i);
+            }
+        }
+        for i in 0..layout.grid().len() {
+            let [single, multiple, total] = Share::ALL.map(|s| layout.bins(s).start + i);
+            self.values[total] = self.values[single] + self.values[multiple];
+        }
+        let per_ray = 1.0 / rays as f64;
+        self.values.iter_mut().for_each(|v| *v *= per_ray);
+        self.values
+    }
+
+    /// Sets the entry of all orders to the sum of those of the classes.
+    fn sum_classes(&mut self, entry: impl Fn(OrderClass) -> usize) {
+        let [first, second, third, more, all] = OrderClass::ALL.map(entry);
+        self.values[all] =
+            self.values[first] + self.values[second] + self.values[third] + self.values[more];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Event, HemisphereGrid};
+    use asperity_optics::from_spherical;
+
+    fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
+        let mut path = EventPath::default();
+        for _ in 1..order {
+            path = path.then(Event::Reflection);
+        }
+        path = path.then(match side {
+            Side::Reflected => Event::Reflection,
+            Side::Transmitted => Event::Transmission,
+        });
+        let wo = from_spherical(f64::to_radians(theta_deg), f64::to_radians(phi_deg));
+        Exit {
+            side,
+            wo,
+            flux: 0.5,
+            path,
+        }
+    }
+
+    #[test]
+    fn every_view_of_an_exit_agrees() {
+        let layout = Layout::default();
+        let mut record = Record::new(layout, 0.0);
+        record.add_exit(&exit(Side::Reflected, 32.0, 1.0, 1));
+        record.add_exit(&exit(Side::Transmitted, 143.0, 2.0, 2));
+        let values = record.into_fractions(2);
+        assert_eq!(values[Layout::REFLECTED], 0.25);
+        assert_eq!(values[Layout::TRANSMITTED], 0.25);
+        assert_eq!(values[layout.order(Side::Transmitted, 2)], 0.25);
+        assert_eq!(
+            values[layout.rings(Side::Reflected, OrderClass::First)][6],
+            0.25
+        );
+        assert_eq!(
+            values[layout.rings(Side::Transmitted, OrderClass::All)][10],
+            0.25
+        );
+        let bins: f64 = values[layout.bins(Share::Total)].iter().sum();
+        assert_eq!(bins, 0.5);
+        let hits: f64 = values[layout.hits(Share::Multiple)].iter().sum();
+        assert_eq!(hits, 0.5);
+        // 143 deg from +z is 37 deg from -z.
+        assert_eq!(
+            values[layout.in_plane(Side::Transmitted, OrderClass::Second)][18 + 7],
+            0.25
+        );
+        assert_eq!(
+            values[layout.in_plane(Side::Reflected, OrderClass::First)][18 + 6],
+            0.25
+        );
+    }
+
+    #[test]
+    fn in_plane_profile_knows_forward_from_backward_and_leaves_out_the_rest() {
+        let layout = Layout::new(HemisphereGrid::default(), 5_f64.to_radians()).unwrap();
+        // Light from azimuth 100 deg travels towards 280 deg.
+        let mut record = Record::new(layout, 280_f64.to_radians());
+        record.add_exit(&exit(Side::Reflected, 12.0, 283.0, 1));
+        record.add_exit(&exit(Side::Reflected, 12.0, 97.0, 1));
+        record.add_exit(&exit(Side::Reflected, 12.0, 280.0 - 6.0, 1));
+        record.add_exit(&exit(Side::Reflected, 12.0, 10.0, 1));
+        let values = record.into_fractions(1);
+        let profile = &values[layout.in_plane(Side::Reflected, OrderClass::All)];
+        assert_eq!(profile[18 + 2], 0.5);
+        assert_eq!(profile[18 - 3], 0.5);
+        assert_eq!(profile.iter().sum::<f64>(), 1.0);
+    }
+
+    #[test]
+    fn losses_go_into_the_budget() {
+        let mut record = Record::new(Layout::default(), 0.0);
+        record.add_loss(Loss::Absorbed, 0.25);
+        record.add_loss(Loss::LeftPatch, 0.5);
+        record.add_loss(Loss::Truncated, -0.125);
+        record.add_loss(Loss::Lost, 0.375);
+        let values = record.into_fractions(1);
+        assert_eq!(values[..6], [0.0, 0.0, 0.25, 0.375, 0.375, 0.5]);
+    }
+}

@@ -1,0 +1,344 @@
+//! Light paths: from interaction to interaction until all flux has left.
+
+use std::f64::consts::{PI, TAU};
+
+use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
+use asperity_surface::Border;
+use asperity_tally::{Event, EventPath, Exit, Layout, Loss, Record, Side};
+use glam::{DQuat, DVec3};
+use rand::{Rng, RngExt};
+use serde::{Deserialize, Serialize};
+
+use crate::accelerator::Accelerator;
+use crate::border::{Heading, Travel, travel};
+use crate::ray::Medium;
+use crate::surface::{Facet, Surface};
+
+/// What happens where light is partly reflected and partly transmitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Branching {
+    /// Both branches are followed, each with its share of the flux.
+    #[default]
+    Split,
+    /// One branch is picked at random, with the probability of its share, and carries all flux.
+    Pick,
+}
+
+/// How paths are followed and ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSettings {
+    branching: Branching,
+    roulette_below: f64,
+    max_order: u32,
+}
+
+/// Why path settings are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathSettingsError {
+    /// The roulette threshold is out of range.
+    #[error("the roulette threshold is {0}; it must be from 0 (never) to 1")]
+    BadRoulette(f64),
+    /// No interaction is allowed.
+    #[error("the highest order is 0; light must be allowed one interaction at least")]
+    NoInteraction,
+}
+
+impl PathSettings {
+    /// Settings for tracing.
+    ///
+    /// `roulette_below`: flux, as a fraction of the incident ray's, below which Russian roulette
+    /// decides whether a branch goes on; `0` lets every branch go on. `max_order`: interactions
+    /// after which a path is ended and counted as truncated.
+    ///
+    /// # Errors
+    /// [`PathSettingsError`] if the threshold is outside `[0, 1]` or the order is zero.
+    pub fn new(
+        branching: Branching,
+        roulette_below: f64,
+        max_order: u32,
+    ) -> Result<Self, PathSettingsError> {
+        if !(0.0..=1.0).contains(&roulette_below) {
+            return Err(PathSettingsError::BadRoulette(roulette_below));
+        }
+        if max_order == 0 {
+            return Err(PathSettingsError::NoInteraction);
+        }
+        Ok(Self {
+            branching,
+            roulette_below,
+            max_order,
+        })
+    }
+}
+
+impl Default for PathSettings {
+    /// Both branches, roulette below 1 % of the incident flux, at most 10,000 interactions.
+    fn default() -> Self {
+        Self {
+            branching: Branching::Split,
+            roulette_below: 0.01,
+            max_order: 10_000,
+        }
+    }
+}
+
+/// What was done, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Incident rays.
+    pub rays: u64,
+    /// Segments searched for a hit.
+    pub segments: u64,
+    /// Segments that needed no search.
+    pub segments_skipped: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.segments += other.segments;
+        self.segments_skipped += other.segments_skipped;
+    }
+}
+
+/// Follows light that falls on a surface.
+#[derive(Clone, Copy)]
+pub struct Tracer<'a> {
+    surface: &'a Surface,
+    accelerator: &'a dyn Accelerator,
+    material: Material,
+    incident: Medium,
+    settings: PathSettings,
+}
+
+/// One stretch of a path that is still to be followed.
+struct Leg {
+    heading: Heading,
+    medium: Medium,
+    flux: f64,
+    path: EventPath,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer for light that comes from the `incident` medium.
+    ///
+    /// The indices of `material` are relative to that medium, also where it lies below.
+    #[must_use]
+    pub const fn new(
+        surface: &'a Surface,
+        accelerator: &'a dyn Accelerator,
+        material: Material,
+        incident: Medium,
+        settings: PathSettings,
+    ) -> Self {
+        Self {
+            surface,
+            accelerator,
+            material,
+            incident,
+            settings,
+        }
+    }
+
+    /// Traces one batch of `strata * strata` rays, one from each stratum of the mean plane.
+    ///
+    /// Light comes from `incidence`; with `any_azimuth` each ray comes from an azimuth of its own,
+    /// uniformly drawn, and what leaves is turned back so that its azimuths are as if the light had
+    /// come from that of `incidence`. Returns flux fractions by `layout`, and the work done.
+    ///
+    /// Directions are those of the incident medium's frame: its side is +z, also when it is below
+    /// the surface.
+    pub fn batch<R: Rng>(
+        &self,
+        incidence: Incidence,
+        any_azimuth: bool,
+        strata: u32,
+        layout: Layout,
+        rng: &mut R,
+    ) -> (Vec<f64>, Work) {
+        let mut record = Record::new(layout, incidence.phi() + PI);
+        let mut work = Work::default();
+        let mut legs = Vec::new();
+        let width = 1.0 / f64::from(strata);
+        for iy in 0..strata {
+            for ix in 0..strata {
+                let u = (f64::from(ix) + rng.random::<f64>()) * width;
+                let v = (f64::from(iy) + rng.random::<f64>()) * width;
+                let (light, turn) = if any_azimuth {
+                    let phi = TAU * rng.random::<f64>();
+                    (incidence.at_azimuth(phi), incidence.phi() - phi)
+                } else {
+                    (incidence, 0.0)
+                };
+                legs.push(Leg {
+                    heading: self.start(light.wi(), u, v),
+                    medium: self.incident,
+                    flux: 1.0,
+                    path: EventPath::default(),
+                });
+                work.rays += 1;
+                let turn = DQuat::from_rotation_z(turn);
+                while let Some(leg) = legs.pop() {
+                    self.follow(leg, turn, &mut legs, &mut record, &mut work, rng);
+                }
+            }
+        }
+        (record.into_fractions(work.rays), work)
+    }
+
+    /// The ray that would meet the mean plane at the fractions `(u, v)` of a period, started where
+    /// it passes the highest point of the surface (the lowest, if it comes from below).
+    fn start(&self, wi: DVec3, u: f64, v: f64) -> Heading {
+        let surface = self.surface;
+        let wi = self.turned_upright(wi);
+        // A mirrored tile and its images make a period of two tiles along each axis.
+        let period = match surface.border() {
+            Border::Mirrored => 2.0,
+            Border::Periodic | Border::Open => 1.0,
+        };
+        let [cx, cy] = surface.cells().map(|n| n as f64 * period);
+        let [low, high] = surface.z_range();
+        let z = if self.incident == Medium::Above {
+            high
+        } else {
+            low
+        };
+        let t = (z - surface.mean_plane()) / wi.z;
+        let origin = DVec3::new(u * cx + t * wi.x, v * cy + t * wi.y * surface.aspect(), z);
+        Heading {
+            origin,
+            direction: -wi,
+            mirrored: [false; 2],
+        }
+    }
+
+    /// Between the frame in which the incident medium is +z and that of the height field.
+    fn turned_upright(self, w: DVec3) -> DVec3 {
+        DVec3::new(w.x, w.y, w.z * self.incident.sign())
+    }
+
+    /// Follows one stretch to its end; what goes on from there is pushed onto `legs`.
+    fn follow<R: Rng>(
+        &self,
+        leg: Leg,
+        turn: DQuat,
+        legs: &mut Vec<Leg>,
+        record: &mut Record,
+        work: &mut Work,
+        rng: &mut R,
+    ) {
+        let journey = travel(self.surface, self.accelerator, leg.heading, leg.medium);
+        work.segments += u64::from(journey.searched > 0);
+        work.segments_skipped += u64::from(journey.searched == 0);
+        match journey.end {
+            Travel::Escaped => record.add_exit(&Exit {
+                side: if leg.medium == self.incident {
+                    Side::Reflected
+                } else {
+                    Side::Transmitted
+                },
+                wo: turn * self.turned_upright(leg.heading.world_direction()),
+                flux: leg.flux,
+                path: leg.path,
+            }),
+            Travel::LeftPatch => record.add_loss(Loss::LeftPatch, leg.flux),
+            Travel::Lost => record.add_loss(Loss::Lost, leg.flux),
+            Travel::Met(_, _) if leg.path.order() >= self.settings.max_order => {
+                record.add_loss(Loss::Truncated, leg.flux);
+            }
+            Travel::Met(hit, heading) => {
+                let arrived = Leg { heading, ..leg };
+                self.interact(&arrived, hit.facet, legs, record, rng);
+            }
+        }
+    }
+
+    /// Reflects, transmits or absorbs light that has arrived at a facet.
+    fn interact<R: Rng>(
+        &self,
+        leg: &Leg,
+        facet: Facet,
+        legs: &mut Vec<Leg>,
+        record: &mut Record,
+        rng: &mut R,
+    ) {
+        let m = leg.medium.sign() * self.surface.normal(facet);
+        let wi = -leg.heading.direction;
+        let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
+        let (fresnel, eta) = self.fresnel(leg.medium, cos_alpha);
+
+        let onward = |event: Event, share: f64| {
+            let (direction, medium) = match event {
+                Event::Reflection => (reflect(wi, m), leg.medium),
+                Event::Transmission => (refract(wi, m, eta, fresnel.cos_beta), leg.medium.other()),
+            };
+            Leg {
+                heading: Heading {
+                    direction,
+                    ..leg.heading
+                },
+                medium,
+                flux: leg.flux * share,
+                path: leg.path.then(event),
+            }
+        };
+        let transmits = self.material.transmitting_index().is_some();
+        if transmits && self.settings.branching == Branching::Pick {
+            let event = if rng.random::<f64>() < fresnel.reflected {
+                Event::Reflection
+            } else {
+                Event::Transmission
+            };
+            legs.push(onward(event, 1.0));
+            return;
+        }
+        if transmits {
+            if fresnel.transmitted > 0.0 {
+                let leg = onward(Event::Transmission, fresnel.transmitted);
+                self.push_or_end(leg, legs, record, rng);
+            }
+        } else {
+            record.add_loss(Loss::Absorbed, leg.flux * fresnel.transmitted);
+        }
+        if fresnel.reflected > 0.0 {
+            let leg = onward(Event::Reflection, fresnel.reflected);
+            self.push_or_end(leg, legs, record, rng);
+        }
+    }
+
+    /// Fresnel terms for light that arrives in `medium`, and the relative index behind the facet.
+    fn fresnel(&self, medium: Medium, cos_alpha: f64) -> (Fresnel, f64) {
+        match self.material.transmitting_index() {
+            Some(eta) if medium != self.incident => {
+                let eta = 1.0 / eta;
+                (dielectric(cos_alpha, eta), eta)
+            }
+            Some(eta) => (dielectric(cos_alpha, eta), eta),
+            None => (self.material.fresnel(cos_alpha), 1.0),
+        }
+    }
+
+    /// Russian roulette: a weak branch goes on with a probability proportional to its flux, and then
+    /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
+    fn push_or_end<R: Rng>(
+        &self,
+        mut leg: Leg,
+        legs: &mut Vec<Leg>,
+        record: &mut Record,
+        rng: &mut R,
+    ) {
+        let threshold = self.settings.roulette_below;
+        if leg.flux < threshold {
+            let survives = rng.random::<f64>() * threshold < leg.flux;
+            let kept = if survives { threshold } else { 0.0 };
+            record.add_loss(Loss::Truncated, leg.flux - kept);
+            if !survives {
+                return;
+            }
+            leg.flux = kept;
+        }
+        legs.push(leg);
+    }
+}

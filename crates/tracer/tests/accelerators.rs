@@ -1,0 +1,191 @@
+//! Every accelerator against brute force, and brute force against a textbook intersection.
+
+mod common;
+
+use asperity_surface::Border;
+use asperity_tracer::{Accelerator, BruteForce, Half, Hit, Medium, MeshBvh, Surface, TileRay};
+use common::{rugged, waves};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Physical rays, each with the medium that it is in: from outside onto the surface, and from a point
+/// of the surface away from it; steep and grazing, along axes and from grid points.
+fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let [cx, cy] = surface.cells().map(|n| n as f64);
+    let [_, high] = surface.z_range();
+    let facets: Vec<_> = surface.facets().collect();
+    (0..count)
+        .map(|i| {
+            let medium = if rng.random::<bool>() {
+                Medium::Above
+            } else {
+                Medium::Below
+            };
+            let steepness = 10_f64.powf(rng.random_range(-4.0..1.0));
+            let turn = match i % 7 {
+                0 => 0.0,
+                1 => std::f64::consts::FRAC_PI_2,
+                _ => rng.random_range(0.0..std::f64::consts::TAU),
+            };
+            let mut direction = DVec3::new(turn.cos(), turn.sin(), -steepness).normalize();
+            if i % 7 == 2 {
+                direction = DVec3::NEG_Z;
+            }
+            let mut place = DVec3::new(rng.random_range(0.0..cx), rng.random_range(0.0..cy), high);
+            if i % 5 == 0 {
+                place = DVec3::new(place.x.round(), place.y.round(), high);
+            }
+            let ray = if rng.random::<bool>() {
+                // From outside, set off from the top so that it is over the tile there.
+                let origin = place - direction * 10_f64.powf(rng.random_range(-6.0..4.0));
+                TileRay { origin, direction }
+            } else {
+                // Away from a facet, as after a reflection.
+                let facet = facets[rng.random_range(0..facets.len())];
+                let cell = DVec3::new(f64::from(facet.ix), f64::from(facet.iy), 0.0);
+                let inside = facet.half == Half::Lower;
+                let (u, v) = (rng.random::<f64>(), rng.random::<f64>());
+                let (u, v) = if inside {
+                    (u.max(v), u.min(v))
+                } else {
+                    (u.min(v), u.max(v))
+                };
+                let (u, v) = if i % 5 == 0 {
+                    (u.round(), v.round())
+                } else {
+                    (u, v)
+                };
+                let m = surface.normal(facet);
+                let away = if direction.dot(m) > 0.0 {
+                    direction
+                } else {
+                    -direction
+                };
+                let origin = surface.snap(facet, cell + DVec3::new(u, v, 0.0));
+                let up = TileRay {
+                    origin,
+                    direction: away,
+                };
+                return match medium {
+                    Medium::Above => (up, medium),
+                    Medium::Below => (
+                        TileRay {
+                            direction: -away,
+                            ..up
+                        },
+                        medium,
+                    ),
+                };
+            };
+            match medium {
+                Medium::Above => (ray, medium),
+                Medium::Below => {
+                    let turned = DVec3::new(1.0, 1.0, -1.0);
+                    let ray = TileRay {
+                        origin: ray.origin * turned,
+                        direction: ray.direction * turned,
+                    };
+                    (ray, medium)
+                }
+            }
+        })
+        .collect()
+}
+
+fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
+    let bvh = MeshBvh::build(surface).unwrap();
+    let mut met = 0;
+    for (ray, medium) in rays(surface, count, seed) {
+        let expected = BruteForce.closest_hit(surface, &ray, medium);
+        assert_eq!(
+            bvh.closest_hit(surface, &ray, medium),
+            expected,
+            "{ray:?} {medium:?}"
+        );
+        assert_eq!(bvh.occluded(surface, &ray, medium), expected.is_some());
+        met += usize::from(expected.is_some());
+    }
+    met
+}
+
+#[test]
+fn bvh_matches_brute_force() {
+    for (height, border) in [
+        (0.1, Border::Periodic),
+        (3.0, Border::Periodic),
+        (20.0, Border::Open),
+        (1.0, Border::Mirrored),
+    ] {
+        let surface = rugged(13, 9, height, 5, border);
+        let met = agree_on(&surface, 4_000, 11);
+        assert!(met > 1_000, "{met}");
+    }
+    let smooth = Surface::new(waves(24, 0.5, 3));
+    assert!(agree_on(&smooth, 2_000, 12) > 500);
+}
+
+#[test]
+fn bvh_matches_brute_force_on_the_smallest_and_on_flat_surfaces() {
+    let smallest = rugged(2, 2, 1.0, 1, Border::Open);
+    assert!(agree_on(&smallest, 500, 1) > 50);
+    let flat = rugged(6, 5, 0.0, 1, Border::Periodic);
+    assert!(agree_on(&flat, 500, 2) > 50);
+}
+
+/// Möller and Trumbore 1997, without tolerance, culled by side.
+fn textbook(surface: &Surface, ray: &TileRay, medium: Medium) -> Option<Hit> {
+    let mut closest: Option<Hit> = None;
+    for facet in surface.facets() {
+        let [a, b, c] = surface.corners(facet);
+        let (e1, e2) = (b - a, c - a);
+        if medium.sign() * ray.direction.dot(e1.cross(e2)) >= 0.0 {
+            continue;
+        }
+        let p = ray.direction.cross(e2);
+        let s = ray.origin - a;
+        let q = s.cross(e1);
+        let determinant = e1.dot(p);
+        let (u, v) = (s.dot(p) / determinant, ray.direction.dot(q) / determinant);
+        let t = e2.dot(q) / determinant;
+        let hit = Hit { t, facet };
+        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= 0.0 && hit.is_before(&closest) {
+            closest = Some(hit);
+        }
+    }
+    closest
+}
+
+#[test]
+fn brute_force_matches_a_textbook_intersection() {
+    // The two tests differ in rounding, so a ray that passes an edge within some 1e-15 columns may go
+    // to either side of it; at random points none of 4,000 does.
+    let surface = rugged(9, 7, 2.0, 8, Border::Open);
+    let mut rng = ChaCha8Rng::seed_from_u64(4);
+    let mut met = 0;
+    for i in 0..4_000 {
+        let medium = if i % 2 == 0 {
+            Medium::Above
+        } else {
+            Medium::Below
+        };
+        let origin = DVec3::new(
+            rng.random_range(0.0..8.0),
+            rng.random_range(0.0..6.0),
+            2.5 * medium.sign(),
+        );
+        let turn = rng.random_range(0.0..std::f64::consts::TAU);
+        let fall = -medium.sign() * rng.random_range(0.1..2.0);
+        let direction = DVec3::new(turn.cos(), turn.sin(), fall).normalize();
+        let ray = TileRay { origin, direction };
+        let expected = textbook(&surface, &ray, medium);
+        let found = BruteForce.closest_hit(&surface, &ray, medium);
+        assert_eq!(found.map(|h| h.facet), expected.map(|h| h.facet), "{ray:?}");
+        if let (Some(a), Some(b)) = (found, expected) {
+            assert!((a.t - b.t).abs() < 1e-9);
+            met += 1;
+        }
+    }
+    assert!(met > 300, "{met}");
+}

@@ -1,0 +1,119 @@
+//! Surfaces and helpers shared by the tests.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "each test file uses its own part"
+)]
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::{Border, HeightField};
+use asperity_tally::{BatchStatistics, Estimate, Layout};
+use asperity_tracer::{Accelerator, Medium, PathSettings, Surface, Tracer, Work};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Independent uniform heights in `[-height, height]`: as rough as a surface can be.
+pub fn rugged(nx: usize, ny: usize, height: f64, seed: u64, border: Border) -> Surface {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let heights = (0..nx * ny)
+        .map(|_| height * rng.random_range(-1.0..1.0))
+        .collect();
+    let field = HeightField::new(heights, [ny, nx], [1.0, 1.0]).unwrap();
+    Surface::new(field.with_border(border))
+}
+
+/// A sum of eight waves with random phases that fit the tile: smooth, periodic, about Gaussian.
+pub fn waves(n: usize, amplitude: f64, seed: u64) -> HeightField {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let waves: Vec<[f64; 3]> = [
+        (1, 0),
+        (0, 1),
+        (1, 1),
+        (1, -1),
+        (2, 1),
+        (1, 2),
+        (2, 0),
+        (0, 2),
+    ]
+    .map(|(kx, ky)| {
+        let turn = std::f64::consts::TAU;
+        [
+            turn * f64::from(kx),
+            turn * f64::from(ky),
+            turn * rng.random::<f64>(),
+        ]
+    })
+    .to_vec();
+    let heights = (0..n * n)
+        .map(|i| {
+            let (x, y) = ((i % n) as f64 / n as f64, (i / n) as f64 / n as f64);
+            waves
+                .iter()
+                .map(|[kx, ky, phase]| (kx * x + ky * y + phase).cos())
+                .sum::<f64>()
+                * amplitude
+        })
+        .collect();
+    HeightField::new(heights, [n, n], [1.0, 1.0]).unwrap()
+}
+
+/// Traces `batches` batches of `strata^2` rays each and returns their statistics.
+pub struct Run<'a> {
+    pub surface: &'a Surface,
+    pub accelerator: &'a dyn Accelerator,
+    pub material: Material,
+    pub incident: Medium,
+    pub settings: PathSettings,
+    pub theta_deg: f64,
+    pub phi_deg: f64,
+    pub layout: Layout,
+    pub seed: u64,
+}
+
+impl<'a> Run<'a> {
+    pub fn new(surface: &'a Surface, accelerator: &'a dyn Accelerator, material: Material) -> Self {
+        Self {
+            surface,
+            accelerator,
+            material,
+            incident: Medium::Above,
+            settings: PathSettings::default(),
+            theta_deg: 30.0,
+            phi_deg: 180.0,
+            layout: Layout::default(),
+            seed: 1,
+        }
+    }
+
+    pub fn go(&self, batches: u64, strata: u32) -> (BatchStatistics, Work) {
+        let tracer = Tracer::new(
+            self.surface,
+            self.accelerator,
+            self.material,
+            self.incident,
+            self.settings,
+        );
+        let incidence = Incidence::from_degrees(self.theta_deg, self.phi_deg).unwrap();
+        let mut statistics = BatchStatistics::new(self.layout.len());
+        let mut work = Work::default();
+        for block in 0..batches {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(block);
+            let (values, done) = tracer.batch(incidence, false, strata, self.layout, &mut rng);
+            statistics.push(&values);
+            work += done;
+        }
+        (statistics, work)
+    }
+}
+
+/// `(x - reference) / hypot(se, se_reference)`, zero where both are without error and equal.
+pub fn z_score(x: Estimate, reference: f64, se_reference: f64) -> f64 {
+    let se = x.se.unwrap().hypot(se_reference);
+    let difference = x.mean - reference;
+    if difference == 0.0 {
+        0.0
+    } else {
+        difference / se
+    }
+}
