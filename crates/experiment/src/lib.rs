@@ -1,1 +1,37 @@
-//! experiment
+//! Experiments: from a typed configuration to results with errors.
+//!
+//! [`trace`] sends light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
+//! and compares what comes out with statistical models. Threads, seeds and progress live here and
+//! nowhere else.
+//!
+//! # Random streams
+//! Every block of rays has its own stream, keyed by (seed, realisation, block), and results are
+//! reduced in the order of their index. The same configuration gives the same bytes, whatever the
+//! number of threads.
+
+mod blocks;
+mod config;
+mod ensemble;
+mod figures;
+mod number;
+mod progress;
+mod report;
+mod stream;
+mod summary;
+mod tables;
+mod trace;
+mod verify;
+
+pub use blocks::RaySettings;
+pub use config::{
+    Azimuth, Case, CompareConfig, ConfigError, Count, Incident, LightConfig, MaterialConfig,
+    MaterialKind, Number, OneOrMany, OutputConfig, PerAxis, RunConfig, SurfaceConfig, VerifyConfig,
+};
+pub use figures::{Light, Surroundings, height_map_figure};
+pub use number::{parse_count, parse_number};
+pub use progress::{Progress, Silent};
+pub use report::{ReportError, trace_report, verify_report};
+pub use summary::{Summary, SummaryWork};
+pub use tables::{energy_table, verify_table, work_line};
+pub use trace::{RunError, TraceOutcome, trace};
+pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

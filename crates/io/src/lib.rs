@@ -1,1 +1,54 @@
-//! io
+//! Every file format of the project, in and out.
+//!
+//! [`read_height_map`] and [`write_height_map`] choose the format by the file's ending:
+//! OpenEXR, NumPy, Gwyddion Simple Field, ISO 25178-72 (X3P), text matrices (read only) and 16-bit
+//! PNG (written only); [`HeightMapFormat`] tells what each keeps. [`write_mesh`] does the same for
+//! triangle meshes, [`write_csv`] and [`write_json`] for results.
+//!
+//! Whatever is written goes aside first and is renamed when complete ([`write_atomically`]), so
+//! that a name either holds a whole file or what it held before. The bytes depend on the data
+//! alone: no time, no host, no order of hashing. Whatever is read is checked first against the real
+//! length of the file, so that no header can ask for more memory than the file deserves, and every
+//! error is one sentence that names the file.
+//!
+//! ```
+//! use asperity_io::{HeightMapFormat, read_height_map, write_height_map};
+//! use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy};
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("wedge.x3p");
+//! let wedge = HeightField::new(vec![0.0, 1e-7, 2e-7, 0.0, 1e-7, 2e-7], [2, 3], [1e-6, 2e-6])?
+//!     .with_unit(LengthUnit::Metre)
+//!     .with_border(Border::Open);
+//! write_height_map(&path, &wedge)?;
+//!
+//! let format = HeightMapFormat::from_path(&path).ok_or("unknown ending")?;
+//! let read = read_height_map(&path)?.into_height_field(MissingPolicy::Refuse, format.default_border())?;
+//! assert_eq!(read, wedge);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod atomic;
+mod csv;
+mod error;
+mod exr;
+mod format;
+mod gsf;
+mod mesh;
+mod npy;
+mod png;
+mod samples;
+mod text;
+mod text_file;
+mod unit;
+mod x3p;
+
+#[cfg(test)]
+mod hostile_tests;
+
+pub use atomic::{create_output_folder, write_atomically, write_bytes, write_json};
+pub use csv::{CsvField, write_csv};
+pub use error::{ReadError, WriteError};
+pub use format::{HeightMapFormat, read_height_map, write_height_map};
+pub use mesh::{MeshFormat, MeshView, write_mesh};
+pub use text_file::{read_json, read_text};

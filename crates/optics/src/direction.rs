@@ -53,6 +53,7 @@ pub enum IncidenceError {
 pub struct Incidence {
     theta: f64,
     phi: f64,
+    theta_deg: f64,
 }
 
 impl Incidence {
@@ -71,6 +72,7 @@ impl Incidence {
         Ok(Self {
             theta: radians,
             phi: phi.rem_euclid(360.0).to_radians(),
+            theta_deg: theta,
         })
     }
 
@@ -84,6 +86,18 @@ impl Incidence {
     #[must_use]
     pub const fn phi(self) -> f64 {
         self.phi
+    }
+
+    /// Polar angle in degrees, as it was given.
+    #[must_use]
+    pub const fn theta_deg(self) -> f64 {
+        self.theta_deg
+    }
+
+    /// Azimuth in degrees, `[0, 360)`.
+    #[must_use]
+    pub const fn phi_deg(self) -> f64 {
+        self.phi.to_degrees()
     }
 
     /// The same polar angle at azimuth `phi`, radians.

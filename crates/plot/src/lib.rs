@@ -1,1 +1,62 @@
-//! plot
+//! Figures of the project: height maps, polar lobes and in-plane curves.
+//!
+//! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
+//! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
+//! equal input gives equal bytes.
+//!
+//! | figure | input | shows |
+//! |---|---|---|
+//! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
+//! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
+//! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
+//!
+//! # Conventions
+//! Angles are in degrees here (this is the user's edge) and *signed*: measured from the normal of the side on
+//! which the light leaves, positive in the forward direction, that is towards +x for light which travels
+//! towards +x. Intensities are f |cos θₒ| in 1/sr: they stay finite at grazing angles, where f itself may not.
+//!
+//! # Example
+//! ```
+//! use asperity_plot::{InPlaneCurves, Sample, Series, Side};
+//!
+//! let lobe = |theta: f64| 0.8 * (-(theta / 20.0).powi(2)).exp();
+//! let simulated = (-44..=44).map(|i| {
+//!     let theta_deg = 2.0 * f64::from(i);
+//!     Sample { theta_deg, value: 1.02 * lobe(theta_deg), se: Some(0.01) }
+//! });
+//! let model = (-180..=180).map(|i| Sample::exact(0.5 * f64::from(i), lobe(0.5 * f64::from(i))));
+//! let figure = InPlaneCurves {
+//!     title: "Transmitted light".into(),
+//!     subtitle: "n = 1.4, s = 3, θᵢ = 30°".into(),
+//!     side: Side::Transmitted,
+//!     flat_direction_deg: Some(20.9),
+//!     series: vec![
+//!         Series::explicit("explicit surface", Side::Transmitted, simulated.collect()).with_bin_width(2.0),
+//!         Series::model("Gaussian lobe", Side::Transmitted, model.collect()),
+//!     ],
+//! }
+//! .draw()?;
+//! let svg: String = figure.svg()?;
+//! let png: Vec<u8> = figure.png()?;
+//! # assert!(svg.contains("Gaussian lobe") && png.starts_with(b"\x89PNG"));
+//! # Ok::<(), asperity_plot::PlotError>(())
+//! ```
+
+mod axis;
+mod error;
+mod figure;
+mod height_map;
+mod in_plane_curves;
+mod legend;
+mod polar_lobes;
+mod scene;
+mod series;
+mod text;
+mod theme;
+
+pub use error::PlotError;
+pub use figure::Figure;
+pub use height_map::HeightMapFigure;
+pub use in_plane_curves::InPlaneCurves;
+pub use polar_lobes::{PolarLobes, Sides};
+pub use series::{Sample, Series, SeriesKind, Side};

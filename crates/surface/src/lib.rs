@@ -1,20 +1,54 @@
 //! Rough surfaces as height fields.
 //!
 //! A [`HeightField`] holds samples `h[iy][ix]` at `(ix dx, iy dy)` with shape `[ny, nx]`, a length
-//! unit, and what lies beyond its border. [`synthesis`] draws random ones from a [`Psd`],
-//! [`statistics`] measures any, [`form`] removes mean, plane or parabola, and [`missing`] fills or
-//! refuses points that an instrument did not see.
+//! unit, and what lies beyond its border. [`Synthesis`] draws random ones from a [`Psd`],
+//! [`Roughness`] measures any, [`Form`] removes mean, plane or parabola, and [`RawHeightMap`] with
+//! its [`MissingPolicy`] fills or refuses points that an instrument did not see.
 //!
 //! # Conventions
 //! Autocorrelation `C(r) = sigma^2 exp(-r^2 / tau^2)`; `tau` is the 1/e length. The other habit,
 //! `exp(-r^2 / (2 l^2))`, is `l = tau / sqrt 2`. Smoothness `s = tau / sigma`; slope variance per
 //! axis `2 sigma^2 / tau^2 = 2 / s^2`. Power spectral density, two-sided in angular wave vector:
 //! `W(k) = sigma^2 tau^2 / (4 pi) exp(-k^2 tau^2 / 4)`, whose integral over `d^2k` is `sigma^2`.
+//!
+//! # Example
+//! ```
+//! use asperity_surface::{Psd, Roughness, Synthesis};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Root mean square height 0.5 and correlation length 1, 8 samples to each, 32 of them a side
+//! let psd = Psd::gaussian(0.5, 1.0)?;
+//! let synthesis = Synthesis::new(psd, [256, 256], [0.125, 0.125], false)?;
+//! let seed = 1;
+//! let surface = synthesis.draw(seed, 0)?;
+//!
+//! // A realisation is not rescaled: its roughness scatters about what was asked for.
+//! let roughness = Roughness::of(&surface);
+//! let sigma = roughness.realised.expect("the surface was generated").sigma;
+//! let scatter = sigma.expected_deviation.expect("known for a Gaussian");
+//! assert_eq!(sigma.requested, 0.5);
+//! assert!((roughness.sq - sigma.requested).abs() < 4.0 * scatter);
+//! # Ok(())
+//! # }
+//! ```
 
+mod correlation;
+mod form;
+mod harmonic;
 mod height_field;
 mod missing;
 mod psd;
+mod slopes;
+mod statistics;
+mod synthesis;
 
+pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{Provenance, Psd, PsdError};
+pub use slopes::{Facet, Triangle};
+pub use statistics::{Compared, Realised, Roughness};
+pub use synthesis::{
+    MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
+    SynthesisError,
+};

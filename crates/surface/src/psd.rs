@@ -85,6 +85,11 @@ impl Psd {
     /// `W(kx, ky)` in length units to the fourth; `kx`, `ky` in radians a length unit.
     #[must_use]
     pub fn density(&self, kx: f64, ky: f64) -> f64 {
+        self.prepared().at(kx, ky)
+    }
+
+    /// The density with all that does not depend on the wave vector worked out.
+    pub(crate) fn prepared(&self) -> PreparedDensity {
         let Self::Gaussian {
             sigma,
             tau_x,
@@ -92,10 +97,21 @@ impl Psd {
             azimuth,
         } = *self;
         let (sin, cos) = azimuth.sin_cos();
-        let ku = kx * cos + ky * sin;
-        let kv = ky * cos - kx * sin;
-        let exponent = ((ku * tau_x).powi(2) + (kv * tau_y).powi(2)) / 4.0;
-        sigma * sigma * tau_x * tau_y / (4.0 * PI) * (-exponent).exp()
+        let (uu, vv) = (tau_x * tau_x / 4.0, tau_y * tau_y / 4.0);
+        PreparedDensity {
+            peak: sigma * sigma * tau_x * tau_y / (4.0 * PI),
+            xx: uu * cos * cos + vv * sin * sin,
+            xy: (uu - vv) * 2.0 * sin * cos,
+            yy: uu * sin * sin + vv * cos * cos,
+        }
+    }
+
+    /// Largest `[|kx|, |ky|]` at which the density is `fraction` of its peak, radians a length unit.
+    pub(crate) fn reach(&self, fraction: f64) -> [f64; 2] {
+        // The contour of exponent E reaches k = 2 sqrt(E) / length along an axis, where length is
+        // that at which the autocorrelation is 1/e along this axis: the two are polar to each other.
+        self.axis_correlation_lengths()
+            .map(|length| 2.0 * (-fraction.ln()).sqrt() / length)
     }
 
     /// Root mean square height.
@@ -117,6 +133,41 @@ impl Psd {
     pub fn is_isotropic(&self) -> bool {
         let [tau_x, tau_y] = self.correlation_lengths();
         tau_x == tau_y
+    }
+
+    /// Lags along x and along y at which the autocorrelation is 1/e of its peak, length units:
+    /// `[tau_x, tau_y]` if the azimuth is zero. Along an axis, the slope variance is
+    /// `2 sigma^2 / length^2`.
+    #[must_use]
+    pub fn axis_correlation_lengths(&self) -> [f64; 2] {
+        let Self::Gaussian {
+            tau_x,
+            tau_y,
+            azimuth,
+            ..
+        } = *self;
+        let (sin, cos) = azimuth.sin_cos();
+        [
+            (cos / tau_x).hypot(sin / tau_y).recip(),
+            (sin / tau_x).hypot(cos / tau_y).recip(),
+        ]
+    }
+
+    /// Farthest reach along x and along y of the contour on which the autocorrelation is 1/e of its
+    /// peak, length units: `[tau_x, tau_y]` if the azimuth is zero.
+    #[must_use]
+    pub fn correlation_extents(&self) -> [f64; 2] {
+        let Self::Gaussian {
+            tau_x,
+            tau_y,
+            azimuth,
+            ..
+        } = *self;
+        let (sin, cos) = azimuth.sin_cos();
+        [
+            (cos * tau_x).hypot(sin * tau_y),
+            (sin * tau_x).hypot(cos * tau_y),
+        ]
     }
 
     /// Autocorrelation `C(x, y)` at the lag `(x, y)`, length units squared.
@@ -153,6 +204,22 @@ impl Psd {
     }
 }
 
+/// `W(k) = peak exp(-(xx kx^2 + xy kx ky + yy ky^2))`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PreparedDensity {
+    peak: f64,
+    xx: f64,
+    xy: f64,
+    yy: f64,
+}
+
+impl PreparedDensity {
+    /// `W(kx, ky)`, as [`Psd::density`].
+    pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
+        self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
+    }
+}
+
 /// How a surface was generated: what was asked for, and from which random stream it came.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -162,4 +229,76 @@ pub struct Provenance {
     pub seed: u64,
     /// The realisation drawn from that seed, counted from zero.
     pub realisation: u64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refuses_lengths_that_are_not_positive() {
+        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(Psd::gaussian(bad, 1.0).is_err());
+            assert!(Psd::gaussian(1.0, bad).is_err());
+        }
+        assert!(Psd::anisotropic_gaussian(1.0, 1.0, 1.0, f64::NAN).is_err());
+    }
+
+    /// The trapezium rule converges faster than any power for a Gaussian; at 24 correlation lengths
+    /// and steps of a quarter of the narrower width only rounding is left.
+    #[test]
+    fn density_integrates_to_variance_and_to_slope_variance() {
+        let psd = Psd::anisotropic_gaussian(0.3, 2.0, 0.7, 0.4).unwrap();
+        let step = 0.1;
+        let (mut variance, mut slope_x, mut slope_y) = (0.0, 0.0, 0.0);
+        for i in -250..=250 {
+            for j in -250..=250 {
+                let (kx, ky) = (f64::from(i) * step, f64::from(j) * step);
+                let power = psd.density(kx, ky) * step * step;
+                variance += power;
+                slope_x += kx * kx * power;
+                slope_y += ky * ky * power;
+            }
+        }
+        let [expected_x, expected_y] = psd.slope_variance();
+        assert!((variance / 0.09 - 1.0).abs() < 1e-12, "{variance}");
+        assert!((slope_x / expected_x - 1.0).abs() < 1e-12, "{slope_x}");
+        assert!((slope_y / expected_y - 1.0).abs() < 1e-12, "{slope_y}");
+    }
+
+    #[test]
+    fn density_falls_to_the_fraction_at_its_reach_and_not_beyond() {
+        let psd = Psd::anisotropic_gaussian(0.3, 2.0, 0.7, 0.4).unwrap();
+        let [reach_x, reach_y] = psd.reach(1e-6);
+        let peak = psd.density(0.0, 0.0);
+        let largest = |density: &dyn Fn(f64) -> f64| {
+            (-100_000..=100_000)
+                .map(|i| density(f64::from(i) * 1e-3) / peak)
+                .fold(0.0, f64::max)
+        };
+        let along_x = largest(&|ky| psd.density(reach_x, ky));
+        let along_y = largest(&|kx| psd.density(kx, reach_y));
+        assert!((along_x / 1e-6 - 1.0).abs() < 1e-4, "{along_x}");
+        assert!((along_y / 1e-6 - 1.0).abs() < 1e-4, "{along_y}");
+    }
+
+    #[test]
+    fn axis_lengths_are_where_the_autocorrelation_is_one_over_e() {
+        let psd = Psd::anisotropic_gaussian(1.0, 2.0, 0.7, 0.4).unwrap();
+        let [x, y] = psd.axis_correlation_lengths();
+        let e = (-1.0_f64).exp();
+        assert!((psd.autocorrelation(x, 0.0) - e).abs() < 1e-15);
+        assert!((psd.autocorrelation(0.0, y) - e).abs() < 1e-15);
+        // The contour's farthest reach, by walking around it.
+        let (mut reach_x, mut reach_y) = (0.0_f64, 0.0_f64);
+        for i in 0..10_000 {
+            let (sin, cos) = (f64::from(i) * 2.0 * PI / 1e4).sin_cos();
+            let length = (-psd.autocorrelation(cos, sin).ln()).sqrt().recip();
+            reach_x = reach_x.max(length * cos);
+            reach_y = reach_y.max(length * sin);
+        }
+        let [extent_x, extent_y] = psd.correlation_extents();
+        assert!((extent_x / reach_x - 1.0).abs() < 1e-6, "{extent_x}");
+        assert!((extent_y / reach_y - 1.0).abs() < 1e-6, "{extent_y}");
+    }
 }

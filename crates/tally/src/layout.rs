@@ -78,6 +78,7 @@ pub enum LayoutError {
 /// | quantity | entries |
 /// |---|---|
 /// | budget: reflected, transmitted, absorbed, truncated, lost, and the part of truncated that left an open patch | 6 |
+/// | scattered more than once, a side | 1 |
 /// | orders, a side | [`MAX_LISTED_ORDER`], the last for that order and above |
 /// | event paths, a side | all strings up to [`MAX_LISTED_PATH`], one for longer ones |
 /// | bins of the grid | single, multiple, total |
@@ -103,6 +104,12 @@ impl Layout {
     pub const LOST: usize = 4;
     /// The part of truncated that left an open patch sideways.
     pub const LEFT_PATCH: usize = 5;
+
+    /// Flux fraction of `side` that was scattered more than once.
+    #[must_use]
+    pub const fn multiple(&self, side: Side) -> usize {
+        Self::LEFT_PATCH + 1 + side.index()
+    }
 
     /// Default half width of the in-plane wedge, radians (5 degrees).
     pub const DEFAULT_HALF_WIDTH: f64 = 5.0 * std::f64::consts::PI / 180.0;
@@ -245,7 +252,7 @@ impl Layout {
     }
 }
 
-const ORDERS_START: usize = 6;
+const ORDERS_START: usize = 8;
 const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
 const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 

@@ -74,6 +74,10 @@ impl Record {
         self.values[layout.order(side, path.order() as usize)] += flux;
         self.values[layout.path(side, path)] += flux;
 
+        if share == Share::Multiple {
+            self.values[layout.multiple(side)] += flux;
+        }
+
         let bin = grid.index_of(side, wo);
         self.values[layout.bins(share).start + bin] += flux;
         self.values[layout.hits(share).start + bin] += 1.0;

@@ -9,6 +9,7 @@ use asperity_tracer::{
     AcceleratorKind, Branching, BruteForce, Medium, MeshBvh, PathSettings, Surface, Tracer,
 };
 use common::{Run, rugged, waves, z_score};
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -62,16 +63,18 @@ fn flat_surface_gives_exact_fresnel_and_snell() {
             assert!((values[Layout::TRANSMITTED] - fresnel.transmitted).abs() < tolerance);
             assert_eq!(values[Layout::LOST], 0.0);
             // All light of a side lies in the one bin that Snell's law names.
-            let bin_of = |side, theta: f64, phi: f64| {
-                let wo = asperity_optics::from_spherical(theta.to_radians(), phi.to_radians());
+            let (sin_phi, cos_phi) = (phi_deg + 180.0).to_radians().sin_cos();
+            let bin_of = |side, sin: f64, z: f64| {
+                let wo = DVec3::new(sin * cos_phi, sin * sin_phi, z);
                 layout.bins(Share::Single).start + layout.grid().index_of(side, wo)
             };
-            let forward = phi_deg + 180.0;
-            let mirrored = bin_of(Side::Reflected, theta_deg, forward);
+            let (sin_alpha, cos_alpha) = f64::to_radians(theta_deg).sin_cos();
+            let mirrored = bin_of(Side::Reflected, sin_alpha, cos_alpha);
             assert!((values[mirrored] - fresnel.reflected).abs() < tolerance);
             if fresnel.transmitted > 0.0 {
-                let beta = (f64::to_radians(theta_deg).sin() / eta).asin().to_degrees();
-                let refracted = bin_of(Side::Transmitted, 180.0 - beta, forward);
+                let sin_beta = sin_alpha / eta;
+                let z = -(1.0 - sin_beta * sin_beta).sqrt();
+                let refracted = bin_of(Side::Transmitted, sin_beta, z);
                 assert!((values[refracted] - fresnel.transmitted).abs() < tolerance);
             }
         }

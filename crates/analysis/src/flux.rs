@@ -1,0 +1,272 @@
+//! Flux that a model sends into ranges of polar angle and azimuth.
+//!
+//! The integral over a bin is nested: azimuth within polar angle. Where the integrand has a narrow
+//! lobe or an edge is known beforehand, so no bin is judged by a few samples that may miss both:
+//!
+//! - Light that comes at `theta_i` and leaves at `theta`, `psi` from the forward azimuth, meets a
+//!   facet along `h = wi + eta wo` (`eta = 1` for reflection), whose squared slope is
+//!   `((sin theta_i - eta sin theta)^2 + 4 eta sin theta_i sin theta sin^2(psi / 2)) / h_z^2`. At
+//!   given `theta` the lobe is therefore `exp(-kappa sin^2(psi / 2))` about `psi = 0`, with
+//!   `kappa = s^2 eta sin theta_i sin theta / h_z^2`.
+//! - Its extent in `theta` is that of the directions into which facets tilted within the plane of
+//!   incidence send the light.
+//! - Refraction ends, and total reflection sets in with a square root, on circles
+//!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use asperity_optics::{from_spherical, polar_angle, reflect, refract};
+use asperity_tally::{HemisphereGrid, Side};
+use glam::DVec3;
+
+use crate::model::BsdfModel;
+use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
+
+/// Error allowed in the flux of one range.
+const FLUX_ERROR: f64 = 1e-12;
+
+/// Facet slopes in units of `2 / s` whose images bound the first subdivisions; the slope density
+/// falls as `exp(-t^2)`.
+const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
+
+/// Flux fractions that `model` sends into the bins of `grid`, in the order of the grid.
+///
+/// `wi` is a unit vector with `z > 0`. The error of a bin is about 1e-12 of the incident flux.
+#[must_use]
+pub fn bin_fluxes(model: &dyn BsdfModel, wi: DVec3, grid: &HemisphereGrid) -> Vec<f64> {
+    let (n_theta, n_phi) = (grid.n_theta(), grid.n_phi());
+    let mut fluxes = vec![0.0; grid.len()];
+    let vertical = wi.x == 0.0 && wi.y == 0.0;
+    let mirror = mirror_sum(wi, n_phi);
+    for side in Side::BOTH {
+        let Some(mut range) = FluxIntegral::new(model, wi, side) else {
+            continue;
+        };
+        for ring in 0..n_theta {
+            let first = (side.index() * n_theta + ring) * n_phi;
+            for sector in 0..n_phi {
+                // Another bin of the ring that holds the same by symmetry, if it came before.
+                let twin = if !model.is_isotropic() {
+                    None
+                } else if vertical && sector > 0 {
+                    Some(0)
+                } else {
+                    mirror
+                        .map(|sum| (sum + n_phi - sector) % n_phi)
+                        .filter(|&twin| twin < sector)
+                };
+                fluxes[first + sector] = match twin {
+                    Some(twin) => fluxes[first + twin],
+                    None => {
+                        let bin = grid.bin(first + sector);
+                        range.over(bin.theta, bin.phi)
+                    }
+                };
+            }
+        }
+    }
+    fluxes
+}
+
+/// Flux fraction that `model` sends into one range of directions on `side`.
+///
+/// `theta` from +z and `phi` from +x towards +y, radians, both `[from, to]` and ascending; `theta`
+/// within `[0, pi/2]` for reflection and `[pi/2, pi]` for transmission (what lies outside counts
+/// nothing), `phi` anywhere, up to a full turn wide. The error is about 1e-12 of the incident flux.
+#[must_use]
+pub fn flux_into(
+    model: &dyn BsdfModel,
+    wi: DVec3,
+    side: Side,
+    theta: [f64; 2],
+    phi: [f64; 2],
+) -> f64 {
+    let (lowest, highest) = match side {
+        Side::Reflected => (0.0, FRAC_PI_2),
+        Side::Transmitted => (FRAC_PI_2, PI),
+    };
+    let theta = [theta[0].max(lowest), theta[1].min(highest)];
+    FluxIntegral::new(model, wi, side).map_or(0.0, |mut range| range.over(theta, phi))
+}
+
+/// Sum of the sectors that mirror each other at the plane of incidence, modulo their number, if
+/// the sectors lie evenly about it.
+fn mirror_sum(wi: DVec3, n_phi: usize) -> Option<usize> {
+    let forward = f64::atan2(-wi.y, -wi.x).rem_euclid(TAU);
+    let twice = 2.0 * forward / TAU * n_phi as f64;
+    // Sector j mirrors into twice - 1 - j; what rounding shifts the plane by is far below a bin.
+    let nearest = twice.round();
+    ((twice - nearest).abs() < 1e-11 * n_phi as f64)
+        .then(|| (nearest as usize + 2 * n_phi - 1) % n_phi)
+}
+
+/// What integrals for one direction of light and one side share.
+struct FluxIntegral<'a> {
+    model: &'a dyn BsdfModel,
+    wi: DVec3,
+    sin_i: f64,
+    cos_i: f64,
+    /// Azimuth of light that is not deviated.
+    forward: f64,
+    /// Index that enters the half vector: 1 for reflection.
+    eta: f64,
+    /// `wi . wo` on the circle where refraction ends or total reflection sets in.
+    edge: Option<f64>,
+    /// Polar angles of the light from facets tilted within the plane of incidence.
+    lobe: Vec<f64>,
+    outer_pieces: Pieces,
+    inner_pieces: Pieces,
+    inner_breaks: Breaks,
+}
+
+impl<'a> FluxIntegral<'a> {
+    /// `None` where the model sends nothing.
+    fn new(model: &'a dyn BsdfModel, wi: DVec3, side: Side) -> Option<Self> {
+        let index = model.material().transmitting_index();
+        if wi.z <= 0.0 || (side == Side::Transmitted && index.is_none()) {
+            return None;
+        }
+        let sin_i = wi.x.hypot(wi.y);
+        let eta = match side {
+            Side::Reflected => 1.0,
+            Side::Transmitted => index?,
+        };
+        let edge = match (side, index) {
+            // Refraction ends where light meets the facet, or leaves it, at grazing.
+            (Side::Transmitted, Some(eta)) => Some(-eta.min(1.0 / eta)),
+            // cos(2 alpha) at the critical angle sin(alpha) = eta.
+            (Side::Reflected, Some(eta)) if eta < 1.0 => Some(1.0 - 2.0 * eta * eta),
+            _ => None,
+        };
+        let along = if sin_i > 0.0 {
+            DVec3::new(wi.x / sin_i, wi.y / sin_i, 0.0)
+        } else {
+            DVec3::X
+        };
+        let lobe = LOBE_SLOPES
+            .iter()
+            .filter_map(|t| {
+                let m = (DVec3::Z + 2.0 * t / model.smoothness() * along).normalize();
+                let cos_alpha = wi.dot(m);
+                if cos_alpha <= 0.0 {
+                    return None;
+                }
+                let wo = match side {
+                    Side::Reflected => reflect(wi, m),
+                    Side::Transmitted => {
+                        let fresnel = model.material().fresnel(cos_alpha.min(1.0));
+                        if fresnel.transmitted <= 0.0 {
+                            return None;
+                        }
+                        refract(wi, m, eta, fresnel.cos_beta)
+                    }
+                };
+                Some(polar_angle(wo))
+            })
+            .collect();
+        Some(Self {
+            model,
+            wi,
+            sin_i,
+            cos_i: wi.z,
+            forward: f64::atan2(-wi.y, -wi.x),
+            eta,
+            edge,
+            lobe,
+            outer_pieces: Pieces::default(),
+            inner_pieces: Pieces::default(),
+            inner_breaks: Breaks::default(),
+        })
+    }
+
+    /// The flux fraction into `theta` by `phi`.
+    fn over(&mut self, theta: [f64; 2], phi: [f64; 2]) -> f64 {
+        if !(theta[1] > theta[0] && phi[1] > phi[0]) {
+            return 0.0;
+        }
+        // Azimuth from the forward direction; a whole number of turns is left out first, so that
+        // special points within a turn of zero suffice.
+        let turns = ((0.5 * (phi[0] + phi[1]) - self.forward) / TAU).round() * TAU;
+        let psi = [phi[0] - self.forward - turns, phi[1] - self.forward - turns];
+        let mut breaks = Breaks::new(theta[0], theta[1]);
+        for &t in &self.lobe {
+            breaks.add_smooth(t);
+        }
+        if let Some(edge) = self.edge {
+            for psi in [0.0, PI, psi[0], psi[1]] {
+                for t in self.edge_at_azimuth(edge, psi).into_iter().flatten() {
+                    breaks.add_root(t);
+                }
+            }
+        }
+        breaks.finish();
+        let tolerance = Tolerance {
+            absolute: FLUX_ERROR,
+            relative: 1e-11,
+            max_pieces: 400,
+        };
+        let mut pieces = std::mem::take(&mut self.outer_pieces);
+        let flux = integrate(&breaks, tolerance, &mut pieces, |t| self.ring(t, psi));
+        self.outer_pieces = pieces;
+        flux
+    }
+
+    /// Flux fraction per radian of polar angle at `theta`, over the azimuths `psi` from forward.
+    fn ring(&mut self, theta: f64, psi: [f64; 2]) -> f64 {
+        let (sin_theta, cos_theta) = theta.sin_cos();
+        let product = self.sin_i * sin_theta;
+        self.inner_breaks.reset(psi[0], psi[1]);
+        for turn in [-TAU, 0.0, TAU] {
+            self.inner_breaks.add_smooth(turn);
+            let h_z = self.cos_i + self.eta * cos_theta;
+            let kappa = (self.model.smoothness() / h_z).powi(2) * self.eta * product;
+            for t in [2.0, 6.0] {
+                // exp(-kappa sin^2(psi / 2)) has fallen to exp(-t^2).
+                let sin_half = t / kappa.sqrt();
+                if sin_half < 1.0 {
+                    let width = 2.0 * sin_half.asin();
+                    self.inner_breaks.add_smooth(turn - width);
+                    self.inner_breaks.add_smooth(turn + width);
+                }
+            }
+            if let Some(edge) = self.edge {
+                let cos_psi = (self.cos_i * cos_theta - edge) / product;
+                if cos_psi.abs() <= 1.0 {
+                    let psi = cos_psi.acos();
+                    self.inner_breaks.add_root(turn - psi);
+                    self.inner_breaks.add_root(turn + psi);
+                }
+            }
+        }
+        self.inner_breaks.finish();
+        let tolerance = Tolerance {
+            absolute: 0.1 * FLUX_ERROR,
+            relative: 1e-12,
+            max_pieces: 200,
+        };
+        let (model, wi, forward) = (self.model, self.wi, self.forward);
+        let weight = cos_theta.abs() * sin_theta;
+        integrate(
+            &self.inner_breaks,
+            tolerance,
+            &mut self.inner_pieces,
+            |psi| weight * model.bsdf(wi, from_spherical(theta, forward + psi)),
+        )
+    }
+
+    /// Polar angles at which the circle `wi . wo = edge` crosses the azimuth `psi` from forward:
+    /// `cos theta_i cos theta - sin theta_i sin theta cos psi = edge`.
+    fn edge_at_azimuth(&self, edge: f64, psi: f64) -> [Option<f64>; 3] {
+        let (a, b) = (self.cos_i, -self.sin_i * psi.cos());
+        let ratio = edge / a.hypot(b);
+        if ratio.abs() > 1.0 {
+            return [None; 3];
+        }
+        let (centre, radius) = (b.atan2(a), ratio.acos());
+        [
+            Some(centre + radius),
+            Some(centre - radius),
+            Some(centre - radius + TAU),
+        ]
+    }
+}

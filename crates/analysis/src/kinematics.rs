@@ -1,0 +1,144 @@
+//! The facet that sends light from one direction into another.
+
+use glam::DVec3;
+
+/// A facet that reflects or refracts light from `wi` into `wo`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Facet {
+    /// Unit normal, on the side of `wi`.
+    pub m: DVec3,
+    /// `wi . m`, above zero.
+    pub cos_alpha: f64,
+    /// `|wo . m|`, above zero.
+    pub cos_beta: f64,
+    /// `chi = dOmega_m / dOmega_o`: solid angle of normals per solid angle of `wo`.
+    pub chi: f64,
+}
+
+/// The facet that mirrors `wi` into `wo`; `None` unless both see its front and it looks upward.
+///
+/// `m = normalise(wi + wo)`, `chi = 1 / (4 cos alpha)`.
+///
+/// # Source
+/// Torrance and Sparrow 1967; Walter et al. 2007, Eqs. 13 and 14.
+#[must_use]
+pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
+    let m = (wi + wo).try_normalize()?;
+    let cos_alpha = wi.dot(m);
+    (cos_alpha > 0.0 && m.z > 0.0).then(|| Facet {
+        m,
+        cos_alpha,
+        cos_beta: cos_alpha,
+        chi: 0.25 / cos_alpha,
+    })
+}
+
+/// The facet that refracts `wi` into `wo`; `None` unless `wi` sees its front and `wo` its back and
+/// it looks upward.
+///
+/// The half vector `wi + eta wo` points down for `eta > 1` and up for `eta < 1`: the facet normal
+/// is on the side of `wi`. With `|wi + eta wo| = |eta cos beta - cos alpha|`,
+/// `chi = eta^2 cos beta / (eta cos beta - cos alpha)^2`.
+///
+/// # Source
+/// Xu and Sun 2008, Eq. A.14, simplified; identical to Walter et al. 2007, Eqs. 16 and 17.
+#[must_use]
+pub fn refracting_facet(wi: DVec3, wo: DVec3, eta: f64) -> Option<Facet> {
+    let half = if eta > 1.0 {
+        -(wi + eta * wo)
+    } else {
+        wi + eta * wo
+    };
+    let length_squared = half.length_squared();
+    let m = half.try_normalize()?;
+    let cos_alpha = wi.dot(m);
+    let cos_beta = -wo.dot(m);
+    (cos_alpha > 0.0 && cos_beta > 0.0 && m.z > 0.0).then(|| Facet {
+        m,
+        cos_alpha,
+        cos_beta,
+        chi: eta * eta * cos_beta / length_squared,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_optics::{dielectric, from_spherical, reflect, refract};
+
+    /// Solid angle of outgoing directions per solid angle of normals, by central differences along
+    /// two tangents of the unit sphere at `m`.
+    fn stretch(m: DVec3, outgoing: impl Fn(DVec3) -> DVec3) -> f64 {
+        let h = 1e-5;
+        let t = m.any_orthonormal_vector();
+        let b = m.cross(t);
+        let d = |v: DVec3| {
+            (outgoing((m + h * v).normalize()) - outgoing((m - h * v).normalize())) / (2.0 * h)
+        };
+        d(t).cross(d(b)).length()
+    }
+
+    #[test]
+    fn jacobian_is_the_stretch_of_solid_angles() {
+        // Central differences err by h^2 times third derivatives (h = 1e-5; derivatives up to some
+        // hundred towards the critical angle) and by eps / h = 2e-11.
+        let wi = from_spherical(0.6, 0.3);
+        for (theta, phi) in [(0.1, 0.0), (0.5, 2.0), (0.9, 5.5), (1.2, 1.0)] {
+            let m = from_spherical(theta, phi);
+            if wi.dot(m) <= 0.05 {
+                continue;
+            }
+            let wo = reflect(wi, m);
+            let facet = reflecting_facet(wi, wo).unwrap();
+            assert!((facet.m - m).length() < 1e-14);
+            let numeric = stretch(m, |m| reflect(wi, m));
+            assert!((facet.chi * numeric - 1.0).abs() < 1e-7);
+
+            for eta in [1.0 / 1.5, 0.9, 1.1, 1.5, 2.4] {
+                let fresnel = dielectric(wi.dot(m), eta);
+                if fresnel.transmitted < 0.2 {
+                    continue;
+                }
+                let turn = |m: DVec3| refract(wi, m, eta, dielectric(wi.dot(m), eta).cos_beta);
+                let facet = refracting_facet(wi, turn(m), eta).unwrap();
+                assert!((facet.m - m).length() < 1e-13, "{eta}");
+                assert!((facet.cos_beta - fresnel.cos_beta).abs() < 1e-13);
+                let numeric = stretch(m, turn);
+                assert!((facet.chi * numeric - 1.0).abs() < 1e-6, "{eta} {theta}");
+            }
+        }
+    }
+
+    #[test]
+    fn jacobian_equals_the_appendix_formula_where_that_is_defined() {
+        // Eq. A.14: sin(alpha) / sin(alpha - beta) / (1 - cos(alpha) / (n cos(beta))).
+        for eta in [0.7, 1.4] {
+            let alpha: f64 = 0.5;
+            let beta = (alpha.sin() / eta).asin();
+            let wi = from_spherical(alpha, 0.0);
+            let wo = -from_spherical(beta, 0.0);
+            let facet = refracting_facet(wi, wo, eta).unwrap();
+            let appendix =
+                alpha.sin() / (alpha - beta).sin() / (1.0 - alpha.cos() / (eta * beta.cos()));
+            assert!((facet.chi / appendix - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn normal_incidence_has_the_finite_limit() {
+        for eta in [0.7_f64, 1.4] {
+            let facet = refracting_facet(DVec3::Z, DVec3::NEG_Z, eta).unwrap();
+            assert!((facet.chi / (eta / (eta - 1.0)).powi(2) - 1.0).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn directions_that_no_facet_connects_are_none() {
+        let wi = from_spherical(0.5, 0.0);
+        // Refraction cannot turn light by more than the critical angle allows.
+        assert!(refracting_facet(wi, from_spherical(2.0, 0.0), 1.5).is_none());
+        assert!(refracting_facet(wi, from_spherical(2.0, 0.0), 1.0 / 1.5).is_none());
+        // Nor does any facet send light straight back through the surface.
+        assert!(reflecting_facet(wi, -wi).is_none());
+    }
+}

@@ -1,0 +1,299 @@
+//! The randomisation test of a model by sign flips of whole surfaces.
+//!
+//! Bins of one surface are correlated, and their distributions are not known; surfaces are
+//! independent. If the model is right, and the residuals `d_r = x_r - m` of a surface are as likely
+//! as their negatives, then giving each surface's residuals a random common sign changes nothing in
+//! distribution, correlations included. The p value is the rank of the observed statistic among
+//! those of the flipped data: exact under that symmetry for any number of surfaces, and close to it
+//! for moderate skewness, which the average over surfaces removes further.
+//!
+//! The statistic is the largest `|t|` over the bins, recomputed after every flip, with Hall's
+//! correction for skewness: a bin that is mostly dark and bright now and then has a long tail of
+//! negative `t`, which would else dominate the maximum and reject too often. With `S` mean over
+//! standard deviation and `g` the skewness of `R` residuals, both by moments,
+//!
+//! ```text
+//! t = sqrt(R) (S + g S^2 / 3 + g^2 S^3 / 27 + g / (6 R)).
+//! ```
+//!
+//! Any statistic is exact under symmetry. Tried on 8 to 64 surfaces of 30 bins with a skewness of
+//! about one, far more than surfaces of usual size have, it rejects 5 to 6.5 % at level 0.05 and 1 to
+//! 2.6 % at 0.01, the plain `t` 6.7 to 7.8 % and 1.6 to 2.6 %; with a skewness of 0.3 both keep their
+//! level. Flips leave squares alone and treat cubes as the residuals themselves, so two sums a bin
+//! do.
+//!
+//! # Source
+//! Fisher 1935; Westfall and Young 1993 for the maximum over correlated tests; Hall 1992, On the
+//! removal of skewness by transformation.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Below this many surfaces no test is made.
+pub(crate) const MIN_SURFACES: usize = 6;
+/// Up to this many surfaces all `2^(R - 1)` distinct flips are made.
+const EXHAUSTIVE_SURFACES: usize = 13;
+/// Random flips for more surfaces, besides the data themselves.
+const RANDOM_FLIPS: usize = 4095;
+
+/// Result of the sign-flip test of one model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignFlipTest {
+    /// Share of the flips, the data themselves included, whose statistic reaches the observed one.
+    pub p: f64,
+    /// The least `p` that this many surfaces and flips can give.
+    pub min_p: f64,
+    /// Number of flips, the data themselves included.
+    pub flips: usize,
+    /// Whether these are all distinct flips, or a random choice.
+    pub exhaustive: bool,
+    /// The largest `|t|` over the tested bins, corrected for skewness; infinite if all surfaces
+    /// deviate by the same amount.
+    pub max_t: f64,
+    /// Number of the bin that has it.
+    pub bin: usize,
+}
+
+/// Why there is no p value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Untested {
+    /// One surface says nothing about the scatter between surfaces.
+    #[error("one surface shows no scatter between surfaces, so its deviation cannot be judged")]
+    OneSurface,
+    /// Too few surfaces for a test.
+    #[error("too few surfaces: {found}, at least {needed} are needed")]
+    TooFewSurfaces {
+        /// Surfaces given.
+        found: usize,
+        /// Surfaces needed.
+        needed: usize,
+    },
+    /// No bin holds enough rays.
+    #[error("no bin holds enough rays to be tested")]
+    NoBins,
+}
+
+/// Signs of `surfaces` rows for `flips` flips, flip by flip; the first is the data themselves.
+pub(crate) fn flip_signs(surfaces: usize, flips: usize, exhaustive: bool, seed: u64) -> Vec<f64> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut signs = Vec::with_capacity(surfaces * flips);
+    for flip in 0..flips {
+        let mut bits = 0;
+        for row in 0..surfaces {
+            let negative = if exhaustive {
+                // The last row keeps its sign: a flip and its negative are the same.
+                row + 1 < surfaces && flip >> row & 1 == 1
+            } else {
+                if row % 64 == 0 {
+                    bits = rng.next_u64();
+                }
+                flip > 0 && bits >> (row % 64) & 1 == 1
+            };
+            signs.push(if negative { -1.0 } else { 1.0 });
+        }
+    }
+    signs
+}
+
+/// Calls `visit(flip, first column, sums)` with `sum_r sign[flip][r] rows[r][column]` of each of
+/// `tables`, for blocks of columns small enough to stay in the nearest cache.
+pub(crate) fn flipped_sums<const N: usize>(
+    tables: &[&[Vec<f64>]; N],
+    signs: &[f64],
+    mut visit: impl FnMut(usize, usize, [&[f64]; N]),
+) {
+    const BLOCK: usize = 32;
+    let rows = tables[0].len();
+    let columns = tables[0].first().map_or(0, Vec::len);
+    for first in (0..columns).step_by(BLOCK) {
+        let width = BLOCK.min(columns - first);
+        let blocks = tables.map(|table| -> Vec<[f64; BLOCK]> {
+            let padded = |row: &Vec<f64>| {
+                let mut padded = [0.0; BLOCK];
+                padded[..width].copy_from_slice(&row[first..first + width]);
+                padded
+            };
+            table.iter().map(padded).collect()
+        });
+        for (flip, signs) in signs.chunks_exact(rows).enumerate() {
+            let sums = blocks.each_ref().map(|block| {
+                let mut sums = [0.0; BLOCK];
+                for (row, &sign) in block.iter().zip(signs) {
+                    for (sum, x) in sums.iter_mut().zip(row) {
+                        *sum += sign * x;
+                    }
+                }
+                sums
+            });
+            visit(flip, first, sums.each_ref().map(|sums| &sums[..width]));
+        }
+    }
+}
+
+/// `|t|` with Hall's correction, from the sum of `r` residuals and the sum of their cubes, scaled
+/// so that the sum of their squares is one.
+fn corrected_t(sum: f64, cubes: f64, r: f64) -> f64 {
+    let mean = sum / r;
+    let variance = 1.0 / r - mean * mean;
+    if variance <= 1e-12 / r {
+        return f64::INFINITY;
+    }
+    let deviation = variance.sqrt();
+    let third = cubes / r - 3.0 * mean / r + 2.0 * mean * mean * mean;
+    let g = third / (variance * deviation);
+    let s = mean / deviation;
+    (r.sqrt() * (s + g * s * s / 3.0 + g * g * s * s * s / 27.0 + g / (6.0 * r))).abs()
+}
+
+/// Tests the residuals `[surface][bin]`; `bins` are the numbers of the bins to use.
+pub(crate) fn sign_flip_test(
+    residuals: &[Vec<f64>],
+    bins: &[usize],
+    seed: u64,
+) -> Result<SignFlipTest, Untested> {
+    let surfaces = residuals.len();
+    if surfaces == 1 {
+        return Err(Untested::OneSurface);
+    }
+    if surfaces < MIN_SURFACES {
+        return Err(Untested::TooFewSurfaces {
+            found: surfaces,
+            needed: MIN_SURFACES,
+        });
+    }
+    if bins.is_empty() {
+        return Err(Untested::NoBins);
+    }
+    // Columns of unit length; a bin without any residual agrees whatever the flip, and stays zero.
+    let scale: Vec<f64> = bins
+        .iter()
+        .map(|&b| {
+            let norm = residuals.iter().map(|d| d[b] * d[b]).sum::<f64>().sqrt();
+            if norm > 0.0 { 1.0 / norm } else { 0.0 }
+        })
+        .collect();
+    let power = |exponent: i32| -> Vec<Vec<f64>> {
+        residuals
+            .iter()
+            .map(|d| {
+                let unit = bins.iter().zip(&scale).map(|(&b, k)| d[b] * k);
+                unit.map(|u| u.powi(exponent)).collect()
+            })
+            .collect()
+    };
+    let (firsts, cubes) = (power(1), power(3));
+
+    let exhaustive = surfaces <= EXHAUSTIVE_SURFACES;
+    let flips = if exhaustive {
+        1 << (surfaces - 1)
+    } else {
+        RANDOM_FLIPS + 1
+    };
+    let signs = flip_signs(surfaces, flips, exhaustive, seed);
+    let mut largest = vec![0.0_f64; flips];
+    let mut observed = (0.0_f64, 0);
+    flipped_sums(&[&firsts, &cubes], &signs, |flip, first, [sums, cubes]| {
+        let mut max = 0.0_f64;
+        for (i, (&sum, &cube)) in sums.iter().zip(cubes).enumerate() {
+            let t = corrected_t(sum, cube, surfaces as f64);
+            max = max.max(t);
+            if flip == 0 && t > observed.0 {
+                observed = (t, first + i);
+            }
+        }
+        largest[flip] = largest[flip].max(max);
+    });
+    // Flips that reproduce the data up to rounding count as ties.
+    let bound = observed.0 * (1.0 - 1e-9);
+    let reached = largest.iter().filter(|&&t| t >= bound).count();
+    Ok(SignFlipTest {
+        p: reached as f64 / flips as f64,
+        min_p: 1.0 / flips as f64,
+        flips,
+        exhaustive,
+        max_t: observed.0,
+        bin: bins[observed.1],
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exhaustive_flips_are_all_distinct_up_to_a_common_sign() {
+        let surfaces = 7;
+        let flips = 1 << (surfaces - 1);
+        let signs = flip_signs(surfaces, flips, true, 0);
+        assert!(signs[..surfaces].iter().all(|&s| s == 1.0));
+        let mut seen: Vec<Vec<i8>> = signs
+            .chunks(surfaces)
+            .map(|flip| flip.iter().map(|&s| (s * flip[0]) as i8).collect())
+            .collect();
+        seen.sort();
+        seen.dedup();
+        assert_eq!(seen.len(), flips);
+    }
+
+    #[test]
+    fn random_flips_start_with_the_data_and_repeat_with_the_seed() {
+        let signs = flip_signs(100, 50, false, 3);
+        assert!(signs[..100].iter().all(|&s| s == 1.0));
+        assert_eq!(signs, flip_signs(100, 50, false, 3));
+        assert_ne!(signs, flip_signs(100, 50, false, 4));
+        let sum: f64 = signs[100..].iter().sum();
+        // 4900 fair signs: standard deviation 70.
+        assert!(sum.abs() < 280.0, "{sum}");
+    }
+
+    #[test]
+    fn a_single_bin_gives_the_textbook_rank() {
+        // Of the 2^5 sign patterns of (1..6), the sum 21 is reached by the data alone.
+        let residuals: Vec<Vec<f64>> = (1..=6).map(|i| vec![f64::from(i)]).collect();
+        let test = sign_flip_test(&residuals, &[0], 0).unwrap();
+        assert!(test.exhaustive);
+        assert_eq!(
+            (test.flips, test.p, test.min_p),
+            (32, 1.0 / 32.0, 1.0 / 32.0)
+        );
+        // No skewness: t = sqrt(6) mean / sd, with mean 3.5 and variance 35 / 12.
+        let expected = 3.5 * (6.0 * 12.0 / 35.0_f64).sqrt();
+        assert!((test.max_t / expected - 1.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn skewness_is_corrected_as_published() {
+        // Residuals 0, 0, 0, 4 scaled to unit length: mean 1/4, variance 3/16, third moment 3/32.
+        let (variance, mean) = (3.0 / 16.0_f64, 0.25);
+        let (s, g) = (mean / variance.sqrt(), 3.0 / 32.0 / variance.powf(1.5));
+        let expected = 2.0 * (s + g * s * s / 3.0 + g * g * s.powi(3) / 27.0 + g / 24.0);
+        assert!((corrected_t(1.0, 1.0, 4.0) - expected).abs() < 1e-14);
+        assert_eq!(corrected_t(-1.0, -1.0, 4.0), corrected_t(1.0, 1.0, 4.0));
+    }
+
+    #[test]
+    fn equal_deviations_of_all_surfaces_are_infinitely_significant() {
+        let residuals = vec![vec![0.0, -0.25]; 8];
+        let test = sign_flip_test(&residuals, &[0, 1], 0).unwrap();
+        assert_eq!(test.max_t, f64::INFINITY);
+        assert_eq!((test.bin, test.p), (1, 1.0 / 128.0));
+        // Perfect agreement, on the other hand, is no deviation at all.
+        let test = sign_flip_test(&residuals, &[0], 0).unwrap();
+        assert_eq!((test.max_t, test.p), (0.0, 1.0));
+    }
+
+    #[test]
+    fn blocks_of_columns_cover_every_bin() {
+        let rows: Vec<Vec<f64>> = (0..3)
+            .map(|r| (0..150).map(|b| f64::from(r * 1000 + b)).collect())
+            .collect();
+        let mut sums = vec![f64::NAN; 150];
+        flipped_sums(&[&rows], &[1.0, -1.0, 1.0], |_, first, [block]| {
+            sums[first..first + block.len()].copy_from_slice(block);
+        });
+        for (b, sum) in sums.iter().enumerate() {
+            assert_eq!(*sum, b as f64 + 1000.0);
+        }
+    }
+}

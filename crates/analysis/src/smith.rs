@@ -1,0 +1,251 @@
+//! The microfacet model of Beckmann normals with Smith's shadowing and masking.
+//!
+//! Parameters: smoothness `s = tau / sigma > 0` (Beckmann's `alpha_b = 2 / s`), the material and the
+//! joint shadowing-masking function. Lambda is exact, not the rational fit in wide use.
+
+use asperity_optics::Material;
+use asperity_tally::HemisphereGrid;
+use glam::DVec3;
+
+use crate::beckmann::{normal_density, smith_lambda_of};
+use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::model::{
+    BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
+};
+
+/// How shadowing of the light and masking of the view go together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masking {
+    /// Independent: `G2 = G1(wi) G1(wo)`.
+    Separable,
+    /// Through the height of the point: `1 / (1 + Lambda_i + Lambda_o)` on the same side, the Beta
+    /// function `B(1 + Lambda_i, 1 + Lambda_o)` on opposite sides, where a high point is well lit
+    /// and badly seen.
+    HeightCorrelated,
+}
+
+/// Beckmann normals with Smith's masking, reflection and refraction.
+///
+/// # Source
+/// Walter et al. 2007, Eqs. 20 and 21; Heitz et al. 2016 for the height-correlated forms.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smith {
+    smoothness: f64,
+    material: Material,
+    masking: Masking,
+}
+
+impl Smith {
+    /// The name of the height-correlated model.
+    pub const NAME_CORRELATED: &'static str = "smith";
+    /// The name of the separable model.
+    pub const NAME_SEPARABLE: &'static str = "smith-separable";
+
+    /// The model for a surface of smoothness `tau / sigma`.
+    ///
+    /// # Errors
+    /// [`ModelError`] for a smoothness that is not positive and finite, an impossible material or
+    /// equal indices.
+    pub fn new(smoothness: f64, material: Material, masking: Masking) -> Result<Self, ModelError> {
+        validate(smoothness, material)?;
+        Ok(Self {
+            smoothness,
+            material,
+            masking,
+        })
+    }
+
+    /// Share of the facets facing both ways that `wi` lights and `wo` sees.
+    fn visible_share(&self, wi: DVec3, wo: DVec3) -> f64 {
+        let lambda_i = smith_lambda_of(wi, self.smoothness);
+        let lambda_o = smith_lambda_of(wo, self.smoothness);
+        match self.masking {
+            Masking::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
+            Masking::HeightCorrelated if wo.z > 0.0 => 1.0 / (1.0 + lambda_i + lambda_o),
+            Masking::HeightCorrelated => beta_of_one_plus(lambda_i, lambda_o),
+        }
+    }
+}
+
+/// The Beta function `B(1 + x, 1 + y)` for `x, y >= 0`.
+fn beta_of_one_plus(x: f64, y: f64) -> f64 {
+    let (small, large) = if x < y { (x, y) } else { (y, x) };
+    if large < 20.0 {
+        return (libm::lgamma(1.0 + x) + libm::lgamma(1.0 + y) - libm::lgamma(2.0 + x + y)).exp();
+    }
+    if large == f64::INFINITY {
+        return 0.0;
+    }
+    // Large logarithms of Gamma would cancel. Stirling's series for ln Gamma(z) - ln Gamma(z + d),
+    // z = 1 + large, d = 1 + small, written so that the leading terms have cancelled by hand; the
+    // first neglected term is 1 / (1188 z^9) < 2e-15.
+    let (z, d) = (1.0 + large, 1.0 + small);
+    let tail = |z: f64| {
+        let w = 1.0 / (z * z);
+        (1.0 / 12.0 - w * (1.0 / 360.0 - w * (1.0 / 1260.0 - w / 1680.0))) / z
+    };
+    let ratio = d - (z - 0.5) * (d / z).ln_1p() - d * (z + d).ln() + tail(z) - tail(z + d);
+    (libm::lgamma(1.0 + small) + ratio).exp()
+}
+
+impl ScatteringModel for Smith {
+    fn name(&self) -> &'static str {
+        match self.masking {
+            Masking::Separable => Self::NAME_SEPARABLE,
+            Masking::HeightCorrelated => Self::NAME_CORRELATED,
+        }
+    }
+
+    fn description(&self) -> &'static str {
+        match self.masking {
+            Masking::Separable => {
+                "Beckmann microfacets, separable Smith masking, exact Lambda (Walter et al. 2007)"
+            }
+            Masking::HeightCorrelated => {
+                "Beckmann microfacets, height-correlated Smith masking, exact Lambda (Heitz et al. 2016)"
+            }
+        }
+    }
+
+    fn scope(&self) -> Scope {
+        Scope::SingleScattering
+    }
+
+    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid) -> ExpectedFluxes {
+        exact_fluxes(self, wi, grid)
+    }
+}
+
+impl BsdfModel for Smith {
+    fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
+        if wi.z <= 0.0 || wo.z == 0.0 {
+            return 0.0;
+        }
+        let reflected = wo.z > 0.0;
+        let facet = if reflected {
+            reflecting_facet(wi, wo)
+        } else {
+            self.material
+                .transmitting_index()
+                .and_then(|eta| refracting_facet(wi, wo, eta))
+        };
+        let Some(facet) = facet else {
+            return 0.0;
+        };
+        let d = normal_density(facet.m, self.smoothness);
+        if d == 0.0 {
+            return 0.0;
+        }
+        let fresnel = self.material.fresnel(facet.cos_alpha.min(1.0));
+        let f = if reflected {
+            fresnel.reflected
+        } else {
+            fresnel.transmitted
+        };
+        facet.cos_alpha * f * d * facet.chi * self.visible_share(wi, wo) / (wi.z * wo.z.abs())
+    }
+
+    fn material(&self) -> Material {
+        self.material
+    }
+
+    fn smoothness(&self) -> f64 {
+        self.smoothness
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_optics::from_spherical;
+
+    const MASKINGS: [Masking; 2] = [Masking::Separable, Masking::HeightCorrelated];
+
+    fn mirrored(w: DVec3) -> DVec3 {
+        DVec3::new(w.x, w.y, -w.z)
+    }
+
+    #[test]
+    fn reflection_is_reciprocal() {
+        for masking in MASKINGS {
+            for material in [
+                Material::Mirror,
+                Material::dielectric(1.5).unwrap(),
+                Material::dielectric(1.0 / 1.5).unwrap(),
+                Material::conductor(0.21, 3.272).unwrap(),
+            ] {
+                let model = Smith::new(1.5, material, masking).unwrap();
+                for (a, b) in [((0.3, 0.0), (1.0, 2.0)), ((1.2, 5.0), (0.1, 3.0))] {
+                    let (wi, wo) = (from_spherical(a.0, a.1), from_spherical(b.0, b.1));
+                    let (f, g) = (model.bsdf(wi, wo), model.bsdf(wo, wi));
+                    assert!(f > 0.0 && (f / g - 1.0).abs() < 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn transmission_is_reciprocal_up_to_the_squared_index() {
+        // Seen from below, the surface is one of the same statistics with index 1 / eta.
+        for masking in MASKINGS {
+            for eta in [1.0 / 1.5, 1.1, 1.5] {
+                let above = Smith::new(1.0, Material::dielectric(eta).unwrap(), masking).unwrap();
+                let below =
+                    Smith::new(1.0, Material::dielectric(1.0 / eta).unwrap(), masking).unwrap();
+                for (a, b) in [((0.3, 0.1), (2.9, 3.0)), ((0.7, 4.0), (2.7, 1.4))] {
+                    let (wi, wo) = (from_spherical(a.0, a.1), from_spherical(b.0, b.1));
+                    let f = above.bsdf(wi, wo);
+                    let g = below.bsdf(mirrored(wo), mirrored(wi));
+                    assert!(f > 0.0, "{eta}");
+                    // The half vector's rounding, eps / |eta - 1|, enters through the exponent.
+                    assert!((f / (eta * eta * g) - 1.0).abs() < 1e-12, "{eta}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn beta_function_joins_its_limits() {
+        // B(1, 1 + y) = 1 / (1 + y) and B(2, 2) = 1 / 6, B(3, 4) = 2! 3! / 6! = 1 / 60.
+        assert!((beta_of_one_plus(1.0, 1.0) * 6.0 - 1.0).abs() < 1e-14);
+        assert!((beta_of_one_plus(2.0, 3.0) * 60.0 - 1.0).abs() < 1e-13);
+        for y in [0.0, 0.3, 50.0] {
+            for x in [0.0, 1e-19, 1e-17] {
+                assert!((beta_of_one_plus(x, y) * (1.0 + y) - 1.0).abs() < 1e-13);
+            }
+        }
+        // B(1 + n, 1 + y) = n! / ((1 + y) (2 + y) ... (1 + n + y)), across the change of form.
+        for y in [19.999, 20.0, 1e3, 1e9, 1e60] {
+            let expected = 6.0 / (1.0 + y) / (2.0 + y) / (3.0 + y) / (4.0 + y);
+            let error = beta_of_one_plus(y, 3.0) / expected - 1.0;
+            // The logarithm of the result, up to 920, is rounded before it is raised again.
+            assert!(
+                error.abs() < 8.0 * f64::EPSILON * (20.0 + expected.ln().abs()),
+                "{y} {error:e}"
+            );
+        }
+        assert_eq!(beta_of_one_plus(0.0, f64::INFINITY), 0.0);
+    }
+
+    #[test]
+    fn shadowing_and_masking_on_opposite_sides_oppose_each_other() {
+        // Anticorrelated across the surface, correlated on one side of it.
+        let correlated = Smith::new(1.0, Material::Mirror, Masking::HeightCorrelated).unwrap();
+        let separable = Smith::new(1.0, Material::Mirror, Masking::Separable).unwrap();
+        let wi = from_spherical(1.0, 0.0);
+        let up = from_spherical(1.2, 2.0);
+        assert!(correlated.visible_share(wi, up) > separable.visible_share(wi, up));
+        let down = mirrored(up);
+        assert!(correlated.visible_share(wi, down) < separable.visible_share(wi, down));
+    }
+
+    #[test]
+    fn opaque_materials_transmit_nothing() {
+        for material in [Material::Mirror, Material::conductor(0.2, 3.0).unwrap()] {
+            let model = Smith::new(2.0, material, Masking::HeightCorrelated).unwrap();
+            assert_eq!(model.bsdf(DVec3::Z, DVec3::NEG_Z), 0.0);
+            assert!(model.bsdf(DVec3::Z, DVec3::Z) > 0.0);
+            assert_eq!(model.bsdf(DVec3::NEG_Z, DVec3::Z), 0.0);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Whether a model holds within the error of the explicit result.
+
+use std::fmt;
+
+use crate::comparison::Comparison;
+use crate::family::sidak_level;
+use crate::sign_flip::Untested;
+
+/// The probability with which at least one model that is right may be said to fail.
+pub const DEFAULT_LEVEL: f64 = 0.01;
+
+/// What a comparison says of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// No deviation beyond the error was found. A smaller error might still find one: the noise of
+    /// the total variation says how large a deviation would have been seen.
+    Holds,
+    /// The deviation is larger than chance explains.
+    Fails,
+    /// The data cannot tell.
+    NotResolved(Unresolved),
+}
+
+/// Why the data cannot tell whether a model holds.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unresolved {
+    /// There is no p value.
+    #[error(transparent)]
+    Untested(#[from] Untested),
+    /// Even the largest deviation could not reach the level.
+    #[error(
+        "too few surfaces: the least p value that they can give is {min_p}, above the level {level:.2e}"
+    )]
+    LevelOutOfReach {
+        /// The least p value.
+        min_p: f64,
+        /// The level of one test.
+        level: f64,
+    },
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Holds => f.write_str("holds"),
+            Self::Fails => f.write_str("fails"),
+            Self::NotResolved(reason) => write!(f, "not resolved: {reason}"),
+        }
+    }
+}
+
+/// One verdict for each of the models compared with the same surfaces.
+///
+/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` models, so that
+/// with probability of at least `1 - level` no model that is right fails. The tests of models on
+/// the same surfaces depend positively on each other, which errs towards holding.
+#[must_use]
+pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
+    let level = sidak_level(level, comparisons.len());
+    comparisons
+        .iter()
+        .map(|comparison| match comparison.test {
+            Err(reason) => Verdict::NotResolved(reason.into()),
+            Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
+                min_p: test.min_p,
+                level,
+            }),
+            Ok(test) if test.p < level => Verdict::Fails,
+            Ok(_) => Verdict::Holds,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare;
+
+    fn surfaces(count: usize) -> Vec<Vec<f64>> {
+        // Deviations from 0.3 of either sign, the same in sum.
+        (0..count)
+            .map(|r| vec![0.3 + if r % 2 == 0 { 1e-3 } else { -1e-3 } * (1.0 + r as f64 / 8.0)])
+            .collect()
+    }
+
+    #[test]
+    fn the_words_are_holds_fails_and_not_resolved() {
+        let right = compare(&surfaces(10), &[0.3], &[true], 0).unwrap();
+        let wrong = compare(&surfaces(10), &[0.31], &[true], 0).unwrap();
+        let both = verdicts(&[right, wrong], DEFAULT_LEVEL);
+        assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
+        assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
+    }
+
+    #[test]
+    fn too_few_surfaces_leave_the_question_open() {
+        // Seven surfaces reach p = 1/64 at best: no deviation could fail a model at 0.01.
+        for (count, text) in [
+            (1, "not resolved: one surface shows"),
+            (4, "not resolved: too few surfaces: 4, at least 6"),
+            (7, "not resolved: too few surfaces: the least p value"),
+        ] {
+            let wrong = compare(&surfaces(count), &[0.9], &[true], 0).unwrap();
+            let verdict = verdicts(&[wrong], DEFAULT_LEVEL)[0].to_string();
+            assert!(verdict.starts_with(text), "{verdict}");
+        }
+        let wrong = compare(&surfaces(8), &[0.9], &[true], 0).unwrap();
+        assert_eq!(verdicts(&[wrong], DEFAULT_LEVEL), [Verdict::Fails]);
+    }
+}

@@ -1,0 +1,361 @@
+//! What can be asked for on the command line.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use asperity_experiment::{parse_count, parse_number};
+use asperity_surface::{Border, Form, MissingPolicy};
+use asperity_tally::HemisphereGrid;
+use asperity_tracer::{AcceleratorKind, Branching};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// Light on explicit rough surfaces: generate or read a height map, mesh it, trace real reflection
+/// and refraction on it, and compare what comes out with the statistical models.
+///
+/// Angles are in degrees; --theta and --phi give the direction towards the light. Numbers may be
+/// quotients (1/1.4), counts may be written as 1e6. Exit codes: 0 done, 1 failed, 2 wrong usage.
+#[derive(Debug, Parser)]
+#[command(name = "asperity", version, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    pub(crate) common: Common,
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// Options of every command.
+#[derive(Debug, Args)]
+pub(crate) struct Common {
+    /// Threads to use; all cores unless given
+    #[arg(long, global = true, value_name = "N")]
+    pub(crate) threads: Option<NonZeroUsize>,
+    /// Print nothing but results and errors
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say on standard error what is done and how long it takes
+    #[arg(long, short, global = true)]
+    pub(crate) verbose: bool,
+}
+
+impl Common {
+    /// Says something on standard error with `--verbose`.
+    pub(crate) fn say(&self, what: impl FnOnce() -> String) {
+        if self.verbose {
+            eprintln!("{}", what());
+        }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Draw a random rough surface and write it as a height map
+    Generate(Generate),
+    /// Roughness statistics of a height map
+    Inspect(Inspect),
+    /// Write a height map as the triangle mesh that is traced
+    Mesh(Mesh),
+    /// Trace light on one surface
+    Trace(Trace),
+    /// Trace light on fresh random surfaces and compare with the statistical models
+    Verify(Verify),
+    /// Evaluate a statistical model
+    Model(Model),
+}
+
+/// How a height map is read.
+#[derive(Debug, Args)]
+pub(crate) struct Reading {
+    /// What lies beyond the border: periodic, mirrored or open; as the file says unless given
+    #[arg(long, value_name = "BORDER")]
+    pub(crate) border: Option<Border>,
+    /// What to do with missing points: refuse or fill
+    #[arg(long, value_name = "POLICY", default_value = "refuse")]
+    pub(crate) missing: MissingPolicy,
+    /// Form to remove by least squares: none, mean, plane or parabola
+    #[arg(long, value_name = "FORM", default_value = "none")]
+    pub(crate) remove: Form,
+}
+
+/// The power spectral densities.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum PsdKind {
+    /// Gaussian autocorrelation.
+    Gaussian,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Generate {
+    /// 1/e correlation length tau, C = sigma^2 exp(-r^2 / tau^2), length units
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) tau: f64,
+    /// The same along the second principal axis [default: tau]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) tau_y: Option<f64>,
+    /// Angle from +x to the first principal axis, degrees
+    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
+    pub(crate) azimuth: f64,
+    /// Smoothness s = tau / sigma
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) smoothness: Option<f64>,
+    /// Root mean square height sigma, length units; instead of --smoothness
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, conflicts_with = "smoothness", required_unless_present = "smoothness")]
+    pub(crate) sigma: Option<f64>,
+    /// Samples along x, or X,Y
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, default_value = "1024")]
+    pub(crate) size: Vec<u64>,
+    /// Length units a sample along x, or X,Y
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, default_value = "1", allow_negative_numbers = true)]
+    pub(crate) spacing: Vec<f64>,
+    /// Length unit: 1 (arbitrary), m, mm, um or nm
+    #[arg(long, default_value = "1")]
+    pub(crate) unit: asperity_surface::LengthUnit,
+    /// Power spectral density
+    #[arg(long, value_enum, default_value = "gaussian")]
+    pub(crate) psd: PsdKind,
+    /// Seed
+    #[arg(long)]
+    pub(crate) seed: u64,
+    /// Which realisation of that seed
+    #[arg(long, default_value = "0")]
+    pub(crate) realisation: u64,
+    /// Draw even what the grid cannot resolve or hold
+    #[arg(long)]
+    pub(crate) insist: bool,
+    /// File to write: .exr, .npy, .gsf, .x3p, or .png for the eye
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Print requested and realised statistics as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Inspect {
+    /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv
+    pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+    /// Print as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Draw the height map with a colour bar: .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plot: Option<PathBuf>,
+    /// Write the surface as it was read, filled and freed of form: .exr, .npy, .gsf, .x3p or .png
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Mesh {
+    /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv
+    pub(crate) file: PathBuf,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+    /// File to write: .ply, .obj or .stl
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+}
+
+/// The kinds of material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MaterialArgument {
+    /// Reflects and transmits; --eta is n_transmitted / n_incident
+    Dielectric,
+    /// Reflects and absorbs; its index is --eta + i --kappa
+    Conductor,
+    /// Reflects everything
+    Mirror,
+}
+
+/// The side that light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FromArgument {
+    /// Above the surface
+    Above,
+    /// Below the surface
+    Below,
+}
+
+/// Both branches or one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum BranchingArgument {
+    /// Follow the reflected and the transmitted branch
+    Split,
+    /// Pick one at random
+    Pick,
+}
+
+impl From<BranchingArgument> for Branching {
+    fn from(branching: BranchingArgument) -> Self {
+        match branching {
+            BranchingArgument::Split => Self::Split,
+            BranchingArgument::Pick => Self::Pick,
+        }
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Trace {
+    /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv
+    #[arg(required_unless_present = "flat")]
+    pub(crate) file: Option<PathBuf>,
+    /// A flat surface in place of FILE
+    #[arg(long, conflicts_with_all = ["file", "border", "missing", "remove"])]
+    pub(crate) flat: bool,
+    #[command(flatten)]
+    pub(crate) reading: Reading,
+    /// Material of the surface
+    #[arg(long, value_enum, default_value = "dielectric")]
+    pub(crate) material: MaterialArgument,
+    /// Relative refractive index n_transmitted / n_incident [default: 1.5 for a dielectric]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) eta: Option<f64>,
+    /// Absorption index of a conductor
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) kappa: Option<f64>,
+    /// Polar angle of the direction towards the light, degrees, from 0 to below 90
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) theta: f64,
+    /// Azimuth of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
+    pub(crate) phi: f64,
+    /// The side that the light comes from
+    #[arg(long, value_enum, default_value = "above")]
+    pub(crate) from: FromArgument,
+    /// Rays in all
+    #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
+    pub(crate) rays: u64,
+    /// Seed of the rays
+    #[arg(long, default_value = "1")]
+    pub(crate) seed: u64,
+    /// Bins of a hemisphere, THETAxPHI
+    #[arg(long, default_value = "18x36")]
+    pub(crate) bins: HemisphereGrid,
+    /// Half width of the in-plane wedge, degrees
+    #[arg(long, value_parser = parse_number, default_value = "5", allow_negative_numbers = true)]
+    pub(crate) in_plane_half_width: f64,
+    /// Follow both branches at an interface, or pick one
+    #[arg(long, value_enum, default_value = "split")]
+    pub(crate) branching: BranchingArgument,
+    /// Flux, of an incident ray's, below which roulette decides whether a branch goes on
+    #[arg(long, value_parser = parse_number, default_value = "0.01", allow_negative_numbers = true)]
+    pub(crate) roulette: f64,
+    /// Interactions after which a path is truncated
+    #[arg(long, default_value = "10000")]
+    pub(crate) max_order: u32,
+    /// How hits are found: auto, mesh or brute-force
+    #[arg(long, default_value = "auto")]
+    pub(crate) accelerator: AcceleratorKind,
+    /// Folder for summary.json, histogram.csv, in_plane.csv and plots
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+    /// Draw no plots
+    #[arg(long)]
+    pub(crate) no_plots: bool,
+    /// Print summary.json on standard output
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Verify {
+    /// Configuration; every key has a default, and flags override the file
+    pub(crate) config: Option<PathBuf>,
+    /// 1/e correlation length, length units
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) tau: Option<f64>,
+    /// Smoothness tau / sigma, one or several: 6,3,1
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true, conflicts_with = "sigma")]
+    pub(crate) smoothness: Vec<f64>,
+    /// Root mean square height, one or several; instead of --smoothness
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) sigma: Vec<f64>,
+    /// Samples along x, or X,Y
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1)]
+    pub(crate) size: Vec<u64>,
+    /// Length units a sample along x, or X,Y
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) spacing: Vec<f64>,
+    /// Draw surfaces even if the grid cannot resolve or hold them
+    #[arg(long)]
+    pub(crate) insist: bool,
+    /// Material of the surface
+    #[arg(long, value_enum)]
+    pub(crate) material: Option<MaterialArgument>,
+    /// Relative refractive index, one or several: 1.4,1/1.4
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) eta: Vec<f64>,
+    /// Absorption index of a conductor
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) kappa: Option<f64>,
+    /// Polar angle of the direction towards the light, degrees, one or several: 0,30,60
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) theta: Vec<f64>,
+    /// Azimuth of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) phi: Option<f64>,
+    /// The side that the light comes from
+    #[arg(long, value_enum)]
+    pub(crate) from: Option<FromArgument>,
+    /// Surfaces drawn for each case
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) realisations: Option<u64>,
+    /// Rays for each case, over all its surfaces
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) rays: Option<u64>,
+    /// Seed of surfaces and rays
+    #[arg(long)]
+    pub(crate) seed: Option<u64>,
+    /// Bins of a hemisphere, THETAxPHI
+    #[arg(long)]
+    pub(crate) bins: Option<HemisphereGrid>,
+    /// How hits are found: auto, mesh or brute-force
+    #[arg(long)]
+    pub(crate) accelerator: Option<AcceleratorKind>,
+    /// Models to compare with, by name: xu-sun,smith,smith-separable
+    #[arg(long, value_delimiter = ',', num_args = 1)]
+    pub(crate) models: Option<Vec<String>>,
+    /// Folder for the results
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Draw no plots
+    #[arg(long)]
+    pub(crate) no_plots: bool,
+    /// Print the comparison as JSON on standard output, instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Model {
+    /// Name: xu-sun, smith or smith-separable
+    pub(crate) name: String,
+    /// Smoothness s = tau / sigma
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) smoothness: f64,
+    /// Material of the surface
+    #[arg(long, value_enum, default_value = "dielectric")]
+    pub(crate) material: MaterialArgument,
+    /// Relative refractive index [default: 1.5 for a dielectric]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) eta: Option<f64>,
+    /// Absorption index of a conductor
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) kappa: Option<f64>,
+    /// Polar angle of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) theta: f64,
+    /// Azimuth of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
+    pub(crate) phi: f64,
+    /// Degrees between directions
+    #[arg(long, value_parser = parse_number, default_value = "1", allow_negative_numbers = true)]
+    pub(crate) step: f64,
+    /// The whole sphere of outgoing directions, not only the plane of incidence
+    #[arg(long)]
+    pub(crate) sphere: bool,
+    /// File to write, .csv; standard output unless given
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+}

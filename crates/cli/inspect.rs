@@ -1,0 +1,68 @@
+//! `asperity inspect`: roughness statistics of a height map.
+
+use std::path::Path;
+
+use asperity_experiment::height_map_figure;
+use asperity_io::{write_bytes, write_height_map};
+use asperity_surface::{HeightField, Roughness};
+
+use crate::args::{Common, Inspect};
+use crate::failure::Failure;
+use crate::input::{name_of, read_surface};
+use crate::output::{print, print_json};
+use crate::text::roughness_table;
+
+pub(crate) fn run(command: &Inspect, common: &Common) -> Result<(), Failure> {
+    let plot = command
+        .plot
+        .as_deref()
+        .map(PlotFormat::from_path)
+        .transpose()?;
+    let input = read_surface(&command.file, &command.reading, common)?;
+    let roughness = Roughness::of(&input.field);
+    if let (Some(path), Some(format)) = (&command.plot, plot) {
+        draw(path, format, &input.field, &name_of(&command.file))?;
+        common.say(|| format!("{} drawn", path.display()));
+    }
+    if let Some(path) = &command.output {
+        write_height_map(path, &input.field).map_err(Failure::failed)?;
+        common.say(|| format!("{} written", path.display()));
+    }
+    if command.json {
+        return print_json(&roughness);
+    }
+    print(&roughness_table(&command.file, &input, &roughness))
+}
+
+/// Formats of a plot, by file ending.
+#[derive(Clone, Copy)]
+enum PlotFormat {
+    Svg,
+    Png,
+}
+
+impl PlotFormat {
+    fn from_path(path: &Path) -> Result<Self, Failure> {
+        let ending = path
+            .extension()
+            .and_then(|e| e.to_str())
+            .map(str::to_ascii_lowercase);
+        match ending.as_deref() {
+            Some("svg") => Ok(Self::Svg),
+            Some("png") => Ok(Self::Png),
+            _ => Err(Failure::usage(format!(
+                "{}: a plot is written as .svg or .png",
+                path.display()
+            ))),
+        }
+    }
+}
+
+fn draw(path: &Path, format: PlotFormat, field: &HeightField, name: &str) -> Result<(), Failure> {
+    let figure = height_map_figure(field, name).map_err(Failure::failed)?;
+    let bytes = match format {
+        PlotFormat::Svg => figure.svg().map_err(Failure::failed)?.into_bytes(),
+        PlotFormat::Png => figure.png().map_err(Failure::failed)?,
+    };
+    write_bytes(path, &bytes).map_err(Failure::failed)
+}

@@ -1,0 +1,60 @@
+//! The progress bar: on a terminal and nowhere else.
+
+use std::sync::Mutex;
+
+use asperity_experiment::Progress;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::args::Common;
+
+/// A bar on standard error; hidden on a pipe and by `--quiet`.
+pub(crate) struct Bar {
+    hidden: bool,
+    current: Mutex<Option<ProgressBar>>,
+}
+
+impl Bar {
+    pub(crate) fn new(common: &Common) -> Self {
+        Self {
+            hidden: common.quiet,
+            current: Mutex::new(None),
+        }
+    }
+
+    fn with_bar(&self, act: impl FnOnce(&ProgressBar)) {
+        if let Ok(current) = self.current.lock()
+            && let Some(bar) = current.as_ref()
+        {
+            act(bar);
+        }
+    }
+}
+
+impl Progress for Bar {
+    fn begin(&self, stage: &str, total: u64) {
+        // indicatif draws nothing where standard error is no terminal.
+        let target = if self.hidden {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(total), target);
+        if let Ok(style) = ProgressStyle::with_template(
+            "{msg:>10} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left",
+        ) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.set_message(stage.to_owned());
+        if let Ok(mut current) = self.current.lock() {
+            *current = Some(bar);
+        }
+    }
+
+    fn advance(&self, steps: u64) {
+        self.with_bar(|bar| bar.inc(steps));
+    }
+
+    fn end(&self) {
+        self.with_bar(ProgressBar::finish_and_clear);
+    }
+}

@@ -1,0 +1,121 @@
+//! `asperity verify`: explicit surfaces against the statistical models.
+
+use asperity_experiment::{
+    CompareConfig, Count, MaterialKind, Number, PerAxis, VerifyConfig, VerifyError, verify,
+    verify_report, verify_table,
+};
+use asperity_io::{create_output_folder, read_text};
+
+use crate::args::{Common, MaterialArgument, Verify};
+use crate::failure::Failure;
+use crate::input::{incident, material_kind, one_or_many, per_axis};
+use crate::output::{print, print_json};
+use crate::progress::Bar;
+
+pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
+    let mut config = match &command.config {
+        Some(path) => {
+            let text = read_text(path).map_err(Failure::failed)?;
+            VerifyConfig::from_toml(&text)
+                .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?
+        }
+        None => VerifyConfig::default(),
+    };
+    override_with_flags(&mut config, command)?;
+    let refuse = |error: &dyn std::fmt::Display| match &command.config {
+        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
+        None => Failure::usage(error),
+    };
+    // Everything is checked before a folder is made or a ray traced.
+    config.cases().map_err(|error| refuse(&error))?;
+    config.run.ray_settings().map_err(|error| refuse(&error))?;
+    config.check_surfaces().map_err(|error| refuse(&error))?;
+    create_output_folder(&command.output).map_err(Failure::failed)?;
+
+    let bar = Bar::new(common);
+    let outcome = verify(&config, &bar).map_err(|error| match error {
+        VerifyError::Config(_) => refuse(&error),
+        _ => Failure::failed(error),
+    })?;
+    verify_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
+    common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
+    if command.json {
+        return print_json(&outcome.json());
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    print(&format!(
+        "{}results in {}\n",
+        verify_table(&outcome),
+        command.output.display()
+    ))
+}
+
+/// Puts the values of flags in the place of those of the file.
+fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<(), Failure> {
+    let surface = &mut config.surface;
+    if let Some(tau) = command.tau {
+        surface.tau = Number(tau);
+    }
+    if !command.smoothness.is_empty() {
+        surface.smoothness = Some(one_or_many(&command.smoothness));
+        surface.sigma = None;
+    }
+    if !command.sigma.is_empty() {
+        surface.sigma = Some(one_or_many(&command.sigma));
+        surface.smoothness = None;
+    }
+    if !command.size.is_empty() {
+        surface.size = PerAxis::Each(per_axis(&command.size, "--size")?.map(Count));
+    }
+    if !command.spacing.is_empty() {
+        surface.spacing = PerAxis::Each(per_axis(&command.spacing, "--spacing")?.map(Number));
+    }
+    surface.insist |= command.insist;
+
+    let material = &mut config.material;
+    if let Some(kind) = command.material {
+        material.kind = material_kind(kind);
+        // Indices of another material do not carry over.
+        if kind == MaterialArgument::Mirror {
+            material.eta = None;
+        }
+        if material.kind != MaterialKind::Conductor {
+            material.kappa = None;
+        }
+    }
+    if !command.eta.is_empty() {
+        material.eta = Some(one_or_many(&command.eta));
+    }
+    if let Some(kappa) = command.kappa {
+        material.kappa = Some(Number(kappa));
+    }
+
+    let light = &mut config.light;
+    if !command.theta.is_empty() {
+        light.theta = one_or_many(&command.theta);
+    }
+    if let Some(phi) = command.phi {
+        light.phi = Number(phi);
+    }
+    if let Some(from) = command.from {
+        light.from = incident(from);
+    }
+
+    let run = &mut config.run;
+    run.realisations = command.realisations.map_or(run.realisations, Count);
+    run.rays = command.rays.map_or(run.rays, Count);
+    run.seed = command.seed.unwrap_or(run.seed);
+    run.bins = command.bins.unwrap_or(run.bins);
+    run.accelerator = command.accelerator.unwrap_or(run.accelerator);
+    if let Some(models) = &command.models {
+        let alpha = config.compare.alpha;
+        config.compare = CompareConfig {
+            models: models.clone(),
+            alpha,
+        };
+    }
+    config.output.plots &= !command.no_plots;
+    Ok(())
+}

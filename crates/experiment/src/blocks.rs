@@ -1,0 +1,124 @@
+//! How rays are divided into blocks, and how the blocks of one surface are run.
+
+use asperity_optics::Incidence;
+use asperity_tally::Layout;
+use asperity_tracer::{AcceleratorKind, PathSettings, Tracer, Work};
+use rayon::prelude::*;
+
+use crate::progress::Progress;
+use crate::stream::ray_stream;
+
+/// Rays: how many, from which random streams, how followed, and what is recorded of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RaySettings {
+    /// Rays in all, at least; rounded up so that every block has one ray a stratum.
+    pub rays: u64,
+    /// Seed of surfaces and rays.
+    pub seed: u64,
+    /// What is recorded.
+    pub layout: Layout,
+    /// How paths are followed.
+    pub paths: PathSettings,
+    /// How hits are found.
+    pub accelerator: AcceleratorKind,
+}
+
+/// A division of rays into blocks of `strata * strata` rays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Blocks {
+    pub(crate) count: u64,
+    pub(crate) strata: u32,
+}
+
+/// Rays of an ordinary block: enough strata to spread them, few enough to keep every thread busy.
+const ORDINARY_STRATA: u32 = 64;
+
+/// Most blocks of a surface; beyond, blocks grow.
+const MOST_BLOCKS: u64 = 1024;
+
+impl Blocks {
+    /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
+    pub(crate) fn plan(rays: u64, fewest: u64) -> Self {
+        let per_block = (rays / fewest).max(1).isqrt();
+        let strata = per_block.min(u64::from(ORDINARY_STRATA));
+        let strata = strata.max((rays.div_ceil(MOST_BLOCKS) as f64).sqrt().ceil() as u64);
+        // A block of 2^32 strata a side could not be run anyway.
+        let strata = u32::try_from(strata).unwrap_or(u32::MAX);
+        Self {
+            count: rays.div_ceil(u64::from(strata).pow(2)).max(1),
+            strata,
+        }
+    }
+
+    pub(crate) const fn rays(self) -> u64 {
+        self.count * (self.strata as u64).pow(2)
+    }
+}
+
+/// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
+pub(crate) fn run_blocks(
+    tracer: &Tracer<'_>,
+    (incidence, any_azimuth): (Incidence, bool),
+    settings: &RaySettings,
+    realisation: u64,
+    blocks: Blocks,
+    progress: &dyn Progress,
+    mut each: impl FnMut(&[f64]),
+) -> Work {
+    let mut work = Work::default();
+    // Waves bound how many records are held at once.
+    let wave = 4 * rayon::current_num_threads() as u64;
+    let mut first = 0;
+    while first < blocks.count {
+        let last = (first + wave).min(blocks.count);
+        let records: Vec<_> = (first..last)
+            .into_par_iter()
+            .map(|block| {
+                let mut rng = ray_stream(settings.seed, realisation, block);
+                let record = tracer.batch(
+                    incidence,
+                    any_azimuth,
+                    blocks.strata,
+                    settings.layout,
+                    &mut rng,
+                );
+                progress.advance(u64::from(blocks.strata).pow(2));
+                record
+            })
+            .collect();
+        for (values, done) in records {
+            each(&values);
+            work += done;
+        }
+        first = last;
+    }
+    work
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_hold_the_rays_asked_for_and_little_more() {
+        for rays in [
+            1,
+            2,
+            63,
+            64,
+            1000,
+            4096,
+            1_000_000,
+            50_000_000,
+            10_000_000_000,
+        ] {
+            for fewest in [1, 64] {
+                let blocks = Blocks::plan(rays, fewest);
+                assert!(blocks.rays() >= rays, "{rays} {blocks:?}");
+                assert!(blocks.rays() - rays < u64::from(blocks.strata).pow(2));
+                assert!(blocks.count <= MOST_BLOCKS);
+                assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
+            }
+        }
+    }
+}

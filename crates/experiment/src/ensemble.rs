@@ -1,0 +1,171 @@
+//! Light on many fresh surfaces.
+
+use std::time::Instant;
+
+use asperity_surface::Synthesis;
+use asperity_tally::BatchStatistics;
+use asperity_tracer::{Medium, Surface, Tracer, Work};
+use rayon::prelude::*;
+
+use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::config::Case;
+use crate::progress::Progress;
+use crate::trace::{FEWEST_BLOCKS, RunError};
+use crate::verify::VerifyError;
+
+/// Memory that surfaces traced side by side may take.
+const MEMORY_BUDGET: usize = 4 << 30;
+
+/// Most memory for the results of one group of cases.
+const RESULT_BUDGET: f64 = 4.0 * (1_u64 << 30) as f64;
+
+/// What one surface did with the light of every case.
+struct Realisation {
+    /// Flux fractions of each case, over ray blocks.
+    records: Vec<BatchStatistics>,
+    work: Vec<Work>,
+    seconds: Seconds,
+}
+
+/// Seconds spent, summed over surfaces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Seconds {
+    pub(crate) generate: f64,
+    pub(crate) build: f64,
+    pub(crate) trace: f64,
+}
+
+/// The results of one case: a record a surface.
+pub(crate) struct Ensemble {
+    pub(crate) records: Vec<Vec<f64>>,
+    /// Statistics over ray blocks, where there is only one surface.
+    pub(crate) blocks_of_one: Option<BatchStatistics>,
+    pub(crate) work: Work,
+    pub(crate) seconds: Seconds,
+}
+
+/// Cases that share their surfaces, and how they are run.
+pub(crate) struct Group<'a> {
+    pub(crate) synthesis: &'a Synthesis,
+    pub(crate) cases: &'a [Case],
+    pub(crate) realisations: u64,
+    pub(crate) settings: &'a RaySettings,
+    pub(crate) incident: Medium,
+    pub(crate) any_azimuth: bool,
+}
+
+impl Group<'_> {
+    /// Rays that each case gets from one surface.
+    pub(crate) fn blocks(&self) -> Blocks {
+        let fewest = if self.realisations == 1 {
+            FEWEST_BLOCKS
+        } else {
+            1
+        };
+        Blocks::plan(self.settings.rays.div_ceil(self.realisations), fewest)
+    }
+
+    /// Draws every surface once and traces all cases on it.
+    ///
+    /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
+    pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
+        let [ny, nx] = self.synthesis.shape();
+        self.check_memory()?;
+        // Two facets a cell, each with its box while the hierarchy is built and its share of nodes.
+        let bytes = nx * ny * 2 * 250;
+        let wave = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
+        let mut ensembles: Vec<Ensemble> = self
+            .cases
+            .iter()
+            .map(|_| Ensemble {
+                records: Vec::new(),
+                blocks_of_one: None,
+                work: Work::default(),
+                seconds: Seconds::default(),
+            })
+            .collect();
+        let mut first = 0;
+        while first < self.realisations {
+            let last = (first + wave as u64).min(self.realisations);
+            let drawn: Vec<_> = (first..last)
+                .into_par_iter()
+                .map(|realisation| self.one(realisation, progress))
+                .collect::<Result<_, _>>()?;
+            for realisation in drawn {
+                let share = 1.0 / self.cases.len() as f64;
+                for ((ensemble, record), work) in ensembles
+                    .iter_mut()
+                    .zip(realisation.records)
+                    .zip(realisation.work)
+                {
+                    ensemble.records.push(record.means().to_vec());
+                    if self.realisations == 1 {
+                        ensemble.blocks_of_one = Some(record);
+                    }
+                    ensemble.work += work;
+                    ensemble.seconds.generate += share * realisation.seconds.generate;
+                    ensemble.seconds.build += share * realisation.seconds.build;
+                    ensemble.seconds.trace += share * realisation.seconds.trace;
+                }
+            }
+            first = last;
+        }
+        Ok(ensembles)
+    }
+
+    /// Draws one surface and traces all cases on it.
+    fn one(&self, index: u64, progress: &dyn Progress) -> Result<Realisation, VerifyError> {
+        let mut seconds = Seconds::default();
+        let clock = Instant::now();
+        let field = self.synthesis.draw(self.settings.seed, index)?;
+        seconds.generate = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let surface = Surface::new(field);
+        let accelerator = self
+            .settings
+            .accelerator
+            .build(&surface)
+            .map_err(RunError::from)?;
+        seconds.build = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let mut records = Vec::new();
+        let mut work = Vec::new();
+        for case in self.cases {
+            let paths = self.settings.paths;
+            let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
+            let light = (case.incidence, self.any_azimuth);
+            let mut statistics = BatchStatistics::new(self.settings.layout.len());
+            work.push(run_blocks(
+                &tracer,
+                light,
+                self.settings,
+                index,
+                self.blocks(),
+                progress,
+                |values| statistics.push(values),
+            ));
+            records.push(statistics);
+        }
+        seconds.trace = clock.elapsed().as_secs_f64();
+        Ok(Realisation {
+            records,
+            work,
+            seconds,
+        })
+    }
+
+    fn check_memory(&self) -> Result<(), RunError> {
+        let length = self.settings.layout.len() as f64;
+        let bytes = length * 8.0 * self.realisations as f64 * self.cases.len() as f64;
+        if bytes > RESULT_BUDGET {
+            return Err(RunError::TooManyResults {
+                bins: self.settings.layout.grid().len(),
+                realisations: self.realisations,
+                gib: bytes / (1_u64 << 30) as f64,
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,240 @@
+//! The plots of a run, as SVG and PNG.
+
+use std::path::Path;
+
+use asperity_io::write_bytes;
+use asperity_optics::{Incidence, Material};
+use asperity_plot::{
+    Figure, HeightMapFigure, InPlaneCurves, PolarLobes, Sample, Series, Side as PlotSide, Sides,
+};
+use asperity_surface::HeightField;
+use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
+
+use crate::config::{Case, short};
+use crate::report::ReportError;
+use crate::verify::{ModelOutcome, in_plane_flux};
+
+/// Degrees between the points of a model's line.
+const LINE_STEP_DEG: f64 = 1.0;
+
+/// The light and the material of a plot.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// The direction towards the light.
+    pub incidence: Incidence,
+    /// The material.
+    pub material: Material,
+    /// Smoothness, where the surface has one by construction.
+    pub case: Option<Case>,
+}
+
+impl Light {
+    pub(crate) fn of_case(case: &Case) -> Self {
+        Self {
+            incidence: case.incidence,
+            material: case.material,
+            case: Some(*case),
+        }
+    }
+
+    fn subtitle(&self) -> String {
+        match &self.case {
+            Some(case) => case.to_string().replace("theta", "θᵢ").replace(" deg", "°"),
+            None => {
+                let theta = short(self.incidence.theta_deg());
+                let phi = short(self.incidence.phi_deg());
+                match self.material {
+                    Material::Dielectric { eta } => {
+                        format!("n = {}, θᵢ = {theta}°, φᵢ = {phi}°", short(eta))
+                    }
+                    Material::Conductor { eta, kappa } => format!(
+                        "n = {} + {} i, θᵢ = {theta}°, φᵢ = {phi}°",
+                        short(eta),
+                        short(kappa)
+                    ),
+                    _ => format!("mirror, θᵢ = {theta}°, φᵢ = {phi}°"),
+                }
+            }
+        }
+    }
+
+    /// Where a flat surface would send the light of `side`, signed degrees from its normal.
+    fn flat_direction(&self, side: Side) -> Option<f64> {
+        match side {
+            Side::Reflected => Some(self.incidence.theta_deg()),
+            Side::Transmitted => {
+                let sin_beta = self.incidence.theta().sin() / self.material.transmitting_index()?;
+                (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
+            }
+        }
+    }
+}
+
+/// What the plots of a traced surface show beside the light.
+pub struct Surroundings<'a> {
+    /// The surface.
+    pub field: &'a HeightField,
+    /// Its name.
+    pub name: String,
+    /// The light.
+    pub light: &'a Light,
+}
+
+/// Writes a figure as SVG and PNG under `name`.
+fn save(folder: &Path, name: &str, figure: &Figure) -> Result<(), ReportError> {
+    write_bytes(folder.join(format!("{name}.svg")), figure.svg()?.as_bytes())?;
+    write_bytes(folder.join(format!("{name}.png")), &figure.png()?)?;
+    Ok(())
+}
+
+/// The figure of a height map.
+///
+/// # Errors
+/// [`asperity_plot::PlotError`] if it cannot be drawn.
+pub fn height_map_figure(
+    field: &HeightField,
+    name: &str,
+) -> Result<Figure, asperity_plot::PlotError> {
+    let [dx, dy] = field.spacing();
+    HeightMapFigure {
+        title: name.to_owned(),
+        subtitle: format!(
+            "{} × {} samples, {} border",
+            field.nx(),
+            field.ny(),
+            field.border()
+        ),
+        heights: field.heights(),
+        shape: field.shape(),
+        spacing: [dy, dx],
+        unit: field.unit().symbol().to_owned(),
+    }
+    .draw()
+}
+
+pub(crate) fn height_map(
+    folder: &Path,
+    surroundings: &Surroundings<'_>,
+) -> Result<(), ReportError> {
+    save(
+        folder,
+        "height_map",
+        &height_map_figure(surroundings.field, &surroundings.name)?,
+    )
+}
+
+/// lobes, in_plane_reflected and in_plane_transmitted.
+pub(crate) fn lobes_and_curves(
+    folder: &Path,
+    light: &Light,
+    layout: &Layout,
+    statistics: &BatchStatistics,
+    models: &[ModelOutcome],
+) -> Result<(), ReportError> {
+    let transmits = light.material.transmitting_index().is_some();
+    let sides: &[Side] = if transmits {
+        &Side::BOTH
+    } else {
+        &[Side::Reflected]
+    };
+    let series: Vec<Series> = sides
+        .iter()
+        .flat_map(|&side| series_of(light, layout, statistics, models, side))
+        .collect();
+    let lobes = PolarLobes {
+        title: "Scattered intensity in the plane of incidence".to_owned(),
+        subtitle: light.subtitle(),
+        theta_i_deg: light.incidence.theta_deg(),
+        sides: if transmits {
+            Sides::Both
+        } else {
+            Sides::Reflected
+        },
+        flat_reflection_deg: light.flat_direction(Side::Reflected),
+        flat_refraction_deg: light.flat_direction(Side::Transmitted),
+        series: series.clone(),
+    };
+    save(folder, "lobes", &lobes.draw()?)?;
+    for &side in sides {
+        let curves = InPlaneCurves {
+            title: match side {
+                Side::Reflected => "Reflected light in the plane of incidence",
+                Side::Transmitted => "Transmitted light in the plane of incidence",
+            }
+            .to_owned(),
+            subtitle: light.subtitle(),
+            side: plot_side(side),
+            flat_direction_deg: light.flat_direction(side),
+            series: series.clone(),
+        };
+        save(folder, &format!("in_plane_{side}"), &curves.draw()?)?;
+    }
+    Ok(())
+}
+
+const fn plot_side(side: Side) -> PlotSide {
+    match side {
+        Side::Reflected => PlotSide::Reflected,
+        Side::Transmitted => PlotSide::Transmitted,
+    }
+}
+
+/// Explicit points, of all light and of that scattered once, and the models' lines, in 1/sr.
+fn series_of(
+    light: &Light,
+    layout: &Layout,
+    statistics: &BatchStatistics,
+    models: &[ModelOutcome],
+    side: Side,
+) -> Vec<Series> {
+    let width = 90.0 / layout.grid().n_theta() as f64;
+    let explicit = |name: &str, class: OrderClass| {
+        let samples = (0..layout.in_plane_len())
+            .map(|i| {
+                let flux = statistics.estimate(layout.in_plane(side, class).start + i);
+                let solid_angle = layout.in_plane_solid_angle(i);
+                let [from, to] = layout.in_plane_edges_deg(i);
+                Sample {
+                    theta_deg: 0.5 * (from + to),
+                    value: flux.mean / solid_angle,
+                    se: flux.se.map(|se| se / solid_angle),
+                }
+            })
+            .collect();
+        Series::explicit(name, plot_side(side), samples).with_bin_width(width)
+    };
+    let mut series = vec![
+        explicit("explicit, all orders", OrderClass::All),
+        explicit("explicit, single scattering", OrderClass::First),
+    ];
+    if let Some(case) = &light.case {
+        for model in models {
+            series.push(model_line(model, layout, case, side, width));
+        }
+    }
+    series
+}
+
+/// A model averaged over a bin that slides along the angle: what the points of its bins estimate.
+fn model_line(
+    model: &ModelOutcome,
+    layout: &Layout,
+    case: &Case,
+    side: Side,
+    width: f64,
+) -> Series {
+    let steps = (90.0 / LINE_STEP_DEG) as i32;
+    let samples = (-steps..=steps)
+        .map(|i| {
+            let theta_deg = f64::from(i) * LINE_STEP_DEG;
+            let from = (theta_deg - 0.5 * width).max(-90.0).to_radians();
+            let to = (theta_deg + 0.5 * width).min(90.0).to_radians();
+            let flux = in_plane_flux(model.model.as_ref(), layout, case, side, [from, to]);
+            // The wedge's solid angle on both sides of the normal.
+            let cap = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2) * angle.signum();
+            let solid_angle = 2.0 * layout.in_plane_half_width() * (cap(to) - cap(from));
+            Sample::exact(theta_deg, flux / solid_angle)
+        })
+        .collect();
+    Series::model(model.model.name(), plot_side(side), samples)
+}

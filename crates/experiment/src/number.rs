@@ -1,0 +1,73 @@
+//! Numbers as people write them.
+
+/// A number, or a quotient of two: `1.4`, `1/1.4`, `2e-3`.
+///
+/// # Errors
+/// A sentence that says what was found.
+pub fn parse_number(text: &str) -> Result<f64, String> {
+    let number = |part: &str| {
+        part.trim()
+            .parse::<f64>()
+            .map_err(|_| format!("`{text}` is no number; write it as 1.4, 2e-3 or 1/1.4"))
+    };
+    let value = match text.split_once('/') {
+        Some((over, under)) => number(over)? / number(under)?,
+        None => number(text)?,
+    };
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("`{text}` is not a finite number"))
+    }
+}
+
+/// A count of one or more: `1000`, `1e6`, `1_000_000`.
+///
+/// # Errors
+/// A sentence that says what was found and what is allowed.
+pub fn parse_count(text: &str) -> Result<u64, String> {
+    let plain: String = text.chars().filter(|&c| c != '_').collect();
+    if let Ok(count) = plain.parse::<u64>() {
+        return if count > 0 {
+            Ok(count)
+        } else {
+            Err("must be 1 or more, not 0".to_owned())
+        };
+    }
+    count_from_number(parse_number(&plain)?).map_err(|reason| format!("`{text}` {reason}"))
+}
+
+/// A whole number of one or more that was written as a decimal one.
+pub(crate) fn count_from_number(value: f64) -> Result<u64, String> {
+    // Up to 2^53 every whole number is exact.
+    if value.fract() == 0.0 && (1.0..=9_007_199_254_740_992.0).contains(&value) {
+        Ok(value as u64)
+    } else {
+        Err("is no count; it must be a whole number of 1 or more, as 1000 or 1e6".to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_may_be_quotients() {
+        assert_eq!(parse_number("1.4"), Ok(1.4));
+        assert_eq!(parse_number("1/1.4"), Ok(1.0 / 1.4));
+        assert_eq!(parse_number(" 2e-3 "), Ok(2e-3));
+        for bad in ["", "a", "1/0", "1/", "inf", "nan", "1/2/3"] {
+            assert!(parse_number(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn counts_are_whole_and_positive() {
+        assert_eq!(parse_count("1e6"), Ok(1_000_000));
+        assert_eq!(parse_count("1_000"), Ok(1_000));
+        assert_eq!(parse_count("18446744073709551615"), Ok(u64::MAX));
+        for bad in ["0", "-5", "1.5", "1e30", "many"] {
+            assert!(parse_count(bad).is_err(), "{bad}");
+        }
+    }
+}

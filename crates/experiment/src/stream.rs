@@ -1,0 +1,34 @@
+//! Random streams of ray blocks.
+
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// The stream of block `block` of realisation `realisation` under `seed`.
+///
+/// The ChaCha key holds a name, the seed and the realisation; the block is the stream number. The
+/// name keeps these streams apart from those that draw surfaces.
+pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng {
+    let mut key = [0_u8; 32];
+    key[..16].copy_from_slice(b"asperity rays v1");
+    key[16..24].copy_from_slice(&seed.to_le_bytes());
+    key[24..].copy_from_slice(&realisation.to_le_bytes());
+    let mut rng = ChaCha8Rng::from_seed(key);
+    rng.set_stream(block);
+    rng
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::RngExt;
+
+    #[test]
+    fn streams_differ_in_each_of_their_numbers() {
+        let draw = |seed, realisation, block| ray_stream(seed, realisation, block).random::<u64>();
+        let reference = draw(1, 2, 3);
+        assert_eq!(draw(1, 2, 3), reference);
+        for other in [draw(2, 2, 3), draw(1, 3, 3), draw(1, 2, 4), draw(2, 1, 3)] {
+            assert_ne!(other, reference);
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! summary.json: totals, orders, event paths and work.
+
+use asperity_tally::{
+    BatchStatistics, Estimate, EventPath, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
+};
+use asperity_tracer::{AcceleratorKind, Work};
+use serde::Serialize;
+
+/// What was done, and how long it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct SummaryWork {
+    /// Surfaces.
+    pub realisations: u64,
+    /// Incident rays.
+    pub rays: u64,
+    /// Segments searched for a hit.
+    pub segments: u64,
+    /// Segments that needed no search.
+    pub segments_skipped: u64,
+    /// Accelerator used.
+    pub accelerator: AcceleratorKind,
+    /// Estimator used.
+    pub estimator: &'static str,
+    /// Seconds spent on drawing surfaces, summed over surfaces.
+    pub generate_seconds: f64,
+    /// Seconds spent on building accelerators, summed over surfaces.
+    pub build_seconds: f64,
+    /// Seconds spent on tracing, summed over surfaces.
+    pub trace_seconds: f64,
+    /// Seconds from beginning to end.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+}
+
+impl SummaryWork {
+    pub(crate) fn new(work: Work, accelerator: AcceleratorKind) -> Self {
+        Self {
+            realisations: 0,
+            rays: work.rays,
+            segments: work.segments,
+            segments_skipped: work.segments_skipped,
+            accelerator: accelerator.resolve(),
+            estimator: "plain",
+            generate_seconds: 0.0,
+            build_seconds: 0.0,
+            trace_seconds: 0.0,
+            seconds: 0.0,
+            threads: rayon::current_num_threads(),
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Energy {
+    reflected: Estimate,
+    transmitted: Estimate,
+    absorbed: Estimate,
+    truncated: Estimate,
+    lost: Estimate,
+    /// The part of truncated that left an open patch sideways.
+    left_patch: Estimate,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Order {
+    order: usize,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    and_above: bool,
+    #[serde(flatten)]
+    flux: Estimate,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Orders {
+    reflected: Vec<Order>,
+    transmitted: Vec<Order>,
+}
+
+#[derive(Clone, Debug, Serialize)]
+struct Path {
+    events: String,
+    side: Side,
+    #[serde(flatten)]
+    flux: Estimate,
+}
+
+/// The contents of summary.json.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    schema: u32,
+    command: &'static str,
+    config: serde_json::Value,
+    version: &'static str,
+    seed: u64,
+    /// What the standard errors come from: `surfaces` or `ray blocks`.
+    errors_from: &'static str,
+    batches: u64,
+    energy: Energy,
+    orders: Orders,
+    paths: Vec<Path>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    comparison: Option<serde_json::Value>,
+    warnings: Vec<String>,
+    work: SummaryWork,
+}
+
+impl Summary {
+    /// Collects what a run found. `errors_from`: what its batches are.
+    #[must_use]
+    pub fn new(
+        command: &'static str,
+        config: serde_json::Value,
+        seed: u64,
+        errors_from: &'static str,
+        (layout, statistics): (&Layout, &BatchStatistics),
+        work: SummaryWork,
+    ) -> Self {
+        let at = |i| statistics.estimate(i);
+        Self {
+            schema: 1,
+            command,
+            config,
+            version: env!("CARGO_PKG_VERSION"),
+            seed,
+            errors_from,
+            batches: statistics.batches(),
+            energy: Energy {
+                reflected: at(Layout::REFLECTED),
+                transmitted: at(Layout::TRANSMITTED),
+                absorbed: at(Layout::ABSORBED),
+                truncated: at(Layout::TRUNCATED),
+                lost: at(Layout::LOST),
+                left_patch: at(Layout::LEFT_PATCH),
+            },
+            orders: Orders {
+                reflected: orders(layout, statistics, Side::Reflected),
+                transmitted: orders(layout, statistics, Side::Transmitted),
+            },
+            paths: paths(layout, statistics),
+            comparison: None,
+            warnings: Vec::new(),
+            work,
+        }
+    }
+
+    /// With the comparison of a verification.
+    #[must_use]
+    pub fn with_comparison(mut self, comparison: serde_json::Value) -> Self {
+        self.comparison = Some(comparison);
+        self
+    }
+
+    /// With remarks that a reader should not miss.
+    #[must_use]
+    pub fn with_warnings(mut self, warnings: Vec<String>) -> Self {
+        self.warnings = warnings;
+        self
+    }
+}
+
+/// Fluxes by order of scattering, up to the last one that was seen.
+fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Vec<Order> {
+    let last = (1..=MAX_LISTED_ORDER)
+        .rev()
+        .find(|&order| statistics.means()[layout.order(side, order)] != 0.0)
+        .unwrap_or(0);
+    (1..=last)
+        .map(|order| Order {
+            order,
+            and_above: order == MAX_LISTED_ORDER,
+            flux: statistics.estimate(layout.order(side, order)),
+        })
+        .collect()
+}
+
+/// Fluxes by event path, those that were seen, the strongest first.
+fn paths(layout: &Layout, statistics: &BatchStatistics) -> Vec<Path> {
+    let mut found: Vec<Path> = Vec::new();
+    for side in Side::BOTH {
+        let listed = layout
+            .listed_paths()
+            .map(|path: EventPath| (path.to_string(), layout.path(side, path)));
+        let longer = format!("longer than {MAX_LISTED_PATH}");
+        for (events, i) in listed.chain([(longer, layout.longer_paths(side))]) {
+            let flux = statistics.estimate(i);
+            if flux.mean != 0.0 {
+                found.push(Path { events, side, flux });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.flux.mean.total_cmp(&a.flux.mean));
+    found
+}

@@ -1,0 +1,87 @@
+//! Light on one surface.
+
+use std::time::Instant;
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::HeightField;
+use asperity_tally::BatchStatistics;
+use asperity_tracer::{BuildError, Medium, Surface, Tracer};
+
+use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::progress::Progress;
+use crate::summary::SummaryWork;
+
+/// Blocks that a single surface gets at least, since its errors come from them.
+pub(crate) const FEWEST_BLOCKS: u64 = 64;
+
+/// Why a run fails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// No accelerator for the surface.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// Results too large for memory.
+    #[error(
+        "{bins} bins x {realisations} surfaces take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer bins or surfaces"
+    )]
+    TooManyResults {
+        /// Bins of both hemispheres.
+        bins: usize,
+        /// Surfaces.
+        realisations: u64,
+        /// Memory that they would take.
+        gib: f64,
+    },
+}
+
+/// What light did on one surface.
+#[derive(Clone, Debug)]
+pub struct TraceOutcome {
+    /// Flux fractions by the layout of the settings; a batch is a block of rays.
+    pub statistics: BatchStatistics,
+    /// What was done.
+    pub work: SummaryWork,
+}
+
+/// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
+///
+/// # Errors
+/// [`RunError`] if the surface is too large for the accelerator.
+pub fn trace(
+    field: HeightField,
+    material: Material,
+    incidence: Incidence,
+    incident: Medium,
+    settings: &RaySettings,
+    progress: &dyn Progress,
+) -> Result<TraceOutcome, RunError> {
+    let began = Instant::now();
+    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
+    progress.begin("building", 1);
+    let surface = Surface::new(field);
+    let accelerator = settings.accelerator.build(&surface)?;
+    let build_seconds = began.elapsed().as_secs_f64();
+    progress.end();
+
+    progress.begin("tracing", blocks.rays());
+    let tracing = Instant::now();
+    let tracer = Tracer::new(&surface, &*accelerator, material, incident, settings.paths);
+    let mut statistics = BatchStatistics::new(settings.layout.len());
+    let light = (incidence, false);
+    let work = run_blocks(&tracer, light, settings, 0, blocks, progress, |values| {
+        statistics.push(values);
+    });
+    progress.end();
+    Ok(TraceOutcome {
+        statistics,
+        work: SummaryWork {
+            realisations: 1,
+            generate_seconds: 0.0,
+            build_seconds,
+            trace_seconds: tracing.elapsed().as_secs_f64(),
+            seconds: began.elapsed().as_secs_f64(),
+            ..SummaryWork::new(work, settings.accelerator)
+        },
+    })
+}

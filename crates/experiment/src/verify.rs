@@ -1,0 +1,329 @@
+//! Explicit surfaces against statistical models.
+
+use std::time::Instant;
+
+use asperity_analysis::{
+    BsdfModel, Comparison, ComparisonError, HemisphericalEnergy, ModelError, Verdict, compare,
+    create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
+};
+use asperity_surface::{Synthesis, SynthesisError};
+use asperity_tally::{BatchStatistics, Layout, Share, Side};
+use asperity_tracer::Medium;
+use rayon::prelude::*;
+
+use crate::config::{Case, ConfigError, VerifyConfig};
+use crate::ensemble::{Ensemble, Group};
+use crate::progress::Progress;
+use crate::report::case_summary;
+use crate::summary::SummaryWork;
+use crate::trace::RunError;
+
+/// Rays that a bin must hold, found or expected, to enter a test.
+const ENOUGH_RAYS: f64 = 20.0;
+
+/// Why a verification fails.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The surfaces cannot be drawn.
+    #[error(transparent)]
+    Synthesis(#[from] SynthesisError),
+    /// The rays cannot be traced.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A model cannot be made.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Results and model do not fit each other.
+    #[error(transparent)]
+    Comparison(#[from] ComparisonError),
+}
+
+/// One model beside the explicit surfaces of a case.
+pub struct ModelOutcome {
+    /// The model.
+    pub model: Box<dyn BsdfModel>,
+    /// Its energies.
+    pub energy: HemisphericalEnergy,
+    /// Against light scattered once, over the bins of both hemispheres.
+    pub single: Comparison,
+    /// Against all light.
+    pub total: Comparison,
+    /// What follows from `single` at the level of the configuration.
+    pub verdict: Verdict,
+    /// Its flux into each in-plane bin, by side.
+    pub in_plane: [Vec<f64>; 2],
+}
+
+/// What was found for one case.
+pub struct CaseOutcome {
+    /// The case.
+    pub case: Case,
+    /// Flux fractions by the layout of the run; a batch is a surface.
+    pub statistics: BatchStatistics,
+    /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
+    pub errors_from: &'static str,
+    /// The models.
+    pub models: Vec<ModelOutcome>,
+    /// Level of each test: that of the configuration, shared among the models.
+    pub level: f64,
+    /// What was done.
+    pub work: SummaryWork,
+}
+
+/// What a verification found.
+pub struct VerifyOutcome {
+    /// The configuration that was run.
+    pub config: VerifyConfig,
+    /// Where each quantity stands in the statistics.
+    pub layout: Layout,
+    /// The cases, in the order of [`VerifyConfig::cases`].
+    pub cases: Vec<CaseOutcome>,
+    /// Seconds from beginning to end.
+    pub seconds: f64,
+}
+
+impl VerifyOutcome {
+    /// Every case with its comparison.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        let cases: Vec<_> = self
+            .cases
+            .iter()
+            .map(|case| case_summary(self, case, serde_json::Value::Null))
+            .collect();
+        serde_json::json!({
+            "schema": 1,
+            "command": "verify",
+            "version": env!("CARGO_PKG_VERSION"),
+            "config": self.config,
+            "cases": cases,
+            "seconds": self.seconds,
+        })
+    }
+}
+
+impl VerifyConfig {
+    /// Checks that the grid can resolve and hold the surfaces.
+    ///
+    /// # Errors
+    /// [`VerifyError`] as from [`verify`].
+    pub fn check_surfaces(&self) -> Result<(), VerifyError> {
+        self.recipes().map(|_| ())
+    }
+
+    /// One recipe a smoothness, with the cases that share it.
+    fn recipes(&self) -> Result<Vec<(Synthesis, Vec<Case>)>, VerifyError> {
+        let shape = self.shape()?;
+        let spacing = self.surface.spacing.xy().map(|s| s.0);
+        let mut recipes: Vec<(Synthesis, Vec<Case>)> = Vec::new();
+        for case in self.cases()? {
+            match recipes.last_mut() {
+                Some((synthesis, cases)) if *synthesis.psd() == case.psd => cases.push(case),
+                _ => {
+                    let insist = self.surface.insist;
+                    let synthesis = Synthesis::new(case.psd, shape, spacing, insist)?;
+                    recipes.push((synthesis, vec![case]));
+                }
+            }
+        }
+        Ok(recipes)
+    }
+}
+
+/// Draws fresh surfaces, traces every case on them, and compares with the models.
+///
+/// Cases of equal smoothness share their surfaces.
+///
+/// # Errors
+/// [`VerifyError`] if the configuration makes no sense or does not fit into memory.
+pub fn verify(
+    config: &VerifyConfig,
+    progress: &dyn Progress,
+) -> Result<VerifyOutcome, VerifyError> {
+    let began = Instant::now();
+    let settings = config.run.ray_settings()?;
+    let realisations = config.run.realisations.0;
+    // All recipes are checked before the first is run.
+    let recipes = config.recipes()?;
+    let groups: Vec<Group<'_>> = recipes
+        .iter()
+        .map(|(synthesis, cases)| Group {
+            synthesis,
+            cases,
+            realisations,
+            settings: &settings,
+            incident: Medium::from(config.light.from),
+            any_azimuth: config.any_azimuth(),
+        })
+        .collect();
+
+    let rays = |group: &Group<'_>| group.blocks().rays() * realisations * group.cases.len() as u64;
+    progress.begin("tracing", groups.iter().map(rays).sum());
+    let mut traced = Vec::new();
+    for group in &groups {
+        let clock = Instant::now();
+        let ensembles = group.run(progress)?;
+        let share = clock.elapsed().as_secs_f64() / group.cases.len() as f64;
+        traced.extend(
+            group
+                .cases
+                .iter()
+                .copied()
+                .zip(ensembles)
+                .map(|(c, e)| (c, e, share)),
+        );
+    }
+    progress.end();
+
+    progress.begin("comparing", traced.len() as u64);
+    let cases = traced
+        .into_par_iter()
+        .map(|(case, ensemble, seconds)| {
+            let outcome = judge(config, &settings.layout, case, &ensemble, seconds);
+            progress.advance(1);
+            outcome
+        })
+        .collect::<Result<_, _>>()?;
+    progress.end();
+    Ok(VerifyOutcome {
+        config: config.clone(),
+        layout: settings.layout,
+        cases,
+        seconds: began.elapsed().as_secs_f64(),
+    })
+}
+
+/// Statistics of one case and its comparison with every model.
+fn judge(
+    config: &VerifyConfig,
+    layout: &Layout,
+    case: Case,
+    ensemble: &Ensemble,
+    seconds: f64,
+) -> Result<CaseOutcome, VerifyError> {
+    // With one surface the scatter between its blocks is all there is.
+    let (batches, errors_from) = match &ensemble.blocks_of_one {
+        Some(blocks) => (blocks.clone(), "ray blocks"),
+        None => {
+            let mut statistics = BatchStatistics::new(layout.len());
+            ensemble
+                .records
+                .iter()
+                .for_each(|record| statistics.push(record));
+            (statistics, "surfaces")
+        }
+    };
+    let mut models = Vec::new();
+    for name in &config.compare.models {
+        let model = create_model(name, case.smoothness, case.material)?;
+        models.push(model_outcome(
+            config, layout, &case, model, ensemble, &batches,
+        )?);
+    }
+    let level = sidak_level(config.compare.alpha, models.len().max(1));
+    let singles: Vec<Comparison> = models.iter().map(|m| m.single.clone()).collect();
+    for (model, verdict) in models
+        .iter_mut()
+        .zip(verdicts(&singles, config.compare.alpha))
+    {
+        model.verdict = verdict;
+    }
+    Ok(CaseOutcome {
+        case,
+        statistics: batches,
+        errors_from,
+        models,
+        level,
+        work: SummaryWork {
+            realisations: ensemble.records.len() as u64,
+            generate_seconds: ensemble.seconds.generate,
+            build_seconds: ensemble.seconds.build,
+            trace_seconds: ensemble.seconds.trace,
+            seconds,
+            ..SummaryWork::new(ensemble.work, config.run.accelerator)
+        },
+    })
+}
+
+fn model_outcome(
+    config: &VerifyConfig,
+    layout: &Layout,
+    case: &Case,
+    model: Box<dyn BsdfModel>,
+    ensemble: &Ensemble,
+    statistics: &BatchStatistics,
+) -> Result<ModelOutcome, VerifyError> {
+    let wi = case.incidence.wi();
+    let expected = model.expected_fluxes(wi, &layout.grid()).flux;
+    let rays = ensemble.work.rays as f64;
+    let means = statistics.means();
+    let against = |share: Share| {
+        let surfaces: Vec<Vec<f64>> = ensemble
+            .records
+            .iter()
+            .map(|record| record[layout.bins(share)].to_vec())
+            .collect();
+        let single = &means[layout.hits(Share::Single)];
+        let multiple = &means[layout.hits(Share::Multiple)];
+        let enough: Vec<bool> = (0..expected.len())
+            .map(|i| {
+                let found = match share {
+                    Share::Single => single[i],
+                    Share::Multiple => multiple[i],
+                    Share::Total => single[i] + multiple[i],
+                };
+                found.max(expected[i]) * rays >= ENOUGH_RAYS
+            })
+            .collect();
+        compare(&surfaces, &expected, &enough, config.run.seed)
+    };
+    Ok(ModelOutcome {
+        energy: hemispherical_energy(model.as_ref(), wi),
+        single: against(Share::Single)?,
+        total: against(Share::Total)?,
+        verdict: Verdict::Holds,
+        in_plane: Side::BOTH.map(|side| in_plane_fluxes(model.as_ref(), layout, case, side)),
+        model,
+    })
+}
+
+/// What a model expects in each in-plane bin.
+fn in_plane_fluxes(model: &dyn BsdfModel, layout: &Layout, case: &Case, side: Side) -> Vec<f64> {
+    (0..layout.in_plane_len())
+        .map(|i| {
+            let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
+            in_plane_flux(model, layout, case, side, [from, to])
+        })
+        .collect()
+}
+
+/// What a model expects between two signed angles from the normal of `side`, radians, within the
+/// in-plane wedge; the angles may lie on either side of the normal.
+pub(crate) fn in_plane_flux(
+    model: &dyn BsdfModel,
+    layout: &Layout,
+    case: &Case,
+    side: Side,
+    [from, to]: [f64; 2],
+) -> f64 {
+    use std::f64::consts::PI;
+    let backward_azimuth = case.incidence.phi();
+    let half_width = layout.in_plane_half_width();
+    let wedge = |azimuth: f64, [near, far]: [f64; 2]| {
+        if far <= near {
+            return 0.0;
+        }
+        let theta = match side {
+            Side::Reflected => [near, far],
+            Side::Transmitted => [PI - far, PI - near],
+        };
+        let phi = [azimuth - half_width, azimuth + half_width];
+        flux_into(model, case.incidence.wi(), side, theta, phi)
+    };
+    wedge(backward_azimuth + PI, [from.max(0.0), to.max(0.0)])
+        + wedge(backward_azimuth, [(-to).max(0.0), (-from).max(0.0)])
+}

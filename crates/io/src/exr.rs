@@ -1,0 +1,402 @@
+//! OpenEXR (.exr).
+//!
+//! Written: one channel `height` in single precision (EXR knows no double), so that each height
+//! is rounded by at most 6e-8 of itself (2^-24); ZIP compression, lossless; row 0 of the heights is
+//! the first scan line, which viewers show on top. Attributes of the header: `spacing_x`,
+//! `spacing_y` (double), `unit`, `border` (text) and, of a generated surface, `sigma`, `tau_x`,
+//! `tau_y`, `azimuth` (double), `seed`, `realisation` (text, since EXR has no 64-bit integers) and
+//! `autocorrelation`, the convention in words.
+//!
+//! Read: the channel `height`, `Z` or `Y`, else the only channel, of half or single precision or of
+//! 32-bit whole numbers; scan lines or tiles, of which the finest level counts; NaN marks missing
+//! points. Absent attributes mean spacing 1, arbitrary unit, unknown border, not generated.
+
+use std::io::{Cursor, Read, Seek, Write};
+use std::path::Path;
+
+use ::exr::block::reader::ChunksReader;
+use ::exr::error::Error;
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
+use ::exr::meta::header::{Header, LayerAttributes};
+use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage, f16};
+use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, check_grid};
+
+use crate::error::{ReadError, WriteError};
+use crate::format::HeightMapFormat;
+use crate::samples::{check_packed_claim, guarded, room, single};
+
+/// Names under which a channel is taken for the heights, the best first.
+const CHANNEL_NAMES: [&str; 3] = ["height", "Z", "Y"];
+
+const CONVENTION: &str = "Gaussian: C(u, v) = sigma^2 exp(-u^2 / tau_x^2 - v^2 / tau_y^2), u and v along axes \
+     turned by azimuth (radians) from x and y; tau is the 1/e length";
+
+/// Largest block, in bytes, that is allowed beyond the size of the image.
+const BLOCK_LIMIT: u64 = 1 << 24;
+
+pub(crate) fn read<R: Read + Seek>(
+    path: &Path,
+    reader: R,
+    length: u64,
+) -> Result<RawHeightMap, ReadError> {
+    // The decoder holds assertions about the content of the file.
+    guarded(|| decode(path, reader, length))
+        .unwrap_or_else(|| Err(malformed(path, "its content is damaged")))
+}
+
+fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeightMap, ReadError> {
+    let fail = |error| decoding(path, error);
+    let reader = ::exr::block::read(reader, false).map_err(fail)?;
+    let (layer, channel) = find_channel(path, reader.headers())?;
+    let header = reader.headers()[layer].clone();
+    let Vec2(columns, rows) = header.layer_size;
+    let spacing = [
+        number(path, &header, "spacing_x")?.unwrap_or(1.0),
+        number(path, &header, "spacing_y")?.unwrap_or(1.0),
+    ];
+    check_size(path, reader.headers(), &header, length)?;
+    check_grid([rows, columns], spacing).map_err(ReadError::surface(path))?;
+
+    let [nx, ny] = [columns as u64, rows as u64];
+    let mut heights: Vec<f64> = room(path, nx, ny)?;
+    heights.resize(columns * rows, f64::NAN);
+    let mut found = vec![0_usize; rows];
+    let kind = header.channels.list[channel].sample_type;
+    reader
+        .filter_chunks(false, |_, _, block| {
+            block.layer == layer && block.level == Vec2(0, 0)
+        })
+        .map_err(fail)?
+        .decompress_sequential(false, |_, block| {
+            for line in block.lines(&header.channels) {
+                if line.location.channel != channel {
+                    continue;
+                }
+                let Vec2(x, y) = line.location.position;
+                let target = heights
+                    .get_mut(y * columns + x..y * columns + x + line.location.sample_count)
+                    .ok_or(Error::Invalid("a block lies outside the image".into()))?;
+                found[y] += target.len();
+                match kind {
+                    SampleType::F16 => fill(target, line.read_samples::<f16>(), f16::to_f64)?,
+                    SampleType::F32 => fill(target, line.read_samples::<f32>(), f64::from)?,
+                    SampleType::U32 => fill(target, line.read_samples::<u32>(), f64::from)?,
+                }
+            }
+            Ok(())
+        })
+        .map_err(fail)?;
+    if let Some(iy) = found.iter().position(|n| *n != columns) {
+        let n = found[iy];
+        return Err(malformed(
+            path,
+            format_args!("{n} samples stand in row {iy}, where {columns} are needed"),
+        ));
+    }
+
+    let mut map =
+        RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))?;
+    if let Some(unit) = words(path, &header, "unit")? {
+        map.unit = unit.parse().map_err(ReadError::surface(path))?;
+    }
+    if let Some(border) = words(path, &header, "border")? {
+        map.border = Some(border.parse().map_err(ReadError::surface(path))?);
+    }
+    map.provenance = provenance(path, &header)?;
+    Ok(map)
+}
+
+fn fill<T>(
+    target: &mut [f64],
+    samples: impl Iterator<Item = ::exr::error::Result<T>>,
+    convert: fn(T) -> f64,
+) -> ::exr::error::UnitResult {
+    for (height, sample) in target.iter_mut().zip(samples) {
+        *height = convert(sample?);
+    }
+    Ok(())
+}
+
+fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {
+    ReadError::malformed(path, HeightMapFormat::Exr, what)
+}
+
+fn decoding(path: &Path, error: Error) -> ReadError {
+    match error {
+        Error::Io(error) => ReadError::io(path, error),
+        Error::NotSupported(what) => ReadError::unsupported(path, what),
+        Error::Invalid(what) => malformed(path, what),
+        Error::Aborted => malformed(path, "its content is damaged"),
+    }
+}
+
+/// Layer and channel that hold the heights.
+fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadError> {
+    let mut channels = Vec::new();
+    for (layer, header) in headers.iter().enumerate() {
+        if header.deep {
+            return Err(ReadError::unsupported(
+                path,
+                "it holds deep data, but flat images are needed",
+            ));
+        }
+        for (channel, description) in header.channels.list.iter().enumerate() {
+            channels.push((layer, channel, description));
+        }
+    }
+    let named = CHANNEL_NAMES
+        .iter()
+        .find_map(|name| channels.iter().find(|(_, _, c)| c.name.eq(name)));
+    let chosen = match (named, channels.as_slice()) {
+        (Some(chosen), _) => chosen,
+        (None, [only]) => only,
+        _ => {
+            let names: Vec<String> = channels
+                .iter()
+                .map(|(_, _, c)| c.name.to_string())
+                .collect();
+            return Err(ReadError::unsupported(
+                path,
+                format_args!(
+                    "it has the channels {}, but one named height, Z or Y is needed, or a single channel",
+                    names.join(", ")
+                ),
+            ));
+        }
+    };
+    let (layer, channel, description) = *chosen;
+    // The decoder takes every channel of a layer as full.
+    if headers[layer]
+        .channels
+        .list
+        .iter()
+        .any(|c| c.sampling != Vec2(1, 1))
+    {
+        return Err(ReadError::unsupported(
+            path,
+            format_args!(
+                "channels beside or under `{}` are subsampled, but one sample a pixel is needed",
+                description.name
+            ),
+        ));
+    }
+    Ok((layer, channel))
+}
+
+/// Compares what the headers claim with the length of the file, before the decoder allocates it.
+fn check_size(
+    path: &Path,
+    headers: &[Header],
+    header: &Header,
+    length: u64,
+) -> Result<(), ReadError> {
+    let [nx, ny] = [header.layer_size.0 as u64, header.layer_size.1 as u64];
+    let each = header.channels.bytes_per_pixel as u64;
+    check_packed_claim(path, [ny, nx], each, length)?;
+    let bytes = nx * ny * each;
+    // Each block has an entry of eight bytes in the offset table.
+    let blocks: u64 = headers.iter().map(|h| h.chunk_count as u64).sum();
+    if blocks.saturating_mul(8) > length {
+        return Err(malformed(
+            path,
+            format_args!("it claims {blocks} blocks, more than its {length} bytes can hold"),
+        ));
+    }
+    let Vec2(width, height) = header.max_block_pixel_size();
+    let block = (width as u64)
+        .checked_mul(height as u64)
+        .and_then(|n| n.checked_mul(each));
+    if block.is_none_or(|block| block > bytes.saturating_add(BLOCK_LIMIT)) {
+        return Err(malformed(
+            path,
+            format_args!(
+                "its blocks of {width} x {height} samples are out of proportion to {nx} x {ny}"
+            ),
+        ));
+    }
+    Ok(())
+}
+
+fn attribute<'a>(header: &'a Header, name: &str) -> Option<&'a AttributeValue> {
+    let name = Text::new_or_none(name)?;
+    header
+        .own_attributes
+        .other
+        .get(&name)
+        .or_else(|| header.shared_attributes.other.get(&name))
+}
+
+fn number(path: &Path, header: &Header, name: &str) -> Result<Option<f64>, ReadError> {
+    match attribute(header, name) {
+        None => Ok(None),
+        Some(AttributeValue::F64(value)) => Ok(Some(*value)),
+        Some(AttributeValue::F32(value)) => Ok(Some((*value).into())),
+        Some(AttributeValue::I32(value)) => Ok(Some((*value).into())),
+        Some(_) => Err(malformed(
+            path,
+            format_args!("its attribute {name} is not a number"),
+        )),
+    }
+}
+
+fn words(path: &Path, header: &Header, name: &str) -> Result<Option<String>, ReadError> {
+    match attribute(header, name) {
+        None => Ok(None),
+        Some(AttributeValue::Text(text)) => Ok(Some(text.to_string())),
+        Some(_) => Err(malformed(
+            path,
+            format_args!("its attribute {name} is not text"),
+        )),
+    }
+}
+
+/// How the surface was generated, if all attributes of that are there.
+fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadError> {
+    let number = |name| number(path, header, name);
+    let whole = |name| {
+        let text = words(path, header, name)?;
+        text.map(|text| {
+            text.parse::<u64>().map_err(|_| {
+                malformed(
+                    path,
+                    format_args!(
+                        "its attribute {name} is `{text}`, where a whole number is needed"
+                    ),
+                )
+            })
+        })
+        .transpose()
+    };
+    let (Some(sigma), Some(tau_x), Some(tau_y), Some(seed), Some(realisation)) = (
+        number("sigma")?,
+        number("tau_x")?,
+        number("tau_y")?,
+        whole("seed")?,
+        whole("realisation")?,
+    ) else {
+        return Ok(None);
+    };
+    let azimuth = number("azimuth")?.unwrap_or(0.0);
+    let psd =
+        Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).map_err(|e| malformed(path, e))?;
+    Ok(Some(Provenance {
+        psd,
+        seed,
+        realisation,
+    }))
+}
+
+pub(crate) fn write<W: Write>(
+    path: &Path,
+    field: &HeightField,
+    out: &mut W,
+) -> Result<(), WriteError> {
+    let io = WriteError::io(path);
+    let samples = field
+        .heights()
+        .iter()
+        .map(|height| single(path, "a height", *height))
+        .collect::<Result<Vec<f32>, _>>()?;
+    let mut attributes = LayerAttributes::default();
+    for (name, value) in header_attributes(field) {
+        attributes
+            .other
+            .insert(Text::from_slice_unchecked(name.as_bytes()), value);
+    }
+    let channel = AnyChannel::new("height", FlatSamples::F32(samples));
+    let layer = Layer::new(
+        Vec2(field.nx(), field.ny()),
+        attributes,
+        Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels::sort(std::iter::once(channel).collect()),
+    );
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|error| {
+            io(match error {
+                Error::Io(error) => error,
+                other => std::io::Error::other(other),
+            })
+        })?;
+    let mut file = file.into_inner();
+    sort_attributes(&mut file);
+    out.write_all(&file).map_err(io)
+}
+
+fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)> {
+    let text = |text: &str| AttributeValue::Text(Text::from_slice_unchecked(text.as_bytes()));
+    let [dx, dy] = field.spacing();
+    let mut attributes = vec![
+        ("spacing_x", AttributeValue::F64(dx)),
+        ("spacing_y", AttributeValue::F64(dy)),
+        ("unit", text(field.unit().symbol())),
+        ("border", text(&field.border().to_string())),
+    ];
+    // The attributes name a Gaussian; spectra of other kinds are not recorded.
+    if let Some(Provenance {
+        psd:
+            Psd::Gaussian {
+                sigma,
+                tau_x,
+                tau_y,
+                azimuth,
+            },
+        seed,
+        realisation,
+    }) = field.provenance()
+    {
+        attributes.extend([
+            ("sigma", AttributeValue::F64(*sigma)),
+            ("tau_x", AttributeValue::F64(*tau_x)),
+            ("tau_y", AttributeValue::F64(*tau_y)),
+            ("azimuth", AttributeValue::F64(*azimuth)),
+            ("seed", text(&seed.to_string())),
+            ("realisation", text(&realisation.to_string())),
+            ("autocorrelation", text(CONVENTION)),
+        ]);
+    }
+    attributes
+}
+
+/// Puts the attributes of a file of one part in alphabetical order.
+///
+/// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
+/// give equal bytes. The header keeps its length, so that all offsets stay right.
+fn sort_attributes(file: &mut [u8]) {
+    /// Magic number and version come first.
+    const START: usize = 8;
+    let Some(header) = file.get(START..) else {
+        return;
+    };
+    let mut attributes = Vec::new();
+    let mut rest = header;
+    // Each: name, NUL, type, NUL, size in four bytes, value. An empty name ends the header.
+    while let Some(name) = rest.iter().position(|byte| *byte == 0).filter(|n| *n > 0) {
+        let after_name = &rest[name + 1..];
+        let Some(kind) = after_name.iter().position(|byte| *byte == 0) else {
+            return;
+        };
+        let Some(size) = after_name[kind + 1..].first_chunk() else {
+            return;
+        };
+        let Some((attribute, after)) =
+            rest.split_at_checked(name + kind + 6 + u32::from_le_bytes(*size) as usize)
+        else {
+            return;
+        };
+        attributes.push(attribute);
+        rest = after;
+    }
+    attributes.sort_unstable();
+    let sorted = attributes.concat();
+    file[START..START + sorted.len()].copy_from_slice(&sorted);
+}

@@ -1,0 +1,201 @@
+//! NumPy arrays (.npy).
+//!
+//! Written: `float64`, C order, shape `[ny, nx]`; heights are exact, but spacing, unit, border and
+//! provenance have no place in the format. Read: any array of two axes `[ny, nx]` of whole numbers
+//! or of single or double precision, in either byte order and in C or Fortran order; spacing 1,
+//! arbitrary unit, NaN for missing points.
+
+use std::io::{Read, Write};
+use std::path::Path;
+
+use asperity_surface::{HeightField, RawHeightMap};
+use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, WriterBuilder};
+
+use crate::error::{ReadError, WriteError};
+use crate::format::HeightMapFormat;
+use crate::samples::{SampleKind, check_plain_data, guarded, room};
+
+/// Longest header that is read; NumPy itself stops at 10,000 characters.
+const HEADER_LIMIT: u64 = 1 << 16;
+/// Deepest nesting of brackets in a header that is read; a plain array has two.
+const NESTING_LIMIT: usize = 8;
+
+pub(crate) fn read<R: Read>(
+    path: &Path,
+    mut reader: R,
+    length: u64,
+) -> Result<RawHeightMap, ReadError> {
+    let io = |e| ReadError::io(path, e);
+    let bytes = header_bytes(path, &mut reader, length)?;
+    let data_length = length - bytes.len() as u64;
+    let header = guarded(|| NpyHeader::from_reader(bytes.as_slice()))
+        .ok_or_else(|| malformed(path, "its header cannot be understood"))?
+        .map_err(|e| malformed(path, format_args!("its header cannot be understood ({e})")))?;
+
+    let (kind, big_endian) = sample_kind(path, &header.dtype())?;
+    let &[ny, nx] = header.shape() else {
+        return Err(ReadError::unsupported(
+            path,
+            format_args!(
+                "its shape is {:?}, but a height map has two axes, [ny, nx]",
+                header.shape()
+            ),
+        ));
+    };
+    let [rows, columns] = check_plain_data(
+        path,
+        HeightMapFormat::Npy,
+        [ny, nx],
+        [1.0, 1.0],
+        kind.bytes() as u64,
+        [data_length, length],
+    )?;
+
+    let mut heights = room(path, nx, ny)?;
+    kind.read(
+        &mut reader,
+        rows * columns,
+        big_endian,
+        &mut heights,
+        |_| {},
+    )
+    .map_err(io)?;
+    if header.order() == Order::Fortran {
+        let mut transposed = room(path, nx, ny)?;
+        for iy in 0..rows {
+            transposed.extend((0..columns).map(|ix| heights[ix * rows + iy]));
+        }
+        heights = transposed;
+    }
+    RawHeightMap::new(heights, [rows, columns], [1.0, 1.0]).map_err(ReadError::surface(path))
+}
+
+fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {
+    ReadError::malformed(path, HeightMapFormat::Npy, what)
+}
+
+/// Reads mark, version and header text, after checks that keep the parser within bounds: it
+/// allocates what the length says, recurses into brackets, and multiplies the shape unchecked.
+fn header_bytes(path: &Path, reader: &mut impl Read, length: u64) -> Result<Vec<u8>, ReadError> {
+    let io = |e| ReadError::io(path, e);
+    let mut bytes = vec![0; 8];
+    reader.read_exact(&mut bytes).map_err(io)?;
+    let length_bytes = match bytes[6] {
+        1 => 2,
+        2 | 3 => 4,
+        other => {
+            return Err(ReadError::unsupported(
+                path,
+                format_args!("its NPY version is {other}, but 1, 2 and 3 are known"),
+            ));
+        }
+    };
+    let mut size = [0; 4];
+    reader.read_exact(&mut size[..length_bytes]).map_err(io)?;
+    bytes.extend_from_slice(&size[..length_bytes]);
+    let size = u64::from(u32::from_le_bytes(size));
+    if size > HEADER_LIMIT {
+        return Err(malformed(
+            path,
+            format_args!("its header claims {size} bytes, but {HEADER_LIMIT} are allowed"),
+        ));
+    }
+    if bytes.len() as u64 + size > length {
+        return Err(ReadError::truncated(
+            path,
+            format_args!("a header of {size} bytes was expected, but the file has {length}"),
+        ));
+    }
+    let start = bytes.len();
+    bytes.resize(start + size as usize, 0);
+    reader.read_exact(&mut bytes[start..]).map_err(io)?;
+
+    let text = std::str::from_utf8(&bytes[start..])
+        .map_err(|_| malformed(path, "its header is not UTF-8 text"))?;
+    let mut depth = 0_usize;
+    for c in text.chars() {
+        match c {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        if depth > NESTING_LIMIT {
+            return Err(malformed(path, "its header nests brackets too deeply"));
+        }
+    }
+    for name in ["'descr'", "'fortran_order'", "'shape'"] {
+        let count = text.matches(name).count();
+        if count != 1 {
+            return Err(malformed(
+                path,
+                format_args!("its header has {name} {count} times, where once is needed"),
+            ));
+        }
+    }
+    // The numbers between the brackets after 'shape' must multiply without overflow.
+    let shape = text.split("'shape'").nth(1).unwrap_or_default();
+    let shape = shape.split([')', ']']).next().unwrap_or_default();
+    let product = shape
+        .split(|c: char| !c.is_ascii_digit())
+        .filter(|digits| !digits.is_empty())
+        .try_fold(1_u64, |product, digits| {
+            product.checked_mul(digits.parse().ok()?)
+        });
+    if product.is_none() {
+        let shape = shape.trim_start_matches([':', ' ', '(', '[']);
+        return Err(malformed(
+            path,
+            format_args!(
+                "its shape ({shape}) is more than the {length} bytes of the file can hold"
+            ),
+        ));
+    }
+    Ok(bytes)
+}
+
+fn sample_kind(path: &Path, dtype: &DType) -> Result<(SampleKind, bool), ReadError> {
+    let refuse = || {
+        ReadError::unsupported(
+            path,
+            format_args!(
+                "its samples are of type {}, but allowed are f4, f8, i1, i2, i4, i8, u1, u2, u4 and u8",
+                dtype.descr()
+            ),
+        )
+    };
+    let DType::Plain(plain) = dtype else {
+        return Err(refuse());
+    };
+    let kind = match (plain.type_char(), plain.size_field()) {
+        (TypeChar::Float, 4) => SampleKind::F32,
+        (TypeChar::Float, 8) => SampleKind::F64,
+        (TypeChar::Int, 1) => SampleKind::I8,
+        (TypeChar::Int, 2) => SampleKind::I16,
+        (TypeChar::Int, 4) => SampleKind::I32,
+        (TypeChar::Int, 8) => SampleKind::I64,
+        (TypeChar::Uint, 1) => SampleKind::U8,
+        (TypeChar::Uint, 2) => SampleKind::U16,
+        (TypeChar::Uint, 4) => SampleKind::U32,
+        (TypeChar::Uint, 8) => SampleKind::U64,
+        _ => return Err(refuse()),
+    };
+    Ok((kind, plain.endianness() == Endianness::Big))
+}
+
+pub(crate) fn write<W: Write>(
+    path: &Path,
+    field: &HeightField,
+    out: &mut W,
+) -> Result<(), WriteError> {
+    let io = WriteError::io(path);
+    let mut writer = npyz::WriteOptions::<f64>::new()
+        .default_dtype()
+        .shape(&field.shape().map(|n| n as u64))
+        .writer(out)
+        .begin_nd()
+        .map_err(&io)?;
+    writer
+        .extend(field.heights().iter().copied())
+        .map_err(&io)?;
+    writer.finish().map_err(&io)
+}

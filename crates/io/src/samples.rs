@@ -1,0 +1,209 @@
+//! Binary numbers of any width and byte order into doubles.
+
+use std::io::{self, Read};
+use std::path::Path;
+
+use asperity_surface::check_grid;
+
+use crate::error::{ReadError, WriteError};
+use crate::format::HeightMapFormat;
+
+/// The kinds of number that binary formats hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SampleKind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+}
+
+impl SampleKind {
+    pub(crate) const fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+
+    /// Appends the numbers in `bytes` (a multiple of the width) to `out`.
+    ///
+    /// Whole numbers of 64 bits beyond 2^53 are rounded to the nearest double.
+    pub(crate) fn decode(self, bytes: &[u8], big_endian: bool, out: &mut Vec<f64>) {
+        macro_rules! decode {
+            ($number:ty) => {{
+                let (words, _) = bytes.as_chunks::<{ size_of::<$number>() }>();
+                if big_endian {
+                    out.extend(words.iter().map(|w| <$number>::from_be_bytes(*w) as f64));
+                } else {
+                    out.extend(words.iter().map(|w| <$number>::from_le_bytes(*w) as f64));
+                }
+            }};
+        }
+        match self {
+            Self::I8 => decode!(i8),
+            Self::U8 => decode!(u8),
+            Self::I16 => decode!(i16),
+            Self::U16 => decode!(u16),
+            Self::I32 => decode!(i32),
+            Self::U32 => decode!(u32),
+            Self::I64 => decode!(i64),
+            Self::U64 => decode!(u64),
+            Self::F32 => decode!(f32),
+            Self::F64 => decode!(f64),
+        }
+    }
+
+    /// Reads `count` numbers, a block at a time, handing the raw bytes to `seen` as well.
+    ///
+    /// `out` is expected to have room for them.
+    pub(crate) fn read(
+        self,
+        reader: &mut impl Read,
+        count: usize,
+        big_endian: bool,
+        out: &mut Vec<f64>,
+        mut seen: impl FnMut(&[u8]),
+    ) -> io::Result<()> {
+        let mut block = [0; 1 << 13];
+        let mut left = count;
+        while left > 0 {
+            let now = left.min(block.len() / self.bytes());
+            let bytes = &mut block[..now * self.bytes()];
+            reader.read_exact(bytes)?;
+            seen(bytes);
+            self.decode(bytes, big_endian, out);
+            left -= now;
+        }
+        Ok(())
+    }
+}
+
+/// Room for `nx * ny` numbers, or an error where there is none.
+pub(crate) fn room<T>(path: &Path, nx: u64, ny: u64) -> Result<Vec<T>, ReadError> {
+    let refuse = || ReadError::OutOfMemory {
+        path: path.to_owned(),
+        nx,
+        ny,
+    };
+    let count = nx
+        .checked_mul(ny)
+        .and_then(|n| usize::try_from(n).ok())
+        .ok_or_else(refuse)?;
+    let mut numbers = Vec::new();
+    numbers.try_reserve_exact(count).map_err(|_| refuse())?;
+    Ok(numbers)
+}
+
+/// Checks a claimed grid against the bytes that are there for it, before anything is allocated.
+///
+/// `bytes_each` is the least that one sample takes.
+pub(crate) fn check_claim(
+    path: &Path,
+    [ny, nx]: [u64; 2],
+    bytes_each: u64,
+    length: u64,
+) -> Result<(), ReadError> {
+    match bytes_of([ny, nx], bytes_each) {
+        Some(bytes) if bytes <= length => Ok(()),
+        _ => Err(too_large(path, [ny, nx], length)),
+    }
+}
+
+/// More than a lossless method compresses (deflate at most by 1032).
+pub(crate) const COMPRESSION_LIMIT: u64 = 1100;
+
+/// [`check_claim`] for data that may be compressed, by [`COMPRESSION_LIMIT`] at most.
+pub(crate) fn check_packed_claim(
+    path: &Path,
+    [ny, nx]: [u64; 2],
+    bytes_each: u64,
+    length: u64,
+) -> Result<(), ReadError> {
+    check_claim(
+        path,
+        [ny, nx],
+        bytes_each,
+        length.saturating_mul(COMPRESSION_LIMIT),
+    )
+    .map_err(|_| too_large(path, [ny, nx], length))
+}
+
+/// Checks grid and spacing of data that are not compressed and end with the file: `data_length`
+/// of its `length` bytes are left for samples of `bytes_each`. Returns the shape `[ny, nx]`.
+pub(crate) fn check_plain_data(
+    path: &Path,
+    format: HeightMapFormat,
+    [ny, nx]: [u64; 2],
+    spacing: [f64; 2],
+    bytes_each: u64,
+    [data_length, length]: [u64; 2],
+) -> Result<[usize; 2], ReadError> {
+    let needed = bytes_of([ny, nx], bytes_each)
+        // Nobody loses all but a thousandth of a file: a header that claims so much is a lie.
+        .filter(|needed| needed / 1024 <= length)
+        .ok_or_else(|| too_large(path, [ny, nx], length))?;
+    let shape = [ny, nx].map(|n| usize::try_from(n).unwrap_or(usize::MAX));
+    check_grid(shape, spacing).map_err(ReadError::surface(path))?;
+    if needed > data_length {
+        return Err(ReadError::truncated(
+            path,
+            format_args!(
+                "{nx} x {ny} samples of {bytes_each} bytes were expected, but only {data_length} bytes are there"
+            ),
+        ));
+    }
+    if needed < data_length {
+        let extra = data_length - needed;
+        return Err(ReadError::malformed(
+            path,
+            format,
+            format_args!("{extra} bytes follow its {nx} x {ny} samples, where the file should end"),
+        ));
+    }
+    Ok(shape)
+}
+
+fn bytes_of([ny, nx]: [u64; 2], bytes_each: u64) -> Option<u64> {
+    nx.checked_mul(ny)?.checked_mul(bytes_each)
+}
+
+fn too_large(path: &Path, [ny, nx]: [u64; 2], length: u64) -> ReadError {
+    ReadError::TooLarge {
+        path: path.to_owned(),
+        nx,
+        ny,
+        length,
+    }
+}
+
+/// A number in single precision, unless it is beyond its range.
+pub(crate) fn single(path: &Path, what: &str, value: f64) -> Result<f32, WriteError> {
+    let single = value as f32;
+    if single.is_finite() {
+        Ok(single)
+    } else {
+        Err(WriteError::OutOfRange {
+            path: path.to_owned(),
+            what: what.to_owned(),
+            value,
+        })
+    }
+}
+
+/// Runs a decoder of another crate so that a panic inside it becomes `None`.
+///
+/// The EXR and NPY decoders assert, multiply and index by what the file says. The checks before
+/// them leave no way to such a panic that the tests with damaged files would have found; should
+/// there be one, its message goes to standard error and the file is reported as damaged.
+pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
+    // What the closure borrows is dropped after a panic, never looked at again.
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).ok()
+}

@@ -1,0 +1,88 @@
+//! Configurations and results: plain text and JSON, read whole.
+
+use std::io::Read;
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use crate::error::ReadError;
+use crate::format::open;
+
+/// Reads a whole text file in UTF-8, which may be empty.
+///
+/// # Errors
+/// [`ReadError`] if it is not there, not a regular file or not UTF-8.
+pub fn read_text(path: impl AsRef<Path>) -> Result<String, ReadError> {
+    let path = path.as_ref();
+    let (mut file, length) = match open(path) {
+        Err(ReadError::Empty { .. }) => return Ok(String::new()),
+        other => other?,
+    };
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    file.read_to_end(&mut bytes)
+        .map_err(|e| ReadError::io(path, e))?;
+    String::from_utf8(bytes).map_err(|e| {
+        let valid = &e.as_bytes()[..e.utf8_error().valid_up_to()];
+        let line = 1 + valid.iter().filter(|byte| **byte == b'\n').count();
+        let column = 1 + valid
+            .iter()
+            .rev()
+            .take_while(|byte| **byte != b'\n')
+            .count();
+        ReadError::Text {
+            path: path.to_owned(),
+            line,
+            column,
+            what: "bytes that are not UTF-8 text were found".to_owned(),
+        }
+    })
+}
+
+/// Reads a value from a JSON file.
+///
+/// # Errors
+/// As [`read_text`], and [`ReadError::Json`] if the text does not hold such a value.
+pub fn read_json<T: DeserializeOwned>(path: impl AsRef<Path>) -> Result<T, ReadError> {
+    let path = path.as_ref();
+    serde_json::from_str(&read_text(path)?).map_err(|source| ReadError::Json {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_comes_back_and_errors_name_the_place() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        crate::write_json(&path, &[0.1, 1.0 / 3.0]).unwrap();
+        assert_eq!(
+            read_text(&path).unwrap(),
+            "[\n  0.1,\n  0.3333333333333333\n]\n"
+        );
+        assert_eq!(read_json::<Vec<f64>>(&path).unwrap(), [0.1, 1.0 / 3.0]);
+        let error = read_json::<Vec<String>>(&path).unwrap_err().to_string();
+        assert!(
+            error.contains("a.json") && error.contains("line 2"),
+            "{error}"
+        );
+        crate::write_bytes(&path, b"ab\nc\xff").unwrap();
+        let error = read_text(&path).unwrap_err();
+        assert!(
+            matches!(
+                error,
+                ReadError::Text {
+                    line: 2,
+                    column: 2,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        crate::write_bytes(&path, b"").unwrap();
+        assert_eq!(read_text(&path).unwrap(), "");
+    }
+}

@@ -1,0 +1,59 @@
+//! Sizes, colours and patterns shared by all figures. Lengths are in points of the figure: one SVG pixel, two PNG pixels.
+
+use plotters::style::RGBColor;
+
+/// PNG pixels a point: figures stay readable on dense screens and in print.
+pub(crate) const PNG_PIXELS_PER_POINT: u32 = 2;
+/// Pixels drawn for one PNG pixel and axis, then averaged: smooths every edge alike.
+pub(crate) const PNG_OVERSAMPLING: u32 = 2;
+/// SVG coordinates are integers in the drawing library; a tenth of a point keeps curves smooth.
+pub(crate) const SVG_UNITS_PER_POINT: u32 = 10;
+
+/// The embedded font, then fonts of equal metrics for viewers of the SVG.
+pub(crate) const FONT_FAMILY: &str = "DejaVu Sans,Verdana,sans-serif";
+
+pub(crate) const TITLE_SIZE: f64 = 18.0;
+pub(crate) const SUBTITLE_SIZE: f64 = 13.0;
+pub(crate) const LABEL_SIZE: f64 = 14.0;
+pub(crate) const TICK_SIZE: f64 = 12.5;
+pub(crate) const LEGEND_SIZE: f64 = 13.0;
+pub(crate) const NOTE_SIZE: f64 = 11.5;
+
+/// Outer margin of every figure.
+pub(crate) const MARGIN: f64 = 22.0;
+pub(crate) const TICK_LENGTH: f64 = 5.0;
+pub(crate) const FRAME_WIDTH: f64 = 1.0;
+pub(crate) const GRID_WIDTH: f64 = 0.8;
+pub(crate) const CURVE_WIDTH: f64 = 1.8;
+pub(crate) const BAR_WIDTH: f64 = 1.2;
+pub(crate) const MARKER_RADIUS: f64 = 2.8;
+
+pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
+pub(crate) const INK: RGBColor = RGBColor(25, 25, 25);
+pub(crate) const MUTED: RGBColor = RGBColor(90, 90, 90);
+pub(crate) const GRID: RGBColor = RGBColor(222, 222, 222);
+
+// Okabe and Ito (2008), "Color universal design": distinct for the common kinds of colour vision. Yellow is
+// left out, it vanishes on white.
+const BLACK: RGBColor = RGBColor(0, 0, 0);
+const ORANGE: RGBColor = RGBColor(230, 159, 0);
+const SKY_BLUE: RGBColor = RGBColor(86, 180, 233);
+const BLUISH_GREEN: RGBColor = RGBColor(0, 158, 115);
+const BLUE: RGBColor = RGBColor(0, 114, 178);
+const VERMILLION: RGBColor = RGBColor(213, 94, 0);
+const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
+
+/// Colours of explicit results, which are points.
+pub(crate) const POINT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
+/// Colours of models, which are lines.
+pub(crate) const LINE_COLOURS: [RGBColor; 4] = [BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE];
+/// Lengths on and off; as many patterns as make, with [`LINE_COLOURS`], fifteen or more different lines.
+pub(crate) const LINE_DASHES: [&[f64]; 5] = [
+    &[],
+    &[9.0, 4.0],
+    &[9.0, 3.5, 2.0, 3.5],
+    &[2.5, 2.5],
+    &[16.0, 4.0],
+];
+/// Thin lines of flat-surface directions.
+pub(crate) const GUIDE_DASH: &[f64] = &[4.0, 4.0];

@@ -1,0 +1,193 @@
+//! Autocorrelation of heights along the axes of the grid, by FFT.
+
+use rayon::prelude::*;
+use realfft::RealFftPlanner;
+use rustfft::num_complex::Complex;
+
+use crate::{Border, HeightField};
+
+/// Lines that one task takes; a fixed number, so that sums do not depend on threads.
+const LINES: usize = 32;
+
+/// An axis of the grid.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Axis {
+    X,
+    Y,
+}
+
+/// Autocorrelation `sum (h(i) - mean) (h(i + lag) - mean) / pairs` for lags 0 to `n / 2` along
+/// `axis`, averaged over all lines.
+///
+/// A periodic field wraps around. Any other is padded with zeros, and each lag is divided by the
+/// number of pairs it has; what lies beyond a mirrored border is not counted twice.
+pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -> Vec<f64> {
+    let (nx, ny) = (field.nx(), field.ny());
+    let (n, lines) = match axis {
+        Axis::X => (nx, ny),
+        Axis::Y => (ny, nx),
+    };
+    let longest = n / 2;
+    let padded = match field.border() {
+        Border::Periodic => n,
+        Border::Mirrored | Border::Open => (n + longest).next_power_of_two(),
+    };
+    let mut planner = RealFftPlanner::<f64>::new();
+    let forward = planner.plan_fft_forward(padded);
+
+    // Power spectra, summed over the lines of each task and then over the tasks in order
+    let sum_of_powers = |task: usize| {
+        let first = task * LINES;
+        let count = LINES.min(lines - first);
+        let mut block = vec![0.0; count * padded];
+        match axis {
+            Axis::X => {
+                for (j, line) in block.chunks_exact_mut(padded).enumerate() {
+                    let row = &field.heights()[(first + j) * nx..][..nx];
+                    for (value, h) in line.iter_mut().zip(row) {
+                        *value = h - mean;
+                    }
+                }
+            }
+            Axis::Y => {
+                for iy in 0..ny {
+                    let row = &field.heights()[iy * nx + first..][..count];
+                    for (j, h) in row.iter().enumerate() {
+                        block[j * padded + iy] = h - mean;
+                    }
+                }
+            }
+        }
+        let mut output = forward.make_output_vec();
+        let mut scratch = forward.make_scratch_vec();
+        let mut power = vec![0.0; output.len()];
+        for line in block.chunks_exact_mut(padded) {
+            let done = forward.process_with_scratch(line, &mut output, &mut scratch);
+            debug_assert!(done.is_ok(), "buffers have the lengths planned");
+            for (sum, value) in power.iter_mut().zip(&output) {
+                *sum += value.norm_sqr();
+            }
+        }
+        power
+    };
+    let tasks: Vec<Vec<f64>> = (0..lines.div_ceil(LINES))
+        .into_par_iter()
+        .map(sum_of_powers)
+        .collect();
+    let mut spectrum = vec![Complex::default(); padded / 2 + 1];
+    for power in &tasks {
+        for (sum, value) in spectrum.iter_mut().zip(power) {
+            sum.re += value;
+        }
+    }
+
+    let inverse = planner.plan_fft_inverse(padded);
+    let mut correlation = inverse.make_output_vec();
+    let done = inverse.process(&mut spectrum, &mut correlation);
+    debug_assert!(done.is_ok(), "buffers have the lengths planned");
+    correlation.truncate(longest + 1);
+    for (lag, value) in correlation.iter_mut().enumerate() {
+        let pairs = match field.border() {
+            Border::Periodic => n,
+            Border::Mirrored | Border::Open => n - lag,
+        };
+        *value /= padded as f64 * pairs as f64 * lines as f64;
+    }
+    correlation
+}
+
+/// Lag, in samples, at which `correlation` first falls to 1/e of its value at lag zero; `None` if
+/// it does not, or is zero throughout.
+///
+/// Between two lags, the logarithm is interpolated linearly in the lag squared, which is exact for a
+/// Gaussian; where the later value is not positive, the value itself linearly in the lag.
+pub(crate) fn one_over_e_lag(correlation: &[f64]) -> Option<f64> {
+    let peak = correlation[0];
+    if peak.is_nan() || peak <= 0.0 {
+        return None;
+    }
+    let target = (-1.0_f64).exp();
+    let after = correlation.iter().position(|c| c / peak <= target)?;
+    let (a, b) = (after as f64 - 1.0, after as f64);
+    let (above, below) = (correlation[after - 1] / peak, correlation[after] / peak);
+    if below > 0.0 {
+        let fraction = (above.ln() + 1.0) / (above.ln() - below.ln());
+        Some((a * a + (b * b - a * a) * fraction).sqrt())
+    } else {
+        Some(a + (above - target) / (above - below))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same by its definition; the FFT rounds at `1e-16` of the value at lag zero.
+    fn directly(field: &HeightField, mean: f64, axis: Axis) -> Vec<f64> {
+        let (nx, ny) = (field.nx(), field.ny());
+        let periodic = field.border() == Border::Periodic;
+        let n = match axis {
+            Axis::X => nx,
+            Axis::Y => ny,
+        };
+        (0..=n / 2)
+            .map(|lag| {
+                let (mut sum, mut pairs) = (0.0, 0.0);
+                for iy in 0..ny {
+                    for ix in 0..nx {
+                        let (jx, jy) = match axis {
+                            Axis::X => (ix + lag, iy),
+                            Axis::Y => (ix, iy + lag),
+                        };
+                        if periodic || (jx < nx && jy < ny) {
+                            sum += (field.height(ix, iy) - mean) * (field.height(jx, jy) - mean);
+                            pairs += 1.0;
+                        }
+                    }
+                }
+                sum / pairs
+            })
+            .collect()
+    }
+
+    #[test]
+    fn fft_matches_the_definition() {
+        for [ny, nx] in [[2, 2], [3, 70], [65, 2], [40, 33]] {
+            let heights = (0..nx * ny)
+                .map(|i| ((i * i) as f64 * 0.37).sin())
+                .collect();
+            let field = HeightField::new(heights, [ny, nx], [1.0, 1.0]).unwrap();
+            for border in [Border::Periodic, Border::Open, Border::Mirrored] {
+                let field = field.clone().with_border(border);
+                for axis in [Axis::X, Axis::Y] {
+                    let quick = axis_autocorrelation(&field, 0.1, axis);
+                    let direct = directly(&field, 0.1, axis);
+                    assert_eq!(quick.len(), direct.len());
+                    for (a, b) in quick.iter().zip(&direct) {
+                        assert!((a - b).abs() < 1e-13, "{border} {axis:?}: {a} {b}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn interpolation_is_exact_for_a_gaussian() {
+        for tau in [0.4, 0.99, 1.0, 3.3, 17.8] {
+            let gaussian: Vec<f64> = (0..40)
+                .map(|i| 2.5 * (-(f64::from(i) / tau).powi(2)).exp())
+                .collect();
+            let found = one_over_e_lag(&gaussian).unwrap();
+            assert!((found - tau).abs() < 1e-12 * tau, "{found} against {tau}");
+        }
+    }
+
+    #[test]
+    fn no_lag_where_the_correlation_stays_above() {
+        assert_eq!(one_over_e_lag(&[1.0, 0.9, 0.8]), None);
+        assert_eq!(one_over_e_lag(&[0.0, 0.0]), None);
+        // Through zero at once: linear from 1 to -1
+        let crossing = one_over_e_lag(&[1.0, -1.0]).unwrap();
+        assert!((crossing - (1.0 - (-1.0_f64).exp()) / 2.0).abs() < 1e-15);
+    }
+}
