@@ -1,12 +1,14 @@
 //! Explicit results against what a model expects, bin by bin and as a whole.
 
+use serde::Serialize;
+
 use crate::sign_flip::{SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test};
 
 /// Flips that estimate the total variation of noise.
 const NOISE_FLIPS: usize = 400;
 
 /// One bin of explicit surfaces beside a model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BinComparison {
     /// Mean flux fraction over the surfaces.
     pub mean: f64,
@@ -24,7 +26,7 @@ pub struct BinComparison {
 /// Total variation distance `1/2 sum |mean - model|` over all bins.
 ///
 /// It is the flux that would have to move to make one distribution the other.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TotalVariation {
     /// The distance found.
     pub observed: f64,

@@ -7,13 +7,14 @@
 
 use asperity_optics::{reflect, refract};
 use glam::DVec3;
+use serde::Serialize;
 
 use crate::kinematics::{reflecting_facet, refracting_facet};
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Flux fractions that a model sends into the two hemispheres.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct HemisphericalEnergy {
     /// Back into the incident medium.
     pub reflected: f64,

@@ -3,11 +3,13 @@
 use asperity_optics::{Material, MaterialError};
 use asperity_tally::HemisphereGrid;
 use glam::DVec3;
+use serde::Serialize;
 
 use crate::bin_fluxes;
 
 /// The surface interactions that a model accounts for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Scope {
     /// Light that met the surface once; compare with order 1 of an explicit result.

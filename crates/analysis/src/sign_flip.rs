@@ -28,6 +28,7 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use serde::Serialize;
 
 /// Below this many surfaces no test is made.
 pub(crate) const MIN_SURFACES: usize = 6;
@@ -37,7 +38,7 @@ const EXHAUSTIVE_SURFACES: usize = 13;
 const RANDOM_FLIPS: usize = 4095;
 
 /// Result of the sign-flip test of one model.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SignFlipTest {
     /// Share of the flips, the data themselves included, whose statistic reaches the observed one.
     pub p: f64,

@@ -1,7 +1,11 @@
 //! The models against values computed independently, by 50-digit arithmetic or by an independent
 //! program; azimuths there are measured from the forward direction.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and report as tests do"
+)]
 
 use std::f64::consts::PI;
 

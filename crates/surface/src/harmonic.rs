@@ -1,7 +1,7 @@
 //! Laplace's equation on the points of a grid's gaps, by conjugate gradients whose preconditioner
 //! is a multigrid cycle. The number of steps hardly grows with the size of a gap.
 //!
-//! Coarse points are the two-by-two blocks of the finer ones, and the coarse equations are the
+//! Coarse points are two-by-two blocks of the finer ones, and the coarse equations are the
 //! sums of the fine ones over each block (Galerkin with piecewise constant aggregates; Vanek, Mandel
 //! and Brezina, Computing 56, 179 (1996), without their smoothing). Each level is relaxed by
 //! Gauss-Seidel, forwards before and backwards after the coarse correction, so that the cycle is
@@ -75,6 +75,11 @@ impl GraphLaplacian {
         &self.springs[start..self.ends[point]]
     }
 
+    /// The block in which a point lies, after so many halvings of the grid.
+    fn block(&self, point: u32, halvings: u32) -> [u32; 2] {
+        self.places[point as usize].map(|place| place >> halvings)
+    }
+
     /// Pull of the neighbours on a point: `sum_j w_ij h_j`.
     fn pull(&self, point: usize, h: &[f64]) -> f64 {
         self.springs_of(point)
@@ -106,17 +111,27 @@ impl GraphLaplacian {
         }
     }
 
-    /// The equations of the two-by-two blocks, and the block of each point.
+    /// The equations of the two-by-two blocks, and the block of each point. Where points lie so far
+    /// apart that this would not halve their number, blocks are larger, so that the cost of a cycle
+    /// stays in proportion to the points.
     fn coarser(&self) -> (Self, Vec<u32>) {
-        let block = |&[x, y]: &[u32; 2]| [x / 2, y / 2];
-        // Points by block, blocks row by row
+        let mut halvings = 1;
         let mut order: Vec<u32> = (0..self.len() as u32).collect();
-        order.sort_unstable_by_key(|&i| {
-            let [x, y] = block(&self.places[i as usize]);
-            (y, x, i)
-        });
-        let same_block =
-            |&i: &u32, &j: &u32| block(&self.places[i as usize]) == block(&self.places[j as usize]);
+        loop {
+            // Points by block, blocks row by row
+            order.sort_unstable_by_key(|&i| {
+                let [x, y] = self.block(i, halvings);
+                (y, x, i)
+            });
+            let blocks = order
+                .chunk_by(|&i, &j| self.block(i, halvings) == self.block(j, halvings))
+                .count();
+            if 2 * blocks <= self.len() + 1 || halvings == 31 {
+                break;
+            }
+            halvings += 1;
+        }
+        let same_block = |&i: &u32, &j: &u32| self.block(i, halvings) == self.block(j, halvings);
         let mut block_of = vec![0; self.len()];
         let mut blocks = 0;
         for members in order.chunk_by(same_block) {
@@ -131,7 +146,7 @@ impl GraphLaplacian {
         let mut joined: Vec<(u32, f64)> = Vec::new();
         for members in order.chunk_by(same_block) {
             let this = block_of[members[0] as usize];
-            coarse.begin_point(block(&self.places[members[0] as usize]));
+            coarse.begin_point(self.block(members[0], halvings));
             joined.clear();
             for &i in members {
                 let mut anchor = self.diagonal[i as usize];
@@ -184,7 +199,8 @@ pub(crate) fn solve(system: GraphLaplacian, source: &[f64]) -> Result<Vec<f64>, 
     let n = source.len();
     let mut levels = Vec::new();
     let mut finest = system;
-    while finest.len() > COARSEST {
+    // Without springs left, relaxation is exact.
+    while finest.len() > COARSEST && !finest.springs.is_empty() {
         let (coarse, block_of) = finest.coarser();
         levels.push(Level::new(finest, block_of));
         finest = coarse;

@@ -453,7 +453,7 @@ fn reserved<T>(len: usize) -> Result<Vec<T>, SynthesisError> {
 }
 
 /// `len` zeros, whose pages the system provides when they are first written, by the threads that
-/// write them: filling them here would take a third of the time of the whole draw.
+/// write them: filling them here would take a fifth of the time of a draw on two threads.
 ///
 /// The system is asked twice, since the vector that is quick to zero cannot report a refusal.
 fn zeroed<T: Copy>(zero: T, len: usize) -> Result<Vec<T>, SynthesisError> {

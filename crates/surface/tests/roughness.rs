@@ -124,11 +124,14 @@ fn skewness_counts_peaks_positive() {
     assert_eq!(r.steepest.triangle, Triangle::Upper);
 }
 
-/// Requested values, and the scatter claimed for the realised ones, against many realisations. With
-/// `n` of them a mean is known to `deviation / sqrt n`, and a deviation to `1 / sqrt(2 n)` of itself
-/// for a Gaussian quantity. A variance's excess kurtosis here is `12 x integral of C^4 / ...`, at
-/// most `6 pi tau^2 / A = 0.1`, which widens the latter by 2 %; the mean set to zero narrows the
-/// scatter by `pi tau^2 / A = 2 %`, for which 2 % is allowed, and the mesh's slopes by less.
+/// Requested values, and the scatter claimed for the realised ones, against `n` realisations. A mean
+/// is then known to `deviation / sqrt n`, and a deviation to the fraction
+/// `sqrt((1 + excess / 2) / (2 n))`, where `excess` is the kurtosis of the quantity above 3. With
+/// `m = pi tau_x tau_y / A = 0.019` at most, the sum over the grid of `(W dk^2)^p` is
+/// `sigma^(2p) m^(p-1) / p`. So the variance, a sum of independent squares, has excess `12 m` = 0.22,
+/// which is 6 % in the last formula; and the mean set to zero takes `2 m` off the square of its
+/// deviation, 2 % off the deviation itself. Of the slopes it takes nothing, but their mesh takes a
+/// term of order `dx^2 / (2 tau^2)`, another 2 % at most.
 #[test]
 fn realised_values_scatter_as_claimed() {
     let n = 600;
@@ -163,7 +166,7 @@ fn realised_values_scatter_as_claimed() {
             let off = deviation / claimed - 1.0;
             println!("{name}: z of the mean {z_mean:.2}, deviation off by {off:.3}");
             assert!(z_mean.abs() < 4.0, "{name}: z = {z_mean}");
-            let allowed = 4.0 * 1.02 / (2.0 * n as f64).sqrt() + 0.02;
+            let allowed = 4.0 * 1.06 / (2.0 * n as f64).sqrt() + 0.02;
             assert!(off.abs() < allowed, "{name}: {deviation} against {claimed}");
         }
         assert_eq!(drawn[0].sigma.requested, 0.7);

@@ -1,0 +1,320 @@
+//! Explicit results against those of an independent tracer.
+//!
+//! The large reference files are no part of the project: where `../shared` is missing, the tests that
+//! need it say so and pass. The essentials, the ensemble means of fresh surfaces, stand here.
+
+use std::path::PathBuf;
+
+use asperity_experiment::{RaySettings, Silent, VerifyConfig, trace, verify};
+use asperity_io::read_height_map;
+use asperity_optics::{Incidence, Material};
+use asperity_surface::{Border, MissingPolicy};
+use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
+use asperity_tracer::{AcceleratorKind, Medium, PathSettings};
+use serde_json::Value;
+
+fn shared(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/reference")
+        .join(name);
+    if path.exists() {
+        return Some(path);
+    }
+    println!("skipped: {} is not there", path.display());
+    None
+}
+
+fn json(name: &str) -> Option<Value> {
+    let text = std::fs::read_to_string(shared(name)?).unwrap();
+    Some(serde_json::from_str(&text).unwrap())
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    value
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|x| x.as_f64().unwrap())
+        .collect()
+}
+
+/// A family of comparisons: each within four standard errors, and all together as scattered as
+/// their errors say.
+#[derive(Default)]
+struct Family {
+    z: Vec<f64>,
+}
+
+impl Family {
+    /// Compares where both sides rest on about 20 rays or more: n rays give a relative error of
+    /// about 1 / sqrt(n), so one above 1 / sqrt(20) speaks of fewer.
+    fn compare(&mut self, what: &str, found: Estimate, reference: f64, reference_se: f64) {
+        let se = found.se.unwrap();
+        let enough = |mean: f64, se: f64| se > 0.0 && se < mean / 20_f64.sqrt();
+        if !(enough(found.mean, se) && enough(reference, reference_se)) {
+            return;
+        }
+        let z = (found.mean - reference) / se.hypot(reference_se);
+        assert!(
+            z.abs() < 4.0,
+            "{what}: {} +- {se}, reference {reference}, z = {z:.2}",
+            found.mean
+        );
+        self.z.push(z);
+    }
+
+    /// Chi-squared per degree of freedom. Independent comparisons would scatter about 1 by
+    /// sqrt(2 / n); bins of one run are correlated, mostly pairwise between neighbours and between
+    /// orders, so that the scatter is up to sqrt(2) times that. Four of those are allowed.
+    fn check(&self, least: usize) {
+        let n = self.z.len();
+        assert!(n >= least, "only {n} comparisons");
+        let chi_squared = self.z.iter().map(|z| z * z).sum::<f64>() / n as f64;
+        let scatter = (2.0 / n as f64).sqrt() * 2_f64.sqrt();
+        println!("{n} comparisons, chi-squared per degree of freedom {chi_squared:.3}");
+        assert!(
+            (chi_squared - 1.0).abs() < 4.0 * scatter,
+            "{chi_squared} over {n}"
+        );
+    }
+}
+
+/// Compares the rings or in-plane bins of one side and order class with a reference list.
+fn compare_bins(
+    family: &mut Family,
+    what: &str,
+    statistics: &BatchStatistics,
+    entries: impl DoubleEndedIterator<Item = usize> + ExactSizeIterator,
+    (values, errors): (&Value, &Value),
+) {
+    let (values, errors) = (numbers(values), numbers(errors));
+    assert_eq!(values.len(), entries.len());
+    for (i, ((entry, value), error)) in entries.zip(values).zip(errors).enumerate() {
+        family.compare(
+            &format!("{what} bin {i}"),
+            statistics.estimate(entry),
+            value,
+            error,
+        );
+    }
+}
+
+#[test]
+fn one_surface_agrees_with_an_independent_tracer() {
+    let Some(path) = shared("gauss_n512_tau16_s2.npy") else {
+        return;
+    };
+    let Some(reference) = json("explicit_s2_eta1.5.json") else {
+        return;
+    };
+    let field = read_height_map(path)
+        .unwrap()
+        .into_height_field(MissingPolicy::Refuse, Border::Periodic)
+        .unwrap();
+    for (theta, seed) in [(30.0, 1), (60.0, 2)] {
+        let config = reference["configs"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|c| c["theta_i_deg"].as_f64() == Some(theta))
+            .unwrap();
+        let layout = Layout::default();
+        let settings = RaySettings {
+            rays: 1_000_000,
+            seed,
+            layout,
+            paths: PathSettings::default(),
+            accelerator: AcceleratorKind::Auto,
+        };
+        // Reference light travels towards +x: it comes from azimuth 180 deg.
+        let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
+        let glass = Material::dielectric(1.5).unwrap();
+        let outcome = trace(
+            field.clone(),
+            glass,
+            incidence,
+            Medium::Above,
+            &settings,
+            &Silent,
+        )
+        .unwrap();
+        let statistics = &outcome.statistics;
+        let budget: f64 = statistics.means()[..5].iter().sum();
+        assert!((budget - 1.0).abs() < 1e-12);
+        assert_eq!(statistics.means()[Layout::LOST], 0.0);
+
+        let mut family = Family::default();
+        for (side, letter) in [(Side::Reflected, "R"), (Side::Transmitted, "T")] {
+            let number = |key: &str| config[key].as_f64().unwrap();
+            let total = statistics.estimate(side.index());
+            family.compare(
+                letter,
+                total,
+                number(letter),
+                number(&format!("{letter}_se")),
+            );
+            let orders = numbers(&config[format!("{letter}_by_exact_order_1_to_11_then_12plus")]);
+            let errors = numbers(&config[format!("{letter}_by_exact_order_se")]);
+            for order in 1..=11 {
+                let found = statistics.estimate(layout.order(side, order));
+                let what = format!("{letter} order {order} at {theta} deg");
+                family.compare(&what, found, orders[order - 1], errors[order - 1]);
+            }
+            for (class, k) in OrderClass::ALL.into_iter().zip(0..) {
+                let pick = |histogram: &str| {
+                    let histogram = &config[format!("{letter}_{histogram}")];
+                    if class == OrderClass::All {
+                        (histogram["total"].clone(), histogram["total_se"].clone())
+                    } else {
+                        (
+                            histogram["by_order"][k].clone(),
+                            histogram["by_order_se"][k].clone(),
+                        )
+                    }
+                };
+                // Reference rings of transmission count from -z, ours from +z.
+                let rings = layout.rings(side, class);
+                let (values, errors) = pick("theta_hist");
+                let what = format!("{letter} {class:?} theta at {theta} deg");
+                match side {
+                    Side::Reflected => {
+                        compare_bins(&mut family, &what, statistics, rings, (&values, &errors));
+                    }
+                    Side::Transmitted => {
+                        let rings = rings.rev();
+                        compare_bins(&mut family, &what, statistics, rings, (&values, &errors));
+                    }
+                }
+                let (values, errors) = pick("inplane");
+                let what = format!("{letter} {class:?} in plane at {theta} deg");
+                let entries = layout.in_plane(side, class);
+                compare_bins(&mut family, &what, statistics, entries, (&values, &errors));
+            }
+        }
+        family.check(250);
+    }
+}
+
+/// Eta, theta, and R, T, R1, T1 each with its standard error: means over 12 fresh surfaces of
+/// smoothness 3, N = 512, tau = 16, of an independent program.
+type EnsembleRow = (f64, f64, [[f64; 2]; 4]);
+
+const ENSEMBLE: [EnsembleRow; 4] = [
+    (
+        0.714285714,
+        30.0,
+        [
+            [0.314529034, 0.00136968941],
+            [0.685471934, 0.00136994476],
+            [0.140706757, 0.000796635682],
+            [0.676552313, 0.00136824045],
+        ],
+    ),
+    (
+        1.4,
+        30.0,
+        [
+            [0.026368545, 7.16376138e-05],
+            [0.973629834, 7.15042309e-05],
+            [0.0250886554, 7.8876641e-05],
+            [0.958266449, 0.000121377711],
+        ],
+    ),
+    (
+        1.4,
+        0.0,
+        [
+            [0.0238465232, 8.7646757e-05],
+            [0.976155267, 8.69907938e-05],
+            [0.023149127, 9.47150648e-05],
+            [0.96895087, 5.38996183e-05],
+        ],
+    ),
+    (
+        0.714285714,
+        0.0,
+        [
+            [0.139335789, 0.00189080012],
+            [0.860665356, 0.00189006804],
+            [0.0333611812, 0.000145498011],
+            [0.849125825, 0.00226915829],
+        ],
+    ),
+];
+
+#[test]
+fn fresh_surfaces_agree_with_an_independent_ensemble() {
+    let config = VerifyConfig::from_toml(
+        "
+        [surface]
+        smoothness = 3
+        [material]
+        eta = [1.4, 0.714285714]
+        [light]
+        theta = [0, 30]
+        [run]
+        realisations = 24
+        rays = 2e5
+        seed = 3
+        [compare]
+        models = []
+        ",
+    )
+    .unwrap();
+    let outcome = verify(&config, &Silent).unwrap();
+    let layout = outcome.layout;
+    let in_plane = json("ensemble_s3.json");
+    let mut family = Family::default();
+    for case in &outcome.cases {
+        let Material::Dielectric { eta } = case.case.material else {
+            unreachable!()
+        };
+        let theta = case.case.incidence.theta_deg();
+        let (_, _, row) = ENSEMBLE
+            .iter()
+            .find(|(e, t, _)| (e - eta).abs() < 1e-6 && *t == theta)
+            .unwrap();
+        let statistics = &case.statistics;
+        assert_eq!(statistics.means()[Layout::LOST], 0.0);
+        let [r, t, r1, t1] = *row;
+        let single = |side| statistics.estimate(layout.order(side, 1));
+        for (what, found, [reference, se]) in [
+            ("R", statistics.estimate(Layout::REFLECTED), r),
+            ("T", statistics.estimate(Layout::TRANSMITTED), t),
+            ("R1", single(Side::Reflected), r1),
+            ("T1", single(Side::Transmitted), t1),
+        ] {
+            family.compare(&format!("{} {what}", case.case), found, reference, se);
+        }
+        let Some(reference) = &in_plane else { continue };
+        let reference = reference["cases"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|c| {
+                (c["n"].as_f64().unwrap() - eta).abs() < 1e-6
+                    && c["theta_i_deg"].as_f64() == Some(theta)
+            })
+            .unwrap();
+        let values = numbers(&reference["inplane_rho_cos_order1"]);
+        let errors = numbers(&reference["inplane_rho_cos_order1_se"]);
+        for (i, entry) in layout
+            .in_plane(Side::Transmitted, OrderClass::First)
+            .enumerate()
+        {
+            let per_sr = 1.0 / layout.in_plane_solid_angle(i);
+            let found = statistics.estimate(entry);
+            let found = Estimate {
+                mean: found.mean * per_sr,
+                se: found.se.map(|se| se * per_sr),
+            };
+            family.compare(
+                &format!("{} in plane {i}", case.case),
+                found,
+                values[i],
+                errors[i],
+            );
+        }
+    }
+    family.check(16);
+}
