@@ -2,10 +2,19 @@
 
 use serde::Serialize;
 
-use crate::sign_flip::{SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test};
+use crate::sign_flip::{Scale, SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test};
 
 /// Flips that estimate the total variation of noise.
 const NOISE_FLIPS: usize = 400;
+
+/// Sums of bins that are tested beside the bins themselves, such as rings or whole sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grouping {
+    /// Name of the scale.
+    pub name: &'static str,
+    /// Numbers of the bins of each group. A group is tested if one of its bins is.
+    pub groups: Vec<Vec<usize>>,
+}
 
 /// One bin of explicit surfaces beside a model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -84,7 +93,8 @@ pub enum ComparisonError {
 /// `surfaces`: one list of bin fluxes a surface, each an independent draw of the same ensemble.
 /// `model`: the expected fluxes. `enough`: the bins to test; take those in which at least 20 rays
 /// are found or expected over all surfaces, because fewer rays are far from symmetric about their
-/// mean, which the test assumes. Bins left out still count in the total variation. `seed` chooses
+/// mean, which the test assumes. Bins left out still count in the total variation and in sums.
+/// `groupings`: coarser scales to test as well. `seed` chooses
 /// the random flips; the same seed gives the same result.
 ///
 /// The p value accounts for the correlation between bins of one surface: see
@@ -96,6 +106,7 @@ pub fn compare(
     surfaces: &[Vec<f64>],
     model: &[f64],
     enough: &[bool],
+    groupings: &[Grouping],
     seed: u64,
 ) -> Result<Comparison, ComparisonError> {
     if surfaces.is_empty() {
@@ -167,13 +178,49 @@ pub fn compare(
             }
         })
         .collect();
-    let tested: Vec<usize> = (0..model.len()).filter(|&b| enough[b]).collect();
     Ok(Comparison {
         bins,
         surfaces: surfaces.len(),
         total_variation: total_variation(&residuals, &offsets, seed),
-        test: sign_flip_test(&residuals, &tested, seed),
+        test: test_on_all_scales(&residuals, enough, groupings, seed),
     })
+}
+
+/// The sign-flip test of bins and of the sums that `groupings` name.
+fn test_on_all_scales(
+    residuals: &[Vec<f64>],
+    enough: &[bool],
+    groupings: &[Grouping],
+    seed: u64,
+) -> Result<SignFlipTest, Untested> {
+    let tested: Vec<usize> = (0..enough.len()).filter(|&b| enough[b]).collect();
+    let sums: Vec<(Vec<Vec<f64>>, Vec<usize>)> = groupings
+        .iter()
+        .map(|grouping| {
+            let sum = |d: &Vec<f64>, group: &Vec<usize>| group.iter().map(|&b| d[b]).sum();
+            let of_surface = |d| grouping.groups.iter().map(|group| sum(d, group)).collect();
+            let members = (0..grouping.groups.len())
+                .filter(|&g| grouping.groups[g].iter().any(|&b| enough[b]))
+                .collect();
+            (residuals.iter().map(of_surface).collect(), members)
+        })
+        .collect();
+    let mut scales = vec![Scale {
+        name: "bins",
+        residuals,
+        members: &tested,
+    }];
+    scales.extend(
+        groupings
+            .iter()
+            .zip(&sums)
+            .map(|(grouping, (residuals, members))| Scale {
+                name: grouping.name,
+                residuals,
+                members,
+            }),
+    );
+    sign_flip_test(&scales, seed)
 }
 
 /// The observed distance, and that of flipped deviations from the mean: what the mean of so many
@@ -218,7 +265,7 @@ mod tests {
     #[test]
     fn means_errors_and_z_are_those_of_the_surfaces() {
         let surfaces = [vec![0.1, 0.5], vec![0.3, 0.5]];
-        let result = compare(&surfaces, &[0.1, 0.5], &[true, true], 1).unwrap();
+        let result = compare(&surfaces, &[0.1, 0.5], &[true, true], &[], 1).unwrap();
         let bin = result.bins[0];
         assert!((bin.mean - 0.2).abs() < 1e-15);
         assert!((bin.standard_error.unwrap() - 0.1).abs() < 1e-15);
@@ -234,7 +281,7 @@ mod tests {
 
     #[test]
     fn one_surface_has_a_deviation_but_no_judgement() {
-        let result = compare(&[vec![0.2, 0.4]], &[0.3, 0.4], &[true, true], 1).unwrap();
+        let result = compare(&[vec![0.2, 0.4]], &[0.3, 0.4], &[true, true], &[], 1).unwrap();
         assert_eq!(result.bins[0].z, None);
         assert_eq!(result.bins[0].standard_error, None);
         assert_eq!(result.test, Err(Untested::OneSurface));
@@ -245,30 +292,33 @@ mod tests {
     #[test]
     fn light_that_never_comes_is_a_deviation_without_scatter() {
         let surfaces = vec![vec![0.0, 0.0]; 10];
-        let result = compare(&surfaces, &[0.01, 0.0], &[true, true], 1).unwrap();
+        let result = compare(&surfaces, &[0.01, 0.0], &[true, true], &[], 1).unwrap();
         assert_eq!(result.bins[0].z, Some(f64::NEG_INFINITY));
         assert_eq!(result.bins[1].z, Some(0.0));
         let test = result.test.unwrap();
-        assert_eq!((test.max_t, test.p), (f64::INFINITY, 1.0 / 512.0));
+        assert_eq!((test.scales[0].max_t, test.p), (f64::INFINITY, 1.0 / 512.0));
     }
 
     #[test]
     fn bins_without_enough_rays_do_not_enter_the_test() {
         let surfaces = vec![vec![0.0, 0.0]; 10];
-        let result = compare(&surfaces, &[0.01, 0.0], &[false, true], 1).unwrap();
+        let result = compare(&surfaces, &[0.01, 0.0], &[false, true], &[], 1).unwrap();
         assert_eq!(result.test.unwrap().p, 1.0);
         assert!((result.total_variation.observed - 0.005).abs() < 1e-15);
-        let result = compare(&surfaces, &[0.01, 0.0], &[false, false], 1).unwrap();
+        let result = compare(&surfaces, &[0.01, 0.0], &[false, false], &[], 1).unwrap();
         assert_eq!(result.test, Err(Untested::NoBins));
     }
 
     #[test]
     fn contradictory_input_is_refused() {
-        assert_eq!(compare(&[], &[], &[], 0), Err(ComparisonError::NoSurfaces));
-        let error = compare(&[vec![0.1], vec![0.1, 0.2]], &[0.1], &[true], 0).unwrap_err();
+        assert_eq!(
+            compare(&[], &[], &[], &[], 0),
+            Err(ComparisonError::NoSurfaces)
+        );
+        let error = compare(&[vec![0.1], vec![0.1, 0.2]], &[0.1], &[true], &[], 0).unwrap_err();
         assert_eq!(error.to_string(), "surface 1 has 2 bins; the model has 1");
-        assert!(compare(&[vec![0.1]], &[0.1], &[], 0).is_err());
-        assert!(compare(&[vec![f64::NAN]], &[0.1], &[true], 0).is_err());
-        assert!(compare(&[vec![0.1]], &[f64::INFINITY], &[true], 0).is_err());
+        assert!(compare(&[vec![0.1]], &[0.1], &[], &[], 0).is_err());
+        assert!(compare(&[vec![f64::NAN]], &[0.1], &[true], &[], 0).is_err());
+        assert!(compare(&[vec![0.1]], &[f64::INFINITY], &[true], &[], 0).is_err());
     }
 }

@@ -43,14 +43,16 @@ mod verdict;
 mod xu_sun;
 
 pub use beckmann::{normal_density, smith_g1, smith_lambda, smith_lambda_of};
-pub use comparison::{BinComparison, Comparison, ComparisonError, TotalVariation, compare};
+pub use comparison::{
+    BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,
+};
 pub use energy::{HemisphericalEnergy, hemispherical_energy};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
 pub use flux::{bin_fluxes, flux_into};
 pub use kinematics::{Facet, reflecting_facet, refracting_facet};
 pub use model::{BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope};
 pub use registry::{MODEL_NAMES, create_model};
-pub use sign_flip::{SignFlipTest, Untested};
+pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use smith::{Masking, Smith};
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};

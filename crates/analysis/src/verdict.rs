@@ -60,8 +60,8 @@ pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
     let level = sidak_level(level, comparisons.len());
     comparisons
         .iter()
-        .map(|comparison| match comparison.test {
-            Err(reason) => Verdict::NotResolved(reason.into()),
+        .map(|comparison| match &comparison.test {
+            Err(reason) => Verdict::NotResolved((*reason).into()),
             Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
                 min_p: test.min_p,
                 level,
@@ -86,8 +86,8 @@ mod tests {
 
     #[test]
     fn the_words_are_holds_fails_and_not_resolved() {
-        let right = compare(&surfaces(10), &[0.3], &[true], 0).unwrap();
-        let wrong = compare(&surfaces(10), &[0.31], &[true], 0).unwrap();
+        let right = compare(&surfaces(10), &[0.3], &[true], &[], 0).unwrap();
+        let wrong = compare(&surfaces(10), &[0.31], &[true], &[], 0).unwrap();
         let both = verdicts(&[right, wrong], DEFAULT_LEVEL);
         assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
         assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
@@ -101,11 +101,11 @@ mod tests {
             (4, "not resolved: too few surfaces: 4, at least 6"),
             (7, "not resolved: too few surfaces: the least p value"),
         ] {
-            let wrong = compare(&surfaces(count), &[0.9], &[true], 0).unwrap();
+            let wrong = compare(&surfaces(count), &[0.9], &[true], &[], 0).unwrap();
             let verdict = verdicts(&[wrong], DEFAULT_LEVEL)[0].to_string();
             assert!(verdict.starts_with(text), "{verdict}");
         }
-        let wrong = compare(&surfaces(8), &[0.9], &[true], 0).unwrap();
+        let wrong = compare(&surfaces(8), &[0.9], &[true], &[], 0).unwrap();
         assert_eq!(verdicts(&[wrong], DEFAULT_LEVEL), [Verdict::Fails]);
     }
 }

@@ -112,15 +112,13 @@ pub fn height_map_figure(
     .draw()
 }
 
+/// height_map.
 pub(crate) fn height_map(
     folder: &Path,
-    surroundings: &Surroundings<'_>,
+    field: &HeightField,
+    name: &str,
 ) -> Result<(), ReportError> {
-    save(
-        folder,
-        "height_map",
-        &height_map_figure(surroundings.field, &surroundings.name)?,
-    )
+    save(folder, "height_map", &height_map_figure(field, name)?)
 }
 
 /// lobes, in_plane_reflected and in_plane_transmitted.

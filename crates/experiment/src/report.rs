@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::summary::Summary;
 use crate::tables::{case_table, conclusion, verdict_word, verify_table};
 use crate::trace::TraceOutcome;
-use crate::verify::{CaseOutcome, ModelOutcome, VerifyOutcome};
+use crate::verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome};
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]
@@ -23,6 +23,9 @@ pub enum ReportError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The surface of a plot cannot be drawn again.
+    #[error(transparent)]
+    Surface(#[from] Box<VerifyError>),
     /// A plot cannot be drawn.
     #[error("a plot could not be drawn: {0}")]
     Plot(#[from] PlotError),
@@ -44,7 +47,7 @@ pub fn trace_report(
     write_tables(folder, layout, &outcome.statistics, &[])?;
     if let Some(surroundings) = plots {
         let light = surroundings.light;
-        figures::height_map(folder, surroundings)?;
+        figures::height_map(folder, surroundings.field, &surroundings.name)?;
         figures::lobes_and_curves(folder, light, layout, &outcome.statistics, &[])?;
     }
     write_json(folder.join("summary.json"), summary)?;
@@ -75,6 +78,9 @@ pub fn verify_report(
         write_tables(&place, &outcome.layout, &case.statistics, &case.models)?;
         write_comparison(&place, outcome, case)?;
         if outcome.config.output.plots {
+            let first = outcome.config.first_surface(&case.case).map_err(Box::new)?;
+            let name = format!("First of {} surfaces", case.work.realisations);
+            figures::height_map(&place, &first, &name)?;
             let light = Light::of_case(&case.case);
             let layout = &outcome.layout;
             figures::lobes_and_curves(&place, &light, layout, &case.statistics, &case.models)?;
@@ -89,7 +95,7 @@ pub fn verify_report(
             summaries.push(json!({
                 "folder": name,
                 "case": case.case,
-                "comparison": comparison_json(case),
+                "comparison": comparison_json(&outcome.layout, case),
             }));
         } else {
             write_json(place.join("summary.json"), &summary)?;
@@ -124,25 +130,25 @@ pub(crate) fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome, config: 
         (&outcome.layout, &case.statistics),
         case.work.clone(),
     )
-    .with_comparison(comparison_json(case))
+    .with_comparison(comparison_json(&outcome.layout, case))
 }
 
 /// Verdicts, p values and distances of one case.
-pub(crate) fn comparison_json(case: &CaseOutcome) -> Value {
+pub(crate) fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
     let models: Vec<Value> = case
         .models
         .iter()
         .map(|model| {
             let against = |comparison: &asperity_analysis::Comparison| {
                 let distance = &comparison.total_variation;
-                let test = comparison.test.ok();
+                let test = comparison.test.as_ref().ok();
                 json!({
                     "total_variation": distance.observed,
                     "total_variation_noise": distance.noise,
                     "total_variation_noise_95": distance.noise_95,
                     "bins_tested": comparison.bins.iter().filter(|bin| bin.tested).count(),
-                    "largest_t": test.map(|t| t.max_t),
                     "p": test.map(|t| t.p),
+                    "scales": test.map(|t| &t.scales),
                     "least_p": test.map(|t| t.min_p),
                     "sign_flips": test.map(|t| t.flips),
                 })
@@ -157,7 +163,7 @@ pub(crate) fn comparison_json(case: &CaseOutcome) -> Value {
             })
         })
         .collect();
-    json!({ "level": case.level, "models": models, "conclusion": conclusion(case) })
+    json!({ "level": case.level, "models": models, "conclusion": conclusion(layout, case) })
 }
 
 /// histogram.csv, theta.csv and in_plane.csv.

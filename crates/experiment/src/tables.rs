@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_analysis::{Comparison, Verdict};
+use asperity_analysis::{SignFlipTest, Verdict};
 use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
 
 use crate::config::short;
@@ -82,39 +82,51 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     let plural = if surfaces == 1 { "" } else { "s" };
     let _ = writeln!(
         out,
-        "{surfaces} surface{plural} of {nx} x {ny}, {} rays; standard errors from {} {}\n",
+        "{surfaces} surface{plural} of {nx} x {ny}, {} rays; standard errors from {} {}",
         case.work.rays,
         case.statistics.batches(),
         case.errors_from,
     );
+    let _ = writeln!(
+        out,
+        "slope variance of the mesh is {:.2} % below that of the continuous surface\n",
+        100.0 * outcome.config.mesh_slope_deficit(),
+    );
 
-    let _ = write!(out, "{:<24}{:<26}", "flux fraction", "explicit");
-    for model in &case.models {
-        let _ = write!(out, "{:<26}", model.model.name());
-    }
-    out.push('\n');
+    let names = || {
+        case.models
+            .iter()
+            .map(|model| model.model.name().to_owned())
+    };
+    let mut rows: Vec<Vec<String>> = vec![
+        ["flux fraction", "explicit"]
+            .map(str::to_owned)
+            .into_iter()
+            .chain(names())
+            .collect(),
+    ];
     for side in Side::BOTH {
         for (part, estimate) in parts(&outcome.layout, case, side) {
-            let _ = write!(
-                out,
-                "{:<24}{:<26}",
-                format!("{side} {part}"),
-                with_error(estimate)
+            let mut row = vec![format!("{side} {part}"), with_error(estimate)];
+            row.extend(
+                case.models
+                    .iter()
+                    .map(|model| beside(model, side, part, estimate)),
             );
-            for model in &case.models {
-                let _ = write!(out, "{:<26}", beside(model, side, part, estimate));
-            }
-            out.truncate(out.trim_end().len());
-            out.push('\n');
+            rows.push(row);
         }
     }
     for (i, name) in [(2, "absorbed"), (3, "truncated"), (4, "lost")] {
-        let _ = writeln!(out, "{name:<24}{}", with_error(case.statistics.estimate(i)));
+        rows.push(vec![
+            name.to_owned(),
+            with_error(case.statistics.estimate(i)),
+        ]);
     }
+    out.push_str(&aligned(&rows));
     if !case.models.is_empty() {
         out.push('\n');
-        out.push_str(&distribution_table(case));
-        let _ = writeln!(out, "\n{}", conclusion(case));
+        out.push_str(&distribution_table(&outcome.layout, case));
+        let _ = writeln!(out, "\n{}", conclusion(&outcome.layout, case));
     }
     out
 }
@@ -149,73 +161,134 @@ fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> S
 }
 
 /// Total variation, p value and verdict of every model.
-fn distribution_table(case: &CaseOutcome) -> String {
-    let mut out = String::new();
+fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
     let tested = case.models[0]
         .single
         .bins
         .iter()
         .filter(|bin| bin.tested)
         .count();
-    let _ = write!(
-        out,
-        "{:<50}",
-        format!("distribution of single scattering, {tested} bins")
-    );
-    for model in &case.models {
-        let _ = write!(out, "{:<26}", model.model.name());
-    }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
-    type Cell = fn(&Comparison) -> String;
-    let optional = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.5}"));
-    let rows: [(&str, Cell); 3] = [
-        ("total variation distance", |c| {
-            format!("{:.5}", c.total_variation.observed)
-        }),
-        ("largest |t| over bins", |c| {
-            c.test
-                .map_or("-".to_owned(), |test| format!("{:.1}", test.max_t))
-        }),
-        ("p value, sign flips of surfaces", |c| {
-            c.test
-                .map_or("-".to_owned(), |test| format!("{:.4}", test.p))
-        }),
+    let number = |value: Option<f64>, digits: usize| {
+        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
+    };
+    let rows: [(String, Box<dyn Fn(&ModelOutcome) -> String>); 8] = [
+        (
+            format!("single scattering, {tested} bins"),
+            Box::new(|m| m.model.name().to_owned()),
+        ),
+        (
+            "total variation distance".into(),
+            Box::new(move |m| number(Some(m.single.total_variation.observed), 5)),
+        ),
+        (
+            "  that noise alone would cause".into(),
+            Box::new(move |m| number(m.single.total_variation.noise, 5)),
+        ),
+        (
+            "largest |t|: bins; rings; sides".into(),
+            Box::new(|m| {
+                let t = |test: &SignFlipTest| -> Vec<String> {
+                    test.scales
+                        .iter()
+                        .map(|scale| format!("{:.1}", scale.max_t))
+                        .collect()
+                };
+                m.single
+                    .test
+                    .as_ref()
+                    .map_or_else(|_| "-".to_owned(), |test| t(test).join("; "))
+            }),
+        ),
+        (
+            "p value, sign flips of surfaces".into(),
+            Box::new(move |m| number(m.single.test.as_ref().ok().map(|test| test.p), 4)),
+        ),
+        (
+            "most significant deviation".into(),
+            Box::new(|m| strongest_deviation(m, layout).unwrap_or_else(|| "-".to_owned())),
+        ),
+        (
+            "verdict".into(),
+            Box::new(|m| verdict_word(&m.verdict).to_owned()),
+        ),
+        (
+            "total variation from all light".into(),
+            Box::new(move |m| number(Some(m.total.total_variation.observed), 5)),
+        ),
     ];
-    for (i, (name, cell)) in rows.into_iter().enumerate() {
-        let _ = write!(out, "  {name:<48}");
-        for model in &case.models {
-            let _ = write!(out, "{:<26}", cell(&model.single));
-        }
-        out.truncate(out.trim_end().len());
+    let rows: Vec<Vec<String>> = rows
+        .iter()
+        .map(|(name, cell)| {
+            std::iter::once(name.clone())
+                .chain(case.models.iter().map(cell))
+                .collect()
+        })
+        .collect();
+    aligned(&rows)
+}
+
+/// Rows of cells as lines, in columns as wide as their widest cell.
+fn aligned(rows: &[Vec<String>]) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |column: usize| {
+        rows.iter()
+            .filter_map(|row| row.get(column))
+            .map(|cell| cell.chars().count())
+            .max()
+    };
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| width(column).unwrap_or(0))
+        .collect();
+    let mut out = String::new();
+    for row in rows {
+        let cells: Vec<String> = row
+            .iter()
+            .zip(&widths)
+            .map(|(cell, &width)| format!("{cell:<width$}"))
+            .collect();
+        out.push_str(cells.join("   ").trim_end());
         out.push('\n');
-        if i == 0 {
-            let _ = write!(out, "  {:<48}", "  of which noise would cause, mean");
-            for model in &case.models {
-                let noise = optional(model.single.total_variation.noise);
-                let _ = write!(out, "{noise:<26}");
-            }
-            out.truncate(out.trim_end().len());
-            out.push('\n');
-        }
     }
-    let _ = write!(out, "  {:<48}", "total variation distance from all light");
-    for model in &case.models {
-        let _ = write!(
-            out,
-            "{:<26}",
-            format!("{:.5}", model.total.total_variation.observed)
-        );
-    }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
-    let _ = write!(out, "  {:<48}", "verdict");
-    for model in &case.models {
-        let _ = write!(out, "{:<26}", verdict_word(&model.verdict));
-    }
-    out.truncate(out.trim_end().len());
-    out.push('\n');
     out
+}
+
+/// Where single scattering deviates most significantly from a model, and by how much of the model.
+fn strongest_deviation(model: &ModelOutcome, layout: &Layout) -> Option<String> {
+    let test = model.single.test.as_ref().ok()?;
+    let strongest = test.strongest();
+    let grid = layout.grid();
+    let width = match strongest.name.as_str() {
+        "sides" => grid.bins_per_side(),
+        "rings" => grid.n_phi(),
+        _ => 1,
+    };
+    let first = strongest.member * width;
+    let bins = &model.single.bins[first..first + width];
+    let [mean, expected] = [
+        bins.iter().map(|b| b.mean).sum::<f64>(),
+        bins.iter().map(|b| b.model).sum::<f64>(),
+    ];
+    let bin = grid.bin(first);
+    let degrees = |range: [f64; 2]| {
+        let [from, to] = range.map(|angle| short(round_degrees(angle.to_degrees())));
+        format!("{from}-{to}")
+    };
+    let mut place = bin.side.to_string();
+    if width < grid.bins_per_side() {
+        let _ = write!(place, " {} deg", degrees(bin.theta));
+    }
+    if width == 1 {
+        let _ = write!(place, " phi {}", degrees(bin.phi));
+    }
+    if expected > 0.0 {
+        let _ = write!(place, " {:+.1} %", 100.0 * (mean / expected - 1.0));
+    }
+    Some(place)
+}
+
+/// Degrees without the rounding of their way through radians.
+fn round_degrees(degrees: f64) -> f64 {
+    (degrees * 1e6).round() / 1e6
 }
 
 /// One word for a verdict.
@@ -228,7 +301,7 @@ pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
 }
 
 /// The sentence that says which model holds within the error.
-pub(crate) fn conclusion(case: &CaseOutcome) -> String {
+pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
     let named = |wanted: &str| -> Vec<&ModelOutcome> {
         case.models
             .iter()
@@ -263,16 +336,14 @@ pub(crate) fn conclusion(case: &CaseOutcome) -> String {
             verb(&holds, "holds", "hold"),
         ));
     }
-    if !fails.is_empty() {
-        let distances: Vec<String> = fails
-            .iter()
-            .map(|m| format!("{:.5}", m.single.total_variation.observed))
-            .collect();
+    for model in &fails {
         clauses.push(format!(
-            "{} {} (total variation {})",
-            list(&fails),
-            verb(&fails, "fails", "fail"),
-            distances.join(", "),
+            "{} fails (total variation {:.5}, {})",
+            model.model.name(),
+            model.single.total_variation.observed,
+            strongest_deviation(model, layout).map_or(String::new(), |place| {
+                format!("most clearly in {place}")
+            }),
         ));
     }
     if !open.is_empty() {
@@ -295,35 +366,35 @@ pub(crate) fn conclusion(case: &CaseOutcome) -> String {
 
 /// A line a case and model, for runs of many cases.
 fn overview(outcome: &VerifyOutcome) -> String {
-    let mut out = String::new();
-    let _ = writeln!(
-        out,
-        "{:<36}{:<18}{:<24}{:<12}{:<10}verdict",
-        "case", "model", "total variation (noise)", "p value", "multiple"
-    );
+    let header = [
+        "case",
+        "model",
+        "total variation (noise)",
+        "p value",
+        "multiple",
+        "verdict",
+    ];
+    let mut rows: Vec<Vec<String>> = vec![header.map(str::to_owned).to_vec()];
     for case in &outcome.cases {
-        let multiple: f64 = Side::BOTH
-            .map(|side| case.statistics.means()[outcome.layout.multiple(side)])
-            .iter()
-            .sum();
+        let multiple = |side| case.statistics.means()[outcome.layout.multiple(side)];
+        let multiple = multiple(Side::Reflected) + multiple(Side::Transmitted);
         for model in &case.models {
-            let tv = &model.single.total_variation;
-            let noise = tv.noise.map_or("-".to_owned(), |n| format!("{n:.5}"));
-            let p = model
-                .single
-                .test
-                .map_or("-".to_owned(), |t| format!("{:.4}", t.p));
-            let _ = writeln!(
-                out,
-                "{:<36}{:<18}{:<24}{p:<12}{multiple:<10.5}{}",
+            let distance = &model.single.total_variation;
+            let noise = distance
+                .noise
+                .map_or_else(|| "-".to_owned(), |n| format!("{n:.5}"));
+            let test = model.single.test.as_ref();
+            rows.push(vec![
                 case.case.to_string(),
-                model.model.name(),
-                format!("{:.5} ({noise})", tv.observed),
-                verdict_word(&model.verdict),
-            );
+                model.model.name().to_owned(),
+                format!("{:.5} ({noise})", distance.observed),
+                test.map_or_else(|_| "-".to_owned(), |test| format!("{:.4}", test.p)),
+                format!("{multiple:.5}"),
+                verdict_word(&model.verdict).to_owned(),
+            ]);
         }
     }
-    out
+    aligned(&rows)
 }
 
 #[cfg(test)]

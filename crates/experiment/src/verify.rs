@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use asperity_analysis::{
-    BsdfModel, Comparison, ComparisonError, HemisphericalEnergy, ModelError, Verdict, compare,
-    create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
+    BsdfModel, Comparison, ComparisonError, Grouping, HemisphericalEnergy, ModelError, Verdict,
+    compare, create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
 };
-use asperity_surface::{Synthesis, SynthesisError};
+use asperity_surface::{HeightField, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
 use asperity_tracer::Medium;
 use rayon::prelude::*;
@@ -115,19 +115,28 @@ impl VerifyConfig {
         self.recipes().map(|_| ())
     }
 
+    /// The first surface of a case, drawn again.
+    pub(crate) fn first_surface(&self, case: &Case) -> Result<HeightField, VerifyError> {
+        Ok(self.recipe(case)?.draw(self.run.seed, 0)?)
+    }
+
+    fn recipe(&self, case: &Case) -> Result<Synthesis, VerifyError> {
+        let spacing = self.surface.spacing.xy().map(|s| s.0);
+        Ok(Synthesis::new(
+            case.psd,
+            self.shape()?,
+            spacing,
+            self.surface.insist,
+        )?)
+    }
+
     /// One recipe a smoothness, with the cases that share it.
     fn recipes(&self) -> Result<Vec<(Synthesis, Vec<Case>)>, VerifyError> {
-        let shape = self.shape()?;
-        let spacing = self.surface.spacing.xy().map(|s| s.0);
         let mut recipes: Vec<(Synthesis, Vec<Case>)> = Vec::new();
         for case in self.cases()? {
             match recipes.last_mut() {
                 Some((synthesis, cases)) if *synthesis.psd() == case.psd => cases.push(case),
-                _ => {
-                    let insist = self.surface.insist;
-                    let synthesis = Synthesis::new(case.psd, shape, spacing, insist)?;
-                    recipes.push((synthesis, vec![case]));
-                }
+                _ => recipes.push((self.recipe(&case)?, vec![case])),
             }
         }
         Ok(recipes)
@@ -279,7 +288,13 @@ fn model_outcome(
                 found.max(expected[i]) * rays >= ENOUGH_RAYS
             })
             .collect();
-        compare(&surfaces, &expected, &enough, config.run.seed)
+        compare(
+            &surfaces,
+            &expected,
+            &enough,
+            &rings_and_sides(layout),
+            config.run.seed,
+        )
     };
     Ok(ModelOutcome {
         energy: hemispherical_energy(model.as_ref(), wi),
@@ -289,6 +304,28 @@ fn model_outcome(
         in_plane: Side::BOTH.map(|side| in_plane_fluxes(model.as_ref(), layout, case, side)),
         model,
     })
+}
+
+/// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
+/// sides, which are the energies.
+fn rings_and_sides(layout: &Layout) -> [Grouping; 2] {
+    let grid = layout.grid();
+    let groups = |of_each: usize| -> Vec<Vec<usize>> {
+        (0..grid.len())
+            .step_by(of_each)
+            .map(|i| (i..i + of_each).collect())
+            .collect()
+    };
+    [
+        Grouping {
+            name: "rings",
+            groups: groups(grid.n_phi()),
+        },
+        Grouping {
+            name: "sides",
+            groups: groups(grid.bins_per_side()),
+        },
+    ]
 }
 
 /// What a model expects in each in-plane bin.

@@ -239,6 +239,28 @@ mod tests {
         }
     }
 
+    /// The lowest terms that each form does not hold stay as they are, to rounding.
+    #[test]
+    fn terms_of_higher_order_survive() {
+        // Centred coordinates; 3 x 3 samples of u have the mean square 2/3.
+        let surface =
+            |f: fn(f64, f64) -> f64| field([3, 3], |x, y| f(x / 0.5 - 1.0, y / 2.0 - 1.0));
+        for (form, higher) in [
+            (Form::Mean, surface(|u, _| u)),
+            (Form::Mean, surface(|_, v| v)),
+            (Form::Plane, surface(|u, v| u * v)),
+            (Form::Plane, surface(|u, _| u * u - 2.0 / 3.0)),
+            (Form::Plane, surface(|_, v| v * v - 2.0 / 3.0)),
+            (Form::Parabola, surface(|u, v| (u * u - 2.0 / 3.0) * v)),
+            (Form::Parabola, surface(|u, v| (v * v - 2.0 / 3.0) * u)),
+        ] {
+            let left = form.remove(higher.clone()).unwrap();
+            for (a, b) in left.heights().iter().zip(higher.heights()) {
+                assert!((a - b).abs() < 1e-15, "{form}: {a} against {b}");
+            }
+        }
+    }
+
     /// Least squares means that what is left is orthogonal to all six terms.
     #[test]
     fn residual_is_orthogonal_to_the_form() {
