@@ -201,10 +201,11 @@ fn series_of(
             .collect();
         Series::explicit(name, plot_side(side), samples).with_bin_width(width)
     };
-    let mut series = vec![
-        explicit("explicit, all orders", OrderClass::All),
-        explicit("explicit, single scattering", OrderClass::First),
-    ];
+    let mut series = vec![explicit("explicit, all orders", OrderClass::All)];
+    // Without multiple scattering both are the same, and one would hide the other.
+    if statistics.means()[layout.multiple(side)] != 0.0 {
+        series.push(explicit("explicit, single scattering", OrderClass::First));
+    }
     if let Some(case) = &light.case {
         for model in models {
             series.push(model_line(model, layout, case, side, width));

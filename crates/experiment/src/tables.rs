@@ -171,7 +171,8 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
-    let rows: [(String, Box<dyn Fn(&ModelOutcome) -> String>); 8] = [
+    type Cell<'a> = Box<dyn Fn(&ModelOutcome) -> String + 'a>;
+    let rows: [(String, Cell<'_>); 8] = [
         (
             format!("single scattering, {tested} bins"),
             Box::new(|m| m.model.name().to_owned()),

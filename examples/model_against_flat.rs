@@ -1,0 +1,23 @@
+//! How a model approaches Fresnel's equations as the surface becomes smooth.
+//!
+//! ```text
+//! cargo run --release --example model_against_flat
+//! ```
+
+#![allow(clippy::print_stdout, reason = "an example prints")]
+
+use asperity_analysis::{create_model, hemispherical_energy};
+use asperity_optics::{Incidence, Material};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let glass = Material::dielectric(1.5)?;
+    let light = Incidence::from_degrees(45.0, 0.0)?;
+    let flat = glass.fresnel(light.theta().cos()).reflected;
+    println!("flat surface: {flat:.6} reflected");
+    for smoothness in [1.0, 3.0, 10.0, 100.0] {
+        let model = create_model("smith", smoothness, glass)?;
+        let energy = hemispherical_energy(model.as_ref(), light.wi());
+        println!("s = {smoothness:>5}:    {:.6} reflected", energy.reflected);
+    }
+    Ok(())
+}

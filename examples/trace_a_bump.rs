@@ -1,0 +1,44 @@
+//! Light on a surface of one's own making: a periodic egg crate of glass.
+//!
+//! ```text
+//! cargo run --release --example trace_a_bump
+//! ```
+
+#![allow(clippy::print_stdout, reason = "an example prints")]
+
+use std::f64::consts::TAU;
+
+use asperity_experiment::{RaySettings, Silent, energy_table, trace};
+use asperity_optics::{Incidence, Material};
+use asperity_surface::HeightField;
+use asperity_tally::Layout;
+use asperity_tracer::{AcceleratorKind, Medium, PathSettings};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // 64 x 64 samples of 0.1 um, one period of cosines 1 um high.
+    let n = 64;
+    let wave = |i: usize| (TAU * i as f64 / n as f64).cos();
+    let heights = (0..n * n)
+        .map(|i| 0.5 * (wave(i % n) + wave(i / n)))
+        .collect();
+    let crate_of_eggs = HeightField::new(heights, [n, n], [0.1, 0.1])?;
+
+    let layout = Layout::default();
+    let settings = RaySettings {
+        rays: 100_000,
+        seed: 1,
+        layout,
+        paths: PathSettings::default(),
+        accelerator: AcceleratorKind::Auto,
+    };
+    let outcome = trace(
+        crate_of_eggs,
+        Material::dielectric(1.5)?,
+        Incidence::from_degrees(60.0, 0.0)?,
+        Medium::Above,
+        &settings,
+        &Silent,
+    )?;
+    print!("{}", energy_table(&layout, &outcome.statistics));
+    Ok(())
+}
