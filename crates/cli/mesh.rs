@@ -1,6 +1,7 @@
 //! `asperity mesh`: the triangles that are traced.
 
 use asperity_io::{MeshFormat, MeshView, write_mesh};
+use asperity_surface::LengthUnit;
 use asperity_tracer::{Surface, TriangleMesh};
 
 use crate::args::{Common, Mesh};
@@ -16,7 +17,10 @@ pub(crate) fn run(command: &Mesh, common: &Common) -> Result<(), Failure> {
         )));
     }
     let input = read_surface(&command.file, &command.reading, common)?;
-    let unit = input.field.unit();
+    let unit = match input.field.unit() {
+        LengthUnit::Arbitrary => "arbitrary units",
+        unit => unit.symbol(),
+    };
     let mesh = TriangleMesh::new(&Surface::new(input.field)).map_err(Failure::failed)?;
     let view = MeshView {
         vertices: &mesh.vertices,
@@ -27,7 +31,7 @@ pub(crate) fn run(command: &Mesh, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     print(&format!(
-        "{}: {} vertices, {} triangles, lengths in unit {unit}\n",
+        "{}: {} vertices, {} triangles, lengths in {unit}\n",
         command.output.display(),
         mesh.vertices.len(),
         mesh.triangles.len(),

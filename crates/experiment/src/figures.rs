@@ -15,7 +15,7 @@ use crate::report::ReportError;
 use crate::verify::{ModelOutcome, in_plane_flux};
 
 /// Degrees between the points of a model's line.
-const LINE_STEP_DEG: f64 = 1.0;
+const LINE_STEP_DEG: f64 = 0.5;
 
 /// The light and the material of a plot.
 #[derive(Clone, Debug)]

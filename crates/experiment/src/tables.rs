@@ -287,6 +287,12 @@ fn strongest_deviation(model: &ModelOutcome, layout: &Layout) -> Option<String> 
     Some(place)
 }
 
+/// A positive number to so many significant digits.
+fn round_to(value: f64, digits: i32) -> f64 {
+    let unit = 10_f64.powi(value.log10().floor() as i32 + 1 - digits);
+    (value / unit).round() * unit
+}
+
 /// Degrees without the rounding of their way through radians.
 fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e6).round() / 1e6
@@ -332,19 +338,19 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
             .filter_map(|m| m.single.total_variation.noise_95)
             .fold(0.0, f64::max);
         clauses.push(format!(
-            "{} {} within the error (noise alone reaches a total variation of {seen:.5})",
+            "{} {} within the error (in total variation, noise alone reaches {seen:.5})",
             list(&holds),
             verb(&holds, "holds", "hold"),
         ));
     }
     for model in &fails {
+        let distance = &model.single.total_variation;
+        let noise = distance.noise.unwrap_or(0.0);
+        let place = strongest_deviation(model, layout).unwrap_or_default();
         clauses.push(format!(
-            "{} fails (total variation {:.5}, {})",
+            "{} fails, most clearly in {place} (total variation {:.5}, noise alone {noise:.5})",
             model.model.name(),
-            model.single.total_variation.observed,
-            strongest_deviation(model, layout).map_or(String::new(), |place| {
-                format!("most clearly in {place}")
-            }),
+            distance.observed,
         ));
     }
     if !open.is_empty() {
@@ -360,7 +366,7 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
     }
     format!(
         "Single scattering, tested at level {}: {}.",
-        short(case.level),
+        short(round_to(case.level, 2)),
         clauses.join("; ")
     )
 }
