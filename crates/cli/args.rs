@@ -9,6 +9,8 @@ use asperity_tally::HemisphereGrid;
 use asperity_tracer::{AcceleratorKind, Branching};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use crate::output::say;
+
 /// Light on explicit rough surfaces: generate or read a height map, mesh it, trace real reflection
 /// and refraction on it, and compare what comes out with the statistical models.
 ///
@@ -41,7 +43,7 @@ impl Common {
     /// Says something on standard error with `--verbose`.
     pub(crate) fn say(&self, what: impl FnOnce() -> String) {
         if self.verbose {
-            eprintln!("{}", what());
+            say(&what());
         }
     }
 }

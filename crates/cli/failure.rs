@@ -3,6 +3,8 @@
 use std::fmt::Display;
 use std::process::ExitCode;
 
+use crate::output::say;
+
 /// Why a command did not do what it was asked for.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -24,7 +26,7 @@ impl Failure {
     /// Prints the sentence and returns the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let (Self::Usage(reason) | Self::Failed(reason)) = self;
-        eprintln!("asperity: {reason}");
+        say(&format!("asperity: {reason}"));
         match self {
             Self::Usage(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::FAILURE,

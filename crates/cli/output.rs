@@ -23,3 +23,8 @@ pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
     text.push('\n');
     print(&text)
 }
+
+/// Says something on standard error; if nobody can hear it, there is nothing more to do.
+pub(crate) fn say(text: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
