@@ -1,5 +1,11 @@
 //! Every accelerator against brute force, and brute force against a textbook intersection.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
 mod common;
 
 use asperity_surface::Border;

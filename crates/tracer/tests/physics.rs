@@ -1,5 +1,11 @@
 //! Light on surfaces whose answer is known exactly.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
 mod common;
 
 use asperity_optics::{Incidence, Material, dielectric};
