@@ -197,6 +197,31 @@ impl From<BranchingArgument> for Branching {
     }
 }
 
+/// What one surface is made of.
+#[derive(Debug, Args)]
+pub(crate) struct Interface {
+    /// Material of the surface
+    #[arg(long, value_enum, default_value = "dielectric")]
+    pub(crate) material: MaterialArgument,
+    /// Relative refractive index n_transmitted / n_incident [default: 1.5 for a dielectric]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) eta: Option<f64>,
+    /// Absorption index of a conductor
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) kappa: Option<f64>,
+}
+
+/// Where the light comes from.
+#[derive(Debug, Args)]
+pub(crate) struct Light {
+    /// Polar angle of the direction towards the light, degrees, from 0 to below 90
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) theta: f64,
+    /// Azimuth of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
+    pub(crate) phi: f64,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct Trace {
     /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv
@@ -207,21 +232,10 @@ pub(crate) struct Trace {
     pub(crate) flat: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
-    /// Material of the surface
-    #[arg(long, value_enum, default_value = "dielectric")]
-    pub(crate) material: MaterialArgument,
-    /// Relative refractive index n_transmitted / n_incident [default: 1.5 for a dielectric]
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) eta: Option<f64>,
-    /// Absorption index of a conductor
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) kappa: Option<f64>,
-    /// Polar angle of the direction towards the light, degrees, from 0 to below 90
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) theta: f64,
-    /// Azimuth of the direction towards the light, degrees
-    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
-    pub(crate) phi: f64,
+    #[command(flatten)]
+    pub(crate) interface: Interface,
+    #[command(flatten)]
+    pub(crate) light: Light,
     /// The side that the light comes from
     #[arg(long, value_enum, default_value = "above")]
     pub(crate) from: FromArgument,
@@ -336,21 +350,10 @@ pub(crate) struct Model {
     /// Smoothness s = tau / sigma
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) smoothness: f64,
-    /// Material of the surface
-    #[arg(long, value_enum, default_value = "dielectric")]
-    pub(crate) material: MaterialArgument,
-    /// Relative refractive index [default: 1.5 for a dielectric]
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) eta: Option<f64>,
-    /// Absorption index of a conductor
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) kappa: Option<f64>,
-    /// Polar angle of the direction towards the light, degrees
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) theta: f64,
-    /// Azimuth of the direction towards the light, degrees
-    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
-    pub(crate) phi: f64,
+    #[command(flatten)]
+    pub(crate) interface: Interface,
+    #[command(flatten)]
+    pub(crate) light: Light,
     /// Degrees between directions
     #[arg(long, value_parser = parse_number, default_value = "1", allow_negative_numbers = true)]
     pub(crate) step: f64,

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use asperity_experiment::{Incident, MaterialConfig, MaterialKind, Number, OneOrMany};
 use asperity_io::{HeightMapFormat, read_height_map};
-use asperity_optics::Material;
+use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, MissingPolicy};
 
-use crate::args::{Common, FromArgument, MaterialArgument, Reading};
+use crate::args::{Common, FromArgument, Interface, Light, MaterialArgument, Reading};
 use crate::failure::Failure;
 
 /// A surface read from a file, and how many of its points had to be filled.
@@ -53,21 +53,26 @@ pub(crate) fn read_surface(
     Ok(Input { field, filled })
 }
 
-/// The material that the flags ask for.
-pub(crate) fn material(
-    kind: MaterialArgument,
-    eta: Option<f64>,
-    kappa: Option<f64>,
-) -> Result<Material, Failure> {
-    let config = MaterialConfig {
-        kind: material_kind(kind),
-        eta: eta.map(|value| OneOrMany::One(Number(value))),
-        kappa: kappa.map(Number),
-    };
-    config
-        .materials()
-        .map(|materials| materials[0])
-        .map_err(Failure::usage)
+impl Interface {
+    /// The material that the flags ask for.
+    pub(crate) fn material(&self) -> Result<Material, Failure> {
+        let config = MaterialConfig {
+            kind: material_kind(self.material),
+            eta: self.eta.map(|value| OneOrMany::One(Number(value))),
+            kappa: self.kappa.map(Number),
+        };
+        config
+            .materials()
+            .map(|materials| materials[0])
+            .map_err(Failure::usage)
+    }
+}
+
+impl Light {
+    /// The direction that the flags ask for.
+    pub(crate) fn incidence(&self) -> Result<Incidence, Failure> {
+        Incidence::from_degrees(self.theta, self.phi).map_err(Failure::usage)
+    }
 }
 
 pub(crate) const fn material_kind(kind: MaterialArgument) -> MaterialKind {

@@ -7,15 +7,14 @@ use asperity_tally::Side;
 
 use crate::args::{Common, Model};
 use crate::failure::Failure;
-use crate::input::material;
 use crate::output::print;
 
 /// Most rows of one table.
 const MOST_ROWS: f64 = 1e7;
 
 pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
-    let material = material(command.material, command.eta, command.kappa)?;
-    let incidence = Incidence::from_degrees(command.theta, command.phi).map_err(Failure::usage)?;
+    let material = command.interface.material()?;
+    let incidence = command.light.incidence()?;
     let model =
         create_model(&command.name, command.smoothness, material).map_err(Failure::usage)?;
     let step = command.step;

@@ -12,13 +12,13 @@ use serde_json::{Value, json};
 
 use crate::args::{Common, Trace};
 use crate::failure::Failure;
-use crate::input::{incident, material, name_of, read_surface};
+use crate::input::{incident, name_of, read_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
-    let material = material(command.material, command.eta, command.kappa)?;
-    let incidence = Incidence::from_degrees(command.theta, command.phi).map_err(Failure::usage)?;
+    let material = command.interface.material()?;
+    let incidence = command.light.incidence()?;
     let half_width = command.in_plane_half_width.to_radians();
     let layout = Layout::new(command.bins, half_width).map_err(Failure::usage)?;
     let branching = command.branching.into();

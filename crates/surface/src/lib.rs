@@ -46,7 +46,7 @@ pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{Provenance, Psd, PsdError};
-pub use slopes::{Facet, Triangle};
+pub use slopes::{SteepestFacet, Triangle};
 pub use statistics::{Compared, Realised, Roughness};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,

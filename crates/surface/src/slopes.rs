@@ -7,7 +7,7 @@ use crate::HeightField;
 
 /// One of the two triangles of a cell, whose corners are `00` = `(ix, iy)`, `10` = `(ix + 1, iy)`,
 /// `11` = `(ix + 1, iy + 1)` and `01` = `(ix, iy + 1)`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Triangle {
     /// Corners 00, 10, 11: slopes `(h10 - h00) / dx` and `(h11 - h10) / dy`.
@@ -16,9 +16,9 @@ pub enum Triangle {
     Upper,
 }
 
-/// A facet of the mesh and its inclination.
+/// The steepest facet of a mesh and its inclination.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Facet {
+pub struct SteepestFacet {
     /// Column of the cell.
     pub ix: usize,
     /// Row of the cell.
@@ -37,7 +37,7 @@ pub(crate) struct SlopeMoments {
     pub(crate) mean: [f64; 2],
     /// Mean squares of the slopes along x and y about their means.
     pub(crate) variance: [f64; 2],
-    pub(crate) steepest: Facet,
+    pub(crate) steepest: SteepestFacet,
 }
 
 impl HeightField {
@@ -87,7 +87,7 @@ pub(crate) fn slope_moments(field: &HeightField) -> SlopeMoments {
 }
 
 /// The first of the steepest facets, row by row.
-fn steepest(field: &HeightField) -> Facet {
+fn steepest(field: &HeightField) -> SteepestFacet {
     let best_of_row = |iy: usize| {
         let mut best = (f64::NEG_INFINITY, 0, Triangle::Lower);
         for (ix, facets) in row_slopes(field, iy).enumerate() {
@@ -111,7 +111,7 @@ fn steepest(field: &HeightField) -> Facet {
         }
     }
     let ((slope, ix, triangle), iy) = best;
-    Facet {
+    SteepestFacet {
         ix,
         iy,
         triangle,

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
 use crate::slopes::slope_moments;
-use crate::{Border, Facet, HeightField, LengthUnit};
+use crate::{Border, HeightField, LengthUnit, SteepestFacet};
 
 /// Parameters of a surface's roughness.
 ///
@@ -77,7 +77,7 @@ pub struct Roughness {
     /// gradient: `2 / sdq`. `None` if the gradient is zero.
     pub equivalent_smoothness: Option<f64>,
     /// The steepest facet, the first of equals.
-    pub steepest: Facet,
+    pub steepest: SteepestFacet,
     /// What was asked for beside what came, if the surface carries its provenance.
     pub realised: Option<Realised>,
 }

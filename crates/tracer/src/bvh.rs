@@ -7,6 +7,7 @@
 
 use std::time::Duration;
 
+use asperity_surface::Triangle;
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
@@ -16,7 +17,7 @@ use obvhs::{Boundable, BvhBuildParams};
 
 use crate::accelerator::Accelerator;
 use crate::ray::{Hit, Medium, TileRay};
-use crate::surface::{Facet, Half, Surface};
+use crate::surface::{Facet, Surface};
 
 /// Distance, in columns, by which a ray is set back before traversal; the box test of obvhs clips
 /// at 1e-4.
@@ -94,16 +95,16 @@ impl MeshBvh {
 
     /// Facet of primitive number `id`, in the order of [`Surface::facets`].
     fn facet(&self, id: u32) -> Facet {
-        let half = if id & 1 == 0 {
-            Half::Lower
+        let triangle = if id & 1 == 0 {
+            Triangle::Lower
         } else {
-            Half::Upper
+            Triangle::Upper
         };
         let cell = id / 2;
         Facet {
             iy: cell / self.columns,
             ix: cell % self.columns,
-            half,
+            triangle,
         }
     }
 

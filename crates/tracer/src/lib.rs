@@ -28,4 +28,4 @@ pub use bvh::{BuildError, MeshBvh};
 pub use mesh::{MeshError, TriangleMesh};
 pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
 pub use ray::{Hit, Medium, TileRay};
-pub use surface::{Facet, Half, Surface};
+pub use surface::{Facet, Surface};

@@ -1,5 +1,7 @@
 //! The surface as a list of vertices and triangles, for export.
 
+use asperity_surface::Triangle;
+
 use crate::surface::Surface;
 
 /// Why a mesh cannot be made.
@@ -53,9 +55,9 @@ impl TriangleMesh {
             .facets()
             .map(|facet| {
                 let corner = |i: u32, j: u32| (facet.iy + j) * columns + facet.ix + i;
-                match facet.half {
-                    crate::Half::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
-                    crate::Half::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
+                match facet.triangle {
+                    Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
+                    Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
                 }
             })
             .collect();

@@ -1,20 +1,11 @@
 //! The meshed surface: facets, their normals, and where a ray meets one of them.
 
-use asperity_surface::{Border, HeightField};
+use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
 use crate::ray::{Medium, TileRay};
 
-/// One of the two triangles of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Half {
-    /// Corners `(0, 0)`, `(1, 0)`, `(1, 1)`.
-    Lower,
-    /// Corners `(0, 0)`, `(1, 1)`, `(0, 1)`.
-    Upper,
-}
-
-/// A triangle of the mesh: `half` of cell `(ix, iy)`.
+/// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Facet {
     /// Row of the cell.
@@ -22,7 +13,7 @@ pub struct Facet {
     /// Column of the cell.
     pub ix: u32,
     /// Which of its triangles.
-    pub half: Half,
+    pub triangle: Triangle,
 }
 
 /// A height field as the triangles that rays meet, in tile coordinates.
@@ -64,7 +55,10 @@ impl Surface {
         };
         surface.steepest = surface
             .facets()
-            .map(|f| surface.physical_slope(f).length())
+            .map(|f| {
+                let [x, y] = surface.slope(f);
+                x.hypot(y)
+            })
             .fold(0.0, f64::max);
         surface
     }
@@ -129,8 +123,9 @@ impl Surface {
     pub fn facets(&self) -> impl Iterator<Item = Facet> + use<> {
         let [cx, cy] = self.cells();
         (0..cy as u32).flat_map(move |iy| {
-            (0..cx as u32)
-                .flat_map(move |ix| [Half::Lower, Half::Upper].map(|half| Facet { iy, ix, half }))
+            (0..cx as u32).flat_map(move |ix| {
+                [Triangle::Lower, Triangle::Upper].map(|triangle| Facet { iy, ix, triangle })
+            })
         })
     }
 
@@ -139,29 +134,34 @@ impl Surface {
         let (ix, iy) = (facet.ix as usize, facet.iy as usize);
         let z00 = self.z(ix, iy);
         let z11 = self.z(ix + 1, iy + 1);
-        match facet.half {
-            Half::Lower => {
+        match facet.triangle {
+            Triangle::Lower => {
                 let z10 = self.z(ix + 1, iy);
                 [z00, z10 - z00, z11 - z10]
             }
-            Half::Upper => {
+            Triangle::Upper => {
                 let z01 = self.z(ix, iy + 1);
                 [z00, z11 - z01, z01 - z00]
             }
         }
     }
 
-    /// Gradient of the facet in physical lengths.
-    fn physical_slope(&self, facet: Facet) -> glam::DVec2 {
-        let [_, per_column, per_row] = self.plane(facet);
-        glam::DVec2::new(per_column, per_row * self.aspect())
+    /// Gradient `[dz/dx, dz/dy]` of the facet in physical lengths.
+    fn slope(&self, facet: Facet) -> [f64; 2] {
+        let [lower, upper] = self
+            .field
+            .facet_slopes(facet.ix as usize, facet.iy as usize);
+        match facet.triangle {
+            Triangle::Lower => lower,
+            Triangle::Upper => upper,
+        }
     }
 
     /// Unit normal of a facet, upwards, in physical lengths.
     #[must_use]
     pub fn normal(&self, facet: Facet) -> DVec3 {
-        let slope = self.physical_slope(facet);
-        DVec3::new(-slope.x, -slope.y, 1.0).normalize()
+        let [x, y] = self.slope(facet);
+        DVec3::new(-x, -y, 1.0).normalize()
     }
 
     /// The three corners of a facet in tile coordinates, counter-clockwise seen from above.
@@ -175,9 +175,9 @@ impl Surface {
                 self.z(ix as usize, iy as usize),
             )
         };
-        match facet.half {
-            Half::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
-            Half::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
+        match facet.triangle {
+            Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
+            Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
         }
     }
 
@@ -216,13 +216,13 @@ impl Surface {
             leave: f64::INFINITY,
         };
         // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v.
-        match facet.half {
-            Half::Lower => {
+        match facet.triangle {
+            Triangle::Lower => {
                 span.keep_positive(1.0 - x, -d.x);
                 span.keep_positive(y, d.y);
                 span.keep_positive(x - y, d.x - d.y);
             }
-            Half::Upper => {
+            Triangle::Upper => {
                 span.keep_positive(x, d.x);
                 span.keep_positive(1.0 - y, -d.y);
                 span.keep_positive(y - x, d.y - d.x);
@@ -298,7 +298,7 @@ mod tests {
             Facet {
                 iy: 1,
                 ix: 0,
-                half: Half::Lower
+                triangle: Triangle::Lower
             }
         );
         let on_plane = surface.snap(facet, down.at(t));

@@ -8,8 +8,8 @@
 
 mod common;
 
-use asperity_surface::Border;
-use asperity_tracer::{Accelerator, BruteForce, Half, Hit, Medium, MeshBvh, Surface, TileRay};
+use asperity_surface::{Border, Triangle};
+use asperity_tracer::{Accelerator, BruteForce, Hit, Medium, MeshBvh, Surface, TileRay};
 use common::{rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -51,7 +51,7 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
                 // Away from a facet, as after a reflection.
                 let facet = facets[rng.random_range(0..facets.len())];
                 let cell = DVec3::new(f64::from(facet.ix), f64::from(facet.iy), 0.0);
-                let inside = facet.half == Half::Lower;
+                let inside = facet.triangle == Triangle::Lower;
                 let (u, v) = (rng.random::<f64>(), rng.random::<f64>());
                 let (u, v) = if inside {
                     (u.max(v), u.min(v))
