@@ -34,7 +34,10 @@ pub(crate) struct Blocks {
 const ORDINARY_STRATA: u32 = 64;
 
 /// Most blocks of a surface; beyond, blocks grow.
-const MOST_BLOCKS: u64 = 1024;
+const MOST_BLOCKS: u64 = 1 << 16;
+
+/// Memory for the records of blocks that are run side by side.
+const RECORD_BUDGET: usize = 1 << 30;
 
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
@@ -67,7 +70,8 @@ pub(crate) fn run_blocks(
 ) -> Work {
     let mut work = Work::default();
     // Waves bound how many records are held at once.
-    let wave = 4 * rayon::current_num_threads() as u64;
+    let records = RECORD_BUDGET / (settings.layout.len() * size_of::<f64>());
+    let wave = records.clamp(1, 4 * rayon::current_num_threads()) as u64;
     let mut first = 0;
     while first < blocks.count {
         let last = (first + wave).min(blocks.count);

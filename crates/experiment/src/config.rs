@@ -1,16 +1,15 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use std::fmt;
-
 use asperity_analysis::{MODEL_NAMES, ModelError, create_model};
 use asperity_optics::{Incidence, IncidenceError, Material, MaterialError};
 use asperity_surface::{Psd, PsdError};
 use asperity_tally::{HemisphereGrid, Layout, LayoutError};
 use asperity_tracer::{AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError};
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
-use crate::number::{count_from_number, parse_count, parse_number};
+use crate::case::Case;
+use crate::values::{Count, Number, OneOrMany, PerAxis};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -43,98 +42,6 @@ pub enum ConfigError {
     /// A model is unknown or cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
-}
-
-/// A number, written as one or as a quotient of two in quotes, as in `"1/1.4"`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(transparent)]
-pub struct Number(pub f64);
-
-/// A whole number of one or more, also written as `1e6`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(transparent)]
-pub struct Count(pub u64);
-
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected a number, or a quotient of two in quotes as in \"1/1.4\""
-)]
-enum Written {
-    Whole(i64),
-    Decimal(f64),
-    Text(String),
-}
-
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match Written::deserialize(deserializer)? {
-            Written::Whole(value) => Ok(Self(value as f64)),
-            Written::Decimal(value) => Ok(Self(value)),
-            Written::Text(text) => parse_number(&text)
-                .map(Self)
-                .map_err(serde::de::Error::custom),
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Count {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let count = match Written::deserialize(deserializer)? {
-            Written::Whole(value) => u64::try_from(value)
-                .ok()
-                .filter(|&n| n > 0)
-                .ok_or_else(|| format!("{value} is no count; it must be 1 or more")),
-            Written::Decimal(value) => {
-                count_from_number(value).map_err(|reason| format!("{value} {reason}"))
-            }
-            Written::Text(text) => parse_count(&text),
-        };
-        count.map(Self).map_err(serde::de::Error::custom)
-    }
-}
-
-/// One value, or a list of values to go through.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected one value or a list of values")]
-pub enum OneOrMany<T> {
-    /// One value.
-    One(T),
-    /// A list.
-    Many(Vec<T>),
-}
-
-impl<T: Copy> OneOrMany<T> {
-    fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
-        match self {
-            Self::One(value) => Ok(vec![*value]),
-            Self::Many(values) if values.is_empty() => Err(ConfigError::EmptyList(name)),
-            Self::Many(values) => Ok(values.clone()),
-        }
-    }
-}
-
-/// One value for both axes, or `[along x, along y]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected one value, or two as [along x, along y]"
-)]
-pub enum PerAxis<T> {
-    /// The same along both axes.
-    Both(T),
-    /// `[along x, along y]`.
-    Each([T; 2]),
-}
-
-impl<T: Copy> PerAxis<T> {
-    /// `[along x, along y]`.
-    pub const fn xy(self) -> [T; 2] {
-        match self {
-            Self::Both(value) => [value; 2],
-            Self::Each(values) => values,
-        }
-    }
 }
 
 /// `[surface]`: the random surfaces.
@@ -414,73 +321,6 @@ pub struct VerifyConfig {
     pub output: OutputConfig,
 }
 
-/// One combination of smoothness, material and direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Case {
-    /// `tau / sigma`, by the first principal axis.
-    pub smoothness: f64,
-    /// The power spectral density.
-    pub psd: Psd,
-    /// The material.
-    pub material: Material,
-    /// The direction towards the light.
-    #[serde(serialize_with = "in_degrees")]
-    pub incidence: Incidence,
-}
-
-fn in_degrees<S: serde::Serializer>(
-    incidence: &Incidence,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    use serde::ser::SerializeStruct;
-    let mut out = serializer.serialize_struct("Incidence", 2)?;
-    out.serialize_field("theta_deg", &incidence.theta_deg())?;
-    out.serialize_field("phi_deg", &incidence.phi_deg())?;
-    out.end()
-}
-
-impl fmt::Display for Case {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "s = {}, ", short(self.smoothness))?;
-        match self.material {
-            Material::Dielectric { eta } => write!(f, "n = {}, ", short(eta))?,
-            Material::Conductor { eta, kappa } => {
-                write!(f, "n = {} + {}i, ", short(eta), short(kappa))?;
-            }
-            _ => write!(f, "mirror, ")?,
-        }
-        write!(f, "theta = {} deg", short(self.incidence.theta_deg()))
-    }
-}
-
-impl Case {
-    /// A folder name for the case, as in `s3_n1.4_theta30`.
-    #[must_use]
-    pub fn folder(&self) -> String {
-        let material = match self.material {
-            Material::Dielectric { eta } => format!("n{}", short(eta)),
-            Material::Conductor { eta, kappa } => format!("n{}k{}", short(eta), short(kappa)),
-            _ => "mirror".to_owned(),
-        };
-        let theta = short(self.incidence.theta_deg());
-        format!("s{}_{material}_theta{theta}", short(self.smoothness))
-    }
-}
-
-/// Up to six significant digits, without trailing zeros.
-pub(crate) fn short(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let digits = (5 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
 impl VerifyConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
@@ -692,15 +532,5 @@ mod tests {
             assert!(error.contains(expected), "{text}: {error}");
             assert!(!error.contains('\n'), "{error}");
         }
-    }
-
-    #[test]
-    fn numbers_are_shortened_for_people() {
-        assert_eq!(short(1.0 / 1.4), "0.714286");
-        assert_eq!(short(2.522), "2.522");
-        assert_eq!(short(30.0), "30");
-        assert_eq!(short(100.0), "100");
-        assert_eq!(short(0.0), "0");
-        assert_eq!(short(1e-9), "0.000000001");
     }
 }

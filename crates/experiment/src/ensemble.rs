@@ -8,7 +8,7 @@ use asperity_tracer::{Medium, Surface, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
-use crate::config::Case;
+use crate::case::Case;
 use crate::progress::Progress;
 use crate::trace::{FEWEST_BLOCKS, RunError};
 use crate::verify::VerifyError;

@@ -10,7 +10,7 @@ use asperity_plot::{
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
 
-use crate::config::{Case, short};
+use crate::case::{Case, short};
 use crate::report::ReportError;
 use crate::verify::{ModelOutcome, in_plane_flux};
 

@@ -10,6 +10,7 @@
 //! number of threads.
 
 mod blocks;
+mod case;
 mod config;
 mod ensemble;
 mod figures;
@@ -20,12 +21,14 @@ mod stream;
 mod summary;
 mod tables;
 mod trace;
+mod values;
 mod verify;
 
 pub use blocks::RaySettings;
+pub use case::Case;
 pub use config::{
-    Azimuth, Case, CompareConfig, ConfigError, Count, Incident, LightConfig, MaterialConfig,
-    MaterialKind, Number, OneOrMany, OutputConfig, PerAxis, RunConfig, SurfaceConfig, VerifyConfig,
+    Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
+    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
 };
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use number::{parse_count, parse_number};
@@ -34,4 +37,5 @@ pub use report::{ReportError, trace_report, verify_report};
 pub use summary::{Summary, SummaryWork};
 pub use tables::{energy_table, verify_table, work_line};
 pub use trace::{RunError, TraceOutcome, trace};
+pub use values::{Count, Number, OneOrMany, PerAxis};
 pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

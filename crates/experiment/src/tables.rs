@@ -5,7 +5,7 @@ use std::fmt::Write;
 use asperity_analysis::{SignFlipTest, Verdict};
 use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
 
-use crate::config::short;
+use crate::case::short;
 use crate::summary::SummaryWork;
 use crate::verify::{CaseOutcome, ModelOutcome, VerifyOutcome};
 

@@ -11,7 +11,8 @@ use asperity_tally::{BatchStatistics, Layout, Share, Side};
 use asperity_tracer::Medium;
 use rayon::prelude::*;
 
-use crate::config::{Case, ConfigError, VerifyConfig};
+use crate::case::Case;
+use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
 use crate::progress::Progress;
 use crate::report::case_summary;

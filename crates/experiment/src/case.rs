@@ -1,0 +1,89 @@
+//! One case of a verification, and its names.
+
+use std::fmt;
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::Psd;
+use serde::Serialize;
+
+/// One combination of smoothness, material and direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Case {
+    /// `tau / sigma`, by the first principal axis.
+    pub smoothness: f64,
+    /// The power spectral density.
+    pub psd: Psd,
+    /// The material.
+    pub material: Material,
+    /// The direction towards the light.
+    #[serde(serialize_with = "in_degrees")]
+    pub incidence: Incidence,
+}
+
+fn in_degrees<S: serde::Serializer>(
+    incidence: &Incidence,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    use serde::ser::SerializeStruct;
+    let mut out = serializer.serialize_struct("Incidence", 2)?;
+    out.serialize_field("theta_deg", &incidence.theta_deg())?;
+    out.serialize_field("phi_deg", &incidence.phi_deg())?;
+    out.end()
+}
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "s = {}, ", short(self.smoothness))?;
+        match self.material {
+            Material::Dielectric { eta } => write!(f, "n = {}, ", short(eta))?,
+            Material::Conductor { eta, kappa } => {
+                write!(f, "n = {} + {}i, ", short(eta), short(kappa))?;
+            }
+            _ => write!(f, "mirror, ")?,
+        }
+        write!(f, "theta = {} deg", short(self.incidence.theta_deg()))
+    }
+}
+
+impl Case {
+    /// A folder name for the case, as in `s3_n1.4_theta30`.
+    #[must_use]
+    pub fn folder(&self) -> String {
+        let material = match self.material {
+            Material::Dielectric { eta } => format!("n{}", short(eta)),
+            Material::Conductor { eta, kappa } => format!("n{}k{}", short(eta), short(kappa)),
+            _ => "mirror".to_owned(),
+        };
+        let theta = short(self.incidence.theta_deg());
+        format!("s{}_{material}_theta{theta}", short(self.smoothness))
+    }
+}
+
+/// Up to six significant digits, without trailing zeros.
+pub(crate) fn short(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let digits = (5 - value.abs().log10().floor() as i32).clamp(0, 12) as usize;
+    let text = format!("{value:.digits$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_shortened_for_people() {
+        assert_eq!(short(1.0 / 1.4), "0.714286");
+        assert_eq!(short(2.522), "2.522");
+        assert_eq!(short(30.0), "30");
+        assert_eq!(short(100.0), "100");
+        assert_eq!(short(0.0), "0");
+        assert_eq!(short(1e-9), "0.000000001");
+    }
+}
