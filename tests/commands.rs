@@ -263,10 +263,12 @@ fn trace_writes_what_it_says() {
     let header = "side,theta_min_deg,theta_max_deg,phi_min_deg,phi_max_deg,solid_angle_sr,flux,flux_se,intensity,bsdf,bsdf_se";
     assert!(table.starts_with(header));
     let mut sums = [0.0, 0.0];
+    let mut rays = 0;
     for line in table.lines().skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
         let number = |i: usize| fields[i].parse::<f64>().unwrap();
         let transmitted = fields[0] == "transmitted";
+        rays += fields[11].parse::<u64>().unwrap();
         sums[usize::from(transmitted)] += number(6);
         assert_eq!(transmitted, number(1) >= 90.0);
         let cos = 0.5 * (number(1).to_radians().cos() + number(2).to_radians().cos());
@@ -274,6 +276,9 @@ fn trace_writes_what_it_says() {
         assert!((number(8) * number(5) - number(6)).abs() < 1e-12);
     }
     assert_eq!(table.lines().count(), 1 + 2 * 18 * 36);
+    // Every incident ray leaves at least once, and splits into few.
+    let traced = summary["work"]["rays"].as_u64().unwrap();
+    assert!(rays >= traced && rays < 5 * traced, "{rays} of {traced}");
     assert!((sums[0] - energy("reflected")).abs() < 1e-12);
     assert!((sums[1] - energy("transmitted")).abs() < 1e-12);
 }
@@ -415,10 +420,175 @@ fn verify_judges_every_case_and_says_so() {
     let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
     assert_eq!(summary["cases"].as_array().unwrap().len(), 4);
     // A rough surface transmits far more than Xu and Sun's visibility lets through.
-    let rough = &summary["cases"][0]["comparison"]["models"][0];
+    let rough = &summary["cases"][0]["summary"]["comparison"]["models"][0];
     assert_eq!(rough["model"], "xu-sun");
     assert_eq!(rough["verdict"], "fails");
     assert!(rough["single"]["p"].as_f64().unwrap() < 0.01);
+}
+
+#[test]
+fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surface = [
+        "--smoothness",
+        "1",
+        "--tau",
+        "8",
+        "--size",
+        "128",
+        "--eta",
+        "1/1.4",
+    ];
+    let run = [
+        "--realisations",
+        "8",
+        "--rays",
+        "2e4",
+        "--models",
+        "smith",
+        "--no-plots",
+    ];
+    let above = [&["verify", "-o", "above", "--json"], &surface[..], &run[..]].concat();
+    let summary = json(&succeed(folder, &above));
+    let file = json(&fs::read_to_string(folder.join("above/summary.json")).unwrap());
+    assert_eq!(summary["comparison"], file["comparison"]);
+    let model = &summary["comparison"]["models"][0];
+    let distance = |of: &str| model[of]["total_variation"].as_f64().unwrap();
+    // Half of this light is scattered more than once: far from all light, near to the single part.
+    assert!(distance("total") > 3.0 * distance("single"));
+    let table = fs::read_to_string(folder.join("above/comparison.csv")).unwrap();
+    let recomputed: f64 = table
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let field = |i: usize| line.split(',').nth(i).unwrap().parse::<f64>().unwrap();
+            0.5 * (field(5) - field(7)).abs()
+        })
+        .sum();
+    assert!((recomputed - distance("single")).abs() < 1e-12);
+
+    // From below, statistics are the same but the rays are others.
+    let below = [
+        &["verify", "-o", "below", "--json", "--from", "below"],
+        &surface[..],
+        &run[..],
+    ];
+    let below = json(&succeed(folder, &below.concat()));
+    let reflected = |summary: &Value| {
+        ["mean", "se"].map(|key| summary["energy"]["reflected"][key].as_f64().unwrap())
+    };
+    let ([a, se_a], [b, se_b]) = (reflected(&summary), reflected(&below));
+    assert_ne!(a, b);
+    assert!((a - b).abs() < 4.0 * se_a.hypot(se_b), "{a} {b}");
+}
+
+#[test]
+fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let fixed = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "64",
+        "--realisations",
+        "6",
+        "--rays",
+        "6e3",
+    ];
+    succeed(folder, &[&fixed[..], &["-o", "out"]].concat());
+    fs::write(folder.join("out/notes.txt"), "mine").unwrap();
+    succeed(
+        folder,
+        &[
+            "trace",
+            "--flat",
+            "--theta",
+            "9",
+            "--rays",
+            "64",
+            "--no-plots",
+            "-o",
+            "out",
+        ],
+    );
+    let expected = [
+        "histogram.csv",
+        "in_plane.csv",
+        "notes.txt",
+        "summary.json",
+        "theta.csv",
+    ];
+    assert_eq!(files(&folder.join("out")), expected);
+}
+
+#[test]
+fn spacing_and_unit_come_from_the_file_or_from_flags() {
+    let (_keep, folder) = with_surface();
+    let half = [
+        "--tau",
+        "4",
+        "--smoothness",
+        "2",
+        "--size",
+        "64",
+        "--spacing",
+        "0.5",
+        "--unit",
+        "um",
+    ];
+    let text = succeed(
+        &folder,
+        &[&["generate", "--seed", "1", "-o", "a.npy"], &half[..]].concat(),
+    );
+    assert!(text.contains("--spacing 0.5,0.5 --unit um"), "{text}");
+    succeed(
+        &folder,
+        &[&["generate", "--seed", "1", "-o", "a.exr"], &half[..]].concat(),
+    );
+    let sdq = |arguments: &[&str]| {
+        let text = succeed(&folder, &[&["inspect", "--json"], arguments].concat());
+        json(&text)["sdq"].as_f64().unwrap()
+    };
+    let told = sdq(&["a.npy", "--spacing", "0.5", "--unit", "um"]);
+    assert!((told / sdq(&["a.exr"]) - 1.0).abs() < 1e-6);
+    assert!(succeed(&folder, &["inspect", "a.npy"]).contains("1 was assumed"));
+    assert!(!succeed(&folder, &["inspect", "a.exr"]).contains("assumed"));
+}
+
+#[test]
+fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, height) in [
+        ("huge.txt", "1e40"),
+        ("tall.txt", "1e6"),
+        ("steep.txt", "100"),
+    ] {
+        fs::write(
+            folder.join(name),
+            format!("0 {height} 0\n1 0 1\n0 0 {height}\n"),
+        )
+        .unwrap();
+    }
+    fs::write(folder.join("overflow.txt"), "0 1e200\n0 0\n").unwrap();
+    let trace = |file: &'static str| ["trace", file, "--theta", "30", "--rays", "64"];
+    for file in ["huge.txt", "tall.txt"] {
+        assert!(refused(folder, &trace(file), 1).contains("same unit"));
+    }
+    assert!(refused(folder, &["inspect", "overflow.txt"], 1).contains("1e200"));
+    assert!(succeed(folder, &trace("steep.txt")).contains("same unit"));
+    let flat_light = [
+        "trace",
+        "steep.txt",
+        "--border",
+        "periodic",
+        "--theta",
+        "89.9999999",
+    ];
+    assert!(refused(folder, &flat_light, 1).contains("tiles"));
 }
 
 #[test]
@@ -521,7 +691,7 @@ fn missing_points_are_refused_or_filled_by_choice() {
         error.contains("gap.txt") && error.contains("1 of 12") && error.contains("--missing fill")
     );
     let text = succeed(folder, &["inspect", "gap.txt", "--missing", "fill"]);
-    assert!(text.contains("1 missing points filled"), "{text}");
+    assert!(text.contains("1 missing points were filled"), "{text}");
 }
 
 #[test]
@@ -543,6 +713,37 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         (trace(&["--bins", "99999x99999"]), "bins"),
         (trace(&["--accelerator", "magic"]), "brute-force"),
         (trace(&["--threads", "0"]), "threads"),
+        (trace(&["--threads", "100000"]), "1024"),
+        (trace(&["--rays", "18446744073709551615"]), "1e15"),
+        (trace(&["--roulette", "0"]), "roulette"),
+        (trace(&["--spacing", "0"]), "spacing"),
+        (generate(&["--tau", "-16", "--smoothness", "2"]), "tau"),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "-5"]),
+            "-5",
+        ),
+        (
+            vec![
+                "generate", "--tau", "8", "--sigma", "1", "--seed", "1", "-o", "x.foo",
+            ],
+            ".exr",
+        ),
+        (vec!["inspect", "h.exr", "-o", "x.bmp"], ".exr"),
+        (
+            vec![
+                "generate", "--tau", "8", "--sigma", "1", "--size", "64", "--seed", "1", "-o",
+                "x.x3p",
+            ],
+            "unit",
+        ),
+        (
+            vec!["verify", "--models", "smith,smith", "-o", "out"],
+            "twice",
+        ),
+        (
+            vec!["verify", "--smoothness", "3,3", "-o", "out"],
+            "same folder",
+        ),
         (trace(&["--roulette", "2"]), "roulette"),
         (trace(&["--max-order", "0"]), "order"),
         (trace(&["--in-plane-half-width", "0"]), "half width"),
@@ -624,7 +825,7 @@ fn bad_files_get_a_sentence_and_code_1() {
         assert!(error.contains(expected), "{file}: {error}");
         assert_eq!(error.trim_end().lines().count(), 1, "{error}");
     }
-    assert!(files(&folder.join("out")).is_empty());
+    assert!(!folder.join("out").exists());
     for bad in ["[surface]\ntua = 3\n", "x = ", "[run]\nrays = -1\n"] {
         fs::write(folder.join("bad.toml"), bad).unwrap();
         let error = refused(&folder, &["verify", "bad.toml", "-o", "v"], 2);
@@ -648,21 +849,17 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
     }
     assert!(refused(&folder, &["mesh", "h.exr", "-o", "no/m.ply"], 1).contains("no"));
     if Path::new("/dev/full").exists() {
-        for arguments in [
-            vec!["inspect", "h.exr", "-o", "/dev/full"],
-            vec![
-                "model",
-                "smith",
-                "--smoothness",
-                "3",
-                "--theta",
-                "30",
-                "-o",
-                "/dev/full",
-            ],
-        ] {
-            refused(&folder, &arguments, 1);
-        }
+        let model = [
+            "model",
+            "smith",
+            "--smoothness",
+            "3",
+            "--theta",
+            "30",
+            "-o",
+            "/dev/full",
+        ];
+        refused(&folder, &model, 1);
         let full = fs::OpenOptions::new()
             .write(true)
             .open("/dev/full")

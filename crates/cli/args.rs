@@ -1,10 +1,9 @@
 //! What can be asked for on the command line.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use asperity_experiment::{parse_count, parse_number};
-use asperity_surface::{Border, Form, MissingPolicy};
+use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::HemisphereGrid;
 use asperity_tracer::{AcceleratorKind, Branching};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -27,10 +26,11 @@ pub(crate) struct Arguments {
 
 /// Options of every command.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Options of every command")]
 pub(crate) struct Common {
     /// Threads to use; all cores unless given
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) threads: Option<NonZeroUsize>,
+    #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
+    pub(crate) threads: Option<usize>,
     /// Print nothing but results and errors
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
@@ -48,6 +48,18 @@ impl Common {
     }
 }
 
+/// Most threads: beyond, starting them takes longer than they save.
+const MOST_THREADS: usize = 1024;
+
+fn parse_threads(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(threads) if (1..=MOST_THREADS).contains(&threads) => Ok(threads),
+        _ => Err(format!(
+            "`{text}` threads cannot be used; give 1 to {MOST_THREADS}"
+        )),
+    }
+}
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Draw a random rough surface and write it as a height map
@@ -57,9 +69,9 @@ pub(crate) enum Command {
     /// Write a height map as the triangle mesh that is traced
     Mesh(Mesh),
     /// Trace light on one surface
-    Trace(Trace),
+    Trace(Box<Trace>),
     /// Trace light on fresh random surfaces and compare with the statistical models
-    Verify(Verify),
+    Verify(Box<Verify>),
     /// Evaluate a statistical model
     Model(Model),
 }
@@ -70,6 +82,12 @@ pub(crate) struct Reading {
     /// What lies beyond the border: periodic, mirrored or open; as the file says unless given
     #[arg(long, value_name = "BORDER")]
     pub(crate) border: Option<Border>,
+    /// Length units a sample along x, or X,Y; as the file says unless given
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) spacing: Vec<f64>,
+    /// Length unit of heights and spacing: 1 (arbitrary), m, mm, um or nm; as the file says unless given
+    #[arg(long)]
+    pub(crate) unit: Option<LengthUnit>,
     /// What to do with missing points: refuse or fill
     #[arg(long, value_name = "POLICY", default_value = "refuse")]
     pub(crate) missing: MissingPolicy,
@@ -103,14 +121,14 @@ pub(crate) struct Generate {
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true, conflicts_with = "smoothness", required_unless_present = "smoothness")]
     pub(crate) sigma: Option<f64>,
     /// Samples along x, or X,Y
-    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, default_value = "1024")]
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true, default_value = "1024")]
     pub(crate) size: Vec<u64>,
     /// Length units a sample along x, or X,Y
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, default_value = "1", allow_negative_numbers = true)]
     pub(crate) spacing: Vec<f64>,
     /// Length unit: 1 (arbitrary), m, mm, um or nm
     #[arg(long, default_value = "1")]
-    pub(crate) unit: asperity_surface::LengthUnit,
+    pub(crate) unit: LengthUnit,
     /// Power spectral density
     #[arg(long, value_enum, default_value = "gaussian")]
     pub(crate) psd: PsdKind,
@@ -228,7 +246,7 @@ pub(crate) struct Trace {
     #[arg(required_unless_present = "flat")]
     pub(crate) file: Option<PathBuf>,
     /// A flat surface in place of FILE
-    #[arg(long, conflicts_with_all = ["file", "border", "missing", "remove"])]
+    #[arg(long, conflicts_with_all = ["file", "border", "missing", "remove", "spacing", "unit"])]
     pub(crate) flat: bool,
     #[command(flatten)]
     pub(crate) reading: Reading,
@@ -258,7 +276,7 @@ pub(crate) struct Trace {
     #[arg(long, value_parser = parse_number, default_value = "0.01", allow_negative_numbers = true)]
     pub(crate) roulette: f64,
     /// Interactions after which a path is truncated
-    #[arg(long, default_value = "10000")]
+    #[arg(long, default_value = "1000", allow_negative_numbers = true)]
     pub(crate) max_order: u32,
     /// How hits are found: auto, mesh or brute-force
     #[arg(long, default_value = "auto")]
@@ -281,6 +299,12 @@ pub(crate) struct Verify {
     /// 1/e correlation length, length units
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) tau: Option<f64>,
+    /// The same along the second principal axis
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) tau_y: Option<f64>,
+    /// Angle from +x to the first principal axis, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) azimuth: Option<f64>,
     /// Smoothness tau / sigma, one or several: 6,3,1
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true, conflicts_with = "sigma")]
     pub(crate) smoothness: Vec<f64>,
@@ -288,7 +312,7 @@ pub(crate) struct Verify {
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) sigma: Vec<f64>,
     /// Samples along x, or X,Y
-    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1)]
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) size: Vec<u64>,
     /// Length units a sample along x, or X,Y
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
@@ -326,10 +350,25 @@ pub(crate) struct Verify {
     /// Bins of a hemisphere, THETAxPHI
     #[arg(long)]
     pub(crate) bins: Option<HemisphereGrid>,
+    /// Half width of the in-plane wedge, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) in_plane_half_width: Option<f64>,
+    /// Follow both branches at an interface, or pick one
+    #[arg(long, value_enum)]
+    pub(crate) branching: Option<BranchingArgument>,
+    /// Flux, of an incident ray's, below which roulette decides whether a branch goes on
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) roulette: Option<f64>,
+    /// Interactions after which a path is truncated
+    #[arg(long)]
+    pub(crate) max_order: Option<u32>,
     /// How hits are found: auto, mesh or brute-force
     #[arg(long)]
     pub(crate) accelerator: Option<AcceleratorKind>,
-    /// Models to compare with, by name: xu-sun,smith,smith-separable
+    /// Level of the tests of a case
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) alpha: Option<f64>,
+    /// Models to compare with, by name: xu-sun,smith,smith-separable; or none
     #[arg(long, value_delimiter = ',', num_args = 1)]
     pub(crate) models: Option<Vec<String>>,
     /// Folder for the results

@@ -1,15 +1,16 @@
 //! `asperity generate`: a random rough surface.
 
-use asperity_io::write_height_map;
+use asperity_experiment::check_memory;
 use asperity_surface::{Psd, Roughness, Synthesis};
 
 use crate::args::{Common, Generate, PsdKind};
 use crate::failure::Failure;
-use crate::input::{per_axis, samples};
+use crate::input::{check_height_map_output, per_axis, refuse_surface, samples, write_surface};
 use crate::output::{print, print_json};
 use crate::text::requested_and_realised;
 
 pub(crate) fn run(command: &Generate, common: &Common) -> Result<(), Failure> {
+    check_height_map_output(&command.output)?;
     let sigma = match (command.smoothness, command.sigma) {
         (Some(s), _) if !(s.is_finite() && s > 0.0) => {
             return Err(Failure::usage(format!(
@@ -30,14 +31,15 @@ pub(crate) fn run(command: &Generate, common: &Common) -> Result<(), Failure> {
     let shape = [samples(ny)?, samples(nx)?];
     let spacing = per_axis(&command.spacing, "--spacing")?;
 
-    let synthesis = Synthesis::new(psd, shape, spacing, command.insist).map_err(Failure::usage)?;
+    let synthesis = Synthesis::new(psd, shape, spacing, command.insist).map_err(refuse_surface)?;
+    check_memory("this surface", synthesis.peak_bytes()).map_err(Failure::failed)?;
     let clock = std::time::Instant::now();
     let field = synthesis
         .draw(command.seed, command.realisation)
         .map_err(Failure::failed)?
         .with_unit(command.unit);
     common.say(|| format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
-    write_height_map(&command.output, &field).map_err(Failure::failed)?;
+    let note = write_surface(&command.output, &field)?;
 
     let roughness = Roughness::of(&field);
     if command.json {
@@ -53,5 +55,8 @@ pub(crate) fn run(command: &Generate, common: &Common) -> Result<(), Failure> {
         command.realisation
     );
     text.push_str(&requested_and_realised(&roughness, field.unit()));
+    if let Some(note) = note {
+        text.push_str(&format!("note: {note}\n"));
+    }
     print(&text)
 }

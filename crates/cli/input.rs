@@ -3,9 +3,11 @@
 use std::path::Path;
 
 use asperity_experiment::{Incident, MaterialConfig, MaterialKind, Number, OneOrMany};
-use asperity_io::{HeightMapFormat, read_height_map};
+use asperity_io::{HeightMapFormat, WriteError, read_height_map, write_height_map};
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{Border, HeightField, MissingPolicy};
+use asperity_surface::{
+    Border, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
+};
 
 use crate::args::{Common, FromArgument, Interface, Light, MaterialArgument, Reading};
 use crate::failure::Failure;
@@ -14,6 +16,8 @@ use crate::failure::Failure;
 pub(crate) struct Input {
     pub(crate) field: HeightField,
     pub(crate) filled: usize,
+    /// What a reader of the results should know about how the file was read.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Reads a height map, fills or refuses missing points, and removes form.
@@ -22,13 +26,31 @@ pub(crate) fn read_surface(
     reading: &Reading,
     common: &Common,
 ) -> Result<Input, Failure> {
-    let raw = read_height_map(path).map_err(Failure::failed)?;
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let mut raw = read_height_map(path).map_err(Failure::failed)?;
+    if !reading.spacing.is_empty() {
+        let spacing = per_axis(&reading.spacing, "--spacing")?;
+        raw = raw.with_spacing(spacing).map_err(Failure::usage)?;
+    }
+    raw.unit = reading.unit.unwrap_or(raw.unit);
+    let mut notes = Vec::new();
+    if !raw.spacing_is_known() {
+        notes.push(
+            "the file says nothing of its spacing: 1 was assumed; --spacing and --unit say otherwise"
+                .to_owned(),
+        );
+    }
     let missing = raw.missing();
     let default_border =
         HeightMapFormat::from_path(path).map_or(Border::Periodic, HeightMapFormat::default_border);
     let field = raw
         .into_height_field(reading.missing, default_border)
-        .map_err(|error| Failure::failed(format!("{}: {error}", path.display())))?;
+        .map_err(|error| match error {
+            MissingError::Refused { .. } => {
+                Failure::failed(format!("{}: `--missing fill` fills them", named(&error)))
+            }
+            _ => Failure::failed(named(&error)),
+        })?;
     let filled = if reading.missing == MissingPolicy::Fill {
         missing
     } else {
@@ -38,19 +60,26 @@ pub(crate) fn read_surface(
     let field = reading
         .remove
         .remove(field)
-        .map_err(|error| Failure::failed(format!("{}: {error}", path.display())))?
+        .map_err(|error| Failure::failed(named(&error)))?
         .with_border(border);
     common.say(|| {
         let [dx, dy] = field.spacing();
         format!(
-            "{}: {} x {} samples, spacing {dx:e} x {dy:e} {}, {border} border, {filled} points filled",
+            "{}: {} x {} samples, spacing {dx} x {dy} {}, {border} border, {filled} points filled",
             path.display(),
             field.nx(),
             field.ny(),
             field.unit(),
         )
     });
-    Ok(Input { field, filled })
+    if filled > 0 {
+        notes.push(format!("{filled} missing points were filled"));
+    }
+    Ok(Input {
+        field,
+        filled,
+        notes,
+    })
 }
 
 impl Interface {
@@ -119,4 +148,45 @@ pub(crate) fn name_of(path: &Path) -> String {
         .unwrap_or(path.as_os_str())
         .to_string_lossy()
         .into_owned()
+}
+
+/// Refuses an output file whose ending stands for no format that height maps are written in.
+pub(crate) fn check_height_map_output(path: &Path) -> Result<(), Failure> {
+    match HeightMapFormat::from_path(path) {
+        Some(format) if format.can_write() => Ok(()),
+        _ => Err(Failure::usage(format!(
+            "{}: a height map is written as .exr, .npy, .gsf, .x3p or .png",
+            path.display()
+        ))),
+    }
+}
+
+/// Writes a height map; returns a note if the format cannot hold all that the surface is.
+pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<String>, Failure> {
+    write_height_map(path, field).map_err(|error| match error {
+        WriteError::NoUnit { .. } => Failure::usage(error),
+        _ => Failure::failed(error),
+    })?;
+    let [dx, dy] = field.spacing();
+    let plain = dx == 1.0 && dy == 1.0 && field.unit() == LengthUnit::Arbitrary;
+    let bare = HeightMapFormat::from_path(path) == Some(HeightMapFormat::Npy);
+    Ok(
+        (bare && !(plain && field.border() == Border::Periodic)).then(|| {
+            format!(
+                "NPY holds heights alone: read them with --spacing {dx},{dy} --unit {} --border {}",
+                field.unit(),
+                field.border()
+            )
+        }),
+    )
+}
+
+/// The sentence for surfaces that are refused, with the flag that insists on them.
+pub(crate) fn refuse_surface(error: SynthesisError) -> Failure {
+    match error {
+        SynthesisError::Unresolved { .. } | SynthesisError::TooSmallTile { .. } => {
+            Failure::usage(format!("{error} with --insist"))
+        }
+        _ => Failure::usage(error),
+    }
 }

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use asperity_experiment::height_map_figure;
-use asperity_io::{write_bytes, write_height_map};
+use asperity_io::write_bytes;
 use asperity_surface::{HeightField, Roughness};
 
 use crate::args::{Common, Inspect};
 use crate::failure::Failure;
-use crate::input::{name_of, read_surface};
+use crate::input::{check_height_map_output, name_of, read_surface, write_surface};
 use crate::output::{print, print_json};
 use crate::text::roughness_table;
 
@@ -18,14 +18,17 @@ pub(crate) fn run(command: &Inspect, common: &Common) -> Result<(), Failure> {
         .as_deref()
         .map(PlotFormat::from_path)
         .transpose()?;
-    let input = read_surface(&command.file, &command.reading, common)?;
+    if let Some(path) = &command.output {
+        check_height_map_output(path)?;
+    }
+    let mut input = read_surface(&command.file, &command.reading, common)?;
     let roughness = Roughness::of(&input.field);
     if let (Some(path), Some(format)) = (&command.plot, plot) {
         draw(path, format, &input.field, &name_of(&command.file))?;
         common.say(|| format!("{} drawn", path.display()));
     }
     if let Some(path) = &command.output {
-        write_height_map(path, &input.field).map_err(Failure::failed)?;
+        input.notes.extend(write_surface(path, &input.field)?);
         common.say(|| format!("{} written", path.display()));
     }
     if command.json {

@@ -51,9 +51,11 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn set_threads(common: &Common) -> Result<(), Failure> {
     let mut builder = rayon::ThreadPoolBuilder::new();
     if let Some(threads) = common.threads {
-        builder = builder.num_threads(threads.get());
+        builder = builder.num_threads(threads);
     }
-    builder
-        .build_global()
-        .map_err(|error| Failure::failed(format!("the threads could not be started: {error}")))
+    builder.build_global().map_err(|error| {
+        Failure::failed(format!(
+            "the threads could not be started ({error}); take fewer with --threads"
+        ))
+    })
 }

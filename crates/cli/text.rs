@@ -48,14 +48,6 @@ pub(crate) fn roughness_table(path: &Path, input: &Input, r: &Roughness) -> Stri
         number(y),
         r.border,
     );
-    if input.filled > 0 {
-        let share = 100.0 * input.filled as f64 / (nx * ny) as f64;
-        let _ = writeln!(
-            out,
-            "  {} missing points filled ({share:.2} %)",
-            input.filled
-        );
-    }
     let mut row = |name: &str, value: String, meaning: &str| {
         let _ = writeln!(out, "  {name:<22}{value:<28}{meaning}");
     };
@@ -129,6 +121,9 @@ pub(crate) fn roughness_table(path: &Path, input: &Input, r: &Roughness) -> Stri
         &format!("cell {}, {}, {half} triangle", steepest.ix, steepest.iy),
     );
     out.push_str(&requested_and_realised(r, r.unit));
+    for note in &input.notes {
+        let _ = writeln!(out, "note: {note}");
+    }
     out
 }
 

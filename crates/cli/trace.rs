@@ -1,11 +1,12 @@
 //! `asperity trace`: light on one surface.
 
 use asperity_experiment::{
-    Light, RaySettings, Summary, Surroundings, energy_table, trace, trace_report, work_line,
+    Light, RaySettings, Summary, Surroundings, energy_table, lost_warning, trace, trace_report,
+    work_line,
 };
 use asperity_io::create_output_folder;
 use asperity_optics::{Incidence, Material};
-use asperity_surface::HeightField;
+use asperity_surface::{HeightField, Roughness};
 use asperity_tally::Layout;
 use asperity_tracer::{Medium, PathSettings};
 use serde_json::{Value, json};
@@ -30,18 +31,18 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             .map_err(Failure::usage)?,
         accelerator: command.accelerator,
     };
+    let (field, name, filled, notes) = match &command.file {
+        Some(path) => {
+            let input = read_surface(path, &command.reading, common)?;
+            (input.field, name_of(path), input.filled, input.notes)
+        }
+        None => (flat()?, "flat surface".to_owned(), 0, Vec::new()),
+    };
+    let config = config(command, material, incidence, &field, filled);
+    let mut warnings = warnings(&field, notes);
     if let Some(folder) = &command.output {
         create_output_folder(folder).map_err(Failure::failed)?;
     }
-    let (field, name, filled) = match &command.file {
-        Some(path) => {
-            let input = read_surface(path, &command.reading, common)?;
-            (input.field, name_of(path), input.filled)
-        }
-        None => (flat()?, "flat surface".to_owned(), 0),
-    };
-    let config = config(command, material, incidence, &field, filled);
-    let warnings = warnings(&field, filled);
 
     let bar = Bar::new(common);
     let medium = Medium::from(incident(command.from));
@@ -49,6 +50,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let outcome =
         trace(field, material, incidence, medium, &settings, &bar).map_err(Failure::failed)?;
     let statistics = &outcome.statistics;
+    warnings.extend(lost_warning(statistics));
     let summary = Summary::new(
         "trace",
         config,
@@ -62,6 +64,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         let light = Light {
             incidence,
             material,
+            from: incident(command.from),
             case: None,
         };
         let surroundings = drawn.as_ref().map(|field| Surroundings {
@@ -154,11 +157,17 @@ fn config(
     })
 }
 
+/// Slope above which a facet is pointed out.
+const STEEP: f64 = 50.0;
+
 /// What a reader of the results should know about the surface.
-fn warnings(field: &HeightField, filled: usize) -> Vec<String> {
-    let mut warnings = Vec::new();
-    if filled > 0 {
-        warnings.push(format!("{filled} missing points were filled"));
+fn warnings(field: &HeightField, mut warnings: Vec<String>) -> Vec<String> {
+    let steepest = Roughness::of(field).steepest;
+    if steepest.slope > STEEP {
+        warnings.push(format!(
+            "the steepest facet stands at {:.2} deg: are heights and spacing in the same unit?",
+            steepest.angle_degrees
+        ));
     }
     if field.border() == asperity_surface::Border::Open {
         warnings.push(

@@ -1,14 +1,14 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
 use asperity_experiment::{
-    CompareConfig, Count, MaterialKind, Number, PerAxis, VerifyConfig, VerifyError, verify,
-    verify_report, verify_table,
+    Count, MaterialKind, Number, PerAxis, VerifyConfig, VerifyError, verify, verify_report,
+    verify_summary, verify_table,
 };
 use asperity_io::{create_output_folder, read_text};
 
 use crate::args::{Common, MaterialArgument, Verify};
 use crate::failure::Failure;
-use crate::input::{incident, material_kind, one_or_many, per_axis};
+use crate::input::{incident, material_kind, one_or_many, per_axis, refuse_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
@@ -29,7 +29,10 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     // Everything is checked before a folder is made or a ray traced.
     config.cases().map_err(|error| refuse(&error))?;
     config.run.ray_settings().map_err(|error| refuse(&error))?;
-    config.check_surfaces().map_err(|error| refuse(&error))?;
+    config.check_surfaces().map_err(|error| match error {
+        VerifyError::Synthesis(error) => refuse_surface(error),
+        error => refuse(&error),
+    })?;
     create_output_folder(&command.output).map_err(Failure::failed)?;
 
     let bar = Bar::new(common);
@@ -40,7 +43,7 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     verify_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
     if command.json {
-        return print_json(&outcome.json());
+        return print_json(&verify_summary(&outcome));
     }
     if common.quiet {
         return Ok(());
@@ -58,6 +61,8 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     if let Some(tau) = command.tau {
         surface.tau = Number(tau);
     }
+    surface.tau_y = command.tau_y.map(Number).or(surface.tau_y);
+    surface.azimuth = command.azimuth.map_or(surface.azimuth, Number);
     if !command.smoothness.is_empty() {
         surface.smoothness = Some(one_or_many(&command.smoothness));
         surface.sigma = None;
@@ -109,13 +114,18 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     run.seed = command.seed.unwrap_or(run.seed);
     run.bins = command.bins.unwrap_or(run.bins);
     run.accelerator = command.accelerator.unwrap_or(run.accelerator);
+    run.in_plane_half_width = command
+        .in_plane_half_width
+        .map_or(run.in_plane_half_width, Number);
+    run.branching = command.branching.map_or(run.branching, Into::into);
+    run.roulette = command.roulette.map_or(run.roulette, Number);
+    run.max_order = command.max_order.unwrap_or(run.max_order);
+    let compare = &mut config.compare;
     if let Some(models) = &command.models {
-        let alpha = config.compare.alpha;
-        config.compare = CompareConfig {
-            models: models.clone(),
-            alpha,
-        };
+        let none = matches!(models.as_slice(), [one] if one == "none");
+        compare.models = if none { Vec::new() } else { models.clone() };
     }
+    compare.alpha = command.alpha.unwrap_or(compare.alpha);
     config.output.plots &= !command.no_plots;
     Ok(())
 }

@@ -30,13 +30,15 @@ pub enum Unresolved {
     Untested(#[from] Untested),
     /// Even the largest deviation could not reach the level.
     #[error(
-        "too few surfaces: the least p value that they can give is {min_p}, above the level {level:.2e}"
+        "too few surfaces: the least p value that they can give is {min_p:.2e}, above the level {level:.2e}; {needed} can decide"
     )]
     LevelOutOfReach {
         /// The least p value.
         min_p: f64,
         /// The level of one test.
         level: f64,
+        /// Surfaces whose least p value is below the level.
+        needed: u32,
     },
 }
 
@@ -65,6 +67,8 @@ pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
             Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
                 min_p: test.min_p,
                 level,
+                // R surfaces have 2^(R - 1) distinct flips.
+                needed: 2 + (-level.log2()).floor() as u32,
             }),
             Ok(test) if test.p < level => Verdict::Fails,
             Ok(_) => Verdict::Holds,

@@ -31,7 +31,7 @@ pub(crate) struct Blocks {
 }
 
 /// Rays of an ordinary block: enough strata to spread them, few enough to keep every thread busy.
-const ORDINARY_STRATA: u32 = 64;
+const ORDINARY_STRATA: u64 = 64;
 
 /// Most blocks of a surface; beyond, blocks grow.
 const MOST_BLOCKS: u64 = 1 << 16;
@@ -42,14 +42,15 @@ const RECORD_BUDGET: usize = 1 << 30;
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
     pub(crate) fn plan(rays: u64, fewest: u64) -> Self {
-        let per_block = (rays / fewest).max(1).isqrt();
-        let strata = per_block.min(u64::from(ORDINARY_STRATA));
-        let strata = strata.max((rays.div_ceil(MOST_BLOCKS) as f64).sqrt().ceil() as u64);
-        // A block of 2^32 strata a side could not be run anyway.
-        let strata = u32::try_from(strata).unwrap_or(u32::MAX);
+        let count = rays
+            .div_ceil(ORDINARY_STRATA.pow(2))
+            .clamp(fewest.min(rays), MOST_BLOCKS);
+        // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
+        let strata = (rays.div_ceil(count) - 1).isqrt() + 1;
+        let count = rays.div_ceil(strata * strata).max(fewest.min(rays));
         Self {
-            count: rays.div_ceil(u64::from(strata).pow(2)).max(1),
-            strata,
+            count,
+            strata: strata as u32,
         }
     }
 
@@ -119,7 +120,9 @@ mod tests {
             for fewest in [1, 64] {
                 let blocks = Blocks::plan(rays, fewest);
                 assert!(blocks.rays() >= rays, "{rays} {blocks:?}");
-                assert!(blocks.rays() - rays < u64::from(blocks.strata).pow(2));
+                // A square may be 2 strata + 1 larger than the share, in each block.
+                let slack = blocks.count * (2 * u64::from(blocks.strata) + 1);
+                assert!(blocks.rays() - rays <= slack, "{rays} {blocks:?}");
                 assert!(blocks.count <= MOST_BLOCKS);
                 assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
             }

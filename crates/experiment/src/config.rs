@@ -1,6 +1,8 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{MODEL_NAMES, ModelError, create_model};
+use std::collections::BTreeSet;
+
+use asperity_analysis::{DEFAULT_LEVEL, MODEL_NAMES, ModelError, create_model};
 use asperity_optics::{Incidence, IncidenceError, Material, MaterialError};
 use asperity_surface::{Psd, PsdError};
 use asperity_tally::{HemisphereGrid, Layout, LayoutError};
@@ -207,7 +209,7 @@ impl Default for LightConfig {
     fn default() -> Self {
         Self {
             theta: OneOrMany::One(Number(30.0)),
-            phi: Number(180.0),
+            phi: Number(0.0),
             azimuth: None,
             from: Incident::Above,
         }
@@ -247,8 +249,8 @@ impl Default for RunConfig {
             bins: HemisphereGrid::default(),
             in_plane_half_width: Number(5.0),
             branching: Branching::Split,
-            roulette: Number(0.01),
-            max_order: 10_000,
+            roulette: Number(PathSettings::DEFAULT_ROULETTE),
+            max_order: PathSettings::DEFAULT_MAX_ORDER,
             accelerator: AcceleratorKind::Auto,
         }
     }
@@ -276,7 +278,8 @@ impl RunConfig {
 pub struct CompareConfig {
     /// Names of the models.
     pub models: Vec<String>,
-    /// Level of the test: a model that holds is called failing with this probability.
+    /// Level of the tests of one case: the probability that one of its models is called failing though
+    /// it holds. Cases are not corrected for each other.
     pub alpha: f64,
 }
 
@@ -284,7 +287,7 @@ impl Default for CompareConfig {
     fn default() -> Self {
         Self {
             models: MODEL_NAMES.iter().map(|&name| name.to_owned()).collect(),
-            alpha: 0.01,
+            alpha: DEFAULT_LEVEL,
         }
     }
 }
@@ -348,6 +351,12 @@ impl VerifyConfig {
         let tau = surface.tau.0;
         let tau_y = surface.tau_y.map_or(tau, |t| t.0);
         let by_smoothness = |s: Number| (s.0, tau / s.0);
+        if let Some(OneOrMany::One(s)) = &surface.smoothness {
+            check_smoothness(s.0)?;
+        }
+        if let Some(OneOrMany::Many(list)) = &surface.smoothness {
+            list.iter().try_for_each(|s| check_smoothness(s.0))?;
+        }
         let by_sigma = |sigma: Number| (tau / sigma.0, sigma.0);
         let heights: Vec<(f64, f64)> = match (&surface.smoothness, &surface.sigma) {
             (Some(_), Some(_)) => {
@@ -441,13 +450,37 @@ impl VerifyConfig {
                 self.compare.alpha
             )));
         }
+        let mut models = BTreeSet::new();
+        for name in &self.compare.models {
+            if !models.insert(name) {
+                return Err(ConfigError::Contradiction(format!(
+                    "the model {name} is named twice"
+                )));
+            }
+        }
+        let mut folders = BTreeSet::new();
         for case in cases {
+            if !folders.insert(case.folder()) {
+                return Err(ConfigError::Contradiction(format!(
+                    "two cases would share the same folder {}; give each value once, and values that differ in six digits",
+                    case.folder()
+                )));
+            }
             for name in &self.compare.models {
                 create_model(name, case.smoothness, case.material)?;
             }
         }
         Ok(())
     }
+}
+
+fn check_smoothness(smoothness: f64) -> Result<(), ConfigError> {
+    if smoothness.is_finite() && smoothness > 0.0 {
+        return Ok(());
+    }
+    Err(ConfigError::Contradiction(format!(
+        "smoothness is {smoothness}; tau / sigma must be positive and finite"
+    )))
 }
 
 #[cfg(test)]
@@ -508,7 +541,7 @@ mod tests {
                 "either smoothness or sigma",
             ),
             ("[surface]\nsmoothness = []", "empty list"),
-            ("[surface]\nsmoothness = -1", "sigma"),
+            ("[surface]\nsmoothness = -1", "smoothness is -1"),
             ("[material]\neta = 0", "eta is 0"),
             ("[material]\neta = 1", "delta"),
             ("[material]\nkappa = 1", "absorption"),
@@ -516,6 +549,12 @@ mod tests {
             ("[material]\nkind = \"mirror\"\neta = 2", "mirror"),
             ("[light]\ntheta = 90", "below 90"),
             ("[light]\ntheta = \"x\"", "no number"),
+            ("[light]\ntheta = [3, true]", "expected a number"),
+            ("[surface]\nsize = [64, 64, 64]", "3 values"),
+            ("[surface]\nsize = [64, 0]", "1 or more"),
+            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+            ("[compare]\nmodels = [\"smith\", \"smith\"]", "twice"),
+            ("[surface]\ntau = -16", "tau"),
             ("[run]\nrays = 0", "1 or more"),
             ("[run]\nrays = -5", "1 or more"),
             ("[run]\nrays = 1.5", "whole number"),

@@ -9,15 +9,13 @@ use rayon::prelude::*;
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::case::Case;
+use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
 use crate::progress::Progress;
-use crate::trace::{FEWEST_BLOCKS, RunError};
+use crate::trace::FEWEST_BLOCKS;
 use crate::verify::VerifyError;
 
 /// Memory that surfaces traced side by side may take.
 const MEMORY_BUDGET: usize = 4 << 30;
-
-/// Most memory for the results of one group of cases.
-const RESULT_BUDGET: f64 = 4.0 * (1_u64 << 30) as f64;
 
 /// What one surface did with the light of every case.
 struct Realisation {
@@ -69,10 +67,12 @@ impl Group<'_> {
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
     pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
-        let [ny, nx] = self.synthesis.shape();
-        self.check_memory()?;
-        // Two facets a cell, each with its box while the hierarchy is built and its share of nodes.
-        let bytes = nx * ny * 2 * 250;
+        check_results(&self.settings.layout, self.realisations, self.cases.len())?;
+        let bytes = self
+            .synthesis
+            .peak_bytes()
+            .max(traced_bytes(self.synthesis.shape()));
+        check_memory("one surface with its hierarchy", bytes)?;
         let wave = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
         let mut ensembles: Vec<Ensemble> = self
             .cases
@@ -133,6 +133,7 @@ impl Group<'_> {
         let mut records = Vec::new();
         let mut work = Vec::new();
         for case in self.cases {
+            check_grazing(&surface, case.incidence)?;
             let paths = self.settings.paths;
             let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
             let light = (case.incidence, self.any_azimuth);
@@ -154,18 +155,5 @@ impl Group<'_> {
             work,
             seconds,
         })
-    }
-
-    fn check_memory(&self) -> Result<(), RunError> {
-        let length = self.settings.layout.len() as f64;
-        let bytes = length * 8.0 * self.realisations as f64 * self.cases.len() as f64;
-        if bytes > RESULT_BUDGET {
-            return Err(RunError::TooManyResults {
-                bins: self.settings.layout.grid().len(),
-                realisations: self.realisations,
-                gib: bytes / (1_u64 << 30) as f64,
-            });
-        }
-        Ok(())
     }
 }

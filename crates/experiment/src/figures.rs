@@ -11,6 +11,7 @@ use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
 
 use crate::case::{Case, short};
+use crate::config::Incident;
 use crate::report::ReportError;
 use crate::verify::{ModelOutcome, in_plane_flux};
 
@@ -24,20 +25,31 @@ pub struct Light {
     pub incidence: Incidence,
     /// The material.
     pub material: Material,
-    /// Smoothness, where the surface has one by construction.
+    /// The side that it comes from, which plots show as the upper one.
+    pub from: Incident,
+    /// The case of a verification, whose models are drawn.
     pub case: Option<Case>,
 }
 
 impl Light {
-    pub(crate) fn of_case(case: &Case) -> Self {
+    pub(crate) fn of_case(case: &Case, from: Incident) -> Self {
         Self {
             incidence: case.incidence,
             material: case.material,
+            from,
             case: Some(*case),
         }
     }
 
     fn subtitle(&self) -> String {
+        let turned = match self.from {
+            Incident::Above => "",
+            Incident::Below => "; light from below the surface, drawn with its side up",
+        };
+        format!("{}{turned}", self.parameters())
+    }
+
+    fn parameters(&self) -> String {
         match &self.case {
             Some(case) => case.to_string().replace("theta", "θᵢ").replace(" deg", "°"),
             None => {

@@ -12,8 +12,10 @@
 mod blocks;
 mod case;
 mod config;
+mod csv;
 mod ensemble;
 mod figures;
+mod limits;
 mod number;
 mod progress;
 mod report;
@@ -31,11 +33,12 @@ pub use config::{
     OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
 };
 pub use figures::{Light, Surroundings, height_map_figure};
+pub use limits::{RunError, check_memory};
 pub use number::{parse_count, parse_number};
 pub use progress::{Progress, Silent};
-pub use report::{ReportError, trace_report, verify_report};
+pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use summary::{Summary, SummaryWork};
-pub use tables::{energy_table, verify_table, work_line};
-pub use trace::{RunError, TraceOutcome, trace};
+pub use tables::{energy_table, lost_warning, verify_table, work_line};
+pub use trace::{TraceOutcome, trace};
 pub use values::{Count, Number, OneOrMany, PerAxis};
 pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use asperity_analysis::{SignFlipTest, Verdict};
-use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
+use asperity_analysis::{Scope, SignFlipTest, Verdict};
+use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Side};
 
 use crate::case::short;
 use crate::summary::SummaryWork;
@@ -32,17 +32,32 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
     let residual = statistics.means()[..5].iter().sum::<f64>() - 1.0;
     let _ = writeln!(out, "  sum - 1      {residual:.1e}");
     for side in Side::BOTH {
-        let fluxes: Vec<String> = (1..=4)
+        let mut fluxes: Vec<String> = (1..=4)
             .map(|order| statistics.estimate(layout.order(side, order)))
             .enumerate()
             .filter(|(_, flux)| flux.mean != 0.0)
             .map(|(i, flux)| format!("{}: {}", i + 1, with_error(flux)))
             .collect();
+        let above: f64 = (5..=MAX_LISTED_ORDER)
+            .map(|order| statistics.means()[layout.order(side, order)])
+            .sum();
+        if above != 0.0 {
+            fluxes.push(format!("above: {}", short(above)));
+        }
         if !fluxes.is_empty() {
             let _ = writeln!(out, "  {side} by order  {}", fluxes.join(",  "));
         }
     }
     out
+}
+
+/// What a reader must know if light was lost.
+#[must_use]
+pub fn lost_warning(statistics: &BatchStatistics) -> Option<String> {
+    let lost = statistics.means()[Layout::LOST];
+    (lost != 0.0).then(|| {
+        format!("{lost:.3e} of the flux was lost to numerical failure: do not trust these results")
+    })
 }
 
 /// One line about the effort.
@@ -123,6 +138,9 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         ]);
     }
     out.push_str(&aligned(&rows));
+    if let Some(warning) = lost_warning(&case.statistics) {
+        let _ = writeln!(out, "warning: {warning}");
+    }
     if !case.models.is_empty() {
         out.push('\n');
         out.push_str(&distribution_table(&outcome.layout, case));
@@ -149,6 +167,8 @@ fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> S
     };
     match (part, explicit.se) {
         ("multiple", _) => "-".to_owned(),
+        // A model of single scattering has no claim on the total; its energy stands for comparison.
+        ("total", _) if model.model.scope() == Scope::SingleScattering => "-".to_owned(),
         (_, Some(se)) if se > 0.0 => {
             let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
             format!(
@@ -162,20 +182,25 @@ fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> S
 
 /// Total variation, p value and verdict of every model.
 fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
-    let tested = case.models[0]
-        .single
-        .bins
-        .iter()
-        .filter(|bin| bin.tested)
-        .count();
     let number = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
     type Cell<'a> = Box<dyn Fn(&ModelOutcome) -> String + 'a>;
-    let rows: [(String, Cell<'_>); 8] = [
+    let rows: [(String, Cell<'_>); 9] = [
         (
-            format!("single scattering, {tested} bins"),
+            "single scattering".into(),
             Box::new(|m| m.model.name().to_owned()),
+        ),
+        (
+            "bins of 20 rays or more".into(),
+            Box::new(|m| {
+                m.single
+                    .bins
+                    .iter()
+                    .filter(|bin| bin.tested)
+                    .count()
+                    .to_string()
+            }),
         ),
         (
             "total variation distance".into(),
@@ -364,11 +389,27 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
             verb(&open, "is", "are")
         ));
     }
-    format!(
+    let sentence = format!(
         "Single scattering, tested at level {}: {}.",
         short(round_to(case.level, 2)),
         clauses.join("; ")
-    )
+    );
+    wrapped(&sentence)
+}
+
+/// Text in lines of at most 100 characters, broken at blanks.
+fn wrapped(text: &str) -> String {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= 100 => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines.join("\n")
 }
 
 /// A line a case and model, for runs of many cases.

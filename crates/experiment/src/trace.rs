@@ -5,35 +5,15 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{BuildError, Medium, Surface, Tracer};
+use asperity_tracer::{Medium, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
 /// Blocks that a single surface gets at least, since its errors come from them.
 pub(crate) const FEWEST_BLOCKS: u64 = 64;
-
-/// Why a run fails.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// No accelerator for the surface.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// Results too large for memory.
-    #[error(
-        "{bins} bins x {realisations} surfaces take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer bins or surfaces"
-    )]
-    TooManyResults {
-        /// Bins of both hemispheres.
-        bins: usize,
-        /// Surfaces.
-        realisations: u64,
-        /// Memory that they would take.
-        gib: f64,
-    },
-}
 
 /// What light did on one surface.
 #[derive(Clone, Debug)]
@@ -47,7 +27,7 @@ pub struct TraceOutcome {
 /// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
 ///
 /// # Errors
-/// [`RunError`] if the surface is too large for the accelerator.
+/// [`RunError`] if surface or results are too large, or the light too flat.
 pub fn trace(
     field: HeightField,
     material: Material,
@@ -58,9 +38,15 @@ pub fn trace(
 ) -> Result<TraceOutcome, RunError> {
     let began = Instant::now();
     let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
+    check_results(&settings.layout, 1, 1)?;
+    check_memory(
+        "this surface with its hierarchy",
+        traced_bytes(field.shape()),
+    )?;
     progress.begin("building", 1);
     let surface = Surface::new(field);
     let accelerator = settings.accelerator.build(&surface)?;
+    check_grazing(&surface, incidence)?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 

@@ -1,5 +1,6 @@
 //! Values of a configuration: numbers, counts, lists and pairs.
 
+use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::config::ConfigError;
@@ -15,53 +16,97 @@ pub struct Number(pub f64);
 #[serde(transparent)]
 pub struct Count(pub u64);
 
-#[derive(Deserialize)]
+/// A value as it stands in the file, before it is checked.
+#[derive(Clone, Debug, Deserialize)]
 #[serde(
     untagged,
     expecting = "expected a number, or a quotient of two in quotes as in \"1/1.4\""
 )]
-enum Written {
+pub enum Written {
+    /// A whole number.
     Whole(i64),
+    /// A decimal number.
     Decimal(f64),
+    /// Text in quotes.
     Text(String),
+}
+
+/// One value or several, before they are checked.
+#[derive(Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a number, a quotient of two in quotes as in \"1/1.4\", or a list of such"
+)]
+enum WrittenList {
+    One(Written),
+    Many(Vec<Written>),
+}
+
+impl TryFrom<Written> for Number {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        match written {
+            Written::Whole(value) => Ok(Self(value as f64)),
+            Written::Decimal(value) => Ok(Self(value)),
+            Written::Text(text) => parse_number(&text).map(Self),
+        }
+    }
+}
+
+impl TryFrom<Written> for Count {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        match written {
+            Written::Whole(value) => parse_count(&value.to_string()),
+            Written::Decimal(value) => {
+                count_from_number(value).map_err(|reason| format!("{value} {reason}"))
+            }
+            Written::Text(text) => parse_count(&text),
+        }
+        .map(Self)
+    }
 }
 
 impl<'de> Deserialize<'de> for Number {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        match Written::deserialize(deserializer)? {
-            Written::Whole(value) => Ok(Self(value as f64)),
-            Written::Decimal(value) => Ok(Self(value)),
-            Written::Text(text) => parse_number(&text)
-                .map(Self)
-                .map_err(serde::de::Error::custom),
-        }
+        Written::deserialize(deserializer)?
+            .try_into()
+            .map_err(D::Error::custom)
     }
 }
 
 impl<'de> Deserialize<'de> for Count {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let count = match Written::deserialize(deserializer)? {
-            Written::Whole(value) => u64::try_from(value)
-                .ok()
-                .filter(|&n| n > 0)
-                .ok_or_else(|| format!("{value} is no count; it must be 1 or more")),
-            Written::Decimal(value) => {
-                count_from_number(value).map_err(|reason| format!("{value} {reason}"))
-            }
-            Written::Text(text) => parse_count(&text),
-        };
-        count.map(Self).map_err(serde::de::Error::custom)
+        Written::deserialize(deserializer)?
+            .try_into()
+            .map_err(D::Error::custom)
     }
 }
 
 /// One value, or a list of values to go through.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "expected one value or a list of values")]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum OneOrMany<T> {
     /// One value.
     One(T),
     /// A list.
     Many(Vec<T>),
+}
+
+impl<'de, T: TryFrom<Written, Error = String>> Deserialize<'de> for OneOrMany<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WrittenList::deserialize(deserializer)? {
+            WrittenList::One(value) => T::try_from(value).map(Self::One),
+            WrittenList::Many(values) => values
+                .into_iter()
+                .map(T::try_from)
+                .collect::<Result<_, _>>()
+                .map(Self::Many),
+        }
+        .map_err(D::Error::custom)
+    }
 }
 
 impl<T: Copy> OneOrMany<T> {
@@ -75,16 +120,29 @@ impl<T: Copy> OneOrMany<T> {
 }
 
 /// One value for both axes, or `[along x, along y]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "expected one value, or two as [along x, along y]"
-)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum PerAxis<T> {
     /// The same along both axes.
     Both(T),
     /// `[along x, along y]`.
     Each([T; 2]),
+}
+
+impl<'de, T: TryFrom<Written, Error = String>> Deserialize<'de> for PerAxis<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match WrittenList::deserialize(deserializer)? {
+            WrittenList::One(value) => T::try_from(value).map(Self::Both),
+            WrittenList::Many(values) => match <[Written; 2]>::try_from(values) {
+                Ok([x, y]) => T::try_from(x).and_then(|x| Ok(Self::Each([x, T::try_from(y)?]))),
+                Err(values) => Err(format!(
+                    "{} values were given; give one for both axes, or two as [along x, along y]",
+                    values.len()
+                )),
+            },
+        }
+        .map_err(D::Error::custom)
+    }
 }
 
 impl<T: Copy> PerAxis<T> {

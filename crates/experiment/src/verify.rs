@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use asperity_analysis::{
-    BsdfModel, Comparison, ComparisonError, Grouping, HemisphericalEnergy, ModelError, Verdict,
-    compare, create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
+    BsdfModel, Comparison, ComparisonError, Grouping, HemisphericalEnergy, ModelError, Scope,
+    Verdict, compare, create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
 };
 use asperity_surface::{HeightField, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
@@ -14,10 +14,9 @@ use rayon::prelude::*;
 use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
+use crate::limits::RunError;
 use crate::progress::Progress;
-use crate::report::case_summary;
 use crate::summary::SummaryWork;
-use crate::trace::RunError;
 
 /// Rays that a bin must hold, found or expected, to enter a test.
 const ENOUGH_RAYS: f64 = 20.0;
@@ -53,10 +52,21 @@ pub struct ModelOutcome {
     pub single: Comparison,
     /// Against all light.
     pub total: Comparison,
-    /// What follows from `single` at the level of the configuration.
+    /// What follows from the comparison with the light that the model describes.
     pub verdict: Verdict,
     /// Its flux into each in-plane bin, by side.
     pub in_plane: [Vec<f64>; 2],
+}
+
+impl ModelOutcome {
+    /// The comparison with the light that the model describes.
+    #[must_use]
+    pub fn judged(&self) -> &Comparison {
+        match self.model.scope() {
+            Scope::AllOrders => &self.total,
+            _ => &self.single,
+        }
+    }
 }
 
 /// What was found for one case.
@@ -85,26 +95,6 @@ pub struct VerifyOutcome {
     pub cases: Vec<CaseOutcome>,
     /// Seconds from beginning to end.
     pub seconds: f64,
-}
-
-impl VerifyOutcome {
-    /// Every case with its comparison.
-    #[must_use]
-    pub fn json(&self) -> serde_json::Value {
-        let cases: Vec<_> = self
-            .cases
-            .iter()
-            .map(|case| case_summary(self, case, serde_json::Value::Null))
-            .collect();
-        serde_json::json!({
-            "schema": 1,
-            "command": "verify",
-            "version": env!("CARGO_PKG_VERSION"),
-            "config": self.config,
-            "cases": cases,
-            "seconds": self.seconds,
-        })
-    }
 }
 
 impl VerifyConfig {
@@ -235,7 +225,7 @@ fn judge(
         )?);
     }
     let level = sidak_level(config.compare.alpha, models.len().max(1));
-    let singles: Vec<Comparison> = models.iter().map(|m| m.single.clone()).collect();
+    let singles: Vec<Comparison> = models.iter().map(|m| m.judged().clone()).collect();
     for (model, verdict) in models
         .iter_mut()
         .zip(verdicts(&singles, config.compare.alpha))
@@ -364,4 +354,54 @@ pub(crate) fn in_plane_flux(
     };
     wedge(backward_azimuth + PI, [from.max(0.0), to.max(0.0)])
         + wedge(backward_azimuth, [(-to).max(0.0), (-from).max(0.0)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_optics::from_spherical;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn in_plane_fluxes_are_those_of_the_model_on_both_sides_of_the_normal() {
+        let text =
+            "[surface]\nsmoothness = 1\n[light]\ntheta = 25\nphi = 70\n[material]\neta = 1.4";
+        let config = VerifyConfig::from_toml(text).unwrap();
+        let case = config.cases().unwrap()[0];
+        let layout = config.run.ray_settings().unwrap().layout;
+        let model = create_model("smith", case.smoothness, case.material).unwrap();
+        let mut compared = 0;
+        for side in Side::BOTH {
+            let fluxes = in_plane_fluxes(model.as_ref(), &layout, &case, side);
+            for (i, flux) in fluxes.into_iter().enumerate() {
+                let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
+                let angle = 0.5 * (from + to);
+                let theta = match side {
+                    Side::Reflected => angle.abs(),
+                    Side::Transmitted => PI - angle.abs(),
+                };
+                let backward = case.incidence.phi();
+                let phi = if angle > 0.0 { backward + PI } else { backward };
+                let wo = from_spherical(theta, phi);
+                let intensity = model.bsdf(case.incidence.wi(), wo) * wo.z.abs();
+                let found = flux / layout.in_plane_solid_angle(i);
+                // Where the lobe is not steep, its density bends little within a bin.
+                if side == Side::Reflected && angle.abs() < 1.2 {
+                    let ratio = found / intensity;
+                    assert!(
+                        (ratio - 1.0).abs() < 0.05,
+                        "{side} {i}: {found} {intensity}"
+                    );
+                    compared += 1;
+                } else if intensity > 0.1 && angle.abs() < 0.6 {
+                    assert!(
+                        (found / intensity - 1.0).abs() < 0.2,
+                        "{side} {i}: {found} {intensity}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 30, "{compared}");
+    }
 }

@@ -87,6 +87,24 @@ pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     Ok(())
 }
 
+/// Removes those files of `names` that are in `folder`: what an earlier run left and this one will not
+/// replace.
+///
+/// # Errors
+/// [`WriteError`] if a file is there and cannot be removed.
+pub fn remove_files(folder: impl AsRef<Path>, names: &[&str]) -> Result<(), WriteError> {
+    for name in names {
+        let path = folder.as_ref().join(name);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(WriteError::io(&path)(error));
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// [`write_atomically`] for writers that seek and have errors of their own.
 pub(crate) fn replace(
     path: &Path,

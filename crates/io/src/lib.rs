@@ -34,6 +34,7 @@ mod error;
 mod exr;
 mod format;
 mod gsf;
+mod memory;
 mod mesh;
 mod npy;
 mod png;
@@ -46,9 +47,10 @@ mod x3p;
 #[cfg(test)]
 mod hostile_tests;
 
-pub use atomic::{create_output_folder, write_atomically, write_bytes, write_json};
+pub use atomic::{create_output_folder, remove_files, write_atomically, write_bytes, write_json};
 pub use csv::{CsvField, write_csv};
 pub use error::{ReadError, WriteError};
 pub use format::{HeightMapFormat, read_height_map, write_height_map};
+pub use memory::available_memory;
 pub use mesh::{MeshFormat, MeshView, write_mesh};
 pub use text_file::{read_json, read_text};

@@ -67,7 +67,9 @@ pub(crate) fn read<R: Read>(
         }
         heights = transposed;
     }
-    RawHeightMap::new(heights, [rows, columns], [1.0, 1.0]).map_err(ReadError::surface(path))
+    RawHeightMap::new(heights, [rows, columns], [1.0, 1.0])
+        .map(RawHeightMap::with_assumed_spacing)
+        .map_err(ReadError::surface(path))
 }
 
 fn malformed(path: &Path, what: impl std::fmt::Display) -> ReadError {

@@ -101,6 +101,9 @@ pub(crate) fn read<R: BufRead>(
     let mut map =
         RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))?;
     map.unit = unit;
+    if unit == LengthUnit::Arbitrary {
+        map = map.with_assumed_spacing();
+    }
     Ok(map)
 }
 

@@ -33,6 +33,13 @@ pub struct Fresnel {
 pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
     let c = cos_alpha;
     let delta = (eta - 1.0) * (eta + 1.0);
+    if delta == 0.0 {
+        return Fresnel {
+            reflected: 0.0,
+            transmitted: 1.0,
+            cos_beta: c,
+        };
+    }
     let g_squared = delta + c * c;
     if g_squared <= 0.0 {
         return Fresnel {
@@ -48,7 +55,7 @@ pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
             cos_beta: g_squared.sqrt() / eta,
         };
     }
-    let g = if delta == 0.0 { c } else { g_squared.sqrt() };
+    let g = g_squared.sqrt();
     let eta2 = eta * eta;
     let s_sum = c + g;
     let p_sum = eta2 * c + g;
@@ -159,7 +166,7 @@ mod tests {
 
     #[test]
     fn matched_indices_let_light_pass_unchanged() {
-        for c in [1e-9, 0.3, 1.0] {
+        for c in [0.0, 1e-9, 0.3, 1.0] {
             let f = dielectric(c, 1.0);
             assert_eq!((f.reflected, f.transmitted, f.cos_beta), (0.0, 1.0, c));
         }

@@ -111,6 +111,9 @@ impl FromStr for LengthUnit {
     }
 }
 
+/// Largest magnitude of a height.
+const MOST_HEIGHT: f64 = 1e100;
+
 /// Why a height field cannot be made of the given numbers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -152,6 +155,18 @@ pub enum HeightFieldError {
     /// A height is NaN or infinite.
     #[error("the height at column {ix}, row {iy} is {value}; heights must be finite")]
     NotFinite {
+        /// Column.
+        ix: usize,
+        /// Row.
+        iy: usize,
+        /// The offending value.
+        value: f64,
+    },
+    /// A height so large that its square would overflow.
+    #[error(
+        "the height at column {ix}, row {iy} is {value:e}; heights up to {MOST_HEIGHT:e} are allowed"
+    )]
+    TooHigh {
         /// Column.
         ix: usize,
         /// Row.
@@ -205,6 +220,13 @@ impl HeightField {
         }
         if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
             return Err(HeightFieldError::NotFinite {
+                ix: i % nx,
+                iy: i / nx,
+                value: heights[i],
+            });
+        }
+        if let Some(i) = heights.iter().position(|h| h.abs() > MOST_HEIGHT) {
+            return Err(HeightFieldError::TooHigh {
                 ix: i % nx,
                 iy: i / nx,
                 value: heights[i],

@@ -37,7 +37,7 @@ impl FromStr for MissingPolicy {
 pub enum MissingError {
     /// Points are missing and the policy refuses them.
     #[error(
-        "{missing} of {total} points are missing (the first at column {ix}, row {iy}); fill them with `--missing fill`"
+        "{missing} of {total} points are missing (the first at column {ix}, row {iy}); they must be filled first"
     )]
     Refused {
         /// Number of missing points.
@@ -76,6 +76,7 @@ pub struct RawHeightMap {
     heights: Vec<f64>,
     shape: [usize; 2],
     spacing: [f64; 2],
+    spacing_is_known: bool,
     /// Unit of heights and spacings.
     pub unit: LengthUnit,
     /// What lies beyond the border, if the source says.
@@ -115,9 +116,38 @@ impl RawHeightMap {
             heights,
             shape,
             spacing,
+            spacing_is_known: true,
             unit: LengthUnit::Arbitrary,
             border: None,
             provenance: None,
+        })
+    }
+
+    /// The same map, of a source that says nothing of its spacing, so that a caller may ask for it.
+    #[must_use]
+    pub fn with_assumed_spacing(self) -> Self {
+        Self {
+            spacing_is_known: false,
+            ..self
+        }
+    }
+
+    /// Whether the source says what its spacing is.
+    #[must_use]
+    pub const fn spacing_is_known(&self) -> bool {
+        self.spacing_is_known
+    }
+
+    /// The same heights at another spacing `[dx, dy]`.
+    ///
+    /// # Errors
+    /// [`HeightFieldError::BadSpacing`] unless both are positive and finite.
+    pub fn with_spacing(self, spacing: [f64; 2]) -> Result<Self, HeightFieldError> {
+        check_grid(self.shape, spacing)?;
+        Ok(Self {
+            spacing,
+            spacing_is_known: true,
+            ..self
         })
     }
 

@@ -58,7 +58,7 @@ impl Psd {
         tau_y: f64,
         azimuth: f64,
     ) -> Result<Self, PsdError> {
-        for (name, value) in [("sigma", sigma), ("tau_x", tau_x), ("tau_y", tau_y)] {
+        for (name, value) in [("tau", tau_x), ("tau_y", tau_y), ("sigma", sigma)] {
             if !(value.is_finite() && value > 0.0) {
                 return Err(PsdError::BadParameter {
                     name,

@@ -85,7 +85,14 @@ impl Record {
         self.values[layout.rings(side, class).start + ring] += flux;
 
         // Angle from the plane of incidence, folded so that both its halves are near zero.
-        let relative = (azimuth(wo) - self.forward_azimuth).rem_euclid(TAU);
+        // A vertical direction lies in every plane, on the forward side of it.
+        let vertical = wo.x == 0.0 && wo.y == 0.0;
+        let azimuth = if vertical {
+            self.forward_azimuth
+        } else {
+            azimuth(wo)
+        };
+        let relative = (azimuth - self.forward_azimuth).rem_euclid(TAU);
         let forward = !(0.5 * PI..1.5 * PI).contains(&relative);
         let off_plane = if forward {
             relative.min(TAU - relative)

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::brute_force::BruteForce;
-use crate::bvh::{BuildError, MeshBvh};
+use crate::bvh::MeshBvh;
 use crate::ray::{Hit, Medium, TileRay};
 use crate::surface::Surface;
 
@@ -22,6 +22,32 @@ pub trait Accelerator: Send + Sync {
     fn occluded(&self, surface: &Surface, ray: &TileRay, medium: Medium) -> bool {
         self.closest_hit(surface, ray, medium).is_some()
     }
+}
+
+/// Height range, in columns, up to which surfaces are traced: beyond, single precision would no
+/// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
+const TALLEST: f64 = 1e5;
+
+/// Why an accelerator cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// Too many facets.
+    #[error("a hierarchy over {facets} triangles is too large; {most} is the most")]
+    TooManyFacets {
+        /// Facets of the surface.
+        facets: usize,
+        /// Facets that one hierarchy can hold.
+        most: usize,
+    },
+    /// Heights out of proportion to the spacing.
+    #[error(
+        "the heights span {columns:.3e} column spacings, more than {TALLEST:e}: are heights and spacing in the same unit?"
+    )]
+    TooTall {
+        /// Height range over the column spacing.
+        columns: f64,
+    },
 }
 
 /// Accelerators by name.
@@ -51,8 +77,13 @@ impl AcceleratorKind {
     /// Builds the accelerator for one tile.
     ///
     /// # Errors
-    /// [`BuildError`] if the surface is too large for it.
+    /// [`BuildError`] if the surface is too large or too tall.
     pub fn build(self, surface: &Surface) -> Result<Box<dyn Accelerator>, BuildError> {
+        let [low, high] = surface.z_range();
+        let columns = high - low;
+        if columns.is_nan() || columns > TALLEST {
+            return Err(BuildError::TooTall { columns });
+        }
         Ok(match self.resolve() {
             Self::Auto | Self::Mesh => Box::new(MeshBvh::build(surface)?),
             Self::BruteForce => Box::new(BruteForce),

@@ -13,9 +13,22 @@ use crate::surface::Surface;
 
 /// Tiles that a ray may cross before it is given up as lost.
 ///
-/// Light at 89.9 degrees crosses some hundreds of tiles at most; this bound is met only by rays that
-/// are horizontal to rounding and find nothing in their way.
-const MOST_TILES: u32 = 100_000;
+/// [`tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
+/// rays that are horizontal to rounding and find nothing in their way.
+pub const MOST_TILES: u32 = 100_000;
+
+/// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the
+/// lowest point; zero for an open patch, which has no neighbours.
+#[must_use]
+pub fn tiles_crossed(surface: &Surface, theta: f64) -> f64 {
+    if surface.border() == Border::Open {
+        return 0.0;
+    }
+    let [low, high] = surface.z_range();
+    let columns = (high - low) * theta.tan();
+    let [cx, cy] = surface.cells().map(|n| n as f64);
+    columns / cx + columns * surface.aspect() / cy
+}
 
 /// Where a ray is and where it goes, in the orientation of the tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -379,6 +392,59 @@ mod tests {
             }
         }
         assert!(met > 300, "{met}");
+    }
+
+    #[test]
+    fn unequal_spacings_are_those_of_the_physical_surface() {
+        // z = 0.3 x - 0.2 y over cells of 0.5 by 2: a ray in physical coordinates, met by hand.
+        let [dx, dy] = [0.5, 2.0];
+        let height = |x: f64, y: f64| 0.3 * x - 0.2 * y;
+        let heights = (0..9 * 7)
+            .map(|i| height(f64::from(i % 9) * dx, f64::from(i / 9) * dy))
+            .collect();
+        let field = HeightField::new(heights, [7, 9], [dx, dy]).unwrap();
+        let middle = 0.5 * (height(4.0, 0.0) + height(0.0, 12.0));
+        let surface = Surface::new(field.with_border(Border::Open));
+        let d = DVec3::new(0.3, 0.7, -0.4).normalize();
+        let start = DVec3::new(1.0, 2.0, 3.0);
+        let heading = Heading {
+            origin: DVec3::new(start.x / dx, start.y / dy, (start.z - middle) / dx),
+            direction: d,
+            mirrored: [false; 2],
+        };
+        let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above).end else {
+            panic!("no hit");
+        };
+        let t = (start.z - height(start.x, start.y)) / (0.3 * d.x - 0.2 * d.y - d.z);
+        let expected = start + t * d;
+        let found = DVec3::new(
+            met.origin.x * dx,
+            met.origin.y * dy,
+            met.origin.z * dx + middle,
+        );
+        assert!((found - expected).length() < 1e-12, "{found} {expected}");
+        assert_eq!(met.direction, d);
+    }
+
+    #[test]
+    fn mirror_images_of_mirror_images_are_upright() {
+        let surface = Surface::new(bumpy(Border::Mirrored));
+        let d = DVec3::new(1.0, 0.0, -0.3).normalize();
+        // From near the right border: the surface is met in the image, where x runs backwards.
+        let origin = DVec3::new(2.9, 0.5, surface.z_range()[1]);
+        for before in [[false, false], [true, false], [false, true], [true, true]] {
+            let heading = Heading {
+                origin,
+                direction: d,
+                mirrored: before,
+            };
+            let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above).end
+            else {
+                panic!("no hit");
+            };
+            assert_eq!(met.mirrored, [!before[0], before[1]]);
+            assert!((met.world_direction() - heading.world_direction()).length() < 1e-15);
+        }
     }
 
     #[test]

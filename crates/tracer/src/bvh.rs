@@ -15,7 +15,7 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 use obvhs::{Boundable, BvhBuildParams};
 
-use crate::accelerator::Accelerator;
+use crate::accelerator::{Accelerator, BuildError};
 use crate::ray::{Hit, Medium, TileRay};
 use crate::surface::{Facet, Surface};
 
@@ -25,15 +25,6 @@ const SET_BACK: f64 = 0.01;
 
 /// Facets that one hierarchy can hold.
 const MOST_FACETS: usize = 1 << 31;
-
-/// Why an accelerator cannot be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// Too many facets.
-    #[error("a hierarchy over {0} triangles is too large; {MOST_FACETS} is the most")]
-    TooManyFacets(usize),
-}
 
 /// Eight-wide compressed hierarchy over the triangles of one tile.
 pub struct MeshBvh {
@@ -60,7 +51,10 @@ impl MeshBvh {
     pub fn build(surface: &Surface) -> Result<Self, BuildError> {
         let facets = surface.facet_count();
         if facets > MOST_FACETS {
-            return Err(BuildError::TooManyFacets(facets));
+            return Err(BuildError::TooManyFacets {
+                facets,
+                most: MOST_FACETS,
+            });
         }
         let [cx, cy] = surface.cells();
         let [low, high] = surface.z_range();

@@ -22,9 +22,9 @@ mod path;
 mod ray;
 mod surface;
 
-pub use accelerator::{Accelerator, AcceleratorKind};
+pub use accelerator::{Accelerator, AcceleratorKind, BuildError};
 pub use brute_force::BruteForce;
-pub use bvh::{BuildError, MeshBvh};
+pub use bvh::MeshBvh;
 pub use mesh::{MeshError, TriangleMesh};
 pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
 pub use ray::{Hit, Medium, TileRay};

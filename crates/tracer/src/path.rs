@@ -38,7 +38,9 @@ pub struct PathSettings {
 #[non_exhaustive]
 pub enum PathSettingsError {
     /// The roulette threshold is out of range.
-    #[error("the roulette threshold is {0}; it must be from 0 (never) to 1")]
+    #[error(
+        "the roulette threshold is {0}; it must be from 1e-6 to 1, since split paths never end without roulette"
+    )]
     BadRoulette(f64),
     /// No interaction is allowed.
     #[error("the highest order is 0; light must be allowed one interaction at least")]
@@ -46,20 +48,26 @@ pub enum PathSettingsError {
 }
 
 impl PathSettings {
+    /// Roulette decides below 1 % of the incident flux.
+    pub const DEFAULT_ROULETTE: f64 = 0.01;
+
+    /// Interactions after which a path is truncated; light on a surface of s = 0.25 rarely has 100.
+    pub const DEFAULT_MAX_ORDER: u32 = 1000;
+
     /// Settings for tracing.
     ///
     /// `roulette_below`: flux, as a fraction of the incident ray's, below which Russian roulette
-    /// decides whether a branch goes on; `0` lets every branch go on. `max_order`: interactions
+    /// decides whether a branch goes on, from `1e-6` to `1`. `max_order`: interactions
     /// after which a path is ended and counted as truncated.
     ///
     /// # Errors
-    /// [`PathSettingsError`] if the threshold is outside `[0, 1]` or the order is zero.
+    /// [`PathSettingsError`] if the threshold is outside `[1e-6, 1]` or the order is zero.
     pub fn new(
         branching: Branching,
         roulette_below: f64,
         max_order: u32,
     ) -> Result<Self, PathSettingsError> {
-        if !(0.0..=1.0).contains(&roulette_below) {
+        if !(1e-6..=1.0).contains(&roulette_below) {
             return Err(PathSettingsError::BadRoulette(roulette_below));
         }
         if max_order == 0 {
@@ -74,12 +82,12 @@ impl PathSettings {
 }
 
 impl Default for PathSettings {
-    /// Both branches, roulette below 1 % of the incident flux, at most 10,000 interactions.
+    /// Both branches, with the default roulette and bounce limit.
     fn default() -> Self {
         Self {
             branching: Branching::Split,
-            roulette_below: 0.01,
-            max_order: 10_000,
+            roulette_below: Self::DEFAULT_ROULETTE,
+            max_order: Self::DEFAULT_MAX_ORDER,
         }
     }
 }

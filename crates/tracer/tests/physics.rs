@@ -10,7 +10,7 @@ mod common;
 
 use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, Share, Side};
+use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Share, Side};
 use asperity_tracer::{
     AcceleratorKind, Branching, BruteForce, Medium, MeshBvh, PathSettings, Surface, Tracer,
 };
@@ -32,7 +32,7 @@ fn glass() -> Material {
 
 /// Both branches always: no roulette, so that budgets hold ray by ray.
 fn exhaustive() -> PathSettings {
-    PathSettings::new(Branching::Split, 0.0, 1_000_000).unwrap()
+    PathSettings::new(Branching::Split, 1e-6, 1_000_000).unwrap()
 }
 
 fn budget(statistics: &BatchStatistics) -> f64 {
@@ -83,6 +83,40 @@ fn flat_surface_gives_exact_fresnel_and_snell() {
                 let refracted = bin_of(Side::Transmitted, sin_beta, z);
                 assert!((values[refracted] - fresnel.transmitted).abs() < tolerance);
             }
+        }
+    }
+}
+
+#[test]
+fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
+    // On a flat surface every ray leaves in its own plane of incidence: turned back, all leave in one
+    // bin, and in the forward half of the in-plane profile.
+    let surface = flat(Border::Periodic);
+    let layout = Layout::default();
+    let tracer = Tracer::new(
+        &surface,
+        &BruteForce,
+        glass(),
+        Medium::Above,
+        PathSettings::default(),
+    );
+    for (theta_deg, phi_deg) in [(32.0, 3.0), (47.0, 101.0), (62.0, 305.0)] {
+        let incidence = Incidence::from_degrees(theta_deg, phi_deg).unwrap();
+        let expected = dielectric(incidence.theta().cos(), GLASS).reflected;
+        for any_azimuth in [false, true] {
+            let mut rng = ChaCha8Rng::seed_from_u64(5);
+            let (values, _) = tracer.batch(incidence, any_azimuth, 6, layout, &mut rng);
+            let (sin_phi, cos_phi) = (incidence.phi() + std::f64::consts::PI).sin_cos();
+            let (sin, cos) = incidence.theta().sin_cos();
+            let wo = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
+            let bin = layout.bins(Share::Total).start + layout.grid().index_of(Side::Reflected, wo);
+            assert!(
+                (values[bin] - expected).abs() < 1e-12,
+                "{theta_deg} {phi_deg} {any_azimuth}"
+            );
+            let profile = layout.in_plane(Side::Reflected, OrderClass::All);
+            let forward_bin = profile.start + 18 + (theta_deg / 5.0) as usize;
+            assert!((values[forward_bin] - expected).abs() < 1e-12);
         }
     }
 }
@@ -183,7 +217,7 @@ fn split_and_picked_branches_agree_and_so_does_roulette() {
     // the seeds are fixed. Quantities that fewer than 20 paths make up have no normal error.
     let rays = 60.0 * 16.0 * 16.0;
     for (other, flux_of_a_path) in [
-        (with(Branching::Pick, 0.0, 2), 1.0),
+        (with(Branching::Pick, 1e-6, 2), 1.0),
         (with(Branching::Split, 0.5, 3), 0.5),
         (with(Branching::Split, 0.02, 4), 0.02),
     ] {
@@ -326,7 +360,7 @@ fn tall_surfaces_and_grazing_light_lose_nothing() {
 fn bounce_limit_is_booked_as_truncated() {
     let surface = rugged(16, 16, 8.0, 2, Border::Periodic);
     let bvh = MeshBvh::build(&surface).unwrap();
-    let settings = PathSettings::new(Branching::Split, 0.0, 2).unwrap();
+    let settings = PathSettings::new(Branching::Split, 1e-6, 2).unwrap();
     let run = Run {
         settings,
         ..Run::new(&surface, &bvh, Material::Mirror)
@@ -373,17 +407,29 @@ fn mirrored_border_of_a_symmetric_tile_equals_its_periodic_continuation() {
             seed,
             ..Run::new(surface, &*bvh, glass())
         }
-        .go(60, 20)
+        .go(60, 60)
         .0
     };
     let (a, b) = (go(&periodic, 1), go(&mirrored, 2));
     let layout = Layout::default();
+    // Orders, and every in-plane bin, most of whose light has crossed borders; compared where 20 or
+    // more rays make a normal error.
+    let mut entries: Vec<usize> = Vec::new();
     for side in Side::BOTH {
-        for order in 1..=4 {
-            let i = layout.order(side, order);
-            let reference = b.estimate(i);
-            let z = z_score(a.estimate(i), reference.mean, reference.se.unwrap());
-            assert!(z.abs() < 4.0, "{side} order {order}: z = {z}");
+        entries.extend((1..=4).map(|order| layout.order(side, order)));
+        for class in [OrderClass::First, OrderClass::Second, OrderClass::Third] {
+            entries.extend(layout.in_plane(side, class));
         }
     }
+    let mut compared = 0;
+    for i in entries {
+        let (found, reference) = (a.estimate(i), b.estimate(i));
+        let enough = |e: asperity_tally::Estimate| e.se.unwrap() < e.mean / 20_f64.sqrt();
+        if enough(found) && enough(reference) {
+            let z = z_score(found, reference.mean, reference.se.unwrap());
+            assert!(z.abs() < 4.5, "entry {i}: z = {z}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 25, "{compared}");
 }

@@ -1,0 +1,221 @@
+//! Results as tables of numbers.
+
+use std::path::Path;
+
+use asperity_io::{CsvField as Field, WriteError, write_csv};
+use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share, Side};
+
+use crate::verify::{CaseOutcome, ModelOutcome};
+
+/// histogram.csv, theta.csv and in_plane.csv.
+pub(crate) fn write_tables(
+    folder: &Path,
+    layout: &Layout,
+    (statistics, rays): (&BatchStatistics, u64),
+    models: &[ModelOutcome],
+) -> Result<(), WriteError> {
+    write_histogram(folder, layout, statistics, rays)?;
+    write_theta(folder, layout, statistics)?;
+    write_in_plane(folder, layout, statistics, models)
+}
+
+/// A mean and its error as two fields.
+fn fields(estimate: Estimate) -> [Field<'static>; 2] {
+    [estimate.mean.into(), estimate.se.into()]
+}
+
+/// Columns that say which bin a row is about.
+const PLACE: [&str; 5] = [
+    "side",
+    "theta_min_deg",
+    "theta_max_deg",
+    "phi_min_deg",
+    "phi_max_deg",
+];
+
+/// The fields of [`PLACE`] for bin `i`, its edges exact in degrees.
+fn place(grid: &HemisphereGrid, i: usize) -> Vec<Field<'static>> {
+    let side = grid.bin(i).side;
+    let theta = grid.theta_edges_deg(side);
+    let phi = grid.phi_edges_deg();
+    let (ring, sector) = ((i / grid.n_phi()) % grid.n_theta(), i % grid.n_phi());
+    vec![
+        side.to_string().into(),
+        theta[ring].into(),
+        theta[ring + 1].into(),
+        phi[sector].into(),
+        phi[sector + 1].into(),
+    ]
+}
+
+fn write_histogram(
+    folder: &Path,
+    layout: &Layout,
+    statistics: &BatchStatistics,
+    rays: u64,
+) -> Result<(), WriteError> {
+    let mut header = PLACE.to_vec();
+    header.extend([
+        "solid_angle_sr",
+        "flux",
+        "flux_se",
+        "intensity",
+        "bsdf",
+        "bsdf_se",
+        "rays",
+        "flux_single",
+        "flux_single_se",
+        "flux_multiple",
+        "flux_multiple_se",
+    ]);
+    let grid = layout.grid();
+    let rows = grid.bins().enumerate().map(|(i, bin)| {
+        let [single, multiple, total] =
+            Share::ALL.map(|share| statistics.estimate(layout.bins(share).start + i));
+        let hits: f64 = [Share::Single, Share::Multiple]
+            .map(|share| statistics.means()[layout.hits(share).start + i])
+            .iter()
+            .sum();
+        let projected = bin.solid_angle * bin.mean_abs_cos();
+        let mut row = place(&grid, i);
+        row.extend([
+            bin.solid_angle.into(),
+            total.mean.into(),
+            total.se.into(),
+            (total.mean / bin.solid_angle).into(),
+            (total.mean / projected).into(),
+            total.se.map(|se| se / projected).into(),
+            // Hits are kept per incident ray; their number is whole but for rounding.
+            ((hits * rays as f64).round() as u64).into(),
+        ]);
+        row.extend(fields(single));
+        row.extend(fields(multiple));
+        row
+    });
+    write_csv(folder.join("histogram.csv"), &header, rows)
+}
+
+fn order_header() -> Vec<String> {
+    ["order_1", "order_2", "order_3", "order_4_and_above"]
+        .iter()
+        .flat_map(|name| [format!("flux_{name}"), format!("flux_{name}_se")])
+        .collect()
+}
+
+fn write_theta(
+    folder: &Path,
+    layout: &Layout,
+    statistics: &BatchStatistics,
+) -> Result<(), WriteError> {
+    let orders = order_header();
+    let mut header = vec!["side", "theta_min_deg", "theta_max_deg", "flux", "flux_se"];
+    header.extend(orders.iter().map(String::as_str));
+    let mut rows = Vec::new();
+    for side in Side::BOTH {
+        let edges = layout.grid().theta_edges_deg(side);
+        for ring in 0..layout.grid().n_theta() {
+            let of = |class| statistics.estimate(layout.rings(side, class).start + ring);
+            let mut row: Vec<Field<'_>> = vec![
+                side.to_string().into(),
+                edges[ring].into(),
+                edges[ring + 1].into(),
+            ];
+            row.extend(fields(of(OrderClass::All)));
+            row.extend(
+                OrderClass::ALL[..4]
+                    .iter()
+                    .flat_map(|&class| fields(of(class))),
+            );
+            rows.push(row);
+        }
+    }
+    write_csv(folder.join("theta.csv"), &header, rows)
+}
+
+fn write_in_plane(
+    folder: &Path,
+    layout: &Layout,
+    statistics: &BatchStatistics,
+    models: &[ModelOutcome],
+) -> Result<(), WriteError> {
+    let orders = order_header();
+    let of_models: Vec<String> = models
+        .iter()
+        .map(|m| format!("intensity_{}", m.model.name().replace('-', "_")))
+        .collect();
+    let mut header = vec![
+        "side",
+        "theta_min_deg",
+        "theta_max_deg",
+        "solid_angle_sr",
+        "flux",
+        "flux_se",
+        "intensity",
+        "intensity_se",
+    ];
+    header.extend(orders.iter().chain(&of_models).map(String::as_str));
+    let mut rows = Vec::new();
+    for side in Side::BOTH {
+        for i in 0..layout.in_plane_len() {
+            let of = |class| statistics.estimate(layout.in_plane(side, class).start + i);
+            let [from, to] = layout.in_plane_edges_deg(i);
+            let solid_angle = layout.in_plane_solid_angle(i);
+            let all = of(OrderClass::All);
+            let mut row: Vec<Field<'_>> = vec![
+                side.to_string().into(),
+                from.into(),
+                to.into(),
+                solid_angle.into(),
+            ];
+            row.extend(fields(all));
+            row.push((all.mean / solid_angle).into());
+            row.push(all.se.map(|se| se / solid_angle).into());
+            row.extend(
+                OrderClass::ALL[..4]
+                    .iter()
+                    .flat_map(|&class| fields(of(class))),
+            );
+            row.extend(
+                models
+                    .iter()
+                    .map(|m| Field::from(m.in_plane[side.index()][i] / solid_angle)),
+            );
+            rows.push(row);
+        }
+    }
+    write_csv(folder.join("in_plane.csv"), &header, rows)
+}
+
+/// comparison.csv: bin by bin, explicit single scattering beside every model.
+pub(crate) fn write_comparison(
+    folder: &Path,
+    layout: &Layout,
+    case: &CaseOutcome,
+) -> Result<(), WriteError> {
+    if case.models.is_empty() {
+        return Ok(());
+    }
+    let of_models: Vec<String> = case
+        .models
+        .iter()
+        .flat_map(|m| {
+            let name = m.model.name().replace('-', "_");
+            ["flux", "z", "tested"].map(|what| format!("{what}_{name}"))
+        })
+        .collect();
+    let mut header = PLACE.to_vec();
+    header.extend(["flux_single", "flux_single_se"]);
+    header.extend(of_models.iter().map(String::as_str));
+    let grid = layout.grid();
+    let start = layout.bins(Share::Single).start;
+    let rows = (0..grid.len()).map(|i| {
+        let mut row = place(&grid, i);
+        row.extend(fields(case.statistics.estimate(start + i)));
+        for model in &case.models {
+            let bin = &model.single.bins[i];
+            row.extend([bin.model.into(), bin.z.into(), u64::from(bin.tested).into()]);
+        }
+        row
+    });
+    write_csv(folder.join("comparison.csv"), &header, rows)
+}

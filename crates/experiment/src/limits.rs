@@ -1,0 +1,110 @@
+//! What fits into memory, and what light can be followed: checked before the work begins.
+
+use asperity_io::available_memory;
+use asperity_optics::Incidence;
+use asperity_tally::Layout;
+use asperity_tracer::{BuildError, Surface, border};
+
+/// Most memory for the results of a run.
+const RESULT_BUDGET: f64 = 4.0 * GIB;
+
+const GIB: f64 = (1_u64 << 30) as f64;
+
+/// Why a run fails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RunError {
+    /// No accelerator for the surface.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// Results too large for memory.
+    #[error(
+        "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer"
+    )]
+    TooManyResults {
+        /// Bins of both hemispheres.
+        bins: usize,
+        /// Surfaces.
+        realisations: u64,
+        /// Cases that share the surfaces.
+        cases: usize,
+        /// Memory that they would take.
+        gib: f64,
+    },
+    /// The surface does not fit into memory.
+    #[error("{what} needs {needed:.1} GiB of memory; {available:.1} GiB are available")]
+    NotEnoughMemory {
+        /// What needs it.
+        what: &'static str,
+        /// GiB needed.
+        needed: f64,
+        /// GiB available.
+        available: f64,
+    },
+    /// Light so flat that it would cross too many tiles.
+    #[error(
+        "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
+        border::MOST_TILES
+    )]
+    TooGrazing {
+        /// Polar angle, degrees.
+        theta_deg: f64,
+        /// Tiles crossed.
+        tiles: f64,
+    },
+}
+
+/// Refuses what needs more than the memory that is left, where the system says how much that is.
+///
+/// # Errors
+/// [`RunError::NotEnoughMemory`].
+pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), RunError> {
+    match available_memory() {
+        Some(available) if bytes as u64 > available => Err(RunError::NotEnoughMemory {
+            what,
+            needed: bytes as f64 / GIB,
+            available: available as f64 / GIB,
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Bytes that a surface of `[ny, nx]` samples takes while it is traced: heights, and two facets a
+/// cell, each with its box while the hierarchy is built and its share of the nodes.
+pub(crate) const fn traced_bytes([ny, nx]: [usize; 2]) -> usize {
+    nx.saturating_mul(ny).saturating_mul(8 + 2 * 250)
+}
+
+/// Refuses more results than memory should hold: a record for each surface and case, with the copies
+/// that the comparison makes, and the signs of its flips.
+pub(crate) fn check_results(
+    layout: &Layout,
+    realisations: u64,
+    cases: usize,
+) -> Result<(), RunError> {
+    let records = (layout.len() * cases) as f64 * (realisations as f64 + 8.0);
+    let signs = realisations as f64 * 4096.0;
+    let gib = 8.0 * (records + signs) / GIB;
+    if gib * GIB > RESULT_BUDGET {
+        let bins = layout.grid().len();
+        return Err(RunError::TooManyResults {
+            bins,
+            realisations,
+            cases,
+            gib,
+        });
+    }
+    Ok(())
+}
+
+/// Refuses light that would cross more tiles than a ray may.
+pub(crate) fn check_grazing(surface: &Surface, incidence: Incidence) -> Result<(), RunError> {
+    let tiles = border::tiles_crossed(surface, incidence.theta());
+    if tiles < 0.5 * f64::from(border::MOST_TILES) {
+        return Ok(());
+    }
+    Err(RunError::TooGrazing {
+        theta_deg: incidence.theta_deg(),
+        tiles,
+    })
+}
