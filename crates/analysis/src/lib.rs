@@ -31,6 +31,7 @@
 mod beckmann;
 mod comparison;
 mod energy;
+mod facet_scattering;
 mod family;
 mod flux;
 mod kinematics;

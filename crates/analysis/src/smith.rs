@@ -7,8 +7,8 @@ use asperity_optics::Material;
 use asperity_tally::HemisphereGrid;
 use glam::DVec3;
 
-use crate::beckmann::{normal_density, smith_lambda_of};
-use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::beckmann::smith_lambda_of;
+use crate::facet_scattering::unmasked_bsdf;
 use crate::model::{
     BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
 };
@@ -118,31 +118,13 @@ impl ScatteringModel for Smith {
 
 impl BsdfModel for Smith {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        if wi.z <= 0.0 || wo.z == 0.0 {
-            return 0.0;
-        }
-        let reflected = wo.z > 0.0;
-        let facet = if reflected {
-            reflecting_facet(wi, wo)
+        let unmasked = unmasked_bsdf(&self.material, self.smoothness, wi, wo);
+        // No share of nothing: visibility has no meaning where a direction is none.
+        if unmasked == 0.0 {
+            0.0
         } else {
-            self.material
-                .transmitting_index()
-                .and_then(|eta| refracting_facet(wi, wo, eta))
-        };
-        let Some(facet) = facet else {
-            return 0.0;
-        };
-        let d = normal_density(facet.m, self.smoothness);
-        if d == 0.0 {
-            return 0.0;
+            unmasked * self.visible_share(wi, wo)
         }
-        let fresnel = self.material.fresnel(facet.cos_alpha.min(1.0));
-        let f = if reflected {
-            fresnel.reflected
-        } else {
-            fresnel.transmitted
-        };
-        facet.cos_alpha * f * d * facet.chi * self.visible_share(wi, wo) / (wi.z * wo.z.abs())
     }
 
     fn material(&self) -> Material {

@@ -4,13 +4,11 @@
 //! moderate roughness (`s` from about 3); below that its visibility loses energy, because it counts
 //! facets that look away from the light a second time. It is kept as published all the same.
 
-use std::f64::consts::PI;
-
 use asperity_optics::Material;
 use asperity_tally::HemisphereGrid;
 use glam::DVec3;
 
-use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::facet_scattering::unmasked_bsdf;
 use crate::model::{
     BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
 };
@@ -80,37 +78,15 @@ impl ScatteringModel for XuSun {
 
 impl BsdfModel for XuSun {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        if wi.z <= 0.0 || wo.z == 0.0 {
-            return 0.0;
-        }
-        let reflected = wo.z > 0.0;
-        let facet = if reflected {
-            reflecting_facet(wi, wo)
+        let unmasked = unmasked_bsdf(&self.material, self.smoothness, wi, wo);
+        // No share of nothing: visibility has no meaning where a direction is none.
+        if unmasked == 0.0 {
+            0.0
         } else {
-            self.material
-                .transmitting_index()
-                .and_then(|eta| refracting_facet(wi, wo, eta))
-        };
-        let Some(facet) = facet else {
-            return 0.0;
-        };
-        let s2 = self.smoothness * self.smoothness;
-        let cos2_m = facet.m.z * facet.m.z;
-        let exponent = 0.25 * s2 * (facet.m.x * facet.m.x + facet.m.y * facet.m.y) / cos2_m;
-        if exponent > 745.0 {
-            return 0.0;
+            unmasked
+                * xu_sun_visibility(wi, self.smoothness)
+                * xu_sun_visibility(wo, self.smoothness)
         }
-        let fresnel = self.material.fresnel(facet.cos_alpha.min(1.0));
-        let f = if reflected {
-            fresnel.reflected
-        } else {
-            fresnel.transmitted
-        };
-        s2 * facet.cos_alpha * f * (-exponent).exp()
-            / (4.0 * PI * wi.z * wo.z.abs() * cos2_m * cos2_m)
-            * facet.chi
-            * xu_sun_visibility(wi, self.smoothness)
-            * xu_sun_visibility(wo, self.smoothness)
     }
 
     fn material(&self) -> Material {

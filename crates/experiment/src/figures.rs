@@ -110,12 +110,7 @@ pub fn height_map_figure(
     let [dx, dy] = field.spacing();
     HeightMapFigure {
         title: name.to_owned(),
-        subtitle: format!(
-            "{} × {} samples, {} border",
-            field.nx(),
-            field.ny(),
-            field.border()
-        ),
+        subtitle: format!("{} border", field.border()),
         heights: field.heights(),
         shape: field.shape(),
         spacing: [dy, dx],
