@@ -157,3 +157,48 @@ impl Group<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::VerifyConfig;
+    use crate::progress::Silent;
+    use asperity_tally::Layout;
+
+    #[test]
+    fn every_surface_has_rays_of_its_own() {
+        // On nearly flat glass the branch picked at random is all that differs between surfaces.
+        let text = "
+            [surface]
+            sigma = 1e-9
+            tau = 4
+            size = 32
+            [run]
+            realisations = 4
+            rays = 4000
+            branching = \"pick\"
+            [compare]
+            models = []
+        ";
+        let config = VerifyConfig::from_toml(text).unwrap();
+        let cases = config.cases().unwrap();
+        let synthesis = Synthesis::new(cases[0].psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let group = Group {
+            synthesis: &synthesis,
+            cases: &cases,
+            realisations: 4,
+            settings: &config.run.ray_settings().unwrap(),
+            incident: Medium::Above,
+            any_azimuth: true,
+        };
+        let ensemble = group.run(&Silent).unwrap().remove(0);
+        let mut reflected: Vec<f64> = ensemble
+            .records
+            .iter()
+            .map(|record| record[Layout::REFLECTED])
+            .collect();
+        reflected.sort_by(f64::total_cmp);
+        reflected.dedup();
+        assert!(reflected.len() > 1, "{reflected:?}");
+    }
+}
