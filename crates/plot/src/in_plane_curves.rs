@@ -169,7 +169,7 @@ impl InPlaneCurves {
         entries.extend(bar_notes(&self.series, true, shown));
         if residuals {
             entries.push(Entry::note(
-                "Residual z = (explicit − model) / standard error; colours as above, dashed lines at ±2, \
+                "Residual z = (explicit − model) / standard error; colours and marks as above, dashed lines at ±2, \
                  triangles lie beyond the scale.",
             ));
         }

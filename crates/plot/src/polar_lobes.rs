@@ -140,6 +140,14 @@ impl PolarLobes {
             scene.text(text, (x, origin.1), look);
         }
 
+        // Numbers lie beneath arrow and lobes, whose points they must not hide.
+        // One power of ten above and below; an enlarged side has small numbers, but they stay readable.
+        let exponent = display_exponent(halves.iter().fold(0.0_f64, |m, h| m.max(h.full)));
+        for half in &halves {
+            self.draw_ring_numbers(&mut scene, origin, half, step, exponent)?;
+            self.draw_side_text(&mut scene, origin, half);
+        }
+
         // The arrow lies beneath the lobes: it is known, they are the result.
         let incident = Pen::solid(theme::INK, 1.8);
         let start = if self.sides == Sides::Transmitted {
@@ -159,12 +167,6 @@ impl PolarLobes {
                     }
                 }
             }
-        }
-        // One power of ten above and below; an enlarged side has small numbers, but they stay readable.
-        let exponent = display_exponent(halves.iter().fold(0.0_f64, |m, h| m.max(h.full)));
-        for half in &halves {
-            self.draw_ring_numbers(&mut scene, origin, half, step, exponent)?;
-            self.draw_side_text(&mut scene, origin, half);
         }
 
         // The legend keeps to its own column.
