@@ -36,9 +36,11 @@ fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
     assert!(!errors.contains("panicked"), "{arguments:?}: {errors}");
-    assert!(
-        errors.starts_with("asperity: ") || errors.starts_with("error: "),
-        "{errors}"
+    assert!(errors.starts_with("asperity: "), "{errors}");
+    assert_eq!(
+        errors.trim_end().lines().count(),
+        1,
+        "one sentence: {errors}"
     );
     errors
 }

@@ -23,7 +23,10 @@ use crate::failure::Failure;
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        // Help and version are no errors; clap knows where each goes and its exit code.
+        Err(error) if error.use_stderr() && !is_help(&error) => {
+            return Failure::usage(one_sentence(&error.render().to_string())).report();
+        }
+        // Help and version are no errors; clap knows where they go.
         Err(error) => {
             let _ = error.print();
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
@@ -33,6 +36,25 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
+}
+
+/// Whether clap shows its help because no command was given.
+fn is_help(error: &clap::Error) -> bool {
+    error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+}
+
+/// What clap has to say, without its heading, usage and hints, in one line.
+fn one_sentence(message: &str) -> String {
+    let sentences: Vec<String> = message
+        .split("\n\n")
+        .filter(|part| !part.starts_with("Usage:") && !part.starts_with("For more information"))
+        .map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect();
+    let sentence = sentences.join("; ");
+    sentence
+        .strip_prefix("error: ")
+        .unwrap_or(&sentence)
+        .to_owned()
 }
 
 fn run(arguments: &Arguments) -> Result<(), Failure> {
