@@ -1,0 +1,241 @@
+//! Bad input: one sentence, the right exit code, and nothing left behind.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use support::{files, refused, succeed, with_surface};
+
+#[test]
+fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, height) in [
+        ("huge.txt", "1e40"),
+        ("tall.txt", "1e6"),
+        ("steep.txt", "100"),
+    ] {
+        fs::write(
+            folder.join(name),
+            format!("0 {height} 0\n1 0 1\n0 0 {height}\n"),
+        )
+        .unwrap();
+    }
+    fs::write(folder.join("overflow.txt"), "0 1e200\n0 0\n").unwrap();
+    let trace = |file: &'static str| ["trace", file, "--theta", "30", "--rays", "64"];
+    for file in ["huge.txt", "tall.txt"] {
+        assert!(refused(folder, &trace(file), 1).contains("same unit"));
+    }
+    assert!(refused(folder, &["inspect", "overflow.txt"], 1).contains("1e200"));
+    assert!(succeed(folder, &trace("steep.txt")).contains("same unit"));
+    let flat_light = [
+        "trace",
+        "steep.txt",
+        "--border",
+        "periodic",
+        "--theta",
+        "89.9999999",
+    ];
+    assert!(refused(folder, &flat_light, 1).contains("tiles"));
+}
+
+#[test]
+fn missing_points_are_refused_or_filled_by_choice() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("gap.txt"), "0 1 2 3\n1 nan 3 4\n2 3 4 5\n").unwrap();
+    let error = refused(folder, &["inspect", "gap.txt"], 1);
+    assert!(
+        error.contains("gap.txt") && error.contains("1 of 12") && error.contains("--missing fill")
+    );
+    let text = succeed(folder, &["inspect", "gap.txt", "--missing", "fill"]);
+    assert!(text.contains("1 missing points were filled"), "{text}");
+}
+
+#[test]
+fn bad_numbers_get_a_sentence_and_code_2() {
+    let (_keep, folder) = with_surface();
+    let trace = |flags: &[&'static str]| [&["trace", "h.exr", "--theta", "30"], flags].concat();
+    let generate = |flags: &[&'static str]| {
+        let fixed: &[&'static str] = &["generate", "--seed", "1", "-o", "x.npy"];
+        [fixed, flags].concat()
+    };
+    for (arguments, expected) in [
+        (trace(&["--eta", "0"]), "eta is 0"),
+        (trace(&["--eta", "-1.5"]), "eta is -1.5"),
+        (trace(&["--eta", "x"]), "no number"),
+        (trace(&["--kappa", "1"]), "conductor"),
+        (trace(&["--rays", "-5"]), "-5"),
+        (trace(&["--rays", "0"]), "1 or more"),
+        (trace(&["--bins", "0x3"]), "bins"),
+        (trace(&["--bins", "99999x99999"]), "bins"),
+        (trace(&["--accelerator", "magic"]), "brute-force"),
+        (trace(&["--threads", "0"]), "threads"),
+        (trace(&["--threads", "100000"]), "1024"),
+        (trace(&["--rays", "18446744073709551615"]), "1e15"),
+        (trace(&["--roulette", "0"]), "roulette"),
+        (trace(&["--spacing", "0"]), "spacing"),
+        (generate(&["--tau", "-16", "--smoothness", "2"]), "tau"),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "-5"]),
+            "-5",
+        ),
+        (
+            vec![
+                "generate", "--tau", "8", "--sigma", "1", "--seed", "1", "-o", "x.foo",
+            ],
+            ".exr",
+        ),
+        (vec!["inspect", "h.exr", "-o", "x.bmp"], ".exr"),
+        (
+            vec![
+                "generate", "--tau", "8", "--sigma", "1", "--size", "64", "--seed", "1", "-o",
+                "x.x3p",
+            ],
+            "unit",
+        ),
+        (
+            vec!["verify", "--models", "smith,smith", "-o", "out"],
+            "twice",
+        ),
+        (
+            vec!["verify", "--smoothness", "3,3", "-o", "out"],
+            "same folder",
+        ),
+        (trace(&["--roulette", "2"]), "roulette"),
+        (trace(&["--max-order", "0"]), "order"),
+        (trace(&["--in-plane-half-width", "0"]), "half width"),
+        (trace(&["--border", "round"]), "periodic"),
+        (trace(&["--remove", "sphere"]), "parabola"),
+        (vec!["trace", "h.exr", "--theta", "90"], "below 90"),
+        (vec!["trace", "h.exr", "--theta", "-1"], "theta is -1"),
+        (vec!["trace", "--theta", "30"], "FILE"),
+        (generate(&["--tau", "3", "--smoothness", "2"]), "or insist"),
+        (
+            generate(&["--tau", "16", "--smoothness", "2", "--size", "64"]),
+            "insist",
+        ),
+        (
+            generate(&["--tau", "16", "--smoothness", "0"]),
+            "smoothness is 0",
+        ),
+        (generate(&["--tau", "-4", "--sigma", "1"]), "tau"),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--spacing", "0"]),
+            "spacing",
+        ),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--spacing", "-1"]),
+            "spacing",
+        ),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "1"]),
+            "2 x 2",
+        ),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "1,256"]),
+            "2 x 2",
+        ),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "1e9"]),
+            "samples",
+        ),
+        (
+            generate(&["--tau", "8", "--sigma", "1", "--size", "1,2,3"]),
+            "X,Y",
+        ),
+        (vec!["verify", "--theta", "95", "-o", "out"], "below 90"),
+        (vec!["verify", "--tau", "1", "-o", "out"], "or insist"),
+        (vec!["mesh", "h.exr", "-o", "m.xyz"], ".ply"),
+        (vec!["inspect", "h.exr", "--plot", "p.gif"], ".svg"),
+        (vec!["frobnicate"], "frobnicate"),
+    ] {
+        let error = refused(&folder, &arguments, 2);
+        assert!(error.contains(expected), "{arguments:?}: {error}");
+    }
+    assert_eq!(files(&folder), ["h.exr"], "nothing half-written stays");
+}
+
+#[test]
+fn bad_files_get_a_sentence_and_code_1() {
+    let (_keep, folder) = with_surface();
+    let whole = fs::read(folder.join("h.exr")).unwrap();
+    fs::write(folder.join("short.exr"), &whole[..whole.len() / 2]).unwrap();
+    fs::write(folder.join("wrong.npy"), &whole).unwrap();
+    fs::write(folder.join("empty.gsf"), "").unwrap();
+    fs::write(folder.join("inf.txt"), "0 1\n2 inf\n").unwrap();
+    fs::write(folder.join("row.txt"), "0 1 2 3\n").unwrap();
+    fs::write(folder.join("one.txt"), "5\n").unwrap();
+    fs::write(folder.join("h.jpg"), "x").unwrap();
+    fs::create_dir(folder.join("folder.exr")).unwrap();
+    for (file, expected) in [
+        ("none.exr", "none.exr"),
+        ("short.exr", "short.exr"),
+        ("wrong.npy", "wrong.npy"),
+        ("empty.gsf", "empty"),
+        ("inf.txt", "inf"),
+        ("row.txt", "2 x 2"),
+        ("one.txt", "2 x 2"),
+        ("h.jpg", ".npy"),
+        ("folder.exr", "folder"),
+    ] {
+        let error = refused(&folder, &["trace", file, "--theta", "30", "-o", "out"], 1);
+        assert!(error.contains(expected), "{file}: {error}");
+        assert_eq!(error.trim_end().lines().count(), 1, "{error}");
+    }
+    assert!(!folder.join("out").exists());
+    for bad in ["[surface]\ntua = 3\n", "x = ", "[run]\nrays = -1\n"] {
+        fs::write(folder.join("bad.toml"), bad).unwrap();
+        let error = refused(&folder, &["verify", "bad.toml", "-o", "v"], 2);
+        assert!(error.contains("bad.toml: line"), "{error}");
+    }
+    refused(&folder, &["verify", "none.toml", "-o", "v"], 1);
+    assert!(!folder.join("v").exists());
+}
+
+#[test]
+fn places_that_cannot_be_written_are_refused_before_the_work() {
+    let (_keep, folder) = with_surface();
+    fs::write(folder.join("file"), "x").unwrap();
+    let trace = |out: &'static str| {
+        [
+            "trace", "h.exr", "--theta", "30", "--rays", "1e12", "-o", out,
+        ]
+    };
+    for out in ["file", "file/below"] {
+        assert!(refused(&folder, &trace(out), 1).contains("file"));
+    }
+    assert!(refused(&folder, &["mesh", "h.exr", "-o", "no/m.ply"], 1).contains("no"));
+    if Path::new("/dev/full").exists() {
+        let model = [
+            "model",
+            "smith",
+            "--smoothness",
+            "3",
+            "--theta",
+            "30",
+            "-o",
+            "/dev/full",
+        ];
+        refused(&folder, &model, 1);
+        let full = fs::OpenOptions::new()
+            .write(true)
+            .open("/dev/full")
+            .unwrap();
+        let status = Command::new(env!("CARGO_BIN_EXE_asperity"))
+            .current_dir(&folder)
+            .args(["inspect", "h.exr"])
+            .stdout(full)
+            .output()
+            .unwrap();
+        assert_eq!(status.status.code(), Some(1));
+    }
+}

@@ -1,0 +1,78 @@
+//! Running the program in a folder of its own.
+
+#![allow(
+    dead_code,
+    unreachable_pub,
+    reason = "each test file uses its own part"
+)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+pub fn asperity(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+/// Runs a command that must succeed, and returns its standard output.
+pub fn succeed(folder: &Path, arguments: &[&str]) -> String {
+    let output = asperity(folder, arguments);
+    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    assert!(errors.is_empty(), "{arguments:?} on a pipe: {errors}");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// Runs a command that must be refused with `code` and one sentence, and returns that.
+pub fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
+    let output = asperity(folder, arguments);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
+    assert!(!errors.contains("panicked"), "{arguments:?}: {errors}");
+    assert!(errors.starts_with("asperity: "), "{errors}");
+    assert_eq!(
+        errors.trim_end().lines().count(),
+        1,
+        "one sentence: {errors}"
+    );
+    errors
+}
+
+pub fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+pub fn files(folder: &Path) -> Vec<String> {
+    let mut names: Vec<String> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    names
+}
+
+/// A folder with one small generated surface.
+pub fn with_surface() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = [
+        "generate",
+        "--tau",
+        "8",
+        "--smoothness",
+        "2",
+        "--size",
+        "64",
+        "--seed",
+        "7",
+    ];
+    succeed(folder.path(), &[&arguments[..], &["-o", "h.exr"]].concat());
+    let path = folder.path().to_owned();
+    (folder, path)
+}

@@ -1,0 +1,205 @@
+//! Verifications: verdicts, the files they rest on, and the configurations of the examples.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{files, json, succeed};
+
+#[test]
+fn verify_judges_every_case_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let config = "
+        [surface]
+        smoothness = [1, 3]
+        tau = 8
+        size = 128
+        [material]
+        eta = [1.4, \"1/1.4\"]
+        [run]
+        realisations = 12
+        rays = 3e4
+    ";
+    fs::write(folder.join("v.toml"), config).unwrap();
+    let text = succeed(
+        folder,
+        &["verify", "v.toml", "--models", "xu-sun,smith", "-o", "out"],
+    );
+    assert!(
+        text.contains("Single scattering, tested at level"),
+        "{text}"
+    );
+    let out = folder.join("out");
+    let cases = [
+        "s1_n0.714286_theta30",
+        "s1_n1.4_theta30",
+        "s3_n0.714286_theta30",
+        "s3_n1.4_theta30",
+    ];
+    for case in cases {
+        for name in [
+            "summary.json",
+            "comparison.csv",
+            "in_plane.csv",
+            "report.txt",
+            "lobes.png",
+        ] {
+            assert!(out.join(case).join(name).exists(), "{case}/{name}");
+        }
+    }
+    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    assert_eq!(summary["cases"].as_array().unwrap().len(), 4);
+    // A rough surface transmits far more than Xu and Sun's visibility lets through.
+    let rough = &summary["cases"][0]["summary"]["comparison"]["models"][0];
+    assert_eq!(rough["model"], "xu-sun");
+    assert_eq!(rough["verdict"], "fails");
+    assert!(rough["single"]["p"].as_f64().unwrap() < 0.01);
+}
+
+#[test]
+fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surface = [
+        "--smoothness",
+        "1",
+        "--tau",
+        "8",
+        "--size",
+        "128",
+        "--eta",
+        "1/1.4",
+    ];
+    let run = [
+        "--realisations",
+        "8",
+        "--rays",
+        "2e4",
+        "--models",
+        "smith",
+        "--no-plots",
+    ];
+    let above = [&["verify", "-o", "above", "--json"], &surface[..], &run[..]].concat();
+    let summary = json(&succeed(folder, &above));
+    let file = json(&fs::read_to_string(folder.join("above/summary.json")).unwrap());
+    assert_eq!(summary["comparison"], file["comparison"]);
+    let model = &summary["comparison"]["models"][0];
+    let distance = |of: &str| model[of]["total_variation"].as_f64().unwrap();
+    // Half of this light is scattered more than once: far from all light, near to the single part.
+    assert!(distance("total") > 3.0 * distance("single"));
+    let table = fs::read_to_string(folder.join("above/comparison.csv")).unwrap();
+    let recomputed: f64 = table
+        .lines()
+        .skip(1)
+        .map(|line| {
+            let field = |i: usize| line.split(',').nth(i).unwrap().parse::<f64>().unwrap();
+            0.5 * (field(5) - field(7)).abs()
+        })
+        .sum();
+    assert!((recomputed - distance("single")).abs() < 1e-12);
+
+    // From below, statistics are the same but the rays are others.
+    let below = [
+        &["verify", "-o", "below", "--json", "--from", "below"],
+        &surface[..],
+        &run[..],
+    ];
+    let below = json(&succeed(folder, &below.concat()));
+    let reflected = |summary: &Value| {
+        ["mean", "se"].map(|key| summary["energy"]["reflected"][key].as_f64().unwrap())
+    };
+    let ([a, se_a], [b, se_b]) = (reflected(&summary), reflected(&below));
+    assert_ne!(a, b);
+    assert!((a - b).abs() < 4.0 * se_a.hypot(se_b), "{a} {b}");
+}
+
+#[test]
+fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let fixed = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "64",
+        "--realisations",
+        "6",
+        "--rays",
+        "6e3",
+    ];
+    succeed(folder, &[&fixed[..], &["-o", "out"]].concat());
+    fs::write(folder.join("out/notes.txt"), "mine").unwrap();
+    succeed(
+        folder,
+        &[
+            "trace",
+            "--flat",
+            "--theta",
+            "9",
+            "--rays",
+            "64",
+            "--no-plots",
+            "-o",
+            "out",
+        ],
+    );
+    let expected = [
+        "histogram.csv",
+        "in_plane.csv",
+        "notes.txt",
+        "summary.json",
+        "theta.csv",
+    ];
+    assert_eq!(files(&folder.join("out")), expected);
+}
+
+#[test]
+fn verify_with_one_surface_takes_its_errors_from_ray_blocks() {
+    let folder = tempfile::tempdir().unwrap();
+    let fixed = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "64",
+        "--realisations",
+        "1",
+        "--rays",
+        "1e4",
+    ];
+    let text = succeed(
+        folder.path(),
+        &[&fixed[..], &["--no-plots", "-o", "out"]].concat(),
+    );
+    assert!(
+        text.contains("ray blocks") && text.contains("not resolved"),
+        "{text}"
+    );
+}
+
+#[test]
+fn every_example_configuration_is_understood() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let mut seen = 0;
+    for entry in fs::read_dir(examples).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|ending| ending == "toml") {
+            let text = fs::read_to_string(&path).unwrap();
+            let config = asperity_experiment::VerifyConfig::from_toml(&text).unwrap();
+            config.run.ray_settings().unwrap();
+            config.check_surfaces().unwrap();
+            seen += 1;
+        }
+    }
+    assert!(seen >= 5, "{seen}");
+}
