@@ -29,6 +29,8 @@ pub enum Loss {
     Truncated,
     /// It left an open patch sideways, on its way to surface that is not there.
     LeftPatch,
+    /// It went to a side that is not asked for.
+    NotAsked,
     /// The path failed numerically.
     Lost,
 }
@@ -53,7 +55,14 @@ impl Record {
         }
     }
 
-    /// Adds light that left the surface.
+    /// Whether light that leaves on `side` is recorded.
+    #[must_use]
+    pub const fn asks(&self, side: Side) -> bool {
+        self.layout.asks(side)
+    }
+
+    /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the
+    /// flux that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
         let Exit {
             side,
@@ -62,6 +71,10 @@ impl Record {
             path,
         } = *exit;
         let layout = self.layout;
+        if !layout.asks(side) {
+            self.add_loss(Loss::NotAsked, flux);
+            return;
+        }
         let grid = layout.grid();
         let class = OrderClass::of(path.order());
         let share = if path.order() > 1 {
@@ -125,6 +138,10 @@ impl Record {
                 self.values[Layout::TRUNCATED] += flux;
                 self.values[Layout::LEFT_PATCH] += flux;
             }
+            Loss::NotAsked => {
+                self.values[Layout::TRUNCATED] += flux;
+                self.values[Layout::NOT_ASKED] += flux;
+            }
         }
     }
 
@@ -160,7 +177,7 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Event, HemisphereGrid};
+    use crate::{Event, HemisphereGrid, Sides};
     use asperity_optics::from_spherical;
 
     fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
@@ -236,8 +253,40 @@ mod tests {
         record.add_loss(Loss::Absorbed, 0.25);
         record.add_loss(Loss::LeftPatch, 0.5);
         record.add_loss(Loss::Truncated, -0.125);
-        record.add_loss(Loss::Lost, 0.375);
+        record.add_loss(Loss::Lost, 0.25);
+        record.add_loss(Loss::NotAsked, 0.125);
         let values = record.into_fractions(1);
-        assert_eq!(values[..6], [0.0, 0.0, 0.25, 0.375, 0.375, 0.5]);
+        assert_eq!(values[..7], [0.0, 0.0, 0.25, 0.5, 0.25, 0.5, 0.125]);
+    }
+
+    #[test]
+    fn a_side_that_is_not_asked_for_fills_no_bin() {
+        for sides in [Sides::Reflected, Sides::Transmitted] {
+            let layout = Layout::default().with_sides(sides);
+            let exits = [
+                exit(Side::Reflected, 32.0, 1.0, 1),
+                exit(Side::Transmitted, 143.0, 2.0, 2),
+                exit(Side::Reflected, 12.0, 170.0, 3),
+            ];
+            let mut all = Record::new(layout.with_sides(Sides::Both), 0.0);
+            let mut asked = Record::new(layout, 0.0);
+            let mut alone = Record::new(layout.with_sides(Sides::Both), 0.0);
+            let mut not_asked = 0.0;
+            for exit in &exits {
+                all.add_exit(exit);
+                asked.add_exit(exit);
+                if layout.asks(exit.side) {
+                    alone.add_exit(exit);
+                } else {
+                    not_asked += exit.flux;
+                }
+            }
+            let [all, asked, mut alone] = [all, asked, alone].map(|r| r.into_fractions(1));
+            alone[Layout::TRUNCATED] = not_asked;
+            alone[Layout::NOT_ASKED] = not_asked;
+            assert_eq!(asked, alone);
+            let budget = |values: &[f64]| values[..5].iter().sum::<f64>();
+            assert_eq!(budget(&asked), budget(&all));
+        }
     }
 }
