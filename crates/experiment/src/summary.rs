@@ -17,6 +17,8 @@ pub struct SummaryWork {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
     /// Accelerator used.
     pub accelerator: AcceleratorKind,
     /// Estimator used.
@@ -40,6 +42,7 @@ impl SummaryWork {
             rays: work.rays,
             segments: work.segments,
             segments_skipped: work.segments_skipped,
+            branches_not_asked: work.branches_not_asked,
             accelerator: accelerator.resolve(),
             estimator: "plain",
             generate_seconds: 0.0,

@@ -101,6 +101,8 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
 }
 
 impl std::ops::AddAssign for Work {
@@ -108,6 +110,7 @@ impl std::ops::AddAssign for Work {
         self.rays += other.rays;
         self.segments += other.segments;
         self.segments_skipped += other.segments_skipped;
+        self.branches_not_asked += other.branches_not_asked;
     }
 }
 
@@ -242,11 +245,7 @@ impl<'a> Tracer<'a> {
         work.segments_skipped += u64::from(journey.searched == 0);
         match journey.end {
             Travel::Escaped => record.add_exit(&Exit {
-                side: if leg.medium == self.incident {
-                    Side::Reflected
-                } else {
-                    Side::Transmitted
-                },
+                side: self.side_of(leg.medium),
                 wo: turn * self.turned_upright(leg.heading.world_direction()),
                 flux: leg.flux,
                 path: leg.path,
@@ -258,7 +257,7 @@ impl<'a> Tracer<'a> {
             }
             Travel::Met(hit, heading) => {
                 let arrived = Leg { heading, ..leg };
-                self.interact(&arrived, hit.facet, legs, record, rng);
+                self.interact(&arrived, hit.facet, legs, record, work, rng);
             }
         }
     }
@@ -270,6 +269,7 @@ impl<'a> Tracer<'a> {
         facet: Facet,
         legs: &mut Vec<Leg>,
         record: &mut Record,
+        work: &mut Work,
         rng: &mut R,
     ) {
         let m = leg.medium.sign() * self.surface.normal(facet);
@@ -299,20 +299,20 @@ impl<'a> Tracer<'a> {
             } else {
                 Event::Transmission
             };
-            legs.push(onward(event, 1.0));
+            self.push_if_asked(onward(event, 1.0), legs, record, work);
             return;
         }
         if transmits {
             if fresnel.transmitted > 0.0 {
                 let leg = onward(Event::Transmission, fresnel.transmitted);
-                self.push_or_end(leg, legs, record, rng);
+                self.push_or_end(leg, legs, record, work, rng);
             }
         } else {
             record.add_loss(Loss::Absorbed, leg.flux * fresnel.transmitted);
         }
         if fresnel.reflected > 0.0 {
             let leg = onward(Event::Reflection, fresnel.reflected);
-            self.push_or_end(leg, legs, record, rng);
+            self.push_or_end(leg, legs, record, work, rng);
         }
     }
 
@@ -335,6 +335,7 @@ impl<'a> Tracer<'a> {
         mut leg: Leg,
         legs: &mut Vec<Leg>,
         record: &mut Record,
+        work: &mut Work,
         rng: &mut R,
     ) {
         let threshold = self.settings.roulette_below;
@@ -347,6 +348,32 @@ impl<'a> Tracer<'a> {
             }
             leg.flux = kept;
         }
-        legs.push(leg);
+        self.push_if_asked(leg, legs, record, work);
+    }
+
+    /// Pushes a branch that goes on, unless it can end only where nobody asks.
+    ///
+    /// A branch that has reached the highest order has no interaction left: it escapes on the side
+    /// of its medium, or is truncated. If that side is not asked for, its flux is booked as such at
+    /// once. A branch of lower order is always followed, since it may come back. This is decided
+    /// after all random numbers of a branch are drawn, and one of the highest order draws no more, so
+    /// what is recorded of a side does not depend on whether the other is asked for.
+    fn push_if_asked(&self, leg: Leg, legs: &mut Vec<Leg>, record: &mut Record, work: &mut Work) {
+        let last = leg.path.order() >= self.settings.max_order;
+        if last && !record.asks(self.side_of(leg.medium)) {
+            record.add_loss(Loss::NotAsked, leg.flux);
+            work.branches_not_asked += 1;
+        } else {
+            legs.push(leg);
+        }
+    }
+
+    /// The side on which light leaves that escapes through `medium`.
+    fn side_of(&self, medium: Medium) -> Side {
+        if medium == self.incident {
+            Side::Reflected
+        } else {
+            Side::Transmitted
+        }
     }
 }
