@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::wedge::Half;
 use crate::{EventPath, HemisphereGrid, Side, Sides};
 
 /// Highest order of scattering that has an entry of its own; higher ones share the last entry.
@@ -252,6 +253,27 @@ impl Layout {
         let start =
             self.in_plane_start() + (side.index() * OrderClass::ALL.len() + class as usize) * n;
         start..start + n
+    }
+
+    /// Entry of the in-plane bin over `ring` of `side`, on one half of the plane of incidence.
+    pub(crate) fn in_plane_entry(
+        &self,
+        side: Side,
+        class: OrderClass,
+        ring: usize,
+        half: Half,
+    ) -> usize {
+        let n = self.grid.n_theta();
+        // Rings count from +z; the in-plane angle counts from the side's own normal.
+        let from_normal = match side {
+            Side::Reflected => ring,
+            Side::Transmitted => n - 1 - ring,
+        };
+        self.in_plane(side, class).start
+            + match half {
+                Half::Forward => n + from_normal,
+                Half::Backward => n - 1 - from_normal,
+            }
     }
 
     /// Edges `[min, max]` of in-plane bin `i`, signed degrees.

@@ -7,11 +7,13 @@
 //! independent batches into means and standard errors.
 
 mod events;
+mod finder;
 mod grid;
 mod layout;
 mod record;
 mod sides;
 mod statistics;
+mod wedge;
 
 pub use events::{Event, EventPath};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};

@@ -1,10 +1,9 @@
 //! What one batch of rays did.
 
-use std::f64::consts::{PI, TAU};
-
-use asperity_optics::azimuth;
 use glam::DVec3;
 
+use crate::finder::BinFinder;
+use crate::wedge::Wedge;
 use crate::{EventPath, Layout, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
@@ -39,7 +38,8 @@ pub enum Loss {
 #[derive(Clone, Debug)]
 pub struct Record {
     layout: Layout,
-    forward_azimuth: f64,
+    finder: BinFinder,
+    wedge: Wedge,
     values: Vec<f64>,
 }
 
@@ -50,7 +50,8 @@ impl Record {
     pub fn new(layout: Layout, forward_azimuth: f64) -> Self {
         Self {
             layout,
-            forward_azimuth,
+            finder: BinFinder::new(layout.grid()),
+            wedge: Wedge::new(forward_azimuth, layout.in_plane_half_width()),
             values: vec![0.0; layout.len()],
         }
     }
@@ -91,40 +92,13 @@ impl Record {
             self.values[layout.multiple(side)] += flux;
         }
 
-        let bin = grid.index_of(side, wo);
+        let ring = self.finder.ring(side, wo);
+        let bin = (side.index() * grid.n_theta() + ring) * grid.n_phi() + self.finder.sector(wo);
         self.values[layout.bins(share).start + bin] += flux;
         self.values[layout.hits(share).start + bin] += 1.0;
-        let ring = bin / grid.n_phi() - side.index() * grid.n_theta();
         self.values[layout.rings(side, class).start + ring] += flux;
-
-        // Angle from the plane of incidence, folded so that both its halves are near zero.
-        // A vertical direction lies in every plane, on the forward side of it.
-        let vertical = wo.x == 0.0 && wo.y == 0.0;
-        let azimuth = if vertical {
-            self.forward_azimuth
-        } else {
-            azimuth(wo)
-        };
-        let relative = (azimuth - self.forward_azimuth).rem_euclid(TAU);
-        let forward = !(0.5 * PI..1.5 * PI).contains(&relative);
-        let off_plane = if forward {
-            relative.min(TAU - relative)
-        } else {
-            (relative - PI).abs()
-        };
-        if off_plane <= layout.in_plane_half_width() {
-            let n = grid.n_theta();
-            // Rings count from +z; the in-plane angle counts from the side's own normal.
-            let from_normal = match side {
-                Side::Reflected => ring,
-                Side::Transmitted => n - 1 - ring,
-            };
-            let i = if forward {
-                n + from_normal
-            } else {
-                n - 1 - from_normal
-            };
-            self.values[layout.in_plane(side, class).start + i] += flux;
+        if let Some(half) = self.wedge.half(wo) {
+            self.values[layout.in_plane_entry(side, class, ring, half)] += flux;
         }
     }
 
