@@ -123,6 +123,70 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
 }
 
 #[test]
+fn a_verification_of_one_side_judges_that_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let config = "
+        [surface]
+        smoothness = 1
+        tau = 8
+        size = 64
+        [material]
+        eta = 1.4
+        [run]
+        realisations = 10
+        rays = 2e4
+        side = \"transmitted\"
+    ";
+    fs::write(folder.join("v.toml"), config).unwrap();
+    let text = succeed(folder, &["verify", "v.toml", "-o", "one"]);
+    let of_both = ["verify", "v.toml", "--side", "both", "-o", "both"];
+    succeed(folder, &of_both);
+    assert!(text.contains("transmitted single") && text.contains("not asked"));
+    assert!(!text.contains("reflected"), "{text}");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    for name in [
+        "comparison.csv",
+        "histogram.csv",
+        "theta.csv",
+        "in_plane.csv",
+    ] {
+        let expected: String = read(&format!("both/{name}"))
+            .lines()
+            .filter(|line| !line.starts_with("reflected"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        assert!(read(&format!("one/{name}")) == expected, "{name}");
+    }
+    let [one, both] = ["one", "both"].map(|run| json(&read(&format!("{run}/summary.json"))));
+    for model in 0..3 {
+        let [one, both] = [&one, &both].map(|run| &run["comparison"]["models"][model]);
+        assert!(one["reflected"].is_null() && both["reflected"].is_f64());
+        assert_eq!(one["transmitted"], both["transmitted"]);
+        // The other side adds its own deviation.
+        let distance = |of: &Value| of["single"]["total_variation"].as_f64().unwrap();
+        assert!(distance(one) < distance(both));
+        let tested = |of: &Value| of["single"]["bins_tested"].as_u64().unwrap();
+        assert!(tested(one) <= 648 && tested(one) < tested(both));
+        let scales = one["single"]["scales"].as_array().unwrap();
+        assert!(scales[2]["name"] == "sides" && scales[2]["member"] == 0);
+    }
+    assert!(!folder.join("one/in_plane_reflected.svg").exists());
+    // Many cases have an overview.
+    let many = [
+        "verify",
+        "v.toml",
+        "--theta",
+        "0,60",
+        "--side",
+        "reflected",
+        "-o",
+        "many",
+    ];
+    assert!(!succeed(folder, &many).contains("transmitted"));
+}
+
+#[test]
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

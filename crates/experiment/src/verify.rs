@@ -48,13 +48,13 @@ pub struct ModelOutcome {
     pub model: Box<dyn BsdfModel>,
     /// Its energies.
     pub energy: HemisphericalEnergy,
-    /// Against light scattered once, over the bins of both hemispheres.
+    /// Against light scattered once, over the bins of the sides asked for.
     pub single: Comparison,
     /// Against all light.
     pub total: Comparison,
     /// What follows from the comparison with the light that the model describes.
     pub verdict: Verdict,
-    /// Its flux into each in-plane bin, by side.
+    /// Its flux into each in-plane bin, by side; empty on a side that is not asked for.
     pub in_plane: [Vec<f64>; 2],
 }
 
@@ -258,17 +258,19 @@ fn model_outcome(
     statistics: &BatchStatistics,
 ) -> Result<ModelOutcome, VerifyError> {
     let wi = case.incidence.wi();
-    let expected = model.expected_fluxes(wi, &layout.grid()).flux;
+    let asked = layout.asked_bins();
+    let expected = model.expected_fluxes(wi, &layout.grid(), config.run.side);
+    let expected = &expected.flux[asked.clone()];
     let rays = ensemble.work.rays as f64;
     let means = statistics.means();
     let against = |share: Share| {
         let surfaces: Vec<Vec<f64>> = ensemble
             .records
             .iter()
-            .map(|record| record[layout.bins(share)].to_vec())
+            .map(|record| record[layout.bins(share)][asked.clone()].to_vec())
             .collect();
-        let single = &means[layout.hits(Share::Single)];
-        let multiple = &means[layout.hits(Share::Multiple)];
+        let single = &means[layout.hits(Share::Single)][asked.clone()];
+        let multiple = &means[layout.hits(Share::Multiple)][asked.clone()];
         let enough: Vec<bool> = (0..expected.len())
             .map(|i| {
                 let found = match share {
@@ -281,7 +283,7 @@ fn model_outcome(
             .collect();
         compare(
             &surfaces,
-            &expected,
+            expected,
             &enough,
             &rings_and_sides(layout),
             config.run.seed,
@@ -292,17 +294,23 @@ fn model_outcome(
         single: against(Share::Single)?,
         total: against(Share::Total)?,
         verdict: Verdict::Holds,
-        in_plane: Side::BOTH.map(|side| in_plane_fluxes(model.as_ref(), layout, case, side)),
+        in_plane: Side::BOTH.map(|side| {
+            if layout.asks(side) {
+                in_plane_fluxes(model.as_ref(), layout, case, side)
+            } else {
+                Vec::new()
+            }
+        }),
         model,
     })
 }
 
 /// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
-/// sides, which are the energies.
+/// sides, which are the energies. Bins count from the first that is asked for.
 fn rings_and_sides(layout: &Layout) -> [Grouping; 2] {
     let grid = layout.grid();
     let groups = |of_each: usize| -> Vec<Vec<usize>> {
-        (0..grid.len())
+        (0..layout.asked_bins().len())
             .step_by(of_each)
             .map(|i| (i..i + of_each).collect())
             .collect()
