@@ -435,6 +435,13 @@ impl VerifyConfig {
             .map_or(isotropic, |a| a == Azimuth::Random)
     }
 
+    /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
+    /// over azimuth: vertical light, of any azimuth.
+    #[must_use]
+    pub fn free_azimuth(&self, case: &Case) -> bool {
+        self.any_azimuth() && case.incidence.is_vertical()
+    }
+
     fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());

@@ -86,14 +86,24 @@ fn write_histogram(
             (total.mean / bin.solid_angle).into(),
             (total.mean / projected).into(),
             total.se.map(|se| se / projected).into(),
-            // Hits are kept per incident ray; their number is whole but for rounding.
-            ((hits * rays as f64).round() as u64).into(),
+            count_of_rays(hits * rays as f64),
         ]);
         row.extend(fields(single));
         row.extend(fields(multiple));
         row
     });
     write_csv(folder.join("histogram.csv"), &header, rows)
+}
+
+/// A number of rays that was kept per incident ray: whole but for rounding, unless a ring's rays were
+/// spread over its bins.
+fn count_of_rays(count: f64) -> Field<'static> {
+    let whole = count.round();
+    if (count - whole).abs() <= 1e-9 * whole {
+        (whole as u64).into()
+    } else {
+        count.into()
+    }
 }
 
 fn order_header() -> Vec<String> {

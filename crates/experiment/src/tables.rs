@@ -207,7 +207,11 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
             Box::new(|m| m.model.name().to_owned()),
         ),
         (
-            "bins of 20 rays or more".into(),
+            if case.free_azimuth {
+                "bins in rings of 20 rays or more".into()
+            } else {
+                "bins of 20 rays or more".into()
+            },
             Box::new(|m| {
                 m.single
                     .bins

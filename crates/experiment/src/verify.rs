@@ -18,7 +18,8 @@ use crate::limits::RunError;
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
-/// Rays that a bin must hold, found or expected, to enter a test.
+/// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
+/// azimuth, a bin stands for its ring, and the rays of the ring count.
 const ENOUGH_RAYS: f64 = 20.0;
 
 /// Why a verification fails.
@@ -77,6 +78,8 @@ pub struct CaseOutcome {
     pub statistics: BatchStatistics,
     /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
     pub errors_from: &'static str,
+    /// Whether what leaves is spread evenly over azimuth: every bin holds its share of its ring.
+    pub free_azimuth: bool,
     /// The models.
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the models.
@@ -236,6 +239,7 @@ fn judge(
         case,
         statistics: batches,
         errors_from,
+        free_azimuth: config.free_azimuth(&case),
         models,
         level,
         work: SummaryWork {
@@ -262,6 +266,11 @@ fn model_outcome(
     let expected = model.expected_fluxes(wi, &layout.grid(), config.run.side);
     let expected = &expected.flux[asked.clone()];
     let rays = ensemble.work.rays as f64;
+    let bins_of_a_value = if config.free_azimuth(case) {
+        layout.grid().n_phi() as f64
+    } else {
+        1.0
+    };
     let means = statistics.means();
     let against = |share: Share| {
         let surfaces: Vec<Vec<f64>> = ensemble
@@ -278,7 +287,7 @@ fn model_outcome(
                     Share::Multiple => multiple[i],
                     Share::Total => single[i] + multiple[i],
                 };
-                found.max(expected[i]) * rays >= ENOUGH_RAYS
+                found.max(expected[i]) * rays * bins_of_a_value >= ENOUGH_RAYS
             })
             .collect();
         compare(

@@ -292,7 +292,8 @@ impl Layout {
     }
 
     /// Number of rays per incident ray that reached the bins of the grid (`Single` or `Multiple`;
-    /// `Total` is taken as `Single`).
+    /// `Total` is taken as `Single`). With [`crate::Azimuth::Free`] every bin of a ring has the same
+    /// part of the ring's rays, which need not be a whole number of rays.
     #[must_use]
     pub fn hits(&self, share: Share) -> Range<usize> {
         let start = self.hits_start() + usize::from(share == Share::Multiple) * self.grid.len();

@@ -18,6 +18,6 @@ mod wedge;
 pub use events::{Event, EventPath};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 pub use layout::{Layout, LayoutError, MAX_LISTED_ORDER, MAX_LISTED_PATH, OrderClass, Share};
-pub use record::{Exit, Loss, Record};
+pub use record::{Azimuth, Exit, Loss, Record};
 pub use sides::Sides;
 pub use statistics::{BatchStatistics, Estimate};

@@ -1,9 +1,11 @@
 //! What one batch of rays did.
 
+use std::f64::consts::TAU;
+
 use glam::DVec3;
 
 use crate::finder::BinFinder;
-use crate::wedge::Wedge;
+use crate::wedge::{Half, Wedge};
 use crate::{EventPath, Layout, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
@@ -34,24 +36,42 @@ pub enum Loss {
     Lost,
 }
 
+/// What the azimuths of exits are counted from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Azimuth {
+    /// The horizontal component of the light *travels* towards this azimuth, radians: that of `wi`
+    /// plus half a turn.
+    From(f64),
+    /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
+    /// surfaces without a preferred direction. The azimuths of exits are not looked at.
+    ///
+    /// When the record is closed, the flux of a ring is spread evenly over its bins, and each half
+    /// of the in-plane wedge gets its share of the full turn. The number of rays is spread alike, so
+    /// that a bin's is a fraction of its ring's and need not be whole.
+    Free,
+}
+
 /// Sums over one batch of rays; entries by [`Layout`].
 #[derive(Clone, Debug)]
 pub struct Record {
     layout: Layout,
     finder: BinFinder,
-    wedge: Wedge,
+    /// `None` where the azimuth is free.
+    wedge: Option<Wedge>,
     values: Vec<f64>,
 }
 
 impl Record {
-    /// An empty record for light whose horizontal component *travels* towards `forward_azimuth`,
-    /// radians: the azimuth of `wi` plus half a turn.
+    /// An empty record.
     #[must_use]
-    pub fn new(layout: Layout, forward_azimuth: f64) -> Self {
+    pub fn new(layout: Layout, azimuth: Azimuth) -> Self {
         Self {
             layout,
             finder: BinFinder::new(layout.grid()),
-            wedge: Wedge::new(forward_azimuth, layout.in_plane_half_width()),
+            wedge: match azimuth {
+                Azimuth::From(forward) => Some(Wedge::new(forward, layout.in_plane_half_width())),
+                Azimuth::Free => None,
+            },
             values: vec![0.0; layout.len()],
         }
     }
@@ -93,11 +113,17 @@ impl Record {
         }
 
         let ring = self.finder.ring(side, wo);
-        let bin = (side.index() * grid.n_theta() + ring) * grid.n_phi() + self.finder.sector(wo);
+        self.values[layout.rings(side, class).start + ring] += flux;
+        let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
+        let Some(wedge) = &self.wedge else {
+            // The first bin counts for its ring until the record is closed.
+            self.values[layout.hits(share).start + first] += 1.0;
+            return;
+        };
+        let bin = first + self.finder.sector(wo);
         self.values[layout.bins(share).start + bin] += flux;
         self.values[layout.hits(share).start + bin] += 1.0;
-        self.values[layout.rings(side, class).start + ring] += flux;
-        if let Some(half) = self.wedge.half(wo) {
+        if let Some(half) = wedge.half(wo) {
             self.values[layout.in_plane_entry(side, class, ring, half)] += flux;
         }
     }
@@ -123,6 +149,11 @@ impl Record {
     #[must_use]
     pub fn into_fractions(mut self, rays: u64) -> Vec<f64> {
         let layout = self.layout;
+        if self.wedge.is_none() {
+            for side in layout.sides() {
+                (0..layout.grid().n_theta()).for_each(|ring| self.spread(side, ring));
+            }
+        }
         for side in Side::BOTH {
             for i in 0..layout.grid().n_theta() {
                 self.sum_classes(|class| layout.rings(side, class).start + i);
@@ -138,6 +169,39 @@ impl Record {
         let per_ray = 1.0 / rays as f64;
         self.values.iter_mut().for_each(|v| *v *= per_ray);
         self.values
+    }
+
+    /// Spreads one ring evenly over its bins and over the in-plane wedge.
+    fn spread(&mut self, side: Side, ring: usize) {
+        let layout = self.layout;
+        let grid = layout.grid();
+        let n_phi = grid.n_phi();
+        let [first, second, third, more] = [
+            OrderClass::First,
+            OrderClass::Second,
+            OrderClass::Third,
+            OrderClass::FourthOrMore,
+        ]
+        .map(|class| {
+            let flux = self.values[layout.rings(side, class).start + ring];
+            // Each half of the wedge is twice its half width wide.
+            let share = 2.0 * layout.in_plane_half_width() / TAU;
+            for half in [Half::Forward, Half::Backward] {
+                self.values[layout.in_plane_entry(side, class, ring, half)] = share * flux;
+            }
+            flux
+        });
+        let start = (side.index() * grid.n_theta() + ring) * n_phi;
+        let bins = start..start + n_phi;
+        for (share, flux) in [
+            (Share::Single, first),
+            (Share::Multiple, second + third + more),
+        ] {
+            let hits = self.values[layout.hits(share).start + start];
+            for (entries, of_ring) in [(layout.bins(share), flux), (layout.hits(share), hits)] {
+                self.values[entries][bins.clone()].fill(of_ring / n_phi as f64);
+            }
+        }
     }
 
     /// Sets the entry of all orders to the sum of those of the classes.
@@ -175,7 +239,7 @@ mod tests {
     #[test]
     fn every_view_of_an_exit_agrees() {
         let layout = Layout::default();
-        let mut record = Record::new(layout, 0.0);
+        let mut record = Record::new(layout, Azimuth::From(0.0));
         record.add_exit(&exit(Side::Reflected, 32.0, 1.0, 1));
         record.add_exit(&exit(Side::Transmitted, 143.0, 2.0, 2));
         let values = record.into_fractions(2);
@@ -209,7 +273,7 @@ mod tests {
     fn in_plane_profile_knows_forward_from_backward_and_leaves_out_the_rest() {
         let layout = Layout::new(HemisphereGrid::default(), 5_f64.to_radians()).unwrap();
         // Light from azimuth 100 deg travels towards 280 deg.
-        let mut record = Record::new(layout, 280_f64.to_radians());
+        let mut record = Record::new(layout, Azimuth::From(280_f64.to_radians()));
         record.add_exit(&exit(Side::Reflected, 12.0, 283.0, 1));
         record.add_exit(&exit(Side::Reflected, 12.0, 97.0, 1));
         record.add_exit(&exit(Side::Reflected, 12.0, 280.0 - 6.0, 1));
@@ -221,9 +285,85 @@ mod tests {
         assert_eq!(profile.iter().sum::<f64>(), 1.0);
     }
 
+    /// Exits that lie evenly about the vertical at many polar angles, with fluxes and orders of all
+    /// kinds.
+    fn even_exits(n_phi: u32) -> Vec<Exit> {
+        let mut exits = Vec::new();
+        for i in 0..60 {
+            let theta = 3.0 * f64::from(i) + 1.3;
+            let side = if theta < 90.0 {
+                Side::Reflected
+            } else {
+                Side::Transmitted
+            };
+            for k in 0..n_phi {
+                let phi = 360.0 * (f64::from(k) + 0.5) / f64::from(n_phi);
+                let mut exit = exit(side, theta, phi, 1 + i % 5);
+                exit.flux = 0.1 + f64::from(i % 7);
+                exits.push(exit);
+            }
+        }
+        exits
+    }
+
+    #[test]
+    fn free_azimuth_spreads_what_is_even_as_it_was_found() {
+        // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
+        let layout = Layout::default();
+        let mut found = Record::new(layout, Azimuth::From(0.0));
+        let mut free = Record::new(layout, Azimuth::Free);
+        for exit in even_exits(1440) {
+            found.add_exit(&exit);
+            free.add_exit(&exit);
+        }
+        let [found, free] = [found, free].map(|record| record.into_fractions(1000));
+        for (i, (found, free)) in found.iter().zip(&free).enumerate() {
+            assert!((found - free).abs() <= 1e-12 * found, "{i}: {found} {free}");
+        }
+    }
+
+    #[test]
+    fn free_azimuth_is_exactly_even_and_adds_up() {
+        for half_width_deg in [0.01, 5.0, 90.0] {
+            let grid = HemisphereGrid::new(18, 7).unwrap();
+            let layout = Layout::new(grid, f64::to_radians(half_width_deg)).unwrap();
+            let mut record = Record::new(layout, Azimuth::Free);
+            // All at one azimuth, which is not looked at.
+            even_exits(1).iter().for_each(|exit| record.add_exit(exit));
+            let values = record.into_fractions(60);
+            for share in Share::ALL {
+                for entries in [layout.bins(share), layout.hits(share)] {
+                    for ring in values[entries].chunks_exact(grid.n_phi()) {
+                        assert!(ring.iter().all(|value| *value == ring[0]));
+                    }
+                }
+            }
+            for side in Side::BOTH {
+                for class in OrderClass::ALL {
+                    let profile = &values[layout.in_plane(side, class)];
+                    assert!(profile.iter().eq(profile.iter().rev()));
+                    let of_rings: f64 = values[layout.rings(side, class)].iter().sum();
+                    let of_profile: f64 = profile.iter().sum();
+                    let share = half_width_deg / 90.0;
+                    assert!((of_profile - share * of_rings).abs() < 1e-12);
+                }
+                let bins: f64 = values[layout.bins(Share::Total)]
+                    .chunks_exact(grid.bins_per_side())
+                    .nth(side.index())
+                    .map_or(0.0, |bins| bins.iter().sum());
+                assert!((bins - values[side.index()]).abs() < 1e-12);
+            }
+            let rays: f64 = [Share::Single, Share::Multiple]
+                .iter()
+                .flat_map(|&share| &values[layout.hits(share)])
+                .sum();
+            assert!((rays - 1.0).abs() < 1e-12);
+        }
+    }
+
     #[test]
     fn losses_go_into_the_budget() {
-        let mut record = Record::new(Layout::default(), 0.0);
+        let mut record = Record::new(Layout::default(), Azimuth::From(0.0));
         record.add_loss(Loss::Absorbed, 0.25);
         record.add_loss(Loss::LeftPatch, 0.5);
         record.add_loss(Loss::Truncated, -0.125);
@@ -242,9 +382,9 @@ mod tests {
                 exit(Side::Transmitted, 143.0, 2.0, 2),
                 exit(Side::Reflected, 12.0, 170.0, 3),
             ];
-            let mut all = Record::new(layout.with_sides(Sides::Both), 0.0);
-            let mut asked = Record::new(layout, 0.0);
-            let mut alone = Record::new(layout.with_sides(Sides::Both), 0.0);
+            let mut all = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
+            let mut asked = Record::new(layout, Azimuth::From(0.0));
+            let mut alone = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
             let mut not_asked = 0.0;
             for exit in &exits {
                 all.add_exit(exit);

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tally::{Event, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DQuat, DVec3};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -157,7 +157,8 @@ impl<'a> Tracer<'a> {
     ///
     /// Light comes from `incidence`; with `any_azimuth` each ray comes from an azimuth of its own,
     /// uniformly drawn, and what leaves is turned back so that its azimuths are as if the light had
-    /// come from that of `incidence`. Returns flux fractions by `layout`, and the work done.
+    /// come from that of `incidence`; of vertical light all azimuths are one, none is drawn, and what
+    /// leaves is spread evenly over azimuth ([`Azimuth::Free`]). Returns flux fractions by `layout`, and the work done.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface.
@@ -169,7 +170,13 @@ impl<'a> Tracer<'a> {
         layout: Layout,
         rng: &mut R,
     ) -> (Vec<f64>, Work) {
-        let mut record = Record::new(layout, incidence.phi() + PI);
+        let free = any_azimuth && incidence.is_vertical();
+        let azimuth = if free {
+            Azimuth::Free
+        } else {
+            Azimuth::From(incidence.phi() + PI)
+        };
+        let mut record = Record::new(layout, azimuth);
         let mut work = Work::default();
         let mut legs = Vec::new();
         let width = 1.0 / f64::from(strata);
@@ -177,7 +184,7 @@ impl<'a> Tracer<'a> {
             for ix in 0..strata {
                 let u = (f64::from(ix) + rng.random::<f64>()) * width;
                 let v = (f64::from(iy) + rng.random::<f64>()) * width;
-                let (light, turn) = if any_azimuth {
+                let (light, turn) = if any_azimuth && !free {
                     let phi = TAU * rng.random::<f64>();
                     (incidence.at_azimuth(phi), incidence.phi() - phi)
                 } else {
