@@ -21,6 +21,7 @@ mod mesh;
 mod morton;
 mod path;
 mod ray;
+mod steepness;
 mod surface;
 
 pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
