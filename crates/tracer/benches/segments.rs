@@ -102,7 +102,13 @@ fn main() {
             let tracer = Tracer::new(&surface, a, glass, Medium::Above, PathSettings::default());
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             tracer
-                .batch(incidence, false, 256, Layout::default(), &mut rng)
+                .batch(
+                    incidence,
+                    false,
+                    std::env::var("STRATA").map_or(256, |s| s.parse().unwrap()),
+                    Layout::default(),
+                    &mut rng,
+                )
                 .1
         };
         let work = batch(&recorder);

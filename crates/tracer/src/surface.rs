@@ -117,6 +117,15 @@ impl Surface {
         }
     }
 
+    /// Ray parameter at which a ray passes through the plane of a facet: what [`Geometry::intersect`]
+    /// gives where the ray is known to pass through the facet, and not at its edge.
+    #[must_use]
+    pub fn crossing(&self, facet: Facet, ray: &TileRay) -> f64 {
+        let plane = self.cell([facet.ix, facet.iy]).plane(facet.triangle);
+        let [g, g_rate] = height_above(plane, facet, ray);
+        -g / g_rate
+    }
+
     /// First facet of the cell `[column, row]` that a ray in `medium` passes through.
     #[must_use]
     pub fn intersect_cell(
@@ -302,9 +311,8 @@ impl Cell {
     /// one that moves away from a facet never meets it.
     fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
         let q = medium.sign();
-        let [z00, per_column, per_row] = self.plane(facet.triangle);
         let d = ray.direction;
-        let g_rate = d.z - per_column * d.x - per_row * d.y;
+        let [g, g_rate] = height_above(self.plane(facet.triangle), facet, ray);
         if q * g_rate >= 0.0 {
             return None;
         }
@@ -330,10 +338,20 @@ impl Cell {
         if span.enter > span.leave {
             return None;
         }
-        let g = ray.origin.z - z00 - per_column * x - per_row * y;
         let passes = q * (g + g_rate * span.leave) < 0.0;
         passes.then(|| (-g / g_rate).clamp(span.enter, span.leave))
     }
+}
+
+/// Height of a ray's origin above a facet's plane, and its rate.
+#[inline(always)]
+fn height_above([z00, per_column, per_row]: [f64; 3], facet: Facet, ray: &TileRay) -> [f64; 2] {
+    let (o, d) = (ray.origin, ray.direction);
+    let (x, y) = (o.x - f64::from(facet.ix), o.y - f64::from(facet.iy));
+    [
+        o.z - z00 - per_column * x - per_row * y,
+        d.z - per_column * d.x - per_row * d.y,
+    ]
 }
 
 /// The heights of row `iy`, one a cell; rows wrap.

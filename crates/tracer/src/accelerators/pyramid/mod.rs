@@ -77,6 +77,11 @@ impl Accelerator<Surface> for Pyramid {
         hits.extend(rays.answers().zip(queries).map(|(answer, query)| {
             match answer {
                 Answer::Nothing => None,
+                Answer::Inside([ix, iy], triangle) => {
+                    let facet = Facet { iy, ix, triangle };
+                    let t = surface.crossing(facet, &query.ray);
+                    Some(Hit { t, facet })
+                }
                 Answer::Cell(cell) => surface
                     .intersect_cell(cell, &query.ray, query.medium)
                     .or_else(|| self.closest_hit(surface, query)),

@@ -1,5 +1,7 @@
 //! Rays as the wide search takes them: in f32, each from a cell of its own, field by field.
 
+use asperity_surface::Triangle;
+
 use super::lanes::MOST_LANES;
 use crate::accelerator::Query;
 use crate::geometry::Geometry;
@@ -19,6 +21,8 @@ const STEEPEST: f32 = 1e30;
 pub(super) enum Answer {
     /// Nothing in the tile is met.
     Nothing,
+    /// This triangle of the cell `[column, row]`, farther from its edges than rounding can move it.
+    Inside([u32; 2], Triangle),
     /// A facet of this cell, `[column, row]`.
     Cell([u32; 2]),
     /// Rounding may have changed the answer.
@@ -28,12 +32,16 @@ pub(super) enum Answer {
 pub(super) const NOTHING: i32 = -1;
 pub(super) const DOUBTFUL: i32 = -2;
 
+/// Codes for the facet of an answer.
+pub(super) const LOWER: i32 = 0;
+pub(super) const UPPER: i32 = 1;
+pub(super) const EITHER: i32 = 2;
+
 /// Rays field by field; an entry a ray, and room behind the last for a full load of lanes.
 ///
 /// x and y are measured from the corner of the cell that the ray starts in, so that they are exact
 /// to a few 2^-24 of the way travelled, however large the tile; z and its rate are signed by medium,
 /// so that every ray is above.
-#[derive(Default)]
 pub(super) struct Rays {
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
@@ -49,32 +57,43 @@ pub(super) struct Rays {
     pub(super) cell_y: Vec<i32>,
     /// The ray's place among the answers.
     pub(super) place: Vec<i32>,
-    /// Cell found, `[column, row]`, or a negative word in place of the column.
+    /// Answers as [`Rays::note`] takes them.
     found: Vec<[i32; 2]>,
+    /// Number of rays.
+    count: usize,
 }
 
 impl Rays {
     pub(super) fn new(surface: &Surface, queries: &[Query]) -> Self {
-        let mut rays = Self::default();
         let room = queries.len() + MOST_LANES;
-        rays.fields(|field| field.reserve(room), |field| field.reserve(room));
-        // One more than there are rays: lanes that never held one write there.
-        rays.found = vec![[DOUBTFUL, 0]; queries.len() + 1];
-        let cells = surface.cells();
-        let [low, high] = surface.z_range();
+        let (floats, integers) = (|| vec![0.0; room], || vec![0; room]);
+        let mut rays = Self {
+            x: floats(),
+            y: floats(),
+            z: floats(),
+            dx: floats(),
+            dy: floats(),
+            dz: floats(),
+            inverse_dx: floats(),
+            inverse_dy: floats(),
+            side: floats(),
+            cell_x: integers(),
+            cell_y: integers(),
+            place: integers(),
+            // One more than there are rays: lanes that never held one write there.
+            found: vec![[DOUBTFUL, 0]; queries.len() + 1],
+            count: 0,
+        };
+        let (cells, z_range) = (surface.cells(), surface.z_range());
         for (place, query) in queries.iter().enumerate() {
-            rays.push(query, cells, [low, high], place as i32);
+            rays.add(query, cells, z_range, place as i32);
         }
-        let filled = rays.place.len() + MOST_LANES;
-        rays.fields(
-            |field| field.resize(filled, 0.0),
-            |field| field.resize(filled, 0),
-        );
         rays
     }
 
     /// Adds a ray, unless it is doubtful from the start.
-    fn push(&mut self, query: &Query, cells: [usize; 2], z_range: [f64; 2], place: i32) {
+    #[inline(always)]
+    fn add(&mut self, query: &Query, cells: [usize; 2], z_range: [f64; 2], place: i32) {
         let Query { ray, medium } = *query;
         let (o, d) = (ray.origin, ray.direction);
         let extent = cells.map(|n| n as f64);
@@ -84,62 +103,39 @@ impl Rays {
             && o.y <= extent[1]
             && o.z >= z_range[0]
             && o.z <= z_range[1];
-        let start = if inside {
-            0.0
+        let p = if inside {
+            o
         } else {
             match entry(&ray, extent, z_range) {
-                Some(t) => t,
+                Some(t) => ray.at(t),
                 None => return,
             }
         };
-        let p = ray.at(start);
         let (Some((column, x)), Some((row, y))) =
             (cell(p.x, d.x, cells[0]), cell(p.y, d.y, cells[1]))
         else {
             return;
         };
         let q = medium.sign();
-        let reciprocal = |d: f64| {
-            let limited = (1.0 / d as f32).clamp(-STEEPEST, STEEPEST);
-            if limited.is_nan() { STEEPEST } else { limited }
-        };
-        self.x.push(x as f32);
-        self.y.push(y as f32);
-        self.z.push((q * p.z) as f32);
-        self.dx.push(d.x as f32);
-        self.dy.push(d.y as f32);
-        self.dz.push((q * d.z) as f32);
-        self.inverse_dx.push(reciprocal(d.x));
-        self.inverse_dy.push(reciprocal(d.y));
-        self.side.push(q as f32);
-        self.cell_x.push(column);
-        self.cell_y.push(row);
-        self.place.push(place);
+        let i = self.count;
+        self.x[i] = x as f32;
+        self.y[i] = y as f32;
+        self.z[i] = (q * p.z) as f32;
+        self.dx[i] = d.x as f32;
+        self.dy[i] = d.y as f32;
+        self.dz[i] = (q * d.z) as f32;
+        self.inverse_dx[i] = reciprocal(d.x as f32);
+        self.inverse_dy[i] = reciprocal(d.y as f32);
+        self.side[i] = q as f32;
+        self.cell_x[i] = column;
+        self.cell_y[i] = row;
+        self.place[i] = place;
+        self.count += 1;
     }
 
     /// Number of rays to be searched.
-    pub(super) fn len(&self) -> usize {
-        self.place.len() - MOST_LANES
-    }
-
-    /// Calls `each` for every field of f32, and `each_i` for every field of i32.
-    fn fields(&mut self, each: impl Fn(&mut Vec<f32>), each_i: impl Fn(&mut Vec<i32>)) {
-        for field in [
-            &mut self.x,
-            &mut self.y,
-            &mut self.z,
-            &mut self.dx,
-            &mut self.dy,
-            &mut self.dz,
-            &mut self.inverse_dx,
-            &mut self.inverse_dy,
-            &mut self.side,
-        ] {
-            each(field);
-        }
-        for field in [&mut self.cell_x, &mut self.cell_y, &mut self.place] {
-            each_i(field);
-        }
+    pub(super) const fn len(&self) -> usize {
+        self.count
     }
 
     /// The place of no ray.
@@ -147,20 +143,37 @@ impl Rays {
         self.found.len() as i32 - 1
     }
 
-    /// Notes what is known of the ray at `place`: the cell that it meets, or a negative word.
+    /// Notes what is known of the ray at `place`: the column of the cell that it meets, or a
+    /// negative word; and four times the row, plus a code for the facet.
     #[inline(always)]
-    pub(super) fn note(&mut self, place: i32, cell: [i32; 2]) {
-        self.found[place as usize] = cell;
+    pub(super) fn note(&mut self, place: i32, answer: [i32; 2]) {
+        self.found[place as usize] = answer;
     }
 
     pub(super) fn answers(&self) -> impl Iterator<Item = Answer> {
         self.found[..self.found.len() - 1]
             .iter()
-            .map(|&[column, row]| match column {
-                NOTHING => Answer::Nothing,
-                DOUBTFUL => Answer::Doubtful,
-                _ => Answer::Cell([column as u32, row as u32]),
+            .map(|&[column, row]| {
+                let cell = [column as u32, (row >> 2) as u32];
+                match (column, row & 3) {
+                    (NOTHING, _) => Answer::Nothing,
+                    (DOUBTFUL, _) => Answer::Doubtful,
+                    (_, LOWER) => Answer::Inside(cell, Triangle::Lower),
+                    (_, UPPER) => Answer::Inside(cell, Triangle::Upper),
+                    _ => Answer::Cell(cell),
+                }
             })
+    }
+}
+
+/// `1 / d`, kept finite.
+fn reciprocal(d: f32) -> f32 {
+    if d.abs() > 1.0 / STEEPEST {
+        1.0 / d
+    } else if d < 0.0 {
+        -STEEPEST
+    } else {
+        STEEPEST
     }
 }
 
@@ -190,7 +203,8 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 /// f32 may have put it on the wrong side of an edge.
 fn cell(p: f64, rate: f64, count: usize) -> Option<(i32, f64)> {
     let edge = f64::from(ROUNDING);
-    let index = (p.floor()).clamp(0.0, (count - 1) as f64);
+    // A place in the tile is not below zero, but for rounding.
+    let index = f64::from((p as i32).clamp(0, (count - 1) as i32));
     let within = p - index;
     // On the border of the tile, on the way inwards, only the border's own cell is possible.
     let from_low = index == 0.0 && rate > 0.0 && within > -edge;

@@ -8,9 +8,9 @@
 use std::fmt;
 
 use super::bounds::{Bounds, MOST_LEVELS};
-use super::lanes::{Floats, Integers, Lanes, MOST_LANES, Mask, Task};
+use super::lanes::{Floats, Integers, Lanes, Mask, Task};
 use super::portable::Portable;
-use super::rays::{DOUBTFUL, NOTHING, ROUNDING, Rays};
+use super::rays::{DOUBTFUL, EITHER, LOWER, NOTHING, ROUNDING, Rays, UPPER};
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
 
@@ -115,6 +115,8 @@ struct State<L: Lanes> {
     place: L::I,
     /// What is known of it: the column of the cell that it meets, or a negative word.
     answer: L::I,
+    /// Which facet of the cell.
+    code: L::I,
     /// How far the ray has come.
     t: L::F,
     /// The cell that it is in there.
@@ -182,6 +184,7 @@ impl<'b, L: Lanes> Search<'b, L> {
             first_y: none,
             place: lanes.splat_i(rays.nowhere()),
             answer: none,
+            code: none,
             t: zero,
             ix: none,
             iy: none,
@@ -406,6 +409,12 @@ impl<'b, L: Lanes> Search<'b, L> {
         let met = sure & (under_diagonal | (over_diagonal & under_leaving));
         let clear = sure & over_diagonal & over_leaving;
         state.answer = lanes.select_i(met, state.ix, state.answer);
+        // Which facet, where it is met farther from its edges than rounding can move it.
+        let clear_entry = lanes.less(margin, on_entry);
+        let lower = (under_diagonal & lower_in) | (over_diagonal & lower_out);
+        let code = lanes.select_i(lower, lanes.splat_i(LOWER), lanes.splat_i(UPPER));
+        let code = lanes.select_i(clear_entry, code, lanes.splat_i(EITHER));
+        state.code = lanes.select_i(met, code, state.code);
         let doubtful = at_cell & !(met | clear);
         state.active = state.active & !(met | doubtful);
         self.advance(state, clear, &exit);
@@ -416,7 +425,8 @@ impl<'b, L: Lanes> Search<'b, L> {
     fn note_answers(&self, state: &State<L>, rays: &mut Rays) {
         let places = self.lanes.store_i(state.place);
         let columns = self.lanes.store_i(state.answer);
-        let rows = self.lanes.store_i(state.iy);
+        let two = self.lanes.splat_i(2);
+        let rows = self.lanes.store_i(state.iy.shifted_left(two) + state.code);
         for lane in 0..L::COUNT {
             rays.note(places[lane], [columns[lane], rows[lane]]);
         }
