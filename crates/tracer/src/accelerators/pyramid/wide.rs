@@ -166,11 +166,34 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     #[inline(always)]
     fn run(&self, rays: &mut Rays) {
+        let empty = self.empty(rays);
+        let (mut a, mut b) = (empty, empty);
+        let mut next = 0;
+        // Two loads of lanes in turn: while one waits for memory, the other goes on.
+        loop {
+            let more_a = self.keep_busy(&mut a, rays, &mut next);
+            let more_b = self.keep_busy(&mut b, rays, &mut next);
+            if !(more_a || more_b) {
+                break;
+            }
+            // A fixed round, since a ray takes about two steps a cell: choosing would cost more
+            // in branches than it saves.
+            self.step(&mut a);
+            self.step(&mut b);
+            self.step(&mut a);
+            self.step(&mut b);
+            self.look_into_cells(&mut a);
+            self.look_into_cells(&mut b);
+        }
+    }
+
+    /// Lanes without rays.
+    #[inline(always)]
+    fn empty(&self, rays: &Rays) -> State<L> {
         let lanes = self.lanes;
-        let all = ((1_u64 << L::COUNT) - 1) as u32;
         let zero = lanes.splat(0.0);
         let none = lanes.splat_i(0);
-        let mut state: State<L> = State {
+        State {
             x: zero,
             y: zero,
             z: zero,
@@ -190,34 +213,32 @@ impl<'b, L: Lanes> Search<'b, L> {
             iy: none,
             level: none,
             active: lanes.mask(0),
-        };
-        let count = rays.len();
-        let mut next = 0;
-        loop {
-            let idle = all & !state.active.bits();
-            let enough = idle.count_ones() as usize * 4 >= L::COUNT;
-            if enough && (next < count || idle == all) {
-                self.note_answers(&state, rays);
-                if next == count {
-                    break;
-                }
-                self.refill(&mut state, rays, idle, &mut next, count);
-            }
-            // A fixed round, since a ray takes about two steps a cell: choosing would cost more
-            // in branches than it saves.
-            self.step(&mut state);
-            self.step(&mut state);
-            self.look_into_cells(&mut state);
         }
+    }
+
+    /// Refills idle lanes once there are some; false if no lane has a ray any more.
+    #[inline(always)]
+    fn keep_busy(&self, state: &mut State<L>, rays: &mut Rays, next: &mut usize) -> bool {
+        let all = ((1_u64 << L::COUNT) - 1) as u32;
+        let idle = all & !state.active.bits();
+        let left = rays.len() - *next;
+        if idle.count_ones() as usize * 4 >= L::COUNT && (left > 0 || idle == all) {
+            self.note_answers(state, rays);
+            if left == 0 {
+                return false;
+            }
+            self.refill(state, rays, idle, next);
+        }
+        true
     }
 
     /// Puts the next rays into idle lanes.
     #[inline(always)]
-    fn refill(&self, state: &mut State<L>, rays: &Rays, idle: u32, next: &mut usize, count: usize) {
+    fn refill(&self, state: &mut State<L>, rays: &Rays, idle: u32, next: &mut usize) {
         let lanes = self.lanes;
         // Where fewer rays are left than lanes are idle, the first lanes get them.
         let mut filled = idle;
-        while filled.count_ones() as usize > count - *next {
+        while filled.count_ones() as usize > rays.len() - *next {
             filled &= !(1 << filled.ilog2());
         }
         let mask = lanes.mask(filled);
