@@ -29,8 +29,8 @@ use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, Layout, Side};
 use asperity_tracer::border::Heading;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Branching, BruteForce, Geometry, Medium, PathSettings, Query,
-    Surface, TileRay, Tracer, border,
+    Accelerator, AcceleratorKind, Branching, BruteForce, Geometry, Instructions, Medium,
+    PathSettings, Pyramid, Query, Surface, TileRay, Tracer, border,
 };
 use glam::DVec3;
 use naive::{Offset, SkipLast};
@@ -43,7 +43,15 @@ use scenes::{Scene, gaussian, scaled};
 use textbook::{Verdict, comes_in_its_medium, compare};
 
 /// Every accelerator that surfaces have; another joins by its name here.
-const KINDS: [AcceleratorKind; 2] = [AcceleratorKind::BruteForce, AcceleratorKind::Mesh];
+const KINDS: [AcceleratorKind; 3] = [
+    AcceleratorKind::BruteForce,
+    AcceleratorKind::Mesh,
+    AcceleratorKind::Pyramid,
+];
+
+/// The pyramid is searched with each of these that the machine has; whichever is the best stands in
+/// [`KINDS`] as well.
+const INSTRUCTIONS: [Instructions; 2] = [Instructions::Portable, Instructions::Avx2];
 
 /// Numbers of rays that are searched together.
 const TOGETHER: [usize; 4] = [1, 7, 16, 1000];
@@ -79,18 +87,32 @@ const SMALL: Effort = Effort {
 };
 
 const FULL: Effort = Effort {
-    facet_tests: 60_000_000,
-    rays_of_a_family: 30_000,
+    facet_tests: 10_000_000,
+    rays_of_a_family: 10_000,
     every_case: true,
-    walks: [1, 40],
-    strata: [1, 12],
+    walks: [1, 12],
+    strata: [1, 6],
 };
 
-fn accelerators(surface: &Surface) -> Vec<(AcceleratorKind, Box<dyn Accelerator<Surface>>)> {
-    KINDS
+/// Slope above which light is reflected so often that one case must stand for all.
+const SPIKY: f64 = 1e3;
+
+/// An accelerator and what it is called.
+type Named = (String, Box<dyn Accelerator<Surface>>);
+
+fn accelerators(surface: &Surface) -> Vec<Named> {
+    let kinds = KINDS
         .into_iter()
-        .map(|kind| (kind, surface.accelerator(kind).unwrap()))
-        .collect()
+        .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()));
+    let pyramids = INSTRUCTIONS
+        .into_iter()
+        .filter(|instructions| instructions.are_available())
+        .map(|instructions| -> Named {
+            let pyramid = Pyramid::build(surface).unwrap();
+            let pyramid = pyramid.with_instructions(instructions);
+            (format!("pyramid, {instructions:?}"), Box::new(pyramid))
+        });
+    kinds.chain(pyramids).collect()
 }
 
 fn generator(scene: usize, stream: u64) -> ChaCha8Rng {
@@ -313,12 +335,13 @@ fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case> {
     let thetas = THETAS
         .into_iter()
         .filter(|theta| border::tiles_crossed(surface, theta.to_radians()) < 1e4);
+    let every_case = effort.every_case && surface.steepest_slope() < SPIKY;
     let mut cases = Vec::new();
     for (i, theta_deg) in thetas.enumerate() {
         for (j, &material) in materials.iter().enumerate() {
-            // Of 20 cases an angle, the small effort takes one or two, and all over the scenes.
+            // Of 20 cases an angle, the small effort takes one or two, others for other scenes.
             for (k, incident) in [Medium::Above, Medium::Below].into_iter().enumerate() {
-                if effort.every_case || (2 * j + k + 7 * i + 3 * index).is_multiple_of(17) {
+                if every_case || (2 * j + k + 7 * i + 3 * index).is_multiple_of(17) {
                     cases.push(Case {
                         theta_deg,
                         material,
@@ -405,7 +428,7 @@ fn sides_and_losses(index: usize, scene: &Scene, effort: Effort) -> Row {
     let mut row = Row::default();
     let surface = &scene.surface;
     for (kind, accelerator) in accelerators(surface) {
-        let fast = usize::from(kind != AcceleratorKind::BruteForce);
+        let fast = usize::from(accelerator.kind() != AcceleratorKind::BruteForce);
         let scheme = BySide(&*accelerator);
         let mut rng = generator(index, 100);
         for case in cases(index, surface, effort) {
@@ -444,7 +467,7 @@ fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
         for strata in effort.strata {
             let mut first: Option<Vec<f64>> = None;
             for (kind, accelerator) in &accelerators {
-                if *kind == AcceleratorKind::BruteForce && strata != effort.strata[0] {
+                if accelerator.kind() == AcceleratorKind::BruteForce && strata != effort.strata[0] {
                     continue;
                 }
                 let mut rng = generator(index, 200 + number as u64);
@@ -613,7 +636,7 @@ fn assert_same(values: &[f64], layout: Layout, account: &Account) {
 fn many_rays_together_do_what_one_ray_after_another_does() {
     // More rays than are followed together, on surfaces so mild that no branch becomes so weak that
     // roulette is asked; with picked branches it never is, and surfaces may be rough.
-    let side = 36;
+    let side = 66;
     let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
     let mut cases = vec![];
     for (i, border) in [Border::Periodic, Border::Mirrored, Border::Open]
