@@ -99,8 +99,9 @@ impl Rays {
             return;
         };
         let q = medium.sign();
+        // Adding zero turns -0 into +0, since rates that are not below zero are taken as forward.
         let reciprocal = |d: f64| {
-            let limited = (1.0 / d as f32).clamp(-STEEPEST, STEEPEST);
+            let limited = (1.0 / (d as f32 + 0.0)).clamp(-STEEPEST, STEEPEST);
             if limited.is_nan() { STEEPEST } else { limited }
         };
         self.x.push(x as f32);

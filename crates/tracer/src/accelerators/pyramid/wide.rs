@@ -395,9 +395,12 @@ impl<'b, L: Lanes> Search<'b, L> {
             lanes.less(on_diagonal + on_diagonal_margin, zero),
             lanes.less(on_diagonal_margin, on_diagonal),
         );
+        // Where a steep ray leaves through an edge that it runs along, as well.
+        let slow = lanes.select(exit.across_x, state.inverse_dx, state.inverse_dy);
+        let on_leaving_margin = margin + (exit.rounding * slow * rate_out).abs();
         let (under_leaving, over_leaving) = (
-            lanes.less(on_leaving + margin, zero),
-            lanes.less(margin, on_leaving),
+            lanes.less(on_leaving + on_leaving_margin, zero),
+            lanes.less(on_leaving_margin, on_leaving),
         );
         let edge = exit.rounding + exit.rounding;
         let on_edge = lanes.less(w_in.abs(), edge) | lanes.less(w_out.abs(), edge);
