@@ -5,7 +5,7 @@
 //! apart ([`ground`]), a second way to follow paths ([`paths`]), and tracers that are known to fail
 //! ([`naive`]), which must be seen to.
 //!
-//! Small under `cargo test`. The whole of it, more than 10^7 segments and a table, in some minutes:
+//! Small under `cargo test`. The whole of it, more than 10^7 segments and a table, in some minutes on two cores:
 //!
 //! ```sh
 //! cargo test --release -p asperity-tracer --test stress -- --ignored --nocapture
@@ -25,7 +25,7 @@ mod scenes;
 mod textbook;
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::Border;
+use asperity_surface::{Border, HeightField};
 use asperity_tally::{HemisphereGrid, Layout, Side};
 use asperity_tracer::border::Heading;
 use asperity_tracer::{
@@ -500,6 +500,28 @@ fn accelerators_find_what_brute_force_finds_one_by_one_and_together() {
     let rows = over_scenes(|i, scene| against_brute_force(i, scene, SMALL));
     let all = report(&rows);
     assert_clean(&all);
+}
+
+#[test]
+fn a_direction_of_minus_zero_is_one_of_zero() {
+    let heights = (0..80).map(|i| f64::from((i % 10 + i / 10) % 2)).collect();
+    let field = HeightField::new(heights, [8, 10], [1.0; 2]).unwrap();
+    let surface = Surface::new(field);
+    let queries: Vec<_> = [(-0.0, -1.0), (-1.0, -0.0), (0.0, -1.0), (-1.0, 0.0)]
+        .map(|(x, y)| Query {
+            ray: TileRay {
+                origin: DVec3::new(7.3, 5.6, 1.5),
+                direction: DVec3::new(x, y, -0.4),
+            },
+            medium: Medium::Above,
+        })
+        .into();
+    let mut hits = Vec::new();
+    for (kind, accelerator) in accelerators(&surface) {
+        accelerator.closest_hits(&surface, &queries, &mut hits);
+        assert!(hits.iter().all(Option::is_some), "{kind}");
+        assert_eq!([hits[0], hits[1]], [hits[2], hits[3]], "{kind}");
+    }
 }
 
 #[test]
