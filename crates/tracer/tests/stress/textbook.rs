@@ -147,7 +147,14 @@ pub(crate) fn compare(
         (_, Some(b)) => b,
         (Some(a), None) => a,
     };
-    let near = around(surface, first.facet);
+    // A ray so flat that rounding of its place, times the slope, is more than its fall over a column
+    // runs on within rounding of the surface for some columns.
+    let ray = query.ray;
+    let reach = norm(ray.origin) + first.t * norm(ray.direction);
+    let [low, high] = surface.z_range();
+    let level = 64.0 * f64::EPSILON * reach * (1.0 + high - low) / ray.direction.z.abs();
+    let columns = 1 + level.min(1e3) as u32;
+    let near = around(surface, first.facet, columns);
     if near
         .into_iter()
         .any(|facet| undecided(surface, facet, query, height_error))
@@ -158,13 +165,13 @@ pub(crate) fn compare(
     }
 }
 
-/// A facet, and those that share a corner with it in the tile.
+/// The facets of the tile within so many `columns` of a facet: with 1, those that share a corner.
 ///
 /// Where rounding lets a ray through one of these, the facet next to it catches the ray as it enters,
 /// which the textbook does not.
-fn around(surface: &Surface, facet: Facet) -> Vec<Facet> {
+fn around(surface: &Surface, facet: Facet, columns: u32) -> Vec<Facet> {
     let [cx, cy] = surface.cells().map(|n| n as u32);
-    let span = |i: u32, n: u32| i.saturating_sub(1)..(i + 2).min(n);
+    let span = |i: u32, n: u32| i.saturating_sub(columns)..(i + columns + 1).min(n);
     span(facet.iy, cy)
         .flat_map(|iy| span(facet.ix, cx).map(move |ix| [ix, iy]))
         .flat_map(|[ix, iy]| {
