@@ -151,6 +151,11 @@ impl Steepness {
         Self { all, levels }
     }
 
+    /// The steepest rise in any of the eight directions.
+    pub(crate) fn steepest(&self) -> f64 {
+        self.all.0.into_iter().fold(0.0, f64::max)
+    }
+
     /// Whether a ray of horizontal direction `u` that rises by `rise` a unit of `t` is steeper than
     /// every facet.
     pub(crate) fn is_below_all(&self, u: DVec2, rise: f64) -> bool {

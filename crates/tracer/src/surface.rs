@@ -138,7 +138,7 @@ impl Surface {
         let mut closest = None;
         for triangle in [Triangle::Lower, Triangle::Upper] {
             let facet = Facet { iy, ix, triangle };
-            if let Some(t) = cell.intersect(facet, ray, medium) {
+            if let Some(t) = self.intersect_in(&cell, facet, ray, medium) {
                 let hit = Hit { t, facet };
                 if hit.is_before(&closest) {
                     closest = Some(hit);
@@ -156,6 +156,83 @@ impl Surface {
                 [Triangle::Lower, Triangle::Upper].map(|triangle| Facet { iy, ix, triangle })
             })
         })
+    }
+
+    /// Ray parameter `t >= 0` at which a ray in `medium` passes through `facet` to the other side.
+    ///
+    /// Along the ray, `g = z - plane` is linear. The ray is over the facet's footprint for `t` in
+    /// `[enter, leave]`. It passes through if the signed height `medium.sign() * g` falls and is
+    /// negative on leaving. A ray that enters the footprint slightly on the wrong side, by rounding
+    /// on a shared edge, and falls further, passes at once; so no ray slips between two facets, and
+    /// one that moves away from a facet never meets it. One that enters far on the wrong side has not
+    /// come over the surface: it came under the rim of an open patch, or has long gone through and
+    /// runs along the border of the tile.
+    fn intersect_in(
+        &self,
+        cell: &Cell,
+        facet: Facet,
+        ray: &TileRay,
+        medium: Medium,
+    ) -> Option<f64> {
+        let q = medium.sign();
+        let d = ray.direction;
+        let [g, g_rate] = height_above(cell.plane(facet.triangle), facet, ray);
+        if q * g_rate >= 0.0 {
+            return None;
+        }
+        let x = ray.origin.x - f64::from(facet.ix);
+        let y = ray.origin.y - f64::from(facet.iy);
+        // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v.
+        let sides = match facet.triangle {
+            Triangle::Lower => [(1.0 - x, -d.x), (y, d.y), (x - y, d.x - d.y)],
+            Triangle::Upper => [(x, d.x), (1.0 - y, -d.y), (y - x, d.y - d.x)],
+        };
+        let mut span = Span {
+            enter: 0.0,
+            leave: f64::INFINITY,
+        };
+        for (value, rate) in sides {
+            span.keep_positive(value, rate);
+        }
+        if span.enter > span.leave {
+            return None;
+        }
+        if q * (g + g_rate * span.leave) >= 0.0 {
+            return None;
+        }
+        let t = -g / g_rate;
+        if t < span.enter && self.comes_from_beneath(ray, g_rate, t, span.enter, sides) {
+            return None;
+        }
+        Some(t.clamp(span.enter, span.leave))
+    }
+
+    /// Whether a ray that passes the plane of a facet at `t`, before it enters the footprint at
+    /// `enter`, is further on the wrong side there than rounding explains.
+    ///
+    /// Coordinates and parameters are off by a few 2^-53 of how far the ray has come, heights by
+    /// that times the slope, be it the neighbour's. Either the height on entering is within that, or
+    /// the way that the ray has gone, since `t`, across the side by which it enters: along that side
+    /// nothing tells where it crosses it. `sides`: footprint coordinates at the origin, and their rates.
+    #[cold]
+    fn comes_from_beneath(
+        &self,
+        ray: &TileRay,
+        g_rate: f64,
+        t: f64,
+        enter: f64,
+        sides: [(f64, f64); 3],
+    ) -> bool {
+        let size = |p: DVec3| p.abs().element_sum();
+        let reach = 1.0 + self.half_range + size(ray.origin) + enter * size(ray.direction);
+        let place = 64.0 * f64::EPSILON * reach;
+        let height = place * (1.0 + self.steepness.steepest());
+        let before = enter - t;
+        let entered_by = |(value, rate): (f64, f64)| rate > 0.0 && -value / rate >= enter;
+        before * g_rate.abs() > height
+            && !sides
+                .into_iter()
+                .any(|side| entered_by(side) && before * side.1 <= place)
     }
 
     /// Gradient `[dz/dx, dz/dy]` of the facet in physical lengths.
@@ -248,8 +325,8 @@ impl Geometry for Surface {
     }
 
     fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
-        self.cell([facet.ix, facet.iy])
-            .intersect(facet, ray, medium)
+        let cell = self.cell([facet.ix, facet.iy]);
+        self.intersect_in(&cell, facet, ray, medium)
     }
 
     fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
@@ -300,46 +377,6 @@ impl Cell {
             Triangle::Lower => [z00, z10 - z00, z11 - z10],
             Triangle::Upper => [z00, z11 - z01, z01 - z00],
         }
-    }
-
-    /// Ray parameter `t >= 0` at which a ray in `medium` passes through `facet` to the other side.
-    ///
-    /// Along the ray, `g = z - plane` is linear. The ray is over the facet's footprint for `t` in
-    /// `[enter, leave]`. It passes through if the signed height `medium.sign() * g` falls and is
-    /// negative on leaving. A ray that enters the footprint slightly on the wrong side, by rounding
-    /// on a shared edge, and falls further, passes at once; so no ray slips between two facets, and
-    /// one that moves away from a facet never meets it.
-    fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
-        let q = medium.sign();
-        let d = ray.direction;
-        let [g, g_rate] = height_above(self.plane(facet.triangle), facet, ray);
-        if q * g_rate >= 0.0 {
-            return None;
-        }
-        let x = ray.origin.x - f64::from(facet.ix);
-        let y = ray.origin.y - f64::from(facet.iy);
-        let mut span = Span {
-            enter: 0.0,
-            leave: f64::INFINITY,
-        };
-        // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v.
-        match facet.triangle {
-            Triangle::Lower => {
-                span.keep_positive(1.0 - x, -d.x);
-                span.keep_positive(y, d.y);
-                span.keep_positive(x - y, d.x - d.y);
-            }
-            Triangle::Upper => {
-                span.keep_positive(x, d.x);
-                span.keep_positive(1.0 - y, -d.y);
-                span.keep_positive(y - x, d.y - d.x);
-            }
-        }
-        if span.enter > span.leave {
-            return None;
-        }
-        let passes = q * (g + g_rate * span.leave) < 0.0;
-        passes.then(|| (-g / g_rate).clamp(span.enter, span.leave))
     }
 }
 
@@ -462,6 +499,53 @@ mod tests {
                 assert!((surface.snap(facet, p) - p).length() < 1e-15);
             }
         }
+    }
+
+    /// How a ray in `Medium::Above` meets each facet.
+    fn hits(surface: &Surface, origin: DVec3, direction: DVec3) -> Vec<(Facet, f64)> {
+        let ray = TileRay { origin, direction };
+        let hit = |f| surface.intersect(f, &ray, Medium::Above).map(|t| (f, t));
+        surface.facets().filter_map(hit).collect()
+    }
+
+    #[test]
+    fn a_ray_that_comes_in_under_the_rim_of_a_patch_meets_no_wall_there() {
+        // At x = 0, y = 0.5 the plane is at -0.375 (its middle is 0.25); over the rim, and under it.
+        let surface = tilted();
+        let direction = DVec3::new(1.0, 0.0, -0.1).normalize();
+        let over = hits(&surface, DVec3::new(-3.0, 0.5, 0.0), direction);
+        assert_eq!(over.len(), 1);
+        let under = hits(&surface, DVec3::new(-3.0, 0.5, -0.2), direction);
+        assert_eq!(under, []);
+    }
+
+    #[test]
+    fn a_ray_that_has_left_the_tile_along_its_border_is_not_met_by_a_corner() {
+        // It crosses the border x = 5 by rounding, near t = 133, and passes z = 0 at t = 135.2 in the
+        // neighbouring tile. Where it runs past the corner (5, 1) it is 2.5e-4 under the plane.
+        let field = HeightField::new(vec![7.0; 20], [4, 5], [1.0; 2]).unwrap();
+        let origin = DVec3::new(4.999999999999992, 137.1965056830754, 0.033368251402507744);
+        let direction = DVec3::new(
+            5.999999817250078e-17,
+            -0.9999999695416797,
+            -0.00024681296471070006,
+        );
+        let surface = Surface::new(field);
+        assert_eq!(hits(&surface, origin, direction), []);
+        let beside = hits(&surface, origin - DVec3::new(5.0, 0.0, 0.0), direction);
+        let crossing = origin.z / -direction.z;
+        assert_eq!(beside.len(), 1);
+        assert!((beside[0].1 - crossing).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_ray_on_the_wrong_side_of_an_edge_by_rounding_is_caught_by_the_next_facet() {
+        // Over the edge x = 1 the ray is at z - h = -1e-15, and falls further.
+        let surface = tilted();
+        let edge = DVec3::new(1.0, 0.25, 0.5 - 0.0625 - 0.25 - 1e-15);
+        let direction = DVec3::new(1.0, 0.0, -0.1).normalize();
+        let caught = hits(&surface, edge, direction);
+        assert!(caught.iter().any(|(f, t)| f.ix == 1 && *t == 0.0));
     }
 
     #[test]

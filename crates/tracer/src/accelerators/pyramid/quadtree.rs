@@ -7,8 +7,9 @@ use crate::accelerator::Query;
 use crate::ray::Hit;
 use crate::surface::{Facet, Surface};
 
-/// By how much, relative to the size of the tile, footprints are widened: far more than rounding in
-/// f64 can move a ray, so that no cell that brute force finds a hit in is left out.
+/// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
+/// far more than rounding in f64 can move a ray, so that no cell that brute force finds a hit in is
+/// left out.
 const WIDENING: f64 = 1e-10;
 
 /// First facet that a ray passes through: nodes from the top down, near children first.
@@ -18,7 +19,8 @@ const WIDENING: f64 = 1e-10;
 pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
     let Query { ray, medium } = *query;
     let [cx, cy] = bounds.cells;
-    let widening = WIDENING * cx.max(cy) as f64;
+    let far = ray.origin.abs().max_element().max(cx.max(cy) as f64);
+    let widening = WIDENING * far;
     let across = |level: usize, nx: usize, ny: usize| {
         let size = (1_usize << level) as f64;
         let low = [nx as f64 * size - widening, ny as f64 * size - widening];

@@ -148,6 +148,8 @@ struct Exit<L: Lanes> {
     ahead_y: L::I,
     /// How far, in columns, rounding may have moved the point.
     rounding: L::F,
+    /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
+    late: L::F,
 }
 
 impl<'b, L: Lanes> Search<'b, L> {
@@ -289,9 +291,12 @@ impl<'b, L: Lanes> Search<'b, L> {
         let t = t_x.min(t_y);
         let speed = state.dx.abs() + state.dy.abs();
         let rounding = lanes.splat(ROUNDING) + lanes.splat(ROUNDING) * (t * speed);
+        let across_x = lanes.less(t_x, t_y);
+        let slow = lanes.select(across_x, state.inverse_dx, state.inverse_dy);
         Exit {
             t,
-            across_x: lanes.less(t_x, t_y),
+            across_x,
+            late: (rounding * slow).abs(),
             edge_x,
             edge_y,
             ahead_x,
@@ -315,7 +320,8 @@ impl<'b, L: Lanes> Search<'b, L> {
         let half = lanes.splat_i(self.bounds.half as i32);
         let node = node + lanes.select_i(below, half, lanes.splat_i(0));
         let bound = lanes.gather(&self.bounds.nodes, node);
-        let lowest = state.z + (state.t * state.dz).min(exit.t * state.dz);
+        let leaving = exit.t * state.dz - exit.late * state.dz.abs();
+        let lowest = state.z + (state.t * state.dz).min(leaving);
         let clear = lanes.less(bound, lowest);
         let down = walking & !clear;
         state.level = lanes.select_i(down, state.level - lanes.splat_i(1), state.level);
@@ -364,7 +370,7 @@ impl<'b, L: Lanes> Search<'b, L> {
             & lanes.less_i(iy, cy);
         let top = lanes.splat(self.bounds.reach + self.bounds.margin);
         let rising = lanes.less(lanes.splat(0.0), state.dz);
-        let risen = rising & lanes.less(top, state.z + exit.t * state.dz);
+        let risen = rising & lanes.less(top, state.z + (exit.t - exit.late) * state.dz);
         let left = moving & (risen | !(unsure | inside));
         let doubtful = moving & unsure & !left;
         state.answer = lanes.select_i(left, lanes.splat_i(NOTHING), state.answer);
@@ -407,21 +413,23 @@ impl<'b, L: Lanes> Search<'b, L> {
         let on_entry = first_in + state.t * rate_in;
         let on_diagonal = first_in + t_diagonal * rate_in;
         let on_leaving = first_out + exit.t * rate_out;
-        // What rounding may do to them: that of z, that of x and y times the slopes, and on the
-        // diagonal that of t times the rate.
+        // What rounding may do to them: that of z, that of x and y times the slopes, and, on the
+        // diagonal and on leaving, that of t times the rate.
         let steepness = a_in.abs() + b_in.abs() + a_out.abs() + b_out.abs();
         let margin = lanes.splat(self.bounds.margin) + exit.rounding * steepness;
-        let late = (exit.rounding * across * rate_in).abs();
-        let on_diagonal_margin = margin + lanes.select(crosses, late + late, zero);
+        let late = (exit.rounding * across).abs();
+        let late = lanes.select(crosses, late + late, exit.late);
+        let on_diagonal_margin = margin + late * rate_in.abs();
 
         let right_side = lanes.less(zero, on_entry + margin);
         let (under_diagonal, over_diagonal) = (
             lanes.less(on_diagonal + on_diagonal_margin, zero),
             lanes.less(on_diagonal_margin, on_diagonal),
         );
+        let on_leaving_margin = margin + exit.late * rate_out.abs();
         let (under_leaving, over_leaving) = (
-            lanes.less(on_leaving + margin, zero),
-            lanes.less(margin, on_leaving),
+            lanes.less(on_leaving + on_leaving_margin, zero),
+            lanes.less(on_leaving_margin, on_leaving),
         );
         let edge = exit.rounding + exit.rounding;
         let on_edge = lanes.less(w_in.abs(), edge) | lanes.less(w_out.abs(), edge);

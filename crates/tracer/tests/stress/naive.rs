@@ -1,0 +1,71 @@
+//! Tracers that break on purpose: they meet facets from either side, and keep from meeting again the
+//! facet that light has just left in ways that are often seen.
+
+use asperity_tracer::border::{Travel, travel};
+use asperity_tracer::{Accelerator, AcceleratorKind, Facet, Hit, Query, Surface};
+use glam::DVec3;
+
+use crate::paths::{Leg, Scheme};
+use crate::textbook::moeller_trumbore;
+
+/// Every facet from either side, but for one.
+struct TwoSided {
+    skipped: Option<Facet>,
+}
+
+impl Accelerator<Surface> for TwoSided {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::BruteForce
+    }
+
+    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+        let mut closest = None;
+        for facet in surface.facets() {
+            let (t, determinant, inside) = moeller_trumbore(surface, facet, query);
+            let hit = Hit { t, facet };
+            if determinant != 0.0
+                && inside
+                && t >= 0.0
+                && self.skipped != Some(facet)
+                && hit.is_before(&closest)
+            {
+                closest = Some(hit);
+            }
+        }
+        closest
+    }
+}
+
+/// Light sets off from a point moved by `epsilon` columns along the normal.
+pub(crate) struct Offset {
+    pub(crate) epsilon: f64,
+}
+
+impl Scheme for Offset {
+    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
+        travel(
+            surface,
+            &TwoSided { skipped: None },
+            leg.heading,
+            leg.medium,
+        )
+    }
+
+    fn depart(&self, origin: DVec3, away: DVec3) -> DVec3 {
+        origin + self.epsilon * away
+    }
+}
+
+/// The facet that light has just left is skipped, and that is all.
+pub(crate) struct SkipLast;
+
+impl Scheme for SkipLast {
+    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
+        travel(
+            surface,
+            &TwoSided { skipped: leg.last },
+            leg.heading,
+            leg.medium,
+        )
+    }
+}

@@ -1,0 +1,355 @@
+//! Paths followed one after another, depth first, and watched on their way.
+//!
+//! This is the plain reference of `Tracer::batch`, which follows many rays together.
+
+use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
+use asperity_surface::Border;
+use asperity_tracer::border::{Heading, Travel, travel};
+use asperity_tracer::{Accelerator, Branching, Facet, Geometry, Medium, Surface, TileRay};
+use glam::DVec3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::ground::Ground;
+
+/// Columns and rows of a segment that are watched at either end of it.
+const WATCHED: f64 = 2000.0;
+
+/// A stretch of a path that is still to be followed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    pub(crate) heading: Heading,
+    pub(crate) medium: Medium,
+    /// The facet that it has just left.
+    pub(crate) last: Option<Facet>,
+    flux: f64,
+    order: usize,
+    transmissions: u32,
+}
+
+/// How segments are traced.
+pub(crate) trait Scheme: Sync {
+    /// Follows a leg to where it meets the surface or leaves it.
+    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet>;
+
+    /// Where light that goes on from `origin` on a facet with the unit normal `away`, on the side
+    /// that it goes to, sets off.
+    fn depart(&self, origin: DVec3, _away: DVec3) -> DVec3 {
+        origin
+    }
+}
+
+/// As asperity does it: culled by side.
+pub(crate) struct BySide<'a>(pub(crate) &'a dyn Accelerator<Surface>);
+
+impl Scheme for BySide<'_> {
+    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
+        travel(surface, self.0, leg.heading, leg.medium)
+    }
+}
+
+/// What light does, and when a path ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Light {
+    pub(crate) material: Material,
+    pub(crate) incident: Medium,
+    pub(crate) branching: Branching,
+    /// Split branches weaker than this end, booked as truncated; there is no roulette.
+    pub(crate) weakest: f64,
+    pub(crate) max_order: usize,
+}
+
+/// What became of the light, and what was seen to go wrong.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Account {
+    pub(crate) rays: u64,
+    pub(crate) segments: u64,
+    /// Flux that left, by side (reflected, transmitted) and order.
+    pub(crate) by_order: [Vec<f64>; 2],
+    pub(crate) absorbed: f64,
+    pub(crate) truncated: f64,
+    pub(crate) left_patch: f64,
+    pub(crate) lost: f64,
+    /// Segments that ended as lost.
+    pub(crate) lost_segments: u64,
+    /// Branches that ended for being weak: roulette would have been asked.
+    pub(crate) weak: u64,
+    /// Segments on the wrong side of the surface, hits from the wrong side, exits to the wrong side.
+    pub(crate) wrong_sides: u64,
+    /// The first fault, in words with which it can be replayed.
+    pub(crate) first_fault: Option<String>,
+}
+
+impl Account {
+    pub(crate) fn left(&self, side: usize) -> f64 {
+        self.by_order[side].iter().sum()
+    }
+
+    /// Everything booked, in rays.
+    pub(crate) fn total(&self) -> f64 {
+        let ended = self.absorbed + self.truncated + self.left_patch + self.lost;
+        self.left(0) + self.left(1) + ended
+    }
+
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.rays += other.rays;
+        self.segments += other.segments;
+        for (all, own) in self.by_order.iter_mut().zip(&other.by_order) {
+            all.resize(all.len().max(own.len()), 0.0);
+            all.iter_mut().zip(own).for_each(|(a, b)| *a += b);
+        }
+        self.absorbed += other.absorbed;
+        self.truncated += other.truncated;
+        self.left_patch += other.left_patch;
+        self.lost += other.lost;
+        self.lost_segments += other.lost_segments;
+        self.weak += other.weak;
+        self.wrong_sides += other.wrong_sides;
+        if self.first_fault.is_none() {
+            self.first_fault.clone_from(&other.first_fault);
+        }
+    }
+
+    fn leave(&mut self, side: usize, order: usize, flux: f64) {
+        let orders = &mut self.by_order[side];
+        orders.resize(orders.len().max(order + 1), 0.0);
+        orders[order] += flux;
+    }
+
+    fn fault(&mut self, leg: &Leg, what: &str) {
+        self.wrong_sides += 1;
+        self.first_fault
+            .get_or_insert_with(|| format!("{what}: {leg:?}"));
+    }
+}
+
+/// The ray that would meet the mean plane at the fractions `(u, v)` of a period (of two tiles along
+/// each axis, if they are mirrored), started at the height of the highest point, or the lowest.
+pub(crate) fn start(
+    surface: &Surface,
+    light: &Light,
+    incidence: Incidence,
+    u: f64,
+    v: f64,
+) -> Heading {
+    let tiles = match surface.border() {
+        Border::Mirrored => 2.0,
+        Border::Periodic | Border::Open => 1.0,
+    };
+    let [cx, cy] = surface.extent();
+    let target = DVec3::new(u * tiles * cx, v * tiles * cy, surface.mean_plane());
+    start_towards(surface, light, incidence, target)
+}
+
+/// The ray that would meet `target`, started at the height of the highest point, or the lowest.
+pub(crate) fn start_towards(
+    surface: &Surface,
+    light: &Light,
+    incidence: Incidence,
+    target: DVec3,
+) -> Heading {
+    let q = light.incident.sign();
+    let wi = incidence.wi() * DVec3::new(1.0, 1.0, q);
+    let z = q * surface.z_range()[1];
+    let t = (z - target.z) / wi.z;
+    Heading {
+        origin: DVec3::new(
+            target.x + t * wi.x,
+            target.y + t * wi.y * surface.aspect(),
+            z,
+        ),
+        direction: -wi,
+        mirrored: [false; 2],
+    }
+}
+
+/// Follows one incident ray and all that comes of it.
+pub(crate) fn walk(
+    surface: &Surface,
+    scheme: &dyn Scheme,
+    light: &Light,
+    heading: Heading,
+    rng: &mut ChaCha8Rng,
+) -> Account {
+    let mut account = Account {
+        rays: 1,
+        ..Account::default()
+    };
+    let ground = Ground::new(surface);
+    let mut legs = vec![Leg {
+        heading,
+        medium: light.incident,
+        last: None,
+        flux: 1.0,
+        order: 0,
+        transmissions: 0,
+    }];
+    while let Some(leg) = legs.pop() {
+        account.segments += 1;
+        let end = scheme.follow(surface, &leg);
+        watch(surface, &ground, light, &leg, &end, &mut account);
+        match end {
+            Travel::Escaped | Travel::EscapedUnsearched(_) => {
+                let side = usize::from(leg.medium != light.incident);
+                account.leave(side, leg.order, leg.flux);
+            }
+            Travel::LeftPatch => account.left_patch += leg.flux,
+            Travel::Lost => {
+                account.lost += leg.flux;
+                account.lost_segments += 1;
+                account
+                    .first_fault
+                    .get_or_insert_with(|| format!("lost: {leg:?}"));
+            }
+            Travel::Met(..) if leg.order >= light.max_order => account.truncated += leg.flux,
+            Travel::Met(hit, met) => {
+                let arrived = Leg {
+                    heading: met,
+                    last: Some(hit.facet),
+                    ..leg
+                };
+                interact(
+                    surface,
+                    scheme,
+                    light,
+                    &arrived,
+                    rng,
+                    &mut legs,
+                    &mut account,
+                );
+            }
+        }
+    }
+    account
+}
+
+/// Cosine between a direction and the normal below which the side is a matter of rounding: that of
+/// the direction, and that of slopes from heights which span `height_range`.
+fn grazing(height_range: f64) -> f64 {
+    16.0 * f64::EPSILON * (1.0 + height_range)
+}
+
+/// Reflects, transmits or absorbs light that has arrived at the facet `leg.last`.
+fn interact(
+    surface: &Surface,
+    scheme: &dyn Scheme,
+    light: &Light,
+    leg: &Leg,
+    rng: &mut ChaCha8Rng,
+    legs: &mut Vec<Leg>,
+    account: &mut Account,
+) {
+    let Some(facet) = leg.last else { return };
+    let wi = -leg.heading.direction;
+    let mut m = leg.medium.sign() * surface.normal(facet);
+    let [low, high] = surface.z_range();
+    if wi.dot(m) < -grazing(high - low) {
+        account.fault(leg, "hit from the wrong side");
+        m = -m;
+    }
+    let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
+    let index = light.material.transmitting_index().map(|eta| {
+        if leg.medium == light.incident {
+            eta
+        } else {
+            1.0 / eta
+        }
+    });
+    let fresnel = match index {
+        Some(eta) => dielectric(cos_alpha, eta),
+        None => light.material.fresnel(cos_alpha),
+    };
+
+    let mut push = |direction: DVec3, medium, share: f64, transmissions| {
+        let flux = leg.flux * share;
+        if flux < light.weakest && light.branching == Branching::Split {
+            account.truncated += flux;
+            account.weak += u64::from(flux > 0.0);
+            return;
+        }
+        let away = m * direction.dot(m).signum();
+        legs.push(Leg {
+            heading: Heading {
+                origin: scheme.depart(leg.heading.origin, away),
+                direction,
+                mirrored: leg.heading.mirrored,
+            },
+            medium,
+            flux,
+            order: leg.order + 1,
+            transmissions,
+            ..*leg
+        });
+    };
+    let [reflected, transmitted] = match (index, light.branching) {
+        (Some(_), Branching::Pick) if rng.random::<f64>() < fresnel.reflected => [1.0, 0.0],
+        (Some(_), Branching::Pick) => [0.0, 1.0],
+        _ => [fresnel.reflected, fresnel.transmitted],
+    };
+    match index {
+        Some(eta) if transmitted > 0.0 => {
+            let direction = refract(wi, m, eta, fresnel.cos_beta);
+            push(
+                direction,
+                leg.medium.other(),
+                transmitted,
+                leg.transmissions + 1,
+            );
+        }
+        _ => {}
+    }
+    if reflected > 0.0 {
+        push(reflect(wi, m), leg.medium, reflected, leg.transmissions);
+    }
+    if index.is_none() {
+        account.absorbed += leg.flux * transmitted;
+    }
+}
+
+/// Notes where a leg is not in the medium that it claims.
+fn watch(
+    surface: &Surface,
+    ground: &Ground<'_>,
+    light: &Light,
+    leg: &Leg,
+    end: &Travel<Facet>,
+    account: &mut Account,
+) {
+    let d = leg.heading.direction;
+    let ray = TileRay {
+        origin: leg.heading.origin,
+        direction: DVec3::new(d.x, d.y * surface.aspect(), d.z),
+    };
+    let q = leg.medium.sign();
+    let to = match end {
+        Travel::Met(hit, met) => {
+            if let Some(depth) = ground.beside(&ray, hit.t) {
+                account.fault(leg, &format!("hit {depth:e} beside the surface at {met:?}"));
+            }
+            hit.t
+        }
+        Travel::Escaped | Travel::EscapedUnsearched(_) => {
+            let up = leg.heading.world_direction().z * light.incident.sign() > 0.0;
+            if up != leg.transmissions.is_multiple_of(2) || q * d.z <= 0.0 {
+                account.fault(leg, "exit to the wrong side");
+                return;
+            }
+            ((q * surface.z_range()[1] - ray.origin.z) / d.z).max(0.0)
+        }
+        Travel::LeftPatch | Travel::Lost => return,
+    };
+    // All of a short segment, both ends of a long one.
+    let speed = ray.direction.x.abs() + ray.direction.y.abs();
+    let watched = WATCHED / speed;
+    let stretches = if to <= 2.0 * watched {
+        vec![[0.0, to]]
+    } else {
+        vec![[0.0, watched], [to - watched, to]]
+    };
+    for stretch in stretches {
+        if let Some(breach) = ground.breach(&ray, leg.medium, stretch) {
+            account.fault(leg, &format!("{breach:?} on the way to {end:?}"));
+            return;
+        }
+    }
+}

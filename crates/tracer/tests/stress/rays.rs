@@ -1,0 +1,246 @@
+//! Rays that are hard on surfaces.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
+
+use asperity_surface::Triangle;
+use asperity_tracer::{Facet, Geometry, Medium, Query, Surface, TileRay};
+use glam::DVec3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+/// How a ray tries to slip through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Family {
+    /// From outside onto the tile, theta from 0 to within 1e-6 of a right angle.
+    Outside,
+    /// The same from 1e4 to 1e7 columns away.
+    Far,
+    /// Along an axis or a diagonal, exactly or off it by next to nothing; level ones too.
+    Axis,
+    /// Straight down or up, onto facets, vertices, edges and diagonals.
+    Vertical,
+    /// At a vertex, or a point of an edge or a diagonal.
+    Aimed,
+    /// In the plane of a facet, from the facet, from before it, or from its neighbour.
+    InPlane,
+    /// From a vertex, or a point of an edge or a diagonal, anywhere.
+    FromCorners,
+    /// Away from a facet, as after an interaction.
+    FromFacets,
+}
+
+impl Family {
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Outside,
+        Self::Far,
+        Self::Axis,
+        Self::Vertical,
+        Self::Aimed,
+        Self::InPlane,
+        Self::FromCorners,
+        Self::FromFacets,
+    ];
+}
+
+/// Parts of a column by which a direction may be off an axis: nothing, and what is lost in rounding
+/// in double precision, in single precision, and in the range of either.
+const OFF_AXIS: [f64; 6] = [0.0, 1e-9, 6e-17, 1e-40, 1e-300, 5e-324];
+
+/// A physical direction of unit length that goes to the other side: down for `Above`.
+fn onward(rng: &mut ChaCha8Rng, medium: Medium) -> DVec3 {
+    let turn = rng.random_range(0.0..TAU);
+    let steepness = 10_f64.powf(rng.random_range(-6.0..1.5));
+    DVec3::new(turn.cos(), turn.sin(), -medium.sign() * steepness).normalize()
+}
+
+/// A physical direction, in tile coordinates.
+fn in_tile(surface: &Surface, d: DVec3) -> DVec3 {
+    DVec3::new(d.x, d.y * surface.aspect(), d.z)
+}
+
+fn any_facet(surface: &Surface, rng: &mut ChaCha8Rng) -> Facet {
+    surface.facet(rng.random_range(0..surface.facet_count()))
+}
+
+/// Coordinates in a cell: of a corner, of a point of an edge or of the diagonal.
+fn on_the_frame(rng: &mut ChaCha8Rng) -> [f64; 2] {
+    let along = match rng.random_range(0..3) {
+        0 => 0.5,
+        1 => 0.25,
+        _ => rng.random::<f64>(),
+    };
+    let side = f64::from(rng.random_range(0..2));
+    match rng.random_range(0..4) {
+        0 => [f64::from(rng.random_range(0..2)), side],
+        1 => [along, side],
+        2 => [side, along],
+        _ => [along, along],
+    }
+}
+
+/// A random vertex, or point of an edge or a diagonal.
+pub(crate) fn frame_point(surface: &Surface, rng: &mut ChaCha8Rng) -> DVec3 {
+    frame_point_of(surface, any_facet(surface, rng), rng)
+}
+
+/// A random corner of the cell of `facet`, or point of its edges or its diagonal.
+fn frame_point_of(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
+    let [u, v] = on_the_frame(rng);
+    let triangle = if u >= v {
+        Triangle::Lower
+    } else {
+        Triangle::Upper
+    };
+    let corner = DVec3::new(f64::from(facet.ix), f64::from(facet.iy), 0.0);
+    let facet = Facet { triangle, ..facet };
+    surface.snap(facet, corner + DVec3::new(u, v, 0.0))
+}
+
+/// A random point of a facet.
+fn inner_point(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
+    let [a, b, c] = surface.corners(facet);
+    let (mut u, mut v) = (rng.random::<f64>(), rng.random::<f64>());
+    if u + v > 1.0 {
+        (u, v) = (1.0 - u, 1.0 - v);
+    }
+    let p = a + u * (b - a) + v * (c - a);
+    surface.snap(facet, p)
+}
+
+/// A random direction in the plane of `facet`, tile coordinates.
+fn along(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
+    let [a, b, c] = surface.corners(facet);
+    let d = match rng.random_range(0..4) {
+        0 => b - a,
+        1 => c - b,
+        2 => a - c,
+        _ => (b - a) + rng.random_range(-2.0..2.0) * (c - a),
+    };
+    let physical = DVec3::new(d.x, d.y / surface.aspect(), d.z);
+    let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+    d * (sign / physical.length())
+}
+
+/// A ray of one family.
+pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Query {
+    let medium = if rng.random::<bool>() {
+        Medium::Above
+    } else {
+        Medium::Below
+    };
+    let q = medium.sign();
+    let [cx, cy] = surface.extent();
+    let [_, high] = surface.z_range();
+    let place = DVec3::new(
+        rng.random_range(0.0..cx),
+        rng.random_range(0.0..cy),
+        q * high,
+    );
+    let distance = |rng: &mut ChaCha8Rng, range| 10_f64.powf(rng.random_range(range));
+    let (origin, direction) = match family {
+        Family::Outside => {
+            let d = in_tile(surface, onward(rng, medium));
+            (place - d * distance(rng, -6.0..3.0), d)
+        }
+        Family::Far => {
+            let d = in_tile(surface, onward(rng, medium));
+            (place - d * distance(rng, 4.0..7.0), d)
+        }
+        Family::Axis => {
+            let turn = f64::from(rng.random_range(0..8));
+            let (sin, cos) = (turn * FRAC_PI_4).sin_cos();
+            let tiny = OFF_AXIS[rng.random_range(0..OFF_AXIS.len())];
+            let exact = |x: f64| if x.abs() < 1e-9 { tiny } else { x };
+            let fall = match rng.random_range(0..4) {
+                0 => 0.0,
+                1 => OFF_AXIS[rng.random_range(0..OFF_AXIS.len())],
+                _ => 10_f64.powf(rng.random_range(-4.0..1.0)),
+            };
+            // Of the diagonals, half run exactly along those of the cells.
+            let d = if turn % 2.0 == 1.0 && rng.random::<bool>() {
+                DVec3::new(cos.signum(), sin.signum(), -q * fall)
+            } else {
+                in_tile(surface, DVec3::new(exact(cos), exact(sin), -q * fall))
+            };
+            let mut target = place;
+            target.z = rng.random_range(-1.0..=1.0) * high;
+            if rng.random::<bool>() {
+                target = DVec3::new(target.x.round(), target.y.round(), target.z);
+            }
+            (target - d * distance(rng, -3.0..3.0), d.normalize())
+        }
+        Family::Vertical => {
+            let mut top = match rng.random_range(0..3) {
+                0 => place,
+                1 => frame_point(surface, rng),
+                _ => {
+                    let facet = any_facet(surface, rng);
+                    inner_point(surface, facet, rng)
+                }
+            };
+            if rng.random::<bool>() {
+                top.z = q * (high + distance(rng, -6.0..3.0));
+            }
+            let down = if rng.random_range(0..4) > 0 { -q } else { q };
+            (top, DVec3::new(0.0, 0.0, down))
+        }
+        Family::Aimed => {
+            let target = frame_point(surface, rng);
+            let d = in_tile(surface, onward(rng, medium));
+            // From the height of the highest point, if it is not too far, or from anywhere before.
+            let back = match rng.random_range(0..3) {
+                0 => ((target.z - q * high) / d.z).min(1e6),
+                _ => distance(rng, -3.0..3.0),
+            };
+            (target - d * back, d)
+        }
+        Family::InPlane => {
+            let facet = any_facet(surface, rng);
+            let d = along(surface, facet, rng);
+            let start = match rng.random_range(0..4) {
+                0 => inner_point(surface, facet, rng),
+                1 => frame_point_of(surface, facet, rng),
+                2 => inner_point(surface, facet, rng) - d * distance(rng, -3.0..2.0),
+                _ => {
+                    // The other triangle of the cell, or that of a cell beside it.
+                    let [cx, cy] = surface.cells().map(|n| n as u32);
+                    let near = Facet {
+                        ix: (facet.ix + rng.random_range(0..2)) % cx,
+                        iy: (facet.iy + rng.random_range(0..2)) % cy,
+                        ..any_facet(surface, rng)
+                    };
+                    inner_point(surface, near, rng)
+                }
+            };
+            (start, d)
+        }
+        Family::FromCorners => {
+            let d = in_tile(surface, onward(rng, medium));
+            let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+            let d = match rng.random_range(0..4) {
+                0 => {
+                    let turn = f64::from(rng.random_range(0..4)) * FRAC_PI_2;
+                    let level = DVec3::new(turn.cos().round(), turn.sin().round(), 0.0);
+                    (level + DVec3::Z * d.z).normalize()
+                }
+                _ => d,
+            };
+            (frame_point(surface, rng), sign * d)
+        }
+        Family::FromFacets => {
+            let facet = any_facet(surface, rng);
+            let d = onward(rng, medium);
+            let sign = if q * d.dot(surface.normal(facet)) > 0.0 {
+                1.0
+            } else {
+                -1.0
+            };
+            let start = inner_point(surface, facet, rng);
+            (start, in_tile(surface, sign * d))
+        }
+    };
+    Query {
+        ray: TileRay { origin, direction },
+        medium,
+    }
+}
