@@ -44,11 +44,11 @@ fn crates_use_only_what_lies_below_them() {
 }
 
 #[test]
-fn single_precision_and_obvhs_stay_in_the_hierarchy() {
+fn single_precision_and_obvhs_stay_in_the_accelerators() {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/tracer/src");
     for entry in fs::read_dir(sources).unwrap() {
         let path = entry.unwrap().path();
-        if path.file_name().is_some_and(|name| name == "bvh.rs") {
+        if path.is_dir() {
             continue;
         }
         let text = fs::read_to_string(&path).unwrap();

@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, PathSettings, Tracer, Work};
+use asperity_tracer::{AcceleratorKind, Geometry, PathSettings, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::progress::Progress;
@@ -60,8 +60,8 @@ impl Blocks {
 }
 
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
-pub(crate) fn run_blocks(
-    tracer: &Tracer<'_>,
+pub(crate) fn run_blocks<G: Geometry>(
+    tracer: &Tracer<'_, G>,
     (incidence, any_azimuth): (Incidence, bool),
     settings: &RaySettings,
     realisation: u64,

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use asperity_surface::Synthesis;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Medium, Surface, Tracer, Work};
+use asperity_tracer::{Geometry, Medium, Surface, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
@@ -122,10 +122,8 @@ impl Group<'_> {
 
         let clock = Instant::now();
         let surface = Surface::new(field);
-        let accelerator = self
-            .settings
-            .accelerator
-            .build(&surface)
+        let accelerator = surface
+            .accelerator(self.settings.accelerator)
             .map_err(RunError::from)?;
         seconds.build = clock.elapsed().as_secs_f64();
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Medium, Surface, Tracer};
+use asperity_tracer::{Geometry, Medium, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
@@ -45,7 +45,7 @@ pub fn trace(
     )?;
     progress.begin("building", 1);
     let surface = Surface::new(field);
-    let accelerator = settings.accelerator.build(&surface)?;
+    let accelerator = surface.accelerator(settings.accelerator)?;
     check_grazing(&surface, incidence)?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();

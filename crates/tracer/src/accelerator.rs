@@ -5,28 +5,39 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use crate::brute_force::BruteForce;
-use crate::bvh::MeshBvh;
+use crate::geometry::Geometry;
 use crate::ray::{Hit, Medium, TileRay};
-use crate::surface::Surface;
+
+/// A ray, and the medium that it is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query {
+    /// The ray.
+    pub ray: TileRay,
+    /// Where it is.
+    pub medium: Medium,
+}
 
 /// Finds where rays meet the facets of one tile.
 ///
 /// All accelerators return the same hit for the same ray: the facet of smallest `t`, and among
-/// equals the first in the order of [`crate::Facet`].
-pub trait Accelerator: Send + Sync {
-    /// First facet of `surface`'s tile that a ray in `medium` passes through.
-    fn closest_hit(&self, surface: &Surface, ray: &TileRay, medium: Medium) -> Option<Hit>;
+/// equals the first in the order of [`Geometry::Facet`].
+pub trait Accelerator<G: Geometry>: Send + Sync {
+    /// Which accelerator this is.
+    fn kind(&self) -> AcceleratorKind;
 
-    /// Whether any facet of the tile stands in the way.
-    fn occluded(&self, surface: &Surface, ray: &TileRay, medium: Medium) -> bool {
-        self.closest_hit(surface, ray, medium).is_some()
+    /// First facet of the tile that a ray passes through.
+    fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
+
+    /// The same for many rays; `hits` is cleared and gets one entry a query.
+    fn closest_hits(&self, geometry: &G, queries: &[Query], hits: &mut Vec<Option<Hit<G::Facet>>>) {
+        hits.clear();
+        hits.extend(queries.iter().map(|q| self.closest_hit(geometry, q)));
     }
 }
 
 /// Height range, in columns, up to which surfaces are traced: beyond, single precision would no
 /// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
-const TALLEST: f64 = 1e5;
+pub(crate) const TALLEST: f64 = 1e5;
 
 /// Why an accelerator cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -72,22 +83,6 @@ impl AcceleratorKind {
             Self::Auto => Self::Mesh,
             chosen => chosen,
         }
-    }
-
-    /// Builds the accelerator for one tile.
-    ///
-    /// # Errors
-    /// [`BuildError`] if the surface is too large or too tall.
-    pub fn build(self, surface: &Surface) -> Result<Box<dyn Accelerator>, BuildError> {
-        let [low, high] = surface.z_range();
-        let columns = high - low;
-        if columns.is_nan() || columns > TALLEST {
-            return Err(BuildError::TooTall { columns });
-        }
-        Ok(match self.resolve() {
-            Self::Auto | Self::Mesh => Box::new(MeshBvh::build(surface)?),
-            Self::BruteForce => Box::new(BruteForce),
-        })
     }
 }
 

@@ -7,9 +7,9 @@
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::accelerator::Accelerator;
+use crate::accelerator::{Accelerator, Query};
+use crate::geometry::{Escape, Geometry};
 use crate::ray::{Hit, Medium, TileRay};
-use crate::surface::Surface;
 
 /// Tiles that a ray may cross before it is given up as lost.
 ///
@@ -20,13 +20,13 @@ pub const MOST_TILES: u32 = 100_000;
 /// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the
 /// lowest point; zero for an open patch, which has no neighbours.
 #[must_use]
-pub fn tiles_crossed(surface: &Surface, theta: f64) -> f64 {
+pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
     if surface.border() == Border::Open {
         return 0.0;
     }
     let [low, high] = surface.z_range();
     let columns = (high - low) * theta.tan();
-    let [cx, cy] = surface.cells().map(|n| n as f64);
+    let [cx, cy] = surface.extent();
     columns / cx + columns * surface.aspect() / cy
 }
 
@@ -53,88 +53,168 @@ impl Heading {
 
 /// How a ray's way through the tiles ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Travel {
+pub enum Travel<F> {
     /// It meets the surface: the hit, and the heading with its origin on the facet.
-    Met(Hit, Heading),
+    Met(Hit<F>, Heading),
     /// It escapes from the surface on the side that it is on.
     Escaped,
+    /// It escapes, and needed no search.
+    EscapedUnsearched(Escape),
     /// It leaves an open patch on its way to surface that is not there.
     LeftPatch,
     /// It should have met the surface and did not.
     Lost,
 }
 
-/// A ray's way, and how many times it was handed to the accelerator.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Journey {
-    /// How it ends.
-    pub end: Travel,
-    /// Tiles that were searched; zero for a ray that needed no search.
-    pub searched: u32,
-}
-
 /// Follows a ray in `medium` to where it meets the surface or leaves it.
 #[must_use]
-pub fn travel<A: Accelerator + ?Sized>(
-    surface: &Surface,
-    accelerator: &A,
+pub fn travel<G: Geometry>(
+    geometry: &G,
+    accelerator: &dyn Accelerator<G>,
     heading: Heading,
     medium: Medium,
-) -> Journey {
-    let d = heading.direction;
-    if !(heading.origin.is_finite() && d.is_finite()) {
-        return Journey {
-            end: Travel::Lost,
-            searched: 0,
-        };
+) -> Travel<G::Facet> {
+    match Search::begin(geometry, heading, medium) {
+        Ok(mut search) => loop {
+            let hit = accelerator.closest_hit(geometry, &search.query());
+            if let Some(end) = search.go_on(geometry, hit) {
+                break end;
+            }
+        },
+        Err(end) => end,
     }
-    let leaving = medium.sign() * d.z;
-    // Nothing ahead is as steep as this ray.
-    if leaving > surface.steepest_slope() * d.x.hypot(d.y) {
-        return Journey {
-            end: Travel::Escaped,
-            searched: 0,
-        };
-    }
-    let mut tiles = Tiles::new(surface, heading);
-    let mut searched = 0;
-    while let Some(ray) = tiles.current() {
-        if searched == MOST_TILES {
-            return Journey {
-                end: Travel::Lost,
-                searched,
-            };
+}
+
+/// Follows many rays; `travel` for each of them, with the searches of all done together.
+///
+/// `ends` is cleared and gets one entry a ray.
+pub fn travel_together<G: Geometry>(
+    geometry: &G,
+    accelerator: &dyn Accelerator<G>,
+    rays: impl Iterator<Item = (Heading, Medium)>,
+    room: &mut Room<G::Facet>,
+    ends: &mut Vec<Travel<G::Facet>>,
+) {
+    let Room {
+        searches,
+        queries,
+        hits,
+    } = room;
+    ends.clear();
+    searches.clear();
+    for (heading, medium) in rays {
+        match Search::begin(geometry, heading, medium) {
+            Ok(search) => {
+                searches.push((ends.len(), search));
+                ends.push(Travel::Lost);
+            }
+            Err(end) => ends.push(end),
         }
-        searched += 1;
-        if let Some(hit) = accelerator.closest_hit(surface, &ray, medium) {
-            let direction = tiles.local_direction();
-            let origin = surface.snap(hit.facet, ray.at(hit.t));
-            let mirrored = tiles.mirrored();
-            return Journey {
-                end: Travel::Met(
-                    hit,
-                    Heading {
-                        origin,
-                        direction,
-                        mirrored,
-                    },
-                ),
-                searched,
-            };
-        }
-        tiles.advance();
     }
-    let end = if leaving > 0.0 {
-        Travel::Escaped
-    } else if surface.border() == Border::Open {
-        Travel::LeftPatch
-    } else {
-        Travel::Lost
-    };
-    Journey { end, searched }
+    while !searches.is_empty() {
+        queries.clear();
+        queries.extend(searches.iter().map(|(_, search)| search.query()));
+        accelerator.closest_hits(geometry, queries, hits);
+        let mut hits = hits.iter();
+        searches.retain_mut(|(index, search)| {
+            let hit = hits.next().copied().flatten();
+            match search.go_on(geometry, hit) {
+                Some(end) => {
+                    ends[*index] = end;
+                    false
+                }
+                None => true,
+            }
+        });
+    }
+}
+
+/// Memory that [`travel_together`] uses again and again.
+#[derive(Debug)]
+pub struct Room<F> {
+    searches: Vec<(usize, Search)>,
+    queries: Vec<Query>,
+    hits: Vec<Option<Hit<F>>>,
+}
+
+impl<F> Default for Room<F> {
+    fn default() -> Self {
+        Self {
+            searches: Vec::new(),
+            queries: Vec::new(),
+            hits: Vec::new(),
+        }
+    }
+}
+
+/// A ray on its way from tile to tile.
+#[derive(Clone, Copy, Debug)]
+struct Search {
+    tiles: Tiles,
+    query: Query,
+    searched: u32,
+}
+
+impl Search {
+    /// The search in the first tile, or how the way ends without one.
+    fn begin<G: Geometry>(
+        geometry: &G,
+        heading: Heading,
+        medium: Medium,
+    ) -> Result<Self, Travel<G::Facet>> {
+        if !(heading.origin.is_finite() && heading.direction.is_finite()) {
+            return Err(Travel::Lost);
+        }
+        let tiles = Tiles::new(geometry, heading);
+        if let Some(escape) = geometry.escapes(&tiles.ray, medium) {
+            return Err(Travel::EscapedUnsearched(escape));
+        }
+        match tiles.current() {
+            Some(ray) => Ok(Self {
+                tiles,
+                query: Query { ray, medium },
+                searched: 0,
+            }),
+            None => Err(tiles.nothing_met(medium)),
+        }
+    }
+
+    const fn query(&self) -> Query {
+        self.query
+    }
+
+    /// How the way ends, given what was hit in the current tile, or `None` if it goes on.
+    fn go_on<G: Geometry>(
+        &mut self,
+        geometry: &G,
+        hit: Option<Hit<G::Facet>>,
+    ) -> Option<Travel<G::Facet>> {
+        let Query { ray, medium } = self.query;
+        if let Some(hit) = hit {
+            let heading = Heading {
+                origin: geometry.snap(hit.facet, ray.at(hit.t)),
+                direction: self.tiles.local_direction(),
+                mirrored: self.tiles.mirrored(),
+            };
+            return Some(Travel::Met(hit, heading));
+        }
+        self.searched += 1;
+        if self.searched == MOST_TILES {
+            return Some(Travel::Lost);
+        }
+        self.tiles.advance();
+        match self.tiles.current() {
+            Some(ray) => {
+                self.query.ray = ray;
+                None
+            }
+            None => Some(self.tiles.nothing_met(medium)),
+        }
+    }
 }
 
 /// The tiles that a ray crosses while it is between the lowest and the highest point.
+#[derive(Clone, Copy, Debug)]
 struct Tiles {
     border: Border,
     size: [f64; 2],
@@ -151,8 +231,8 @@ struct Tiles {
 }
 
 impl Tiles {
-    fn new(surface: &Surface, heading: Heading) -> Self {
-        let size = surface.cells().map(|n| n as f64);
+    fn new<G: Geometry>(surface: &G, heading: Heading) -> Self {
+        let size = surface.extent();
         let d = heading.direction;
         let direction = DVec3::new(d.x, d.y * surface.aspect(), d.z);
         let ray = TileRay {
@@ -201,6 +281,17 @@ impl Tiles {
             }
         }
         Some(ray)
+    }
+
+    /// How the way ends if no tile has anything in it.
+    fn nothing_met<F>(&self, medium: Medium) -> Travel<F> {
+        if medium.sign() * self.heading.direction.z > 0.0 {
+            Travel::Escaped
+        } else if self.border == Border::Open {
+            Travel::LeftPatch
+        } else {
+            Travel::Lost
+        }
     }
 
     /// Goes on to the next tile.
@@ -271,7 +362,7 @@ fn slab(z: f64, rate: f64, low: f64, high: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::BruteForce;
+    use crate::{BruteForce, Surface};
     use asperity_surface::HeightField;
 
     /// 3 x 4 samples without symmetry.
@@ -325,8 +416,8 @@ mod tests {
                 origin: origin + shift,
                 ..heading
             };
-            let wrapped = travel(&surface, &BruteForce, heading, Medium::Above).end;
-            let direct = travel(&big, &BruteForce, far, Medium::Above).end;
+            let wrapped = travel(&surface, &BruteForce, heading, Medium::Above);
+            let direct = travel(&big, &BruteForce, far, Medium::Above);
             if let (Travel::Met(_, a), Travel::Met(_, b)) = (wrapped, direct) {
                 met += 1;
                 let dx = (b.origin.x - a.origin.x).rem_euclid(cx);
@@ -374,8 +465,8 @@ mod tests {
                 origin: origin + shift,
                 ..heading
             };
-            let folded = travel(&surface, &BruteForce, heading, Medium::Above).end;
-            let direct = travel(&big, &BruteForce, far, Medium::Above).end;
+            let folded = travel(&surface, &BruteForce, heading, Medium::Above);
+            let direct = travel(&big, &BruteForce, far, Medium::Above);
             if let (Travel::Met(_, a), Travel::Met(_, b)) = (folded, direct) {
                 met += 1;
                 assert!((a.world_direction() - b.world_direction()).length() < 1e-12);
@@ -412,7 +503,7 @@ mod tests {
             direction: d,
             mirrored: [false; 2],
         };
-        let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above).end else {
+        let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above) else {
             panic!("no hit");
         };
         let t = (start.z - height(start.x, start.y)) / (0.3 * d.x - 0.2 * d.y - d.z);
@@ -438,8 +529,7 @@ mod tests {
                 direction: d,
                 mirrored: before,
             };
-            let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above).end
-            else {
+            let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, Medium::Above) else {
                 panic!("no hit");
             };
             assert_eq!(met.mirrored, [!before[0], before[1]]);
@@ -458,7 +548,7 @@ mod tests {
             mirrored: [false; 2],
         };
         let journey = travel(&surface, &BruteForce, heading, Medium::Above);
-        assert_eq!(journey.end, Travel::LeftPatch);
+        assert_eq!(journey, Travel::LeftPatch);
     }
 
     #[test]
@@ -470,12 +560,6 @@ mod tests {
             mirrored: [false; 2],
         };
         let journey = travel(&surface, &BruteForce, heading, Medium::Above);
-        assert_eq!(
-            journey,
-            Journey {
-                end: Travel::Escaped,
-                searched: 0
-            }
-        );
+        assert_eq!(journey, Travel::EscapedUnsearched(Escape::SteeperThanAll));
     }
 }

@@ -14,17 +14,19 @@
 //! between them.
 
 mod accelerator;
+mod accelerators;
 pub mod border;
-mod brute_force;
-mod bvh;
+mod geometry;
 mod mesh;
+mod morton;
 mod path;
 mod ray;
 mod surface;
 
-pub use accelerator::{Accelerator, AcceleratorKind, BuildError};
-pub use brute_force::BruteForce;
-pub use bvh::MeshBvh;
+pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+pub use accelerators::brute_force::BruteForce;
+pub use accelerators::mesh_bvh::MeshBvh;
+pub use geometry::{Escape, Geometry};
 pub use mesh::{MeshError, TriangleMesh};
 pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
 pub use ray::{Hit, Medium, TileRay};

@@ -71,6 +71,7 @@ impl TriangleMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Geometry;
     use asperity_surface::{Border, HeightField};
 
     #[test]

@@ -5,14 +5,15 @@ use std::f64::consts::{PI, TAU};
 use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
 use asperity_tally::{Event, EventPath, Exit, Layout, Loss, Record, Side};
-use glam::{DQuat, DVec3};
+use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use crate::accelerator::Accelerator;
-use crate::border::{Heading, Travel, travel};
+use crate::border::{Heading, Room, Travel, travel_together};
+use crate::geometry::Geometry;
+use crate::morton::morton_square;
 use crate::ray::Medium;
-use crate::surface::{Facet, Surface};
 
 /// What happens where light is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -111,38 +112,53 @@ impl std::ops::AddAssign for Work {
     }
 }
 
+/// Incident rays that are followed together: enough to fill wide searches, few enough for their
+/// paths and the surface around them to stay in cache.
+const TOGETHER: usize = 1024;
+
 /// Follows light that falls on a surface.
-#[derive(Clone, Copy)]
-pub struct Tracer<'a> {
-    surface: &'a Surface,
-    accelerator: &'a dyn Accelerator,
+pub struct Tracer<'a, G: Geometry> {
+    geometry: &'a G,
+    accelerator: &'a dyn Accelerator<G>,
     material: Material,
     incident: Medium,
     settings: PathSettings,
 }
 
 /// One stretch of a path that is still to be followed.
+#[derive(Clone, Copy)]
 struct Leg {
     heading: Heading,
     medium: Medium,
     flux: f64,
     path: EventPath,
+    /// Cosine and sine of the angle by which what leaves is turned about the vertical.
+    turn: DVec2,
 }
 
-impl<'a> Tracer<'a> {
+/// The state of one batch.
+struct Batch<'r, R> {
+    record: Record,
+    work: Work,
+    rng: &'r mut R,
+    /// What goes on from the legs that have just been followed.
+    onward: Vec<Leg>,
+}
+
+impl<'a, G: Geometry> Tracer<'a, G> {
     /// A tracer for light that comes from the `incident` medium.
     ///
     /// The indices of `material` are relative to that medium, also where it lies below.
     #[must_use]
     pub const fn new(
-        surface: &'a Surface,
-        accelerator: &'a dyn Accelerator,
+        geometry: &'a G,
+        accelerator: &'a dyn Accelerator<G>,
         material: Material,
         incident: Medium,
         settings: PathSettings,
     ) -> Self {
         Self {
-            surface,
+            geometry,
             accelerator,
             material,
             incident,
@@ -157,7 +173,8 @@ impl<'a> Tracer<'a> {
     /// come from that of `incidence`. Returns flux fractions by `layout`, and the work done.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
-    /// the surface.
+    /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
+    /// accelerators give the same result.
     pub fn batch<R: Rng>(
         &self,
         incidence: Incidence,
@@ -166,47 +183,70 @@ impl<'a> Tracer<'a> {
         layout: Layout,
         rng: &mut R,
     ) -> (Vec<f64>, Work) {
-        let mut record = Record::new(layout, incidence.phi() + PI);
-        let mut work = Work::default();
-        let mut legs = Vec::new();
-        let width = 1.0 / f64::from(strata);
-        for iy in 0..strata {
-            for ix in 0..strata {
-                let u = (f64::from(ix) + rng.random::<f64>()) * width;
-                let v = (f64::from(iy) + rng.random::<f64>()) * width;
-                let (light, turn) = if any_azimuth {
-                    let phi = TAU * rng.random::<f64>();
-                    (incidence.at_azimuth(phi), incidence.phi() - phi)
-                } else {
-                    (incidence, 0.0)
-                };
-                legs.push(Leg {
-                    heading: self.start(light.wi(), u, v),
-                    medium: self.incident,
-                    flux: 1.0,
-                    path: EventPath::default(),
-                });
-                work.rays += 1;
-                let turn = DQuat::from_rotation_z(turn);
-                while let Some(leg) = legs.pop() {
-                    self.follow(leg, turn, &mut legs, &mut record, &mut work, rng);
+        let mut batch = Batch {
+            record: Record::new(layout, incidence.phi() + PI),
+            work: Work::default(),
+            rng,
+            onward: Vec::new(),
+        };
+        let (mut legs, mut ends, mut room) = (Vec::new(), Vec::new(), Room::default());
+        let mut places = morton_square(strata).peekable();
+        while places.peek().is_some() {
+            legs.clear();
+            for place in places.by_ref().take(TOGETHER) {
+                legs.push(self.incident_leg(place, strata, incidence, any_azimuth, batch.rng));
+                batch.work.rays += 1;
+            }
+            while !legs.is_empty() {
+                let rays = legs.iter().map(|leg: &Leg| (leg.heading, leg.medium));
+                travel_together(self.geometry, self.accelerator, rays, &mut room, &mut ends);
+                for (leg, end) in legs.drain(..).zip(&ends) {
+                    self.arrive(leg, end, &mut batch);
                 }
+                std::mem::swap(&mut legs, &mut batch.onward);
             }
         }
-        (record.into_fractions(work.rays), work)
+        (batch.record.into_fractions(batch.work.rays), batch.work)
+    }
+
+    /// A ray from a random point of the stratum at `[column, row]` of `strata` by `strata`.
+    fn incident_leg<R: Rng>(
+        &self,
+        [column, row]: [u32; 2],
+        strata: u32,
+        incidence: Incidence,
+        any_azimuth: bool,
+        rng: &mut R,
+    ) -> Leg {
+        let width = 1.0 / f64::from(strata);
+        let u = (f64::from(column) + rng.random::<f64>()) * width;
+        let v = (f64::from(row) + rng.random::<f64>()) * width;
+        let (light, turn) = if any_azimuth {
+            let phi = TAU * rng.random::<f64>();
+            (incidence.at_azimuth(phi), incidence.phi() - phi)
+        } else {
+            (incidence, 0.0)
+        };
+        Leg {
+            heading: self.start(light.wi(), u, v),
+            medium: self.incident,
+            flux: 1.0,
+            path: EventPath::default(),
+            turn: DVec2::from_angle(turn),
+        }
     }
 
     /// The ray that would meet the mean plane at the fractions `(u, v)` of a period, started where
     /// it passes the highest point of the surface (the lowest, if it comes from below).
     fn start(&self, wi: DVec3, u: f64, v: f64) -> Heading {
-        let surface = self.surface;
+        let surface = self.geometry;
         let wi = self.turned_upright(wi);
         // A mirrored tile and its images make a period of two tiles along each axis.
         let period = match surface.border() {
             Border::Mirrored => 2.0,
             Border::Periodic | Border::Open => 1.0,
         };
-        let [cx, cy] = surface.cells().map(|n| n as f64 * period);
+        let [cx, cy] = surface.extent().map(|e| e * period);
         let [low, high] = surface.z_range();
         let z = if self.incident == Medium::Above {
             high
@@ -223,56 +263,47 @@ impl<'a> Tracer<'a> {
     }
 
     /// Between the frame in which the incident medium is +z and that of the height field.
-    fn turned_upright(self, w: DVec3) -> DVec3 {
+    fn turned_upright(&self, w: DVec3) -> DVec3 {
         DVec3::new(w.x, w.y, w.z * self.incident.sign())
     }
 
-    /// Follows one stretch to its end; what goes on from there is pushed onto `legs`.
-    fn follow<R: Rng>(
-        &self,
-        leg: Leg,
-        turn: DQuat,
-        legs: &mut Vec<Leg>,
-        record: &mut Record,
-        work: &mut Work,
-        rng: &mut R,
-    ) {
-        let journey = travel(self.surface, self.accelerator, leg.heading, leg.medium);
-        work.segments += u64::from(journey.searched > 0);
-        work.segments_skipped += u64::from(journey.searched == 0);
-        match journey.end {
-            Travel::Escaped => record.add_exit(&Exit {
-                side: if leg.medium == self.incident {
-                    Side::Reflected
-                } else {
-                    Side::Transmitted
-                },
-                wo: turn * self.turned_upright(leg.heading.world_direction()),
-                flux: leg.flux,
-                path: leg.path,
-            }),
-            Travel::LeftPatch => record.add_loss(Loss::LeftPatch, leg.flux),
-            Travel::Lost => record.add_loss(Loss::Lost, leg.flux),
+    /// Books what has left, and lets light that has met the surface go on from there.
+    fn arrive<R: Rng>(&self, leg: Leg, end: &Travel<G::Facet>, batch: &mut Batch<'_, R>) {
+        if matches!(end, Travel::EscapedUnsearched(_)) {
+            batch.work.segments_skipped += 1;
+        } else {
+            batch.work.segments += 1;
+        }
+        match *end {
+            Travel::Escaped | Travel::EscapedUnsearched(_) => {
+                let wo = self.turned_upright(leg.heading.world_direction());
+                let level = leg.turn.rotate(wo.truncate());
+                batch.record.add_exit(&Exit {
+                    side: if leg.medium == self.incident {
+                        Side::Reflected
+                    } else {
+                        Side::Transmitted
+                    },
+                    wo: level.extend(wo.z),
+                    flux: leg.flux,
+                    path: leg.path,
+                });
+            }
+            Travel::LeftPatch => batch.record.add_loss(Loss::LeftPatch, leg.flux),
+            Travel::Lost => batch.record.add_loss(Loss::Lost, leg.flux),
             Travel::Met(_, _) if leg.path.order() >= self.settings.max_order => {
-                record.add_loss(Loss::Truncated, leg.flux);
+                batch.record.add_loss(Loss::Truncated, leg.flux);
             }
             Travel::Met(hit, heading) => {
                 let arrived = Leg { heading, ..leg };
-                self.interact(&arrived, hit.facet, legs, record, rng);
+                self.interact(&arrived, hit.facet, batch);
             }
         }
     }
 
     /// Reflects, transmits or absorbs light that has arrived at a facet.
-    fn interact<R: Rng>(
-        &self,
-        leg: &Leg,
-        facet: Facet,
-        legs: &mut Vec<Leg>,
-        record: &mut Record,
-        rng: &mut R,
-    ) {
-        let m = leg.medium.sign() * self.surface.normal(facet);
+    fn interact<R: Rng>(&self, leg: &Leg, facet: G::Facet, batch: &mut Batch<'_, R>) {
+        let m = leg.medium.sign() * self.geometry.normal(facet);
         let wi = -leg.heading.direction;
         let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
         let (fresnel, eta) = self.fresnel(leg.medium, cos_alpha);
@@ -290,29 +321,32 @@ impl<'a> Tracer<'a> {
                 medium,
                 flux: leg.flux * share,
                 path: leg.path.then(event),
+                turn: leg.turn,
             }
         };
         let transmits = self.material.transmitting_index().is_some();
         if transmits && self.settings.branching == Branching::Pick {
-            let event = if rng.random::<f64>() < fresnel.reflected {
+            let event = if batch.rng.random::<f64>() < fresnel.reflected {
                 Event::Reflection
             } else {
                 Event::Transmission
             };
-            legs.push(onward(event, 1.0));
+            batch.onward.push(onward(event, 1.0));
             return;
         }
         if transmits {
             if fresnel.transmitted > 0.0 {
                 let leg = onward(Event::Transmission, fresnel.transmitted);
-                self.push_or_end(leg, legs, record, rng);
+                self.push_or_end(leg, batch);
             }
         } else {
-            record.add_loss(Loss::Absorbed, leg.flux * fresnel.transmitted);
+            batch
+                .record
+                .add_loss(Loss::Absorbed, leg.flux * fresnel.transmitted);
         }
         if fresnel.reflected > 0.0 {
             let leg = onward(Event::Reflection, fresnel.reflected);
-            self.push_or_end(leg, legs, record, rng);
+            self.push_or_end(leg, batch);
         }
     }
 
@@ -330,23 +364,17 @@ impl<'a> Tracer<'a> {
 
     /// Russian roulette: a weak branch goes on with a probability proportional to its flux, and then
     /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
-    fn push_or_end<R: Rng>(
-        &self,
-        mut leg: Leg,
-        legs: &mut Vec<Leg>,
-        record: &mut Record,
-        rng: &mut R,
-    ) {
+    fn push_or_end<R: Rng>(&self, mut leg: Leg, batch: &mut Batch<'_, R>) {
         let threshold = self.settings.roulette_below;
         if leg.flux < threshold {
-            let survives = rng.random::<f64>() * threshold < leg.flux;
+            let survives = batch.rng.random::<f64>() * threshold < leg.flux;
             let kept = if survives { threshold } else { 0.0 };
-            record.add_loss(Loss::Truncated, leg.flux - kept);
+            batch.record.add_loss(Loss::Truncated, leg.flux - kept);
             if !survives {
                 return;
             }
             leg.flux = kept;
         }
-        legs.push(leg);
+        batch.onward.push(leg);
     }
 }

@@ -2,8 +2,6 @@
 
 use glam::DVec3;
 
-use crate::surface::Facet;
-
 /// The half space that a ray is in, by the geometry of the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Medium {
@@ -55,14 +53,14 @@ impl TileRay {
 
 /// Where a ray meets a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct Hit<F> {
     /// Ray parameter, zero or more.
     pub t: f64,
     /// The facet.
-    pub facet: Facet,
+    pub facet: F,
 }
 
-impl Hit {
+impl<F: Copy + Ord> Hit<F> {
     /// Whether this hit comes before `other`; equal parameters are decided by the facet's number,
     /// so that the order in which facets are visited does not matter.
     #[must_use]

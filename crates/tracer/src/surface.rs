@@ -3,6 +3,10 @@
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
+use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
+use crate::accelerators::brute_force::BruteForce;
+use crate::accelerators::mesh_bvh::MeshBvh;
+use crate::geometry::{Escape, Geometry};
 use crate::ray::{Medium, TileRay};
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
@@ -69,48 +73,16 @@ impl Surface {
         &self.field
     }
 
-    /// What lies beyond the border of the tile.
-    #[must_use]
-    pub const fn border(&self) -> Border {
-        self.field.border()
-    }
-
     /// Cells of the tile, `[columns, rows]`: its extent in tile coordinates.
     #[must_use]
     pub const fn cells(&self) -> [usize; 2] {
         self.field.cells()
     }
 
-    /// Number of facets: two a cell.
-    #[must_use]
-    pub const fn facet_count(&self) -> usize {
-        let [cx, cy] = self.cells();
-        2 * cx * cy
-    }
-
-    /// Lowest and highest z, `[-a, a]`, tile coordinates.
-    #[must_use]
-    pub const fn z_range(&self) -> [f64; 2] {
-        [-self.half_range, self.half_range]
-    }
-
-    /// z of the mean plane, tile coordinates.
-    #[must_use]
-    pub const fn mean_plane(&self) -> f64 {
-        self.mean
-    }
-
     /// Slope (tangent) of the steepest facet.
     #[must_use]
     pub const fn steepest_slope(&self) -> f64 {
         self.steepest
-    }
-
-    /// `dx / dy`: what turns the y component of a physical direction into tile coordinates.
-    #[must_use]
-    pub fn aspect(&self) -> f64 {
-        let [dx, dy] = self.field.spacing();
-        dx / dy
     }
 
     /// z of the grid point `(ix, iy)`, tile coordinates; indices wrap.
@@ -156,17 +128,59 @@ impl Surface {
             Triangle::Upper => upper,
         }
     }
+}
 
-    /// Unit normal of a facet, upwards, in physical lengths.
-    #[must_use]
-    pub fn normal(&self, facet: Facet) -> DVec3 {
+impl Geometry for Surface {
+    type Facet = Facet;
+
+    fn border(&self) -> Border {
+        self.field.border()
+    }
+
+    fn extent(&self) -> [f64; 2] {
+        self.cells().map(|n| n as f64)
+    }
+
+    /// `dx / dy`.
+    fn aspect(&self) -> f64 {
+        let [dx, dy] = self.field.spacing();
+        dx / dy
+    }
+
+    fn z_range(&self) -> [f64; 2] {
+        [-self.half_range, self.half_range]
+    }
+
+    fn mean_plane(&self) -> f64 {
+        self.mean
+    }
+
+    /// Two a cell.
+    fn facet_count(&self) -> usize {
+        let [cx, cy] = self.cells();
+        2 * cx * cy
+    }
+
+    fn facet(&self, index: usize) -> Facet {
+        let [cx, _] = self.cells();
+        let cell = index / 2;
+        Facet {
+            iy: (cell / cx) as u32,
+            ix: (cell % cx) as u32,
+            triangle: if index.is_multiple_of(2) {
+                Triangle::Lower
+            } else {
+                Triangle::Upper
+            },
+        }
+    }
+
+    fn normal(&self, facet: Facet) -> DVec3 {
         let [x, y] = self.slope(facet);
         DVec3::new(-x, -y, 1.0).normalize()
     }
 
-    /// The three corners of a facet in tile coordinates, counter-clockwise seen from above.
-    #[must_use]
-    pub fn corners(&self, facet: Facet) -> [DVec3; 3] {
+    fn corners(&self, facet: Facet) -> [DVec3; 3] {
         let corner = |i: u32, j: u32| {
             let (ix, iy) = (facet.ix + i, facet.iy + j);
             DVec3::new(
@@ -184,8 +198,7 @@ impl Surface {
     /// The point of a facet's plane above or below `(p.x, p.y)`, moved into the facet's cell.
     ///
     /// Rounding may have put `p` slightly beside the cell or the plane; the result lies on both.
-    #[must_use]
-    pub fn snap(&self, facet: Facet, p: DVec3) -> DVec3 {
+    fn snap(&self, facet: Facet, p: DVec3) -> DVec3 {
         let (ix, iy) = (f64::from(facet.ix), f64::from(facet.iy));
         let [z00, per_column, per_row] = self.plane(facet);
         let u = (p.x - ix).clamp(0.0, 1.0);
@@ -200,8 +213,7 @@ impl Surface {
     /// negative on leaving. A ray that enters the footprint slightly on the wrong side, by rounding
     /// on a shared edge, and falls further, passes at once; so no ray slips between two facets, and
     /// one that moves away from a facet never meets it.
-    #[must_use]
-    pub fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
+    fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
         let q = medium.sign();
         let [z00, per_column, per_row] = self.plane(facet);
         let d = ray.direction;
@@ -234,6 +246,24 @@ impl Surface {
         let g = ray.origin.z - z00 - per_column * x - per_row * y;
         let passes = q * (g + g_rate * span.leave) < 0.0;
         passes.then(|| (-g / g_rate).clamp(span.enter, span.leave))
+    }
+
+    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
+        let d = ray.direction;
+        let horizontal = d.x.hypot(d.y / self.aspect());
+        (medium.sign() * d.z > self.steepest * horizontal).then_some(Escape::SteeperThanAll)
+    }
+
+    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
+        let [low, high] = self.z_range();
+        let columns = high - low;
+        if columns.is_nan() || columns > TALLEST {
+            return Err(BuildError::TooTall { columns });
+        }
+        Ok(match kind {
+            AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+            AcceleratorKind::BruteForce => Box::new(BruteForce),
+        })
     }
 }
 

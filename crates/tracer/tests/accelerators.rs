@@ -9,7 +9,9 @@
 mod common;
 
 use asperity_surface::{Border, Triangle};
-use asperity_tracer::{Accelerator, BruteForce, Hit, Medium, MeshBvh, Surface, TileRay};
+use asperity_tracer::{
+    Accelerator, BruteForce, Facet, Geometry, Hit, Medium, MeshBvh, Query, Surface, TileRay,
+};
 use common::{rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -104,13 +106,9 @@ fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
     let bvh = MeshBvh::build(surface).unwrap();
     let mut met = 0;
     for (ray, medium) in rays(surface, count, seed) {
-        let expected = BruteForce.closest_hit(surface, &ray, medium);
-        assert_eq!(
-            bvh.closest_hit(surface, &ray, medium),
-            expected,
-            "{ray:?} {medium:?}"
-        );
-        assert_eq!(bvh.occluded(surface, &ray, medium), expected.is_some());
+        let query = Query { ray, medium };
+        let expected = BruteForce.closest_hit(surface, &query);
+        assert_eq!(bvh.closest_hit(surface, &query), expected, "{query:?}");
         met += usize::from(expected.is_some());
     }
     met
@@ -141,8 +139,8 @@ fn bvh_matches_brute_force_on_the_smallest_and_on_flat_surfaces() {
 }
 
 /// Möller and Trumbore 1997, without tolerance, culled by side.
-fn textbook(surface: &Surface, ray: &TileRay, medium: Medium) -> Option<Hit> {
-    let mut closest: Option<Hit> = None;
+fn textbook(surface: &Surface, ray: &TileRay, medium: Medium) -> Option<Hit<Facet>> {
+    let mut closest: Option<Hit<Facet>> = None;
     for facet in surface.facets() {
         let [a, b, c] = surface.corners(facet);
         let (e1, e2) = (b - a, c - a);
@@ -186,7 +184,7 @@ fn brute_force_matches_a_textbook_intersection() {
         let direction = DVec3::new(turn.cos(), turn.sin(), fall).normalize();
         let ray = TileRay { origin, direction };
         let expected = textbook(&surface, &ray, medium);
-        let found = BruteForce.closest_hit(&surface, &ray, medium);
+        let found = BruteForce.closest_hit(&surface, &Query { ray, medium });
         assert_eq!(found.map(|h| h.facet), expected.map(|h| h.facet), "{ray:?}");
         if let (Some(a), Some(b)) = (found, expected) {
             assert!((a.t - b.t).abs() < 1e-9);

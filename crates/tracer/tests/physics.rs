@@ -12,7 +12,8 @@ use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Share, Side};
 use asperity_tracer::{
-    AcceleratorKind, Branching, BruteForce, Medium, MeshBvh, PathSettings, Surface, Tracer,
+    AcceleratorKind, Branching, BruteForce, Geometry, Medium, MeshBvh, PathSettings, Surface,
+    Tracer,
 };
 use common::{Run, rugged, waves, z_score};
 use glam::DVec3;
@@ -400,7 +401,7 @@ fn mirrored_border_of_a_symmetric_tile_equals_its_periodic_continuation() {
     let periodic = build(n, Border::Periodic);
     let mirrored = build(n / 2 + 1, Border::Mirrored);
     let go = |surface: &Surface, seed| {
-        let bvh = AcceleratorKind::Auto.build(surface).unwrap();
+        let bvh = surface.accelerator(AcceleratorKind::Auto).unwrap();
         Run {
             theta_deg: 50.0,
             phi_deg: 200.0,

@@ -60,7 +60,7 @@ pub fn waves(n: usize, amplitude: f64, seed: u64) -> HeightField {
 /// Traces `batches` batches of `strata^2` rays each and returns their statistics.
 pub struct Run<'a> {
     pub surface: &'a Surface,
-    pub accelerator: &'a dyn Accelerator,
+    pub accelerator: &'a dyn Accelerator<Surface>,
     pub material: Material,
     pub incident: Medium,
     pub settings: PathSettings,
@@ -71,7 +71,11 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    pub fn new(surface: &'a Surface, accelerator: &'a dyn Accelerator, material: Material) -> Self {
+    pub fn new(
+        surface: &'a Surface,
+        accelerator: &'a dyn Accelerator<Surface>,
+        material: Material,
+    ) -> Self {
         Self {
             surface,
             accelerator,

@@ -1,0 +1,29 @@
+//! Every facet for every ray: the specification of all accelerators.
+
+use crate::accelerator::{Accelerator, AcceleratorKind, Query};
+use crate::geometry::Geometry;
+use crate::ray::Hit;
+
+/// Tests all facets; for small surfaces and for testing other accelerators.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BruteForce;
+
+impl<G: Geometry> Accelerator<G> for BruteForce {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::BruteForce
+    }
+
+    fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {
+        let mut closest = None;
+        for index in 0..geometry.facet_count() {
+            let facet = geometry.facet(index);
+            if let Some(t) = geometry.intersect(facet, &query.ray, query.medium) {
+                let hit = Hit { t, facet };
+                if hit.is_before(&closest) {
+                    closest = Some(hit);
+                }
+            }
+        }
+        closest
+    }
+}

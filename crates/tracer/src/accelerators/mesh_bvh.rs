@@ -1,0 +1,91 @@
+//! A bounding volume hierarchy over all triangles, by obvhs: for any geometry.
+
+use std::time::Duration;
+
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::ray::RayHit;
+use obvhs::{Boundable, BvhBuildParams};
+
+use super::obvhs_ray::Handover;
+use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::geometry::Geometry;
+use crate::ray::Hit;
+
+/// Facets that one hierarchy can hold.
+const MOST_FACETS: usize = 1 << 31;
+
+/// Eight-wide compressed hierarchy over the triangles of one tile.
+pub struct MeshBvh {
+    bvh: CwBvh,
+    handover: Handover,
+}
+
+/// The box of one facet.
+struct FacetBox(Aabb);
+
+impl Boundable for FacetBox {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl MeshBvh {
+    /// Builds the hierarchy over all facets of `geometry`.
+    ///
+    /// # Errors
+    /// [`BuildError::TooManyFacets`] if there are more facets than 31 bits can number.
+    pub fn build<G: Geometry>(geometry: &G) -> Result<Self, BuildError> {
+        let facets = geometry.facet_count();
+        if facets > MOST_FACETS {
+            return Err(BuildError::TooManyFacets {
+                facets,
+                most: MOST_FACETS,
+            });
+        }
+        let handover = Handover::new(geometry);
+        let margin = handover.margin();
+        let boxes: Vec<FacetBox> = (0..facets)
+            .map(|index| {
+                let corners = geometry.corners(geometry.facet(index));
+                let mut aabb = Aabb::from_points(&corners.map(|p| p.as_vec3a()));
+                aabb.min -= margin;
+                aabb.max += margin;
+                FacetBox(aabb)
+            })
+            .collect();
+        let bvh = build_cwbvh(
+            &boxes,
+            BvhBuildParams::medium_build(),
+            &mut Duration::default(),
+        );
+        Ok(Self { bvh, handover })
+    }
+}
+
+impl<G: Geometry> Accelerator<G> for MeshBvh {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::Mesh
+    }
+
+    fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {
+        let single = self.handover.single_precision(&query.ray)?;
+        let mut closest: Option<Hit<G::Facet>> = None;
+        self.bvh
+            .ray_traverse(single.ray, &mut RayHit::none(), |_, id| {
+                let facet = geometry.facet(self.bvh.primitive_indices[id] as usize);
+                match geometry.intersect(facet, &query.ray, query.medium) {
+                    Some(t) => {
+                        let hit = Hit { t, facet };
+                        if hit.is_before(&closest) {
+                            closest = Some(hit);
+                        }
+                        single.beyond(t)
+                    }
+                    None => f32::INFINITY,
+                }
+            });
+        closest
+    }
+}

@@ -1,0 +1,5 @@
+//! The accelerators, each in a file of its own; single precision and obvhs stay in this folder.
+
+pub(crate) mod brute_force;
+pub(crate) mod mesh_bvh;
+mod obvhs_ray;

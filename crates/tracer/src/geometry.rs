@@ -1,0 +1,73 @@
+//! What rays meet: triangles in one tile of a plane that goes on as its border says.
+
+use std::fmt::Debug;
+
+use asperity_surface::Border;
+use glam::DVec3;
+
+use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
+use crate::ray::{Medium, TileRay};
+
+/// Triangles that light meets.
+///
+/// All coordinates are *tile coordinates*: the tile covers `[0, extent]` in x and y, z is measured
+/// from the middle between the lowest and the highest point, and lengths along x and z share one
+/// unit; y differs from it by [`Geometry::aspect`].
+pub trait Geometry: Sized + Send + Sync {
+    /// Names one triangle; equal distances along a ray are decided by the order of names.
+    type Facet: Copy + Debug + Ord + Send + Sync;
+
+    /// What lies beyond the border of the tile.
+    fn border(&self) -> Border;
+
+    /// Extent of the tile along x and y.
+    fn extent(&self) -> [f64; 2];
+
+    /// What turns the y component of a physical direction into tile coordinates.
+    fn aspect(&self) -> f64;
+
+    /// Lowest and highest z, `[-a, a]`.
+    fn z_range(&self) -> [f64; 2];
+
+    /// z of the mean plane.
+    fn mean_plane(&self) -> f64;
+
+    /// Number of triangles in the tile.
+    fn facet_count(&self) -> usize;
+
+    /// The triangle of number `index`, in the order of names.
+    fn facet(&self, index: usize) -> Self::Facet;
+
+    /// The three corners of a facet, counter-clockwise seen from above.
+    fn corners(&self, facet: Self::Facet) -> [DVec3; 3];
+
+    /// Unit normal of a facet, upwards, in physical lengths.
+    fn normal(&self, facet: Self::Facet) -> DVec3;
+
+    /// The point of a facet nearest to `p`, which lies on it but for rounding.
+    fn snap(&self, facet: Self::Facet, p: DVec3) -> DVec3;
+
+    /// Ray parameter at which a ray in `medium` passes through `facet` to the other side.
+    ///
+    /// A ray above passes a facet only against its normal, a ray below only along it.
+    fn intersect(&self, facet: Self::Facet, ray: &TileRay, medium: Medium) -> Option<f64>;
+
+    /// Whether bounds on the slopes ahead exclude that a ray in `medium` meets any facet at all, in
+    /// this tile or beyond it.
+    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape>;
+
+    /// Builds an accelerator over the triangles of the tile.
+    ///
+    /// # Errors
+    /// [`BuildError`] if there is none of this kind for this geometry.
+    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError>;
+}
+
+/// Which bound tells that a ray meets nothing more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Escape {
+    /// It is steeper, in its direction, than any facet of the surface.
+    SteeperThanAll,
+    /// It is steeper, in its direction, than any facet that it passes before it is above (below) all.
+    SteeperThanNear,
+}

@@ -1,0 +1,38 @@
+//! Strata in an order that keeps neighbours together.
+
+/// `[column, row]` of all places of a square of `side` by `side`, along a Morton (Z) curve.
+pub(crate) fn morton_square(side: u32) -> impl Iterator<Item = [u32; 2]> {
+    let padded = u64::from(side.next_power_of_two());
+    (0..padded * padded)
+        .map(|code| [even_bits(code), even_bits(code >> 1)])
+        .filter(move |[column, row]| *column < side && *row < side)
+}
+
+/// The bits of `code` at even places, moved together.
+fn even_bits(code: u64) -> u32 {
+    let mut x = code & 0x5555_5555_5555_5555;
+    x = (x | x >> 1) & 0x3333_3333_3333_3333;
+    x = (x | x >> 2) & 0x0f0f_0f0f_0f0f_0f0f;
+    x = (x | x >> 4) & 0x00ff_00ff_00ff_00ff;
+    x = (x | x >> 8) & 0x0000_ffff_0000_ffff;
+    x = (x | x >> 16) & 0x0000_0000_ffff_ffff;
+    x as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_comes_once_and_quarters_come_whole() {
+        for side in [1, 2, 5, 8, 13] {
+            let mut places: Vec<_> = morton_square(side).collect();
+            assert_eq!(places.len(), (side * side) as usize);
+            places.sort_unstable();
+            places.dedup();
+            assert_eq!(places.len(), (side * side) as usize);
+        }
+        let quarter: Vec<_> = morton_square(8).take(16).collect();
+        assert!(quarter.iter().all(|[x, y]| *x < 4 && *y < 4));
+    }
+}
