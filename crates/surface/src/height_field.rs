@@ -218,28 +218,24 @@ impl HeightField {
                 ny,
             });
         }
-        if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
-            return Err(HeightFieldError::NotFinite {
-                ix: i % nx,
-                iy: i / nx,
-                value: heights[i],
-            });
-        }
-        if let Some(i) = heights.iter().position(|h| h.abs() > MOST_HEIGHT) {
-            return Err(HeightFieldError::TooHigh {
-                ix: i % nx,
-                iy: i / nx,
-                value: heights[i],
-            });
-        }
-        Ok(Self {
+        check_heights(&heights, nx)?;
+        Ok(Self::of_checked(heights, shape, spacing))
+    }
+
+    /// As [`HeightField::new`], of what has passed its checks already.
+    pub(crate) const fn of_checked(
+        heights: Vec<f64>,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+    ) -> Self {
+        Self {
             heights,
             shape,
             spacing,
             unit: LengthUnit::Arbitrary,
             border: Border::Periodic,
             provenance: None,
-        })
+        }
     }
 
     /// The same surface in another unit of length; numbers are not converted.
@@ -382,6 +378,36 @@ pub fn check_grid(shape: [usize; 2], spacing: [f64; 2]) -> Result<(), HeightFiel
     Ok(())
 }
 
+/// Whether all are finite and within bounds. There is no early exit, which would keep this from being
+/// compiled to vector instructions.
+pub(crate) fn are_allowed(heights: &[f64]) -> bool {
+    heights
+        .iter()
+        .fold(true, |all, h| all & (h.abs() <= MOST_HEIGHT))
+}
+
+/// Refuses heights that are not finite, or else too high, by the first of them.
+fn check_heights(heights: &[f64], nx: usize) -> Result<(), HeightFieldError> {
+    if are_allowed(heights) {
+        return Ok(());
+    }
+    if let Some(i) = heights.iter().position(|h| !h.is_finite()) {
+        return Err(HeightFieldError::NotFinite {
+            ix: i % nx,
+            iy: i / nx,
+            value: heights[i],
+        });
+    }
+    if let Some(i) = heights.iter().position(|h| h.abs() > MOST_HEIGHT) {
+        return Err(HeightFieldError::TooHigh {
+            ix: i % nx,
+            iy: i / nx,
+            value: heights[i],
+        });
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -412,6 +438,10 @@ mod tests {
         assert!(matches!(
             new(vec![], [usize::MAX, 2], [1.0, 1.0]),
             Err(HeightFieldError::TooLarge { .. })
+        ));
+        assert!(matches!(
+            new(vec![0.0, 0.0, -1e101, 0.0], [2, 2], [1.0, 1.0]),
+            Err(HeightFieldError::TooHigh { ix: 0, iy: 1, .. })
         ));
         assert!(matches!(
             new(vec![0.0; 3], [2, 2], [1.0, 1.0]),

@@ -218,6 +218,26 @@ impl PreparedDensity {
     pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
         self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
     }
+
+    /// Whether `W` is a function of `kx` times a function of `ky`.
+    pub(crate) fn is_separable(&self) -> bool {
+        self.xy == 0.0
+    }
+
+    /// The factor of a separable `W` that depends on `ky`, 1 at `ky = 0`.
+    pub(crate) fn factor_along_y(&self, ky: f64) -> f64 {
+        debug_assert!(self.is_separable());
+        (-self.yy * ky * ky).exp()
+    }
+
+    /// Largest `|ky|` at which, for this `kx`, the density is `fraction` of its peak; none if it
+    /// stays below.
+    pub(crate) fn reach_along_y(&self, kx: f64, fraction: f64) -> Option<f64> {
+        // The larger root of yy ky^2 - |xy kx| ky + xx kx^2 + ln(fraction) = 0
+        let b = (self.xy * kx).abs();
+        let discriminant = b * b - 4.0 * self.yy * (self.xx * kx * kx + fraction.ln());
+        (discriminant >= 0.0).then(|| (b + discriminant.sqrt()) / (2.0 * self.yy))
+    }
 }
 
 /// How a surface was generated: what was asked for, and from which random stream it came.
@@ -271,6 +291,14 @@ mod tests {
         let psd = Psd::anisotropic_gaussian(0.3, 2.0, 0.7, 0.4).unwrap();
         let [reach_x, reach_y] = psd.reach(1e-6);
         let peak = psd.density(0.0, 0.0);
+        let reach_along_y = |kx| psd.prepared().reach_along_y(kx, 1e-6);
+        for kx in [0.0, 0.3, -0.7 * reach_x] {
+            let ky = reach_along_y(kx).unwrap();
+            let at = |ky| psd.density(kx, ky).max(psd.density(kx, -ky)) / peak;
+            assert!((at(ky) / 1e-6 - 1.0).abs() < 1e-9, "{}", at(ky));
+            assert!(at(1.01 * ky) < 1e-6);
+        }
+        assert_eq!(reach_along_y(1.001 * reach_x), None);
         let largest = |density: &dyn Fn(f64) -> f64| {
             (-100_000..=100_000)
                 .map(|i| density(f64::from(i) * 1e-3) / peak)

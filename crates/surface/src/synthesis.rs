@@ -1,9 +1,12 @@
-//! Random periodic surfaces by FFT filtering of white noise.
+//! Random periodic surfaces by FFT from random waves.
 //!
-//! White Gaussian noise of unit variance goes through a two-dimensional FFT, is multiplied by the
-//! square root of the power spectral density, and comes back through the inverse FFT. With `N`
-//! samples, `h = (1/N) sum_k H(k) w(k) exp(i k.x)` has variance `(1/N) sum_k H^2`, and
-//! `sum_k W dk^2` with `dk^2 = 4 pi^2 / (N dx dy)` is what it should be, so `H^2 = 4 pi^2 W / (dx dy)`.
+//! Each wave vector `k` of the FFT grid gets a complex normal number `z(k)` with `<|z|^2> = 1`, which is
+//! multiplied by the square root of the power spectral density and goes through the inverse FFT. With
+//! `dk^2 = 4 pi^2 / (N dx dy)`, where `N` is the number of samples, and `z(-k)` the conjugate of `z(k)`,
+//! `h = sum_k sqrt(W dk^2) z(k) exp(i k.r)` is real and has the variance `sum_k W dk^2`.
+//!
+//! White noise filtered in the plane of positions would give the same ensemble, but takes a forward
+//! FFT more, and random numbers for all those wave vectors whose waves are empty.
 //!
 //! The mean (`k = 0`) is set to zero. This lowers the expected variance by `W(0) dk^2`, for the
 //! Gaussian by the fraction `pi tau_x tau_y / (Lx Ly)` of sigma^2: 5 % at the smallest tile allowed
@@ -14,16 +17,19 @@ use std::fmt;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use rustfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner};
 use rustfft::{Fft, FftPlanner};
 
+use self::filter::Filter;
+use self::noise::Noise;
 use crate::height_field::check_grid;
-use crate::psd::PreparedDensity;
 use crate::{HeightField, HeightFieldError, Provenance, Psd};
 
 mod direct;
+mod filter;
 mod noise;
+mod spectrum;
+mod transform;
 
 /// Fewest spacings a correlation length must span along each axis.
 ///
@@ -39,17 +45,6 @@ pub const MIN_CORRELATION_LENGTHS_PER_SIDE: f64 = 8.0;
 
 /// Largest number of samples drawn: `2^31`, whose two triangles each still have a 32-bit number.
 pub const MAX_SAMPLES: usize = 1 << 31;
-
-/// Wave vectors beyond the reach of this fraction of the peak density are taken as empty: for the
-/// Gaussian they hold less than `1e-40` of the variance, or `1e-20 sigma` of root mean square height.
-const NEGLIGIBLE: f64 = 1e-40;
-
-/// Columns transformed together: 16 complex numbers are four cache lines of a row.
-const BLOCK: usize = 16;
-
-/// Room between the columns of a block, complex numbers; without it, columns of a power-of-two
-/// length all fall into the same cache sets.
-const PAD: usize = 4;
 
 /// Why a surface cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -116,14 +111,10 @@ pub enum SynthesisError {
 #[derive(Clone)]
 pub struct Synthesis {
     psd: Psd,
-    density: PreparedDensity,
     shape: [usize; 2],
     spacing: [f64; 2],
-    /// Columns of the half spectrum that are not empty.
-    columns: usize,
-    row_forward: Arc<dyn RealToComplex<f64>>,
+    filter: Filter,
     row_inverse: Arc<dyn ComplexToReal<f64>>,
-    column_forward: Arc<dyn Fft<f64>>,
     column_inverse: Arc<dyn Fft<f64>>,
 }
 
@@ -166,22 +157,13 @@ impl Synthesis {
         if !insist {
             check_resolution(&psd, shape, spacing)?;
         }
-        let reach = psd.reach(NEGLIGIBLE)[0];
-        let columns = (0..=nx / 2)
-            .take_while(|&ix| wave_number(ix, nx, spacing[0]) <= reach)
-            .count();
-        let mut along_x = RealFftPlanner::new();
-        let mut along_y = FftPlanner::new();
         Ok(Self {
             psd,
-            density: psd.prepared(),
             shape,
             spacing,
-            columns,
-            row_forward: along_x.plan_fft_forward(nx),
-            row_inverse: along_x.plan_fft_inverse(nx),
-            column_forward: along_y.plan_fft_forward(ny),
-            column_inverse: along_y.plan_fft_inverse(ny),
+            filter: Filter::new(&psd, shape, spacing),
+            row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
+            column_inverse: FftPlanner::new().plan_fft_inverse(ny),
         })
     }
 
@@ -203,15 +185,13 @@ impl Synthesis {
         self.spacing
     }
 
-    /// Bytes that one [`Synthesis::draw`] holds at its peak, but for some megabytes a thread: the
-    /// heights, the part of their half spectrum that is not empty, and a reference to each 16
-    /// columns of each of its rows. At most 17 bytes a sample; the smoother the surface, the fewer.
+    /// Bytes that a program holds at the peak of a [`Synthesis::draw`]: the heights, which are worked
+    /// out where they lie, some columns of their spectrum, more of them the more threads there are,
+    /// and 8 MiB for the program itself and the tables of its FFTs.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
         let [ny, nx] = self.shape;
-        ny * (nx * size_of::<f64>()
-            + self.columns * size_of::<[f64; 2]>()
-            + self.columns.div_ceil(BLOCK) * size_of::<&mut [[f64; 2]]>())
+        ny * nx * size_of::<f64>() + self.room_bytes() + (8 << 20)
     }
 
     /// Variance expected of the heights, length units squared: `sum_k W dk^2` over the FFT grid
@@ -225,7 +205,7 @@ impl Synthesis {
             .into_par_iter()
             .map(|iy| {
                 let first = usize::from(iy == 0);
-                (first..nx).map(|ix| self.grid_density(ix, iy)).sum()
+                (first..nx).map(|ix| self.filter.density(ix, iy)).sum()
             })
             .collect();
         rows.iter().sum::<f64>() * TAU * TAU / area
@@ -244,168 +224,48 @@ impl Synthesis {
     /// # Source
     /// Garcia and Stoll, Phys. Rev. Lett. 52, 1798 (1984): Gaussian surfaces by linear filtering.
     pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
-        let [ny, nx] = self.shape;
-        let columns = self.columns;
-        let mut heights = zeroed(0.0, ny * nx)?;
-        let mut spectrum = zeroed([0.0; 2], ny * columns)?;
-
-        // White noise and the transform along x
-        spectrum
-            .par_chunks_exact_mut(columns)
-            .enumerate()
-            .for_each_init(
-                || {
-                    (
-                        self.row_forward.make_input_vec(),
-                        self.row_forward.make_output_vec(),
-                        self.row_forward.make_scratch_vec(),
-                    )
-                },
-                |(noise, half, scratch), (iy, out)| {
-                    noise::fill_row(seed, realisation, iy as u64, noise);
-                    let done = self.row_forward.process_with_scratch(noise, half, scratch);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                    for (pair, value) in out.iter_mut().zip(&*half) {
-                        *pair = [value.re, value.im];
-                    }
-                },
-            );
-
-        self.filter_columns(&mut spectrum)?;
-
-        // Transform back along x
-        heights
-            .par_chunks_exact_mut(nx)
-            .zip(spectrum.par_chunks_exact(columns))
-            .for_each_init(
-                || {
-                    (
-                        self.row_inverse.make_input_vec(),
-                        self.row_inverse.make_scratch_vec(),
-                    )
-                },
-                |(half, scratch), (out, row)| {
-                    for (value, &[re, im]) in half.iter_mut().zip(row) {
-                        *value = Complex { re, im };
-                    }
-                    half[columns..].fill(Complex::default());
-                    // Rounding leaves an imaginary part where symmetry allows none.
-                    half[0].im = 0.0;
-                    if nx.is_multiple_of(2) {
-                        half[nx / 2].im = 0.0;
-                    }
-                    let done = self.row_inverse.process_with_scratch(half, out, scratch);
-                    debug_assert!(done.is_ok(), "buffers have the lengths planned");
-                },
-            );
-        drop(spectrum);
-
-        self.finish(heights, seed, realisation)
+        self.draw_into(seed, realisation, Vec::new())
     }
 
-    /// Transforms each column, multiplies it by the filter and transforms it back, a block of
-    /// columns at a time, so that the spectrum is read and written once.
-    fn filter_columns(&self, spectrum: &mut [[f64; 2]]) -> Result<(), SynthesisError> {
-        let [ny, nx] = self.shape;
-
-        // Lend every block its piece of every row, so that threads share nothing.
-        let mut blocks: Vec<Vec<&mut [[f64; 2]]>> = Vec::new();
-        for _ in 0..self.columns.div_ceil(BLOCK) {
-            blocks.push(reserved(ny)?);
-        }
-        for row in spectrum.chunks_exact_mut(self.columns) {
-            for (block, piece) in blocks.iter_mut().zip(row.chunks_mut(BLOCK)) {
-                block.push(piece);
-            }
-        }
-
-        let scratch_len = self
-            .column_forward
-            .get_inplace_scratch_len()
-            .max(self.column_inverse.get_inplace_scratch_len());
-        let normalisation = 1.0 / (nx as f64 * ny as f64);
-        let stride = ny + PAD;
-        blocks.into_par_iter().enumerate().for_each_init(
-            || {
-                (
-                    vec![Complex::default(); BLOCK * stride],
-                    vec![Complex::default(); scratch_len],
-                )
-            },
-            |(columns, scratch), (block, mut rows)| {
-                for (iy, row) in rows.iter().enumerate() {
-                    for (j, &[re, im]) in row.iter().enumerate() {
-                        columns[j * stride + iy] = Complex { re, im };
-                    }
-                }
-                let width = rows[0].len();
-                for (j, column) in columns.chunks_exact_mut(stride).take(width).enumerate() {
-                    let column = &mut column[..ny];
-                    self.column_forward.process_with_scratch(column, scratch);
-                    for (iy, value) in column.iter_mut().enumerate() {
-                        *value *= self.amplitude(block * BLOCK + j, iy) * normalisation;
-                    }
-                    self.column_inverse.process_with_scratch(column, scratch);
-                }
-                for (iy, row) in rows.iter_mut().enumerate() {
-                    for (j, pair) in row.iter_mut().enumerate() {
-                        let value = columns[j * stride + iy];
-                        *pair = [value.re, value.im];
-                    }
-                }
-            },
-        );
-        Ok(())
-    }
-
-    /// The filter `H = 2 pi sqrt(W / (dx dy))`, zero at `k = 0`.
-    fn amplitude(&self, ix: usize, iy: usize) -> f64 {
-        if ix == 0 && iy == 0 {
-            return 0.0;
-        }
-        let [dx, dy] = self.spacing;
-        TAU * (self.grid_density(ix, iy) / (dx * dy)).sqrt()
-    }
-
-    /// `W` at one wave vector of the FFT grid. The Nyquist index of an even size stands for `+k` and
-    /// `-k` at once, and takes the mean of both; without it, a filter turned by an azimuth would not
-    /// be that of a real surface.
-    fn grid_density(&self, ix: usize, iy: usize) -> f64 {
-        let [ny, nx] = self.shape;
-        let kx = wave_number(ix, nx, self.spacing[0]);
-        let ky = wave_number(iy, ny, self.spacing[1]);
-        let density = self.density.at(kx, ky);
-        if 2 * ix == nx || 2 * iy == ny {
-            0.5 * (density + self.density.at(-kx, ky))
-        } else {
-            density
-        }
-    }
-
-    /// The surface of these heights, with its provenance.
-    fn finish(
+    /// Draws the same surface as [`Synthesis::draw`] in memory that is at hand, if it is large
+    /// enough, such as the [`HeightField::into_heights`] of a surface that has served. Its contents
+    /// do not matter.
+    ///
+    /// Of a surface larger than some megabytes, the system provides and clears each page anew, which
+    /// may take longer than all else.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn draw_into(
         &self,
-        heights: Vec<f64>,
         seed: u64,
         realisation: u64,
+        room: Vec<f64>,
     ) -> Result<HeightField, SynthesisError> {
-        let provenance = Provenance {
+        let [ny, nx] = self.shape;
+        let mut heights = room;
+        if heights.capacity() < ny * nx {
+            drop(heights);
+            heights = zeroed(0.0, ny * nx)?;
+        }
+        heights.resize(ny * nx, 0.0);
+        let allowed = self.fill(&Noise::new(seed, realisation), &mut heights)?;
+        let field = if allowed {
+            HeightField::of_checked(heights, self.shape, self.spacing)
+        } else {
+            HeightField::new(heights, self.shape, self.spacing)?
+        };
+        Ok(self.with_provenance(field, seed, realisation))
+    }
+
+    /// The surface with its provenance.
+    fn with_provenance(&self, field: HeightField, seed: u64, realisation: u64) -> HeightField {
+        field.with_provenance(Some(Provenance {
             psd: self.psd,
             seed,
             realisation,
-        };
-        Ok(HeightField::new(heights, self.shape, self.spacing)?.with_provenance(Some(provenance)))
+        }))
     }
-}
-
-/// Angular wave number of index `i` of an FFT of `n` samples, radians a length unit.
-fn wave_number(i: usize, n: usize, spacing: f64) -> f64 {
-    let signed = if 2 * i <= n {
-        i as f64
-    } else {
-        -((n - i) as f64)
-    };
-    TAU * signed / (n as f64 * spacing)
 }
 
 /// Refuses what the grid cannot resolve or hold.
@@ -453,7 +313,7 @@ fn reserved<T>(len: usize) -> Result<Vec<T>, SynthesisError> {
 }
 
 /// `len` zeros, whose pages the system provides when they are first written, by the threads that
-/// write them: filling them here would take a fifth of the time of a draw on two threads.
+/// write them.
 ///
 /// The system is asked twice, since the vector that is quick to zero cannot report a refusal.
 fn zeroed<T: Copy>(zero: T, len: usize) -> Result<Vec<T>, SynthesisError> {

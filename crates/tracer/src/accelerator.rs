@@ -71,6 +71,8 @@ pub enum AcceleratorKind {
     Auto,
     /// A bounding volume hierarchy over all triangles.
     Mesh,
+    /// A pyramid of height bounds over the cells, searched by many rays at a time.
+    Pyramid,
     /// Every triangle for every ray: the reference, for small surfaces.
     BruteForce,
 }
@@ -91,6 +93,7 @@ impl fmt::Display for AcceleratorKind {
         f.write_str(match self {
             Self::Auto => "auto",
             Self::Mesh => "mesh",
+            Self::Pyramid => "pyramid",
             Self::BruteForce => "brute-force",
         })
     }
@@ -103,9 +106,10 @@ impl FromStr for AcceleratorKind {
         match text {
             "auto" => Ok(Self::Auto),
             "mesh" => Ok(Self::Mesh),
+            "pyramid" => Ok(Self::Pyramid),
             "brute-force" => Ok(Self::BruteForce),
             _ => Err(format!(
-                "unknown accelerator `{text}`; allowed are auto, mesh and brute-force"
+                "unknown accelerator `{text}`; allowed are auto, mesh, pyramid and brute-force"
             )),
         }
     }

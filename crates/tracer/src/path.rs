@@ -114,7 +114,7 @@ impl std::ops::AddAssign for Work {
 
 /// Incident rays that are followed together: enough to fill wide searches, few enough for their
 /// paths and the surface around them to stay in cache.
-const TOGETHER: usize = 1024;
+const TOGETHER: usize = 4096;
 
 /// Follows light that falls on a surface.
 pub struct Tracer<'a, G: Geometry> {

@@ -6,8 +6,9 @@ use glam::DVec3;
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
 use crate::accelerators::brute_force::BruteForce;
 use crate::accelerators::mesh_bvh::MeshBvh;
+use crate::accelerators::pyramid::Pyramid;
 use crate::geometry::{Escape, Geometry};
-use crate::ray::{Medium, TileRay};
+use crate::ray::{Hit, Medium, TileRay};
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -89,6 +90,37 @@ impl Surface {
     #[must_use]
     pub fn z(&self, ix: usize, iy: usize) -> f64 {
         (self.field.height(ix, iy) - self.z_offset) * self.inverse_dx
+    }
+
+    /// z of the grid points of row `iy`, tile coordinates; rows wrap.
+    pub fn row(&self, iy: usize) -> impl Iterator<Item = f64> {
+        let [ny, nx] = self.field.shape();
+        let start = (iy % ny) * nx;
+        let columns = self.cells()[0];
+        self.field.heights()[start..start + columns]
+            .iter()
+            .map(|h| (h - self.z_offset) * self.inverse_dx)
+    }
+
+    /// First facet of the cell `[column, row]` that a ray in `medium` passes through.
+    #[must_use]
+    pub fn intersect_cell(
+        &self,
+        [ix, iy]: [u32; 2],
+        ray: &TileRay,
+        medium: Medium,
+    ) -> Option<Hit<Facet>> {
+        let mut closest = None;
+        for triangle in [Triangle::Lower, Triangle::Upper] {
+            let facet = Facet { iy, ix, triangle };
+            if let Some(t) = self.intersect(facet, ray, medium) {
+                let hit = Hit { t, facet };
+                if hit.is_before(&closest) {
+                    closest = Some(hit);
+                }
+            }
+        }
+        closest
     }
 
     /// All facets, row by row.
@@ -262,6 +294,7 @@ impl Geometry for Surface {
         }
         Ok(match kind {
             AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+            AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })
     }

@@ -10,7 +10,8 @@ mod common;
 
 use asperity_surface::{Border, Triangle};
 use asperity_tracer::{
-    Accelerator, BruteForce, Facet, Geometry, Hit, Medium, MeshBvh, Query, Surface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, Facet, Geometry, Hit, Instructions, Medium, Pyramid,
+    Query, Surface, TileRay,
 };
 use common::{rugged, waves};
 use glam::DVec3;
@@ -102,16 +103,50 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
         .collect()
 }
 
-fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
-    let bvh = MeshBvh::build(surface).unwrap();
-    let mut met = 0;
-    for (ray, medium) in rays(surface, count, seed) {
-        let query = Query { ray, medium };
-        let expected = BruteForce.closest_hit(surface, &query);
-        assert_eq!(bvh.closest_hit(surface, &query), expected, "{query:?}");
-        met += usize::from(expected.is_some());
+/// Every accelerator for a surface, with a name for messages.
+fn accelerators(surface: &Surface) -> Vec<(String, Box<dyn Accelerator<Surface>>)> {
+    let mut all: Vec<(String, Box<dyn Accelerator<Surface>>)> =
+        [AcceleratorKind::Mesh, AcceleratorKind::Pyramid]
+            .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
+            .into();
+    for instructions in [
+        Instructions::Portable,
+        Instructions::Avx2,
+        Instructions::Avx512,
+    ] {
+        if instructions.are_available() {
+            let pyramid = Pyramid::build(surface).unwrap();
+            all.push((
+                format!("pyramid, {instructions}"),
+                Box::new(pyramid.with_instructions(instructions)),
+            ));
+        } else {
+            println!("skipped: this machine has no {instructions}");
+        }
     }
-    met
+    all
+}
+
+/// Asserts that all accelerators, one ray at a time and many together, agree with brute force.
+fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
+    let queries: Vec<Query> = rays(surface, count, seed)
+        .into_iter()
+        .map(|(ray, medium)| Query { ray, medium })
+        .collect();
+    let expected: Vec<_> = queries
+        .iter()
+        .map(|query| BruteForce.closest_hit(surface, query))
+        .collect();
+    let mut together = Vec::new();
+    for (name, accelerator) in accelerators(surface) {
+        accelerator.closest_hits(surface, &queries, &mut together);
+        for ((query, expected), together) in queries.iter().zip(&expected).zip(&together) {
+            let alone = accelerator.closest_hit(surface, query);
+            assert_eq!(alone, *expected, "{name}: {query:?}");
+            assert_eq!(together, expected, "{name}, together: {query:?}");
+        }
+    }
+    expected.iter().flatten().count()
 }
 
 #[test]

@@ -3,3 +3,4 @@
 pub(crate) mod brute_force;
 pub(crate) mod mesh_bvh;
 mod obvhs_ray;
+pub(crate) mod pyramid;

@@ -1,0 +1,119 @@
+//! The amplitudes of waves, from the power spectral density, and which of them are empty.
+
+use std::f64::consts::TAU;
+
+use super::noise::Side;
+use crate::Psd;
+use crate::psd::PreparedDensity;
+
+/// Waves beyond the contour of this fraction of the peak density are taken as empty: for the
+/// Gaussian they hold as much of the variance, and `1e-17 sigma` of root mean square height, a tenth
+/// of what one height is rounded to.
+const NEGLIGIBLE: f64 = 1e-34;
+
+/// A power spectral density on the FFT grid of a tile.
+#[derive(Clone)]
+pub(super) struct Filter {
+    density: PreparedDensity,
+    shape: [usize; 2],
+    spacing: [f64; 2],
+    /// Number of columns, from `kx = 0`, beyond which all waves are empty.
+    columns: usize,
+    /// Amplitudes of the columns and factors of the rows, if they are products of the two.
+    factors: Option<[Vec<f64>; 2]>,
+}
+
+impl Filter {
+    pub(super) fn new(psd: &Psd, shape: [usize; 2], spacing: [f64; 2]) -> Self {
+        let [ny, nx] = shape;
+        let reach = psd.reach(NEGLIGIBLE)[0];
+        let columns = (0..=nx / 2)
+            .take_while(|&ix| wave_number(ix, nx, spacing[0]) <= reach)
+            .count();
+        let mut filter = Self {
+            density: psd.prepared(),
+            shape,
+            spacing,
+            columns,
+            factors: None,
+        };
+        if filter.density.is_separable() {
+            let along_x = (0..columns).map(|ix| filter.amplitude(ix, 0)).collect();
+            let along_y = (0..=ny / 2)
+                .map(|iy| wave_number(iy, ny, spacing[1]))
+                .map(|ky| filter.density.factor_along_y(ky).sqrt())
+                .collect();
+            filter.factors = Some([along_x, along_y]);
+        }
+        filter
+    }
+
+    /// Columns of the half spectrum that are not empty.
+    pub(super) const fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Rows of one side of column `ix` that are not empty, from that of the smallest `|ky|`.
+    pub(super) fn rows(&self, ix: usize, side: Side) -> usize {
+        let [ny, nx] = self.shape;
+        let kx = wave_number(ix, nx, self.spacing[0]);
+        let Some(reach) = self.density.reach_along_y(kx, NEGLIGIBLE) else {
+            return 0;
+        };
+        let steps = (reach / wave_number(1, ny, self.spacing[1])) as usize;
+        match side {
+            Side::Positive => steps.min(ny / 2) + 1,
+            Side::Negative => steps.min((ny - 1) / 2),
+        }
+    }
+
+    /// Amplitudes of the waves of one side of column `ix`, in the order of [`Filter::rows`].
+    pub(super) fn fill(&self, ix: usize, side: Side, amplitudes: &mut [f64]) {
+        let ny = self.shape[0];
+        if let Some([along_x, along_y]) = &self.factors {
+            let first = match side {
+                Side::Positive => 0,
+                Side::Negative => 1,
+            };
+            for (amplitude, factor) in amplitudes.iter_mut().zip(&along_y[first..]) {
+                *amplitude = along_x[ix] * factor;
+            }
+        } else {
+            for (i, amplitude) in amplitudes.iter_mut().enumerate() {
+                *amplitude = self.amplitude(ix, side.row(i, ny));
+            }
+        }
+    }
+
+    /// `sqrt(W dk^2)`.
+    pub(super) fn amplitude(&self, ix: usize, iy: usize) -> f64 {
+        let [ny, nx] = self.shape;
+        let [dx, dy] = self.spacing;
+        TAU * (self.density(ix, iy) / ((nx as f64 * dx) * (ny as f64 * dy))).sqrt()
+    }
+
+    /// `W` at one wave vector of the FFT grid. The Nyquist index of an even size stands for `+k` and
+    /// `-k` at once, and takes the mean of both; without it, a filter turned by an azimuth would not
+    /// be that of a real surface.
+    pub(super) fn density(&self, ix: usize, iy: usize) -> f64 {
+        let [ny, nx] = self.shape;
+        let kx = wave_number(ix, nx, self.spacing[0]);
+        let ky = wave_number(iy, ny, self.spacing[1]);
+        let density = self.density.at(kx, ky);
+        if 2 * ix == nx || 2 * iy == ny {
+            0.5 * (density + self.density.at(-kx, ky))
+        } else {
+            density
+        }
+    }
+}
+
+/// Angular wave number of index `i` of an FFT of `n` samples, radians a length unit.
+pub(super) fn wave_number(i: usize, n: usize, spacing: f64) -> f64 {
+    let signed = if 2 * i <= n {
+        i as f64
+    } else {
+        -((n - i) as f64)
+    };
+    TAU * signed / (n as f64 * spacing)
+}

@@ -1,0 +1,86 @@
+//! What the wide search asks of an instruction set: a few operations on lanes of f32 and i32.
+
+use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
+
+/// Most lanes of any instruction set.
+pub(super) const MOST_LANES: usize = 16;
+
+/// Lanes of f32.
+pub(super) trait Floats:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+    /// Lane by lane the smaller one.
+    fn min(self, other: Self) -> Self;
+    /// Lane by lane `self / other`.
+    fn over(self, other: Self) -> Self;
+    /// Lane by lane the largest integer that is not larger.
+    fn floor(self) -> Self;
+    /// Lane by lane the magnitude.
+    fn abs(self) -> Self;
+}
+
+/// Lanes of i32; arithmetic wraps.
+pub(super) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
+    /// Lane by lane `self << by`, `by` from 0 to 31.
+    fn shifted_left(self, by: Self) -> Self;
+    /// Lane by lane `self >> by`, `by` from 0 to 31, filled with zeros.
+    fn shifted_right(self, by: Self) -> Self;
+    /// Lane by lane the product's low half.
+    fn times(self, other: Self) -> Self;
+    /// Lane by lane the common bits.
+    fn and(self, other: Self) -> Self;
+}
+
+/// Lanes of yes or no.
+pub(super) trait Mask:
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+{
+    /// One bit a lane, the first lane lowest.
+    fn bits(self) -> u32;
+}
+
+/// An instruction set; a value of it is the proof that the machine has it.
+pub(super) trait Lanes: Copy {
+    /// Number of lanes, at most [`MOST_LANES`].
+    const COUNT: usize;
+    type F: Floats;
+    type I: Integers;
+    type M: Mask;
+
+    fn splat(self, value: f32) -> Self::F;
+    fn splat_i(self, value: i32) -> Self::I;
+    /// Whether `a < b`, false where one is no number.
+    fn less(self, a: Self::F, b: Self::F) -> Self::M;
+    /// Whether `a < b`.
+    fn less_i(self, a: Self::I, b: Self::I) -> Self::M;
+    /// Whether `a == b`.
+    fn equal_i(self, a: Self::I, b: Self::I) -> Self::M;
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;
+    fn select_i(self, mask: Self::M, yes: Self::I, no: Self::I) -> Self::I;
+    fn to_float(self, value: Self::I) -> Self::F;
+    /// Towards zero; for values within the range of i32.
+    fn to_integer(self, value: Self::F) -> Self::I;
+    /// `table[index]`; an index beyond the end, or below zero, reads the last entry.
+    fn gather(self, table: &[f32], index: Self::I) -> Self::F;
+    /// `table[index]` and `table[index + 1]`; an index beyond the last pair reads the last pair.
+    fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2];
+    /// `table[index & 15]`.
+    fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
+    /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.
+    ///
+    /// `source` must hold at least [`MOST_LANES`] entries.
+    fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F;
+    /// As [`Lanes::refill`], for integers.
+    fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
+    /// The mask whose lanes are the low bits of `bits`.
+    fn mask(self, bits: u32) -> Self::M;
+    /// Entries of the lanes; those beyond [`Lanes::COUNT`] are zero.
+    fn store_i(self, value: Self::I) -> [i32; MOST_LANES];
+}
+
+/// Work that can be done with any lanes.
+pub(super) trait Task {
+    /// Does it. Implementations are `#[inline(always)]`, so that they are compiled for the
+    /// instructions of the function that calls them.
+    fn run<L: Lanes>(self, lanes: L);
+}

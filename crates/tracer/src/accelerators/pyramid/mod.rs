@@ -1,0 +1,87 @@
+//! A pyramid of height bounds over the cells of a tile.
+//!
+//! Each node of level `l` covers `2^l` by `2^l` cells and bounds their heights from both sides: a ray
+//! above the surface can meet nothing in a node that lies below it, a ray below nothing in one that
+//! lies above it. Two searches use the bounds:
+//!
+//! - `quadtree.rs`, one ray in f64: the clear one, which decides as brute force does;
+//! - `wide.rs`, many rays at a time in lanes of f32: it answers only where rounding cannot have
+//!   changed the answer, and hands the few other rays to the quadtree.
+//!
+//! Either names a cell at most; which of its facets is met, and where, is decided in f64 by
+//! [`Geometry::intersect`]. So both give the facet that brute force gives.
+
+mod bounds;
+mod lanes;
+mod portable;
+mod quadtree;
+mod rays;
+mod wide;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use self::bounds::Bounds;
+use self::rays::{Answer, Rays};
+use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::ray::Hit;
+use crate::surface::{Facet, Surface};
+
+pub use self::wide::Instructions;
+
+/// Height bounds over one tile, and the instructions with which they are searched.
+pub struct Pyramid {
+    bounds: Bounds,
+    instructions: Instructions,
+}
+
+impl Pyramid {
+    /// Builds the bounds over `surface`, to be searched with the best instructions of this machine.
+    ///
+    /// # Errors
+    /// [`BuildError::TooManyFacets`] if there are more cells than 30 bits can number.
+    pub fn build(surface: &Surface) -> Result<Self, BuildError> {
+        Ok(Self {
+            bounds: Bounds::new(surface)?,
+            instructions: Instructions::best(),
+        })
+    }
+
+    /// The same, searched with the given instructions.
+    #[must_use]
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        Self {
+            instructions,
+            ..self
+        }
+    }
+}
+
+impl Accelerator<Surface> for Pyramid {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::Pyramid
+    }
+
+    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+        quadtree::closest_hit(&self.bounds, surface, query)
+    }
+
+    fn closest_hits(
+        &self,
+        surface: &Surface,
+        queries: &[Query],
+        hits: &mut Vec<Option<Hit<Facet>>>,
+    ) {
+        let mut rays = Rays::new(surface, queries);
+        wide::search(&self.bounds, &mut rays, self.instructions);
+        hits.clear();
+        hits.extend(rays.answers().zip(queries).map(|(answer, query)| {
+            match answer {
+                Answer::Nothing => None,
+                Answer::Cell(cell) => surface
+                    .intersect_cell(cell, &query.ray, query.medium)
+                    .or_else(|| self.closest_hit(surface, query)),
+                Answer::Doubtful => self.closest_hit(surface, query),
+            }
+        }));
+    }
+}

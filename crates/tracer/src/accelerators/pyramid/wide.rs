@@ -1,0 +1,424 @@
+//! Many rays through the pyramid at a time, a ray a lane.
+//!
+//! Every lane goes its own way: down a level where its ray may come under the bound of its node, on
+//! to the next node where it cannot, up a level where it passes from one parent to the next. Lanes
+//! whose rays have ended get new ones. In f32, with bounds on what rounding may do: a ray that comes
+//! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
+
+use std::fmt;
+
+use super::bounds::{Bounds, MOST_LEVELS};
+use super::lanes::{Floats, Integers, Lanes, MOST_LANES, Mask, Task};
+use super::portable::Portable;
+use super::rays::{DOUBTFUL, NOTHING, ROUNDING, Rays};
+#[cfg(target_arch = "x86_64")]
+use super::x86::{Avx2, Avx512};
+
+/// Instruction sets for which the wide search is compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instructions {
+    /// Any machine: four rays at a time.
+    Portable,
+    /// AVX2 and FMA: eight rays at a time.
+    Avx2,
+    /// AVX-512: sixteen rays at a time.
+    Avx512,
+}
+
+impl Instructions {
+    /// The widest that this machine has.
+    #[must_use]
+    pub fn best() -> Self {
+        [Self::Avx512, Self::Avx2]
+            .into_iter()
+            .find(|instructions| instructions.are_available())
+            .unwrap_or(Self::Portable)
+    }
+
+    /// Whether this machine has them.
+    #[must_use]
+    pub fn are_available(self) -> bool {
+        match self {
+            Self::Portable => true,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => Avx2::detect().is_some(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => Avx512::detect().is_some(),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 | Self::Avx512 => false,
+        }
+    }
+}
+
+impl fmt::Display for Instructions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+        })
+    }
+}
+
+/// Level at which rays that come down from far above begin.
+const FIRST_LEVEL: i32 = 4;
+
+/// Searches all rays with the given instructions, or portably where the machine lacks them.
+pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instructions) {
+    let task = SearchAll { bounds, rays };
+    match instructions {
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx512 if let Some(lanes) = Avx512::detect() => lanes.run(task),
+        #[cfg(target_arch = "x86_64")]
+        Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(task),
+        _ => task.run(Portable),
+    }
+}
+
+/// The search of all rays, for any lanes.
+struct SearchAll<'a> {
+    bounds: &'a Bounds,
+    rays: &'a mut Rays,
+}
+
+impl Task for SearchAll<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        Search::new(lanes, self.bounds).run(self.rays);
+    }
+}
+
+/// What is the same for all rays.
+struct Search<'b, L: Lanes> {
+    lanes: L,
+    bounds: &'b Bounds,
+    /// First node and row length by level, as tables of sixteen.
+    first: [i32; 16],
+    width: [i32; 16],
+}
+
+/// The rays that are in the lanes.
+#[derive(Clone, Copy)]
+struct State<L: Lanes> {
+    /// See [`Rays`] for these.
+    x: L::F,
+    y: L::F,
+    z: L::F,
+    dx: L::F,
+    dy: L::F,
+    dz: L::F,
+    inverse_dx: L::F,
+    inverse_dy: L::F,
+    side: L::F,
+    first_x: L::I,
+    first_y: L::I,
+    place: L::I,
+    /// What is known of it: the column of the cell that it meets, or a negative word.
+    answer: L::I,
+    /// How far the ray has come.
+    t: L::F,
+    /// The cell that it is in there.
+    ix: L::I,
+    iy: L::I,
+    /// The level at which it is looked at.
+    level: L::I,
+    active: L::M,
+}
+
+impl<L: Lanes> State<L> {
+    /// How fast the heights of the rays above planes of slopes `a` and `b` grow.
+    #[inline(always)]
+    fn rate(&self, a: L::F, b: L::F) -> L::F {
+        self.dz - a * self.dx - b * self.dy
+    }
+}
+
+/// Where rays leave the nodes that they are in.
+struct Exit<L: Lanes> {
+    t: L::F,
+    /// Whether through the edge across x.
+    across_x: L::M,
+    /// The edges ahead, in cells of the tile.
+    edge_x: L::I,
+    edge_y: L::I,
+    /// 1 if x (y) grows along the ray, otherwise 0.
+    ahead_x: L::I,
+    ahead_y: L::I,
+    /// How far, in columns, rounding may have moved the point.
+    rounding: L::F,
+}
+
+impl<'b, L: Lanes> Search<'b, L> {
+    #[inline(always)]
+    fn new(lanes: L, bounds: &'b Bounds) -> Self {
+        let mut tables = [[0; 16]; 2];
+        tables[0][..=MOST_LEVELS].copy_from_slice(&bounds.first);
+        tables[1][..=MOST_LEVELS].copy_from_slice(&bounds.width);
+        Self {
+            lanes,
+            bounds,
+            first: tables[0],
+            width: tables[1],
+        }
+    }
+
+    #[inline(always)]
+    fn run(&self, rays: &mut Rays) {
+        let lanes = self.lanes;
+        let all = ((1_u64 << L::COUNT) - 1) as u32;
+        let zero = lanes.splat(0.0);
+        let none = lanes.splat_i(0);
+        let mut state: State<L> = State {
+            x: zero,
+            y: zero,
+            z: zero,
+            dx: zero,
+            dy: zero,
+            dz: zero,
+            inverse_dx: zero,
+            inverse_dy: zero,
+            side: zero,
+            first_x: none,
+            first_y: none,
+            place: lanes.splat_i(rays.nowhere()),
+            answer: none,
+            t: zero,
+            ix: none,
+            iy: none,
+            level: none,
+            active: lanes.mask(0),
+        };
+        let count = rays.len();
+        let mut next = 0;
+        loop {
+            let idle = all & !state.active.bits();
+            let enough = idle.count_ones() as usize * 4 >= L::COUNT;
+            if enough && (next < count || idle == all) {
+                self.note_answers(&state, rays);
+                if next == count {
+                    break;
+                }
+                self.refill(&mut state, rays, idle, &mut next, count);
+            }
+            // A fixed round, since a ray takes about two steps a cell: choosing would cost more
+            // in branches than it saves.
+            self.step(&mut state);
+            self.step(&mut state);
+            self.look_into_cells(&mut state);
+        }
+    }
+
+    /// Puts the next rays into idle lanes.
+    #[inline(always)]
+    fn refill(&self, state: &mut State<L>, rays: &Rays, idle: u32, next: &mut usize, count: usize) {
+        let lanes = self.lanes;
+        // Where fewer rays are left than lanes are idle, the first lanes get them.
+        let mut filled = idle;
+        while filled.count_ones() as usize > count - *next {
+            filled &= !(1 << filled.ilog2());
+        }
+        let mask = lanes.mask(filled);
+        let from = *next;
+        macro_rules! load {
+            ($field:ident) => {
+                state.$field = lanes.refill(mask, &rays.$field[from..], state.$field)
+            };
+        }
+        load!(x);
+        load!(y);
+        load!(z);
+        load!(dx);
+        load!(dy);
+        load!(dz);
+        load!(inverse_dx);
+        load!(inverse_dy);
+        load!(side);
+        state.first_x = lanes.refill_i(mask, &rays.cell_x[from..], state.first_x);
+        state.first_y = lanes.refill_i(mask, &rays.cell_y[from..], state.first_y);
+        state.place = lanes.refill_i(mask, &rays.place[from..], state.place);
+        state.answer = lanes.select_i(mask, lanes.splat_i(DOUBTFUL), state.answer);
+        state.t = lanes.select(mask, lanes.splat(0.0), state.t);
+        state.ix = lanes.select_i(mask, state.first_x, state.ix);
+        state.iy = lanes.select_i(mask, state.first_y, state.iy);
+        // A ray from the highest point is far from everything, one from a facet is not.
+        let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
+        let first = FIRST_LEVEL.min(self.bounds.top as i32);
+        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(0));
+        state.level = lanes.select_i(mask, level, state.level);
+        state.active = state.active | mask;
+        *next += filled.count_ones() as usize;
+    }
+
+    /// Where the rays leave the nodes of their levels.
+    #[inline(always)]
+    fn exit(&self, state: &State<L>) -> Exit<L> {
+        let lanes = self.lanes;
+        let (zero, one) = (lanes.splat_i(0), lanes.splat_i(1));
+        let backward = lanes.splat(0.0);
+        let ahead_x = lanes.select_i(lanes.less(state.dx, backward), zero, one);
+        let ahead_y = lanes.select_i(lanes.less(state.dy, backward), zero, one);
+        let level = state.level;
+        let edge_x = (state.ix.shifted_right(level) + ahead_x).shifted_left(level);
+        let edge_y = (state.iy.shifted_right(level) + ahead_y).shifted_left(level);
+        let t_x = (lanes.to_float(edge_x - state.first_x) - state.x) * state.inverse_dx;
+        let t_y = (lanes.to_float(edge_y - state.first_y) - state.y) * state.inverse_dy;
+        let t = t_x.min(t_y);
+        let speed = state.dx.abs() + state.dy.abs();
+        let rounding = lanes.splat(ROUNDING) + lanes.splat(ROUNDING) * (t * speed);
+        Exit {
+            t,
+            across_x: lanes.less(t_x, t_y),
+            edge_x,
+            edge_y,
+            ahead_x,
+            ahead_y,
+            rounding,
+        }
+    }
+
+    /// Looks at nodes above the cells: down a level, or on.
+    #[inline(always)]
+    fn step(&self, state: &mut State<L>) {
+        let lanes = self.lanes;
+        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(0));
+        let exit = self.exit(state);
+        let node = lanes.lookup(&self.first, state.level)
+            + lanes
+                .lookup(&self.width, state.level)
+                .times(state.iy.shifted_right(state.level))
+            + state.ix.shifted_right(state.level);
+        let below = lanes.less(state.side, lanes.splat(0.0));
+        let half = lanes.splat_i(self.bounds.half as i32);
+        let node = node + lanes.select_i(below, half, lanes.splat_i(0));
+        let bound = lanes.gather(&self.bounds.nodes, node);
+        let lowest = state.z + (state.t * state.dz).min(exit.t * state.dz);
+        let clear = lanes.less(bound, lowest);
+        let down = walking & !clear;
+        state.level = lanes.select_i(down, state.level - lanes.splat_i(1), state.level);
+        self.advance(state, walking & clear, &exit);
+    }
+
+    /// Goes on to the next nodes; ends the rays that leave the tile or have risen above it.
+    #[inline(always)]
+    fn advance(&self, state: &mut State<L>, moving: L::M, exit: &Exit<L>) {
+        let lanes = self.lanes;
+        let one = lanes.splat_i(1);
+        let x = state.x + exit.t * state.dx;
+        let y = state.y + exit.t * state.dy;
+        // The coordinate along the edge says which cell comes next.
+        let along = lanes.select(exit.across_x, y, x);
+        let whole = along.floor();
+        let within = along - whole;
+        let unsure = lanes.less(within, exit.rounding)
+            | lanes.less(lanes.splat(1.0) - within, exit.rounding);
+        let cell = lanes.to_integer(whole);
+        let ix = lanes.select_i(
+            exit.across_x,
+            exit.edge_x + exit.ahead_x - one,
+            cell + state.first_x,
+        );
+        let iy = lanes.select_i(
+            exit.across_x,
+            cell + state.first_y,
+            exit.edge_y + exit.ahead_y - one,
+        );
+        // Up a level where the edge is also that of the parent.
+        let edge = lanes.select_i(exit.across_x, exit.edge_x, exit.edge_y);
+        let odd = edge.shifted_right(state.level).and(one);
+        let upper = lanes.less_i(state.level, lanes.splat_i(self.bounds.top as i32));
+        let up = lanes.equal_i(odd, lanes.splat_i(0)) & upper & moving;
+        state.level = lanes.select_i(up, state.level + one, state.level);
+        state.t = lanes.select(moving, exit.t, state.t);
+        state.ix = lanes.select_i(moving, ix, state.ix);
+        state.iy = lanes.select_i(moving, iy, state.iy);
+
+        let [cx, cy] = self.bounds.cells.map(|n| lanes.splat_i(n as i32));
+        let minus_one = lanes.splat_i(-1);
+        let inside = lanes.less_i(minus_one, ix)
+            & lanes.less_i(ix, cx)
+            & lanes.less_i(minus_one, iy)
+            & lanes.less_i(iy, cy);
+        let top = lanes.splat(self.bounds.reach + self.bounds.margin);
+        let rising = lanes.less(lanes.splat(0.0), state.dz);
+        let risen = rising & lanes.less(top, state.z + exit.t * state.dz);
+        let left = moving & (risen | !(unsure | inside));
+        let doubtful = moving & unsure & !left;
+        state.answer = lanes.select_i(left, lanes.splat_i(NOTHING), state.answer);
+        state.active = state.active & !(left | doubtful);
+    }
+
+    /// Looks at the facets of cells: a hit, a doubt, or on to the next cell.
+    #[inline(always)]
+    fn look_into_cells(&self, state: &mut State<L>) {
+        let lanes = self.lanes;
+        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(0));
+        let exit = self.exit(state);
+        let stride = self.bounds.cells[0] as i32 + 1;
+        let corner = state.iy.times(lanes.splat_i(stride)) + state.ix;
+        let heights = &self.bounds.heights;
+        let [h00, h10] = lanes.gather_pair(heights, corner);
+        let [h01, h11] = lanes.gather_pair(heights, corner + lanes.splat_i(stride));
+        let (h00, h10) = (h00 * state.side, h10 * state.side);
+        let (h01, h11) = (h01 * state.side, h11 * state.side);
+        // Place within the cell at t = 0, and which triangle the ray is over.
+        let u = state.x - lanes.to_float(state.ix - state.first_x);
+        let v = state.y - lanes.to_float(state.iy - state.first_y);
+        let (w, dw) = (u - v, state.dx - state.dy);
+        let zero = lanes.splat(0.0);
+        let (w_in, w_out) = (w + state.t * dw, w + exit.t * dw);
+        let lower_in = lanes.less(zero, w_in);
+        let lower_out = lanes.less(zero, w_out);
+        let crosses = (lower_in & !lower_out) | (!lower_in & lower_out);
+        let (lower_a, lower_b, upper_a, upper_b) = (h10 - h00, h11 - h10, h11 - h01, h01 - h00);
+        let a_in = lanes.select(lower_in, lower_a, upper_a);
+        let b_in = lanes.select(lower_in, lower_b, upper_b);
+        let a_out = lanes.select(lower_out, lower_a, upper_a);
+        let b_out = lanes.select(lower_out, lower_b, upper_b);
+        // Heights above the triangles on entry, on the diagonal, and on leaving.
+        let over = state.z - h00;
+        let (rate_in, rate_out) = (state.rate(a_in, b_in), state.rate(a_out, b_out));
+        let (first_in, first_out) = (over - a_in * u - b_in * v, over - a_out * u - b_out * v);
+        let across = lanes.splat(-1.0).over(dw);
+        let t_diagonal = lanes.select(crosses, w * across, exit.t);
+        let on_entry = first_in + state.t * rate_in;
+        let on_diagonal = first_in + t_diagonal * rate_in;
+        let on_leaving = first_out + exit.t * rate_out;
+        // What rounding may do to them: that of z, that of x and y times the slopes, and on the
+        // diagonal that of t times the rate.
+        let steepness = a_in.abs() + b_in.abs() + a_out.abs() + b_out.abs();
+        let margin = lanes.splat(self.bounds.margin) + exit.rounding * steepness;
+        let late = (exit.rounding * across * rate_in).abs();
+        let on_diagonal_margin = margin + lanes.select(crosses, late + late, zero);
+
+        let right_side = lanes.less(zero, on_entry + margin);
+        let (under_diagonal, over_diagonal) = (
+            lanes.less(on_diagonal + on_diagonal_margin, zero),
+            lanes.less(on_diagonal_margin, on_diagonal),
+        );
+        let (under_leaving, over_leaving) = (
+            lanes.less(on_leaving + margin, zero),
+            lanes.less(margin, on_leaving),
+        );
+        let edge = exit.rounding + exit.rounding;
+        let on_edge = lanes.less(w_in.abs(), edge) | lanes.less(w_out.abs(), edge);
+        let sure = right_side & !on_edge & at_cell;
+        // Passing under either triangle is enough: the facets of the cell decide later.
+        let met = sure & (under_diagonal | (over_diagonal & under_leaving));
+        let clear = sure & over_diagonal & over_leaving;
+        state.answer = lanes.select_i(met, state.ix, state.answer);
+        let doubtful = at_cell & !(met | clear);
+        state.active = state.active & !(met | doubtful);
+        self.advance(state, clear, &exit);
+    }
+
+    /// Writes down what is known of the rays in all lanes; of those that go on, more is known later.
+    #[inline(always)]
+    fn note_answers(&self, state: &State<L>, rays: &mut Rays) {
+        let places = self.lanes.store_i(state.place);
+        let columns = self.lanes.store_i(state.answer);
+        let rows = self.lanes.store_i(state.iy);
+        for lane in 0..L::COUNT {
+            rays.note(places[lane], [columns[lane], rows[lane]]);
+        }
+    }
+}

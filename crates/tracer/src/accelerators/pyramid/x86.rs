@@ -1,0 +1,482 @@
+//! Lanes by AVX2 and AVX-512.
+//!
+//! The one module with unsafe code. Its two reasons:
+//!
+//! - Intrinsics may run only where the processor has them. A value of [`Avx2`] or [`Avx512`] is the
+//!   proof: they are made by `detect` alone, after asking the processor, and lanes are made from
+//!   them alone.
+//! - Loads from memory take pointers. Every index is first brought within the slice.
+#![allow(
+    unsafe_code,
+    reason = "vector instructions, guarded as the module's text says"
+)]
+
+use std::arch::x86_64::*;
+use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
+
+use super::lanes::{Floats, Integers, Lanes, MOST_LANES, Mask, Task};
+
+/// Implements an operator by an intrinsic.
+macro_rules! operator {
+    ($trait:ident, $method:ident, $type:ident, $intrinsic:ident) => {
+        impl $trait for $type {
+            type Output = Self;
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                // SAFETY: lanes exist only where the processor has been asked.
+                Self(unsafe { $intrinsic(self.0, other.0) })
+            }
+        }
+    };
+}
+
+/// Implements methods of one or two arguments by intrinsics.
+macro_rules! methods {
+    ($($method:ident($($other:ident)?) = $intrinsic:ident;)*) => {
+        $(
+            #[inline(always)]
+            fn $method(self $(, $other: Self)?) -> Self {
+                // SAFETY: lanes exist only where the processor has been asked.
+                Self(unsafe { $intrinsic(self.0 $(, $other.0)?) })
+            }
+        )*
+    };
+}
+
+/// The instructions of AVX2 and FMA, found on this machine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Avx2(());
+
+impl Avx2 {
+    pub(super) fn detect() -> Option<Self> {
+        (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
+    }
+
+    /// Does `task` compiled for this instruction set.
+    pub(super) fn run(self, task: impl Task) {
+        #[target_feature(enable = "avx2,fma")]
+        fn compiled(lanes: Avx2, task: impl Task) {
+            task.run(lanes);
+        }
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { compiled(self, task) }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct F8(__m256);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct I8(__m256i);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct M8(__m256);
+
+operator!(Add, add, F8, _mm256_add_ps);
+operator!(Sub, sub, F8, _mm256_sub_ps);
+operator!(Mul, mul, F8, _mm256_mul_ps);
+operator!(Add, add, I8, _mm256_add_epi32);
+operator!(Sub, sub, I8, _mm256_sub_epi32);
+operator!(BitAnd, bitand, M8, _mm256_and_ps);
+operator!(BitOr, bitor, M8, _mm256_or_ps);
+
+impl Not for M8 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe {
+            Self(_mm256_xor_ps(
+                self.0,
+                _mm256_castsi256_ps(_mm256_set1_epi32(-1)),
+            ))
+        }
+    }
+}
+
+impl Floats for F8 {
+    methods! {
+        min(other) = _mm256_min_ps;
+        over(other) = _mm256_div_ps;
+        floor() = _mm256_floor_ps;
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) }
+    }
+}
+
+impl Integers for I8 {
+    methods! {
+        shifted_left(by) = _mm256_sllv_epi32;
+        shifted_right(by) = _mm256_srlv_epi32;
+        times(other) = _mm256_mullo_epi32;
+        and(other) = _mm256_and_si256;
+    }
+}
+
+impl Mask for M8 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { _mm256_movemask_ps(self.0) as u32 }
+    }
+}
+
+impl Lanes for Avx2 {
+    const COUNT: usize = 8;
+    type F = F8;
+    type I = I8;
+    type M = M8;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> F8 {
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { F8(_mm256_set1_ps(value)) }
+    }
+    #[inline(always)]
+    fn splat_i(self, value: i32) -> I8 {
+        // SAFETY: as above.
+        unsafe { I8(_mm256_set1_epi32(value)) }
+    }
+    #[inline(always)]
+    fn less(self, a: F8, b: F8) -> M8 {
+        // SAFETY: as above.
+        unsafe { M8(_mm256_cmp_ps::<_CMP_LT_OQ>(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn less_i(self, a: I8, b: I8) -> M8 {
+        // SAFETY: as above.
+        unsafe { M8(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b.0, a.0))) }
+    }
+    #[inline(always)]
+    fn equal_i(self, a: I8, b: I8) -> M8 {
+        // SAFETY: as above.
+        unsafe { M8(_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.0, b.0))) }
+    }
+    #[inline(always)]
+    fn select(self, mask: M8, yes: F8, no: F8) -> F8 {
+        // SAFETY: as above.
+        unsafe { F8(_mm256_blendv_ps(no.0, yes.0, mask.0)) }
+    }
+    #[inline(always)]
+    fn select_i(self, mask: M8, yes: I8, no: I8) -> I8 {
+        // SAFETY: as above.
+        unsafe { I8(_mm256_blendv_epi8(no.0, yes.0, _mm256_castps_si256(mask.0))) }
+    }
+    #[inline(always)]
+    fn to_float(self, value: I8) -> F8 {
+        // SAFETY: as above.
+        unsafe { F8(_mm256_cvtepi32_ps(value.0)) }
+    }
+    #[inline(always)]
+    fn to_integer(self, value: F8) -> I8 {
+        // SAFETY: as above.
+        unsafe { I8(_mm256_cvttps_epi32(value.0)) }
+    }
+    #[inline(always)]
+    fn gather(self, table: &[f32], index: I8) -> F8 {
+        let last = last_index(table.len());
+        // SAFETY: as above; every index is at most that of the last entry.
+        unsafe {
+            let index = _mm256_min_epu32(index.0, _mm256_set1_epi32(last));
+            F8(_mm256_i32gather_ps::<4>(table.as_ptr(), index))
+        }
+    }
+    #[inline(always)]
+    fn gather_pair(self, table: &[f32], index: I8) -> [F8; 2] {
+        let last = last_index(table.len() - 1);
+        let table = table.as_ptr().cast::<f64>();
+        // SAFETY: as above; every index is at most that of the last but one entry, so that eight
+        // bytes from there lie within the slice.
+        unsafe {
+            let index = _mm256_min_epu32(index.0, _mm256_set1_epi32(last));
+            let first = _mm256_i32gather_pd::<4>(table, _mm256_castsi256_si128(index));
+            let second = _mm256_i32gather_pd::<4>(table, _mm256_extracti128_si256::<1>(index));
+            let (first, second) = (_mm256_castpd_ps(first), _mm256_castpd_ps(second));
+            // Lanes 0 1 4 5 | 2 3 6 7 of the even (odd) entries, then put in order.
+            let even = _mm256_castps_pd(_mm256_shuffle_ps::<0b10_00_10_00>(first, second));
+            let odd = _mm256_castps_pd(_mm256_shuffle_ps::<0b11_01_11_01>(first, second));
+            let even = _mm256_permute4x64_pd::<0b11_01_10_00>(even);
+            let odd = _mm256_permute4x64_pd::<0b11_01_10_00>(odd);
+            [F8(_mm256_castpd_ps(even)), F8(_mm256_castpd_ps(odd))]
+        }
+    }
+    #[inline(always)]
+    fn lookup(self, table: &[i32; 16], index: I8) -> I8 {
+        // SAFETY: as above; every index is at most 15.
+        unsafe {
+            let index = _mm256_and_si256(index.0, _mm256_set1_epi32(15));
+            I8(_mm256_i32gather_epi32::<4>(table.as_ptr(), index))
+        }
+    }
+    #[inline(always)]
+    fn refill(self, mask: M8, source: &[f32], old: F8) -> F8 {
+        assert!(source.len() >= MOST_LANES);
+        // SAFETY: as above; `source` holds eight entries at least.
+        unsafe {
+            let next = _mm256_loadu_ps(source.as_ptr());
+            let spread = _mm256_permutevar8x32_ps(next, ranks(mask.bits()));
+            F8(_mm256_blendv_ps(old.0, spread, mask.0))
+        }
+    }
+    #[inline(always)]
+    fn refill_i(self, mask: M8, source: &[i32], old: I8) -> I8 {
+        assert!(source.len() >= MOST_LANES);
+        // SAFETY: as above; `source` holds eight entries at least.
+        unsafe {
+            let next = _mm256_loadu_si256(source.as_ptr().cast());
+            let spread = _mm256_permutevar8x32_epi32(next, ranks(mask.bits()));
+            I8(_mm256_blendv_epi8(
+                old.0,
+                spread,
+                _mm256_castps_si256(mask.0),
+            ))
+        }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> M8 {
+        // SAFETY: as above.
+        unsafe {
+            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let set = _mm256_and_si256(_mm256_set1_epi32(bits as i32), lane);
+            M8(_mm256_castsi256_ps(_mm256_cmpeq_epi32(set, lane)))
+        }
+    }
+    #[inline(always)]
+    fn store_i(self, value: I8) -> [i32; MOST_LANES] {
+        let mut out = [0; MOST_LANES];
+        // SAFETY: as above; `out` has room for eight entries.
+        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), value.0) };
+        out
+    }
+}
+
+/// For each lane the number of lanes before it that `bits` names.
+#[inline(always)]
+fn ranks(bits: u32) -> __m256i {
+    let mut rank = [0_i32; 8];
+    let mut before = 0;
+    for (lane, rank) in rank.iter_mut().enumerate() {
+        *rank = before;
+        before += (bits >> lane & 1) as i32;
+    }
+    // SAFETY: called from lanes of AVX2 alone; `rank` holds eight entries.
+    unsafe { _mm256_loadu_si256(rank.as_ptr().cast()) }
+}
+
+/// The index of the last entry of a table.
+#[inline(always)]
+fn last_index(len: usize) -> i32 {
+    assert!(len > 0 && len <= i32::MAX as usize);
+    (len - 1) as i32
+}
+
+/// The instructions of AVX-512 (F, BW, DQ, VL), found on this machine.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Avx512(());
+
+impl Avx512 {
+    pub(super) fn detect() -> Option<Self> {
+        (is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl"))
+        .then_some(Self(()))
+    }
+
+    /// Does `task` compiled for this instruction set.
+    pub(super) fn run(self, task: impl Task) {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma")]
+        fn compiled(lanes: Avx512, task: impl Task) {
+            task.run(lanes);
+        }
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { compiled(self, task) }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct F16(__m512);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct I16(__m512i);
+#[derive(Clone, Copy, Debug)]
+pub(super) struct M16(__mmask16);
+
+operator!(Add, add, F16, _mm512_add_ps);
+operator!(Sub, sub, F16, _mm512_sub_ps);
+operator!(Mul, mul, F16, _mm512_mul_ps);
+operator!(Add, add, I16, _mm512_add_epi32);
+operator!(Sub, sub, I16, _mm512_sub_epi32);
+
+impl BitAnd for M16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+impl BitOr for M16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl Not for M16 {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(!self.0)
+    }
+}
+
+impl Floats for F16 {
+    methods! {
+        min(other) = _mm512_min_ps;
+        over(other) = _mm512_div_ps;
+        abs() = _mm512_abs_ps;
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm512_roundscale_ps::<DOWN>(self.0)) }
+    }
+}
+
+impl Integers for I16 {
+    methods! {
+        shifted_left(by) = _mm512_sllv_epi32;
+        shifted_right(by) = _mm512_srlv_epi32;
+        times(other) = _mm512_mullo_epi32;
+        and(other) = _mm512_and_si512;
+    }
+}
+
+impl Mask for M16 {
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        u32::from(self.0)
+    }
+}
+
+impl Lanes for Avx512 {
+    const COUNT: usize = 16;
+    type F = F16;
+    type I = I16;
+    type M = M16;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> F16 {
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { F16(_mm512_set1_ps(value)) }
+    }
+    #[inline(always)]
+    fn splat_i(self, value: i32) -> I16 {
+        // SAFETY: as above.
+        unsafe { I16(_mm512_set1_epi32(value)) }
+    }
+    #[inline(always)]
+    fn less(self, a: F16, b: F16) -> M16 {
+        // SAFETY: as above.
+        unsafe { M16(_mm512_cmp_ps_mask::<_CMP_LT_OQ>(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn less_i(self, a: I16, b: I16) -> M16 {
+        // SAFETY: as above.
+        unsafe { M16(_mm512_cmplt_epi32_mask(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn equal_i(self, a: I16, b: I16) -> M16 {
+        // SAFETY: as above.
+        unsafe { M16(_mm512_cmpeq_epi32_mask(a.0, b.0)) }
+    }
+    #[inline(always)]
+    fn select(self, mask: M16, yes: F16, no: F16) -> F16 {
+        // SAFETY: as above.
+        unsafe { F16(_mm512_mask_blend_ps(mask.0, no.0, yes.0)) }
+    }
+    #[inline(always)]
+    fn select_i(self, mask: M16, yes: I16, no: I16) -> I16 {
+        // SAFETY: as above.
+        unsafe { I16(_mm512_mask_blend_epi32(mask.0, no.0, yes.0)) }
+    }
+    #[inline(always)]
+    fn to_float(self, value: I16) -> F16 {
+        // SAFETY: as above.
+        unsafe { F16(_mm512_cvtepi32_ps(value.0)) }
+    }
+    #[inline(always)]
+    fn to_integer(self, value: F16) -> I16 {
+        // SAFETY: as above.
+        unsafe { I16(_mm512_cvttps_epi32(value.0)) }
+    }
+    #[inline(always)]
+    fn gather(self, table: &[f32], index: I16) -> F16 {
+        let last = last_index(table.len());
+        // SAFETY: as above; every index is at most that of the last entry.
+        unsafe {
+            let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
+            F16(_mm512_i32gather_ps::<4>(index, table.as_ptr()))
+        }
+    }
+    #[inline(always)]
+    fn gather_pair(self, table: &[f32], index: I16) -> [F16; 2] {
+        let last = last_index(table.len() - 1);
+        let table = table.as_ptr().cast::<f64>();
+        // SAFETY: as above; every index is at most that of the last but one entry, so that eight
+        // bytes from there lie within the slice.
+        unsafe {
+            let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
+            let first = _mm512_i32gather_pd::<4>(_mm512_castsi512_si256(index), table);
+            let second = _mm512_i32gather_pd::<4>(_mm512_extracti64x4_epi64::<1>(index), table);
+            let (first, second) = (_mm512_castpd_ps(first), _mm512_castpd_ps(second));
+            let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+            let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
+            [
+                F16(_mm512_permutex2var_ps(first, even, second)),
+                F16(_mm512_permutex2var_ps(first, odd, second)),
+            ]
+        }
+    }
+    #[inline(always)]
+    fn lookup(self, table: &[i32; 16], index: I16) -> I16 {
+        // SAFETY: as above; `table` holds sixteen entries, and the permutation takes an index's
+        // low four bits.
+        unsafe {
+            let table = _mm512_loadu_epi32(table.as_ptr());
+            I16(_mm512_permutexvar_epi32(index.0, table))
+        }
+    }
+    #[inline(always)]
+    fn refill(self, mask: M16, source: &[f32], old: F16) -> F16 {
+        assert!(source.len() >= MOST_LANES);
+        // SAFETY: as above; `source` holds sixteen entries at least.
+        unsafe {
+            let next = _mm512_loadu_ps(source.as_ptr());
+            F16(_mm512_mask_expand_ps(old.0, mask.0, next))
+        }
+    }
+    #[inline(always)]
+    fn refill_i(self, mask: M16, source: &[i32], old: I16) -> I16 {
+        assert!(source.len() >= MOST_LANES);
+        // SAFETY: as above; `source` holds sixteen entries at least.
+        unsafe {
+            let next = _mm512_loadu_epi32(source.as_ptr());
+            I16(_mm512_mask_expand_epi32(old.0, mask.0, next))
+        }
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> M16 {
+        M16(bits as __mmask16)
+    }
+    #[inline(always)]
+    fn store_i(self, value: I16) -> [i32; MOST_LANES] {
+        let mut out = [0; MOST_LANES];
+        // SAFETY: as above; `out` has room for sixteen entries.
+        unsafe { _mm512_storeu_epi32(out.as_mut_ptr(), value.0) };
+        out
+    }
+}
