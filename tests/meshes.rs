@@ -127,6 +127,11 @@ fn what_meshes_are_not_for_gets_a_sentence() {
             2,
             "--remove is for height maps",
         ),
+        (
+            trace(&["--accelerator", "pyramid"]),
+            2,
+            "pyramid needs a height field",
+        ),
         (vec!["inspect", "table.obj"], 2, "a height map is needed"),
         (
             vec!["mesh", "table.obj", "-o", "x.ply"],

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use asperity_experiment::{
-    Light, RaySettings, Summary, Surroundings, energy_table, lost_warning, trace, trace_mesh,
-    trace_report, work_line,
+    Light, RaySettings, RunError, Summary, Surroundings, energy_table, lost_warning, trace,
+    trace_mesh, trace_report, work_line,
 };
 use asperity_io::create_output_folder;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, Roughness};
 use asperity_tally::Layout;
-use asperity_tracer::{Geometry, Medium, MeshSurface, PathSettings};
+use asperity_tracer::{BuildError, Geometry, Medium, MeshSurface, PathSettings};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Trace};
@@ -54,7 +54,10 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             (outcome, None)
         }
     };
-    let outcome = outcome.map_err(Failure::failed)?;
+    let outcome = outcome.map_err(|error| match error {
+        RunError::Build(BuildError::NeedsHeightField { .. }) => Failure::usage(error),
+        _ => Failure::failed(error),
+    })?;
     let statistics = &outcome.statistics;
     warnings.extend(lost_warning(statistics));
     let summary = Summary::new(

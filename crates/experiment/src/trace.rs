@@ -102,7 +102,7 @@ fn trace_on<G: Geometry>(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, settings.accelerator)
+            ..SummaryWork::new(work, accelerator.kind())
         },
     })
 }

@@ -348,6 +348,7 @@ impl Geometry for MeshSurface {
         Ok(match kind {
             AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
+            kind => return Err(BuildError::NeedsHeightField { kind }),
         })
     }
 }
@@ -710,7 +711,7 @@ mod tests {
         // Two triangles of a square, one corner off by a rounding to single precision.
         let vertices = [
             [0.0, 0.0, 0.1],
-            [1.0, 0.0, f64::from(0.1_f32)],
+            [1.0, 0.0, 0.100_000_001_490_116_12],
             [1.0, 1.0 + 1e-8, 0.1],
             [-1e-8, 1.0, 0.1],
         ];
