@@ -75,6 +75,15 @@ fn a_cube_above_the_ground_is_traced() {
     };
     assert_eq!(energies("mesh"), energies("brute-force"));
 
+    let (_, cube) = TABLE.split_once("f 1 2 3 4\n").unwrap();
+    let corners = &TABLE[..TABLE.find("f 1").unwrap()];
+    fs::write(folder.join("cube.obj"), [corners, cube].concat()).unwrap();
+    let text = succeed(
+        folder,
+        &["trace", "cube.obj", "--theta", "0", "--rays", "1e3"],
+    );
+    assert!(text.contains("the mesh is closed"), "{text}");
+
     // An open patch unless asked for otherwise; turned over and with a hole, it says so.
     let text = succeed(folder, &trace);
     assert!(text.contains("the patch is open"), "{text}");

@@ -259,11 +259,16 @@ fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
             repairs.dropped
         ));
     }
+    let booked = match mesh.border() {
+        Border::Open => "truncated",
+        Border::Periodic | Border::Mirrored => "lost",
+    };
+    if repairs.closed {
+        warnings.push(format!(
+            "the mesh is closed: light that goes on beneath it meets nothing and is booked as {booked}"
+        ));
+    }
     if repairs.open_edges > 0 {
-        let booked = match mesh.border() {
-            Border::Open => "truncated",
-            Border::Periodic | Border::Mirrored => "lost",
-        };
         warnings.push(format!(
             "{} edges inside the tile have one triangle only: light that passes by them is booked as {booked}",
             repairs.open_edges

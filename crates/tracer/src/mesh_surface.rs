@@ -134,7 +134,7 @@ pub struct MeshSurface {
     repairs: Repairs,
 }
 
-/// What was found in a mesh and dealt with.
+/// What a mesh is like, and what was done to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
     /// Triangles left out, whose corners lie on one line to rounding.
@@ -143,6 +143,8 @@ pub struct Repairs {
     pub turned_over: bool,
     /// Edges that have one triangle only and do not lie on the border of the tile.
     pub open_edges: usize,
+    /// Whether every edge has two triangles: closed bodies, and no ground beneath them.
+    pub closed: bool,
 }
 
 impl MeshSurface {
@@ -174,7 +176,7 @@ impl MeshSurface {
         if triangles.is_empty() {
             return Err(MeshSurfaceError::NoTriangles(all));
         }
-        let open_edges = check_edges(&frame, &vertices, &triangles)?;
+        let (open_edges, closed) = check_edges(&frame, &vertices, &triangles)?;
         let turned_over = faces_away(&vertices, &triangles);
         if turned_over {
             for [_, b, c] in &mut triangles {
@@ -198,6 +200,7 @@ impl MeshSurface {
                 dropped: all - triangles.len(),
                 turned_over,
                 open_edges,
+                closed,
             },
             vertices,
             triangles,
@@ -205,7 +208,7 @@ impl MeshSurface {
         })
     }
 
-    /// What was found in the mesh and dealt with.
+    /// What the mesh is like, and what was done to it.
     #[must_use]
     pub const fn repairs(&self) -> Repairs {
         self.repairs
@@ -534,12 +537,13 @@ fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
     u.cross(v).length() <= longest * LONGEST / (1_u64 << 52) as f64
 }
 
-/// Checks what meets at each edge; returns how many have one triangle only and lie within the tile.
+/// Checks what meets at each edge; returns how many have one triangle only and lie within the tile,
+/// and whether there are none of one triangle at all.
 fn check_edges(
     frame: &Frame,
     vertices: &[DVec3],
     triangles: &[[u32; 3]],
-) -> Result<usize, MeshSurfaceError> {
+) -> Result<(usize, bool), MeshSurfaceError> {
     // Both ends, the smaller first, and whether the triangle runs from the smaller to the larger.
     let mut edges: Vec<(u32, u32, bool)> = triangles
         .iter()
@@ -547,13 +551,15 @@ fn check_edges(
         .map(|(p, q)| (p.min(q), p.max(q), p < q))
         .collect();
     edges.sort_unstable();
-    let mut open = 0;
+    let (mut open, mut closed) = (0, true);
     for edge in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
         let ends = [edge[0].0, edge[0].1].map(|k| vertices[k as usize]);
         let [from, to] = ends.map(|p| frame.leave(p));
         match *edge {
-            [_] if lies_on_border(ends, frame.extent) => {}
-            [_] => open += 1,
+            [_] => {
+                closed = false;
+                open += usize::from(!lies_on_border(ends, frame.extent));
+            }
             [(_, _, one), (_, _, other)] if one != other => {}
             [_, _] => return Err(MeshSurfaceError::Inconsistent { from, to }),
             _ => {
@@ -565,7 +571,7 @@ fn check_edges(
             }
         }
     }
-    Ok(open)
+    Ok((open, closed))
 }
 
 /// Whether an edge lies on one side of the tile.
