@@ -222,6 +222,75 @@ fn trace_writes_what_it_says() {
 }
 
 #[test]
+fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
+    let (_keep, folder) = with_surface();
+    let fixed = [
+        "trace",
+        "h.exr",
+        "--theta",
+        "40",
+        "--rays",
+        "2e4",
+        "--max-order",
+        "1",
+        "--roulette",
+        "0.1",
+    ];
+    succeed(&folder, &[&fixed[..], &["-o", "both"]].concat());
+    for (side, other) in [("reflected", "transmitted"), ("transmitted", "reflected")] {
+        let text = succeed(
+            &folder,
+            &[&fixed[..], &["--side", side, "-o", side]].concat(),
+        );
+        assert!(text.contains("not asked"), "{text}");
+        assert!(!text.contains(&format!("  {other} ")), "{text}");
+        let out = folder.join(side);
+        // What is asked for is the same to the byte as in a run that asks for both sides.
+        for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
+            let found = fs::read_to_string(out.join(name)).unwrap();
+            let both = fs::read_to_string(folder.join("both").join(name)).unwrap();
+            let expected: String = both
+                .lines()
+                .filter(|line| !line.starts_with(other))
+                .map(|line| format!("{line}\n"))
+                .collect();
+            assert!(found == expected, "{side} {name}");
+        }
+        let [one, both] = [&out, &folder.join("both")].map(|folder| {
+            let text = fs::read_to_string(folder.join("summary.json")).unwrap();
+            json(&text)
+        });
+        assert_eq!(one["energy"][side], both["energy"][side]);
+        assert_eq!(one["orders"][side], both["orders"][side]);
+        assert!(one["energy"].as_object().unwrap()[other].is_null());
+        assert!(one["orders"].as_object().unwrap()[other].is_null());
+        let paths = one["paths"].as_array().unwrap();
+        assert!(paths.iter().all(|path| path["side"] == side), "{paths:?}");
+        let mean = |key: &str| one["energy"][key]["mean"].as_f64().unwrap();
+        assert!(mean("not_asked") > 0.01 && mean("not_asked") <= mean("truncated") + 0.01);
+        assert!((mean(side) + mean("truncated") - 1.0).abs() < 1e-12);
+        assert!(one["work"]["branches_not_asked"].as_u64().unwrap() > 1000);
+        assert_eq!(both["work"]["branches_not_asked"], 0);
+        assert_eq!(both["energy"]["not_asked"]["mean"], 0.0);
+        assert_eq!(one["config"]["side"], side);
+
+        let in_plane = |side: &str| out.join(format!("in_plane_{side}.svg"));
+        assert!(in_plane(side).exists() && !in_plane(other).exists());
+        let lobes = fs::read_to_string(out.join("lobes.svg")).unwrap();
+        assert!(lobes.contains(&format!("{other} light not asked for")));
+    }
+    let mirror = [
+        "--material",
+        "mirror",
+        "--side",
+        "reflected",
+        "-o",
+        "mirror",
+    ];
+    succeed(&folder, &[&fixed[..], &mirror[..]].concat());
+}
+
+#[test]
 fn flat_surface_reflects_by_fresnel() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = [

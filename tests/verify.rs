@@ -123,6 +123,144 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
 }
 
 #[test]
+fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let fixed = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "128",
+        "--smoothness",
+        "2",
+        "--eta",
+        "1.4",
+        "--theta",
+        "0",
+        "--realisations",
+        "12",
+        "--rays",
+        "1e5",
+        "-o",
+        "out",
+    ];
+    let text = succeed(folder, &fixed);
+    assert!(text.contains("bins in rings of 20 rays or more"), "{text}");
+    assert!(!text.contains(" phi "), "no azimuth is named: {text}");
+    let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
+    // Bins of a ring are copies of each other, in what was found and in what is expected.
+    for name in ["histogram.csv", "comparison.csv"] {
+        let table = read(name);
+        let rows: Vec<String> = table
+            .lines()
+            .skip(1)
+            .map(|line| {
+                let mut fields: Vec<&str> = line.split(',').collect();
+                fields.drain(3..5);
+                fields.join(",")
+            })
+            .collect();
+        assert_eq!(rows.len(), 36 * 36);
+        for ring in rows.chunks_exact(36) {
+            assert!(ring.iter().all(|row| *row == ring[0]), "{name}: {ring:?}");
+        }
+    }
+    // A bin of a ring with some rays holds a part of a ray.
+    assert!(
+        read("histogram.csv").lines().skip(1).any(|line| line
+            .split(',')
+            .nth(11)
+            .unwrap()
+            .contains('.'))
+    );
+    // Backward and forward in the plane of incidence are the same.
+    let table = read("in_plane.csv");
+    let fluxes: Vec<&str> = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(4).unwrap())
+        .collect();
+    for side in fluxes.chunks_exact(36) {
+        assert!(side.iter().eq(side.iter().rev()));
+    }
+    let summary = json(&read("summary.json"));
+    let models = summary["comparison"]["models"].as_array().unwrap();
+    for model in models {
+        let scales = model["single"]["scales"].as_array().unwrap();
+        let number = |scale: usize, key: &str| scales[scale][key].as_f64().unwrap();
+        assert_eq!(number(0, "p"), number(1, "p"));
+        assert!((number(0, "max_t") / number(1, "max_t") - 1.0).abs() < 1e-9);
+    }
+    // A rough surface at normal incidence: Xu and Sun lose light, and the test sees it.
+    assert_eq!(models[0]["verdict"], "fails");
+}
+
+#[test]
+fn a_verification_of_one_side_judges_that_side() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let config = "
+        [surface]
+        smoothness = 1
+        tau = 8
+        size = 64
+        [material]
+        eta = 1.4
+        [run]
+        realisations = 10
+        rays = 2e4
+        side = \"transmitted\"
+    ";
+    fs::write(folder.join("v.toml"), config).unwrap();
+    let text = succeed(folder, &["verify", "v.toml", "-o", "one"]);
+    let of_both = ["verify", "v.toml", "--side", "both", "-o", "both"];
+    succeed(folder, &of_both);
+    assert!(text.contains("transmitted single") && text.contains("not asked"));
+    assert!(!text.contains("reflected"), "{text}");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    for name in [
+        "comparison.csv",
+        "histogram.csv",
+        "theta.csv",
+        "in_plane.csv",
+    ] {
+        let expected: String = read(&format!("both/{name}"))
+            .lines()
+            .filter(|line| !line.starts_with("reflected"))
+            .map(|line| format!("{line}\n"))
+            .collect();
+        assert!(read(&format!("one/{name}")) == expected, "{name}");
+    }
+    let [one, both] = ["one", "both"].map(|run| json(&read(&format!("{run}/summary.json"))));
+    for model in 0..3 {
+        let [one, both] = [&one, &both].map(|run| &run["comparison"]["models"][model]);
+        assert!(one["reflected"].is_null() && both["reflected"].is_f64());
+        assert_eq!(one["transmitted"], both["transmitted"]);
+        // The other side adds its own deviation.
+        let distance = |of: &Value| of["single"]["total_variation"].as_f64().unwrap();
+        assert!(distance(one) < distance(both));
+        let tested = |of: &Value| of["single"]["bins_tested"].as_u64().unwrap();
+        assert!(tested(one) <= 648 && tested(one) < tested(both));
+        let scales = one["single"]["scales"].as_array().unwrap();
+        assert!(scales[2]["name"] == "sides" && scales[2]["member"] == 0);
+    }
+    assert!(!folder.join("one/in_plane_reflected.svg").exists());
+    // Many cases have an overview.
+    let many = [
+        "verify",
+        "v.toml",
+        "--theta",
+        "0,60",
+        "--side",
+        "reflected",
+        "-o",
+        "many",
+    ];
+    assert!(!succeed(folder, &many).contains("transmitted"));
+}
+
+#[test]
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use asperity_experiment::{parse_count, parse_number};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
-use asperity_tally::HemisphereGrid;
+use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
@@ -269,6 +269,9 @@ pub(crate) struct Trace {
     /// Half width of the in-plane wedge, degrees
     #[arg(long, value_parser = parse_number, default_value = "5", allow_negative_numbers = true)]
     pub(crate) in_plane_half_width: f64,
+    /// The side whose light is recorded: both, reflected or transmitted
+    #[arg(long, default_value = "both")]
+    pub(crate) side: Sides,
     /// Follow both branches at an interface, or pick one
     #[arg(long, value_enum, default_value = "split")]
     pub(crate) branching: BranchingArgument,
@@ -353,6 +356,9 @@ pub(crate) struct Verify {
     /// Half width of the in-plane wedge, degrees
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) in_plane_half_width: Option<f64>,
+    /// The side whose light is recorded: both, reflected or transmitted
+    #[arg(long)]
+    pub(crate) side: Option<Sides>,
     /// Follow both branches at an interface, or pick one
     #[arg(long, value_enum)]
     pub(crate) branching: Option<BranchingArgument>,

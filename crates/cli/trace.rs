@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use asperity_experiment::{
-    Light, RaySettings, RunError, Summary, Surroundings, energy_table, lost_warning, trace,
-    trace_mesh, trace_report, work_line,
+    Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, lost_warning,
+    trace, trace_mesh, trace_report, work_line,
 };
 use asperity_io::create_output_folder;
 use asperity_optics::{Incidence, Material};
@@ -23,7 +23,10 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let material = command.interface.material()?;
     let incidence = command.light.incidence()?;
     let half_width = command.in_plane_half_width.to_radians();
-    let layout = Layout::new(command.bins, half_width).map_err(Failure::usage)?;
+    check_sides(command.side, material).map_err(Failure::usage)?;
+    let layout = Layout::new(command.bins, half_width)
+        .map_err(Failure::usage)?
+        .with_sides(command.side);
     let branching = command.branching.into();
     let settings = RaySettings {
         rays: command.rays,
@@ -220,6 +223,7 @@ fn config(command: &Trace, material: Material, incidence: Incidence, surface: Va
         "rays": command.rays,
         "bins": command.bins,
         "in_plane_half_width_deg": command.in_plane_half_width,
+        "side": command.side,
         "branching": asperity_tracer::Branching::from(command.branching),
         "roulette": command.roulette,
         "max_order": command.max_order,

@@ -123,6 +123,7 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     run.in_plane_half_width = command
         .in_plane_half_width
         .map_or(run.in_plane_half_width, Number);
+    run.side = command.side.unwrap_or(run.side);
     run.branching = command.branching.map_or(run.branching, Into::into);
     run.roulette = command.roulette.map_or(run.roulette, Number);
     run.max_order = command.max_order.unwrap_or(run.max_order);

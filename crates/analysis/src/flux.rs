@@ -16,7 +16,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use asperity_optics::{from_spherical, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Side};
+use asperity_tally::{HemisphereGrid, Side, Sides};
 use glam::DVec3;
 
 use crate::model::BsdfModel;
@@ -34,11 +34,21 @@ const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
 /// `wi` is a unit vector with `z > 0`. The error of a bin is about 1e-12 of the incident flux.
 #[must_use]
 pub fn bin_fluxes(model: &dyn BsdfModel, wi: DVec3, grid: &HemisphereGrid) -> Vec<f64> {
+    bin_fluxes_of(model, wi, grid, Sides::Both)
+}
+
+/// [`bin_fluxes`] on the sides that are asked for, and zero on the other.
+pub(crate) fn bin_fluxes_of(
+    model: &dyn BsdfModel,
+    wi: DVec3,
+    grid: &HemisphereGrid,
+    sides: Sides,
+) -> Vec<f64> {
     let (n_theta, n_phi) = (grid.n_theta(), grid.n_phi());
     let mut fluxes = vec![0.0; grid.len()];
     let vertical = wi.x == 0.0 && wi.y == 0.0;
     let mirror = mirror_sum(wi, n_phi);
-    for side in Side::BOTH {
+    for side in Side::BOTH.into_iter().filter(|&side| sides.ask(side)) {
         let Some(mut range) = FluxIntegral::new(model, wi, side) else {
             continue;
         };

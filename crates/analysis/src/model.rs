@@ -1,11 +1,11 @@
 //! What a scattering model offers.
 
 use asperity_optics::{Material, MaterialError};
-use asperity_tally::HemisphereGrid;
+use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 use serde::Serialize;
 
-use crate::bin_fluxes;
+use crate::flux::bin_fluxes_of;
 
 /// The surface interactions that a model accounts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -39,8 +39,9 @@ pub trait ScatteringModel: Send + Sync {
     /// The orders that the model covers.
     fn scope(&self) -> Scope;
 
-    /// The flux fractions that the model expects for light from `wi` in the bins of `grid`.
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid) -> ExpectedFluxes;
+    /// The flux fractions that the model expects for light from `wi` in the bins of `grid`; those of
+    /// a side that is not among `sides` stay zero.
+    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, sides: Sides) -> ExpectedFluxes;
 }
 
 /// A model that has a density at every direction.
@@ -69,9 +70,10 @@ pub(crate) fn exact_fluxes(
     model: &dyn BsdfModel,
     wi: DVec3,
     grid: &HemisphereGrid,
+    sides: Sides,
 ) -> ExpectedFluxes {
     ExpectedFluxes {
-        flux: bin_fluxes(model, wi, grid),
+        flux: bin_fluxes_of(model, wi, grid, sides),
         standard_error: None,
     }
 }

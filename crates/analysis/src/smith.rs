@@ -4,7 +4,7 @@
 //! joint shadowing-masking function. Lambda is exact, not the rational fit in wide use.
 
 use asperity_optics::Material;
-use asperity_tally::HemisphereGrid;
+use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 
 use crate::beckmann::smith_lambda_of;
@@ -111,8 +111,8 @@ impl ScatteringModel for Smith {
         Scope::SingleScattering
     }
 
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid) -> ExpectedFluxes {
-        exact_fluxes(self, wi, grid)
+    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, sides: Sides) -> ExpectedFluxes {
+        exact_fluxes(self, wi, grid, sides)
     }
 }
 

@@ -5,7 +5,7 @@
 //! facets that look away from the light a second time. It is kept as published all the same.
 
 use asperity_optics::Material;
-use asperity_tally::HemisphereGrid;
+use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 
 use crate::facet_scattering::unmasked_bsdf;
@@ -71,8 +71,8 @@ impl ScatteringModel for XuSun {
         Scope::SingleScattering
     }
 
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid) -> ExpectedFluxes {
-        exact_fluxes(self, wi, grid)
+    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, sides: Sides) -> ExpectedFluxes {
+        exact_fluxes(self, wi, grid, sides)
     }
 }
 

@@ -211,6 +211,57 @@ fn results_do_not_depend_on_anything_but_data_and_seed() {
 }
 
 #[test]
+fn bins_that_are_copies_of_each_other_change_no_judgement() {
+    // What vertical light does: a ring's flux is spread evenly over its bins.
+    let copies = 36;
+    let mut ensemble = Ensemble::new(11);
+    for count in [8, 24] {
+        let surfaces: Vec<Vec<f64>> = (0..count).map(|_| ensemble.surface()).collect();
+        let model = ensemble.expected.clone();
+        let mut enough = vec![true; BINS];
+        enough[3] = false;
+        let spread = |of_rings: &[f64]| -> Vec<f64> {
+            let shares = of_rings.iter().map(|flux| flux / copies as f64);
+            shares.flat_map(|share| vec![share; copies]).collect()
+        };
+        let groupings = |of_each: usize| {
+            let groups = |width: usize| -> Vec<Vec<usize>> {
+                let firsts = (0..BINS * of_each).step_by(width);
+                firsts
+                    .map(|first| (first..first + width).collect())
+                    .collect()
+            };
+            [("rings", of_each), ("sides", BINS * of_each)].map(|(name, width)| Grouping {
+                name,
+                groups: groups(width),
+            })
+        };
+        let alone = compare(&surfaces, &model, &enough, &groupings(1), 1).unwrap();
+        let copied: Vec<Vec<f64>> = surfaces.iter().map(|fluxes| spread(fluxes)).collect();
+        let enough: Vec<bool> = enough.iter().flat_map(|&e| vec![e; copies]).collect();
+        let copied = compare(&copied, &spread(&model), &enough, &groupings(copies), 1).unwrap();
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-11 * a.abs(), "{a} {b}");
+        near(
+            alone.total_variation.observed,
+            copied.total_variation.observed,
+        );
+        near(
+            alone.total_variation.noise.unwrap(),
+            copied.total_variation.noise.unwrap(),
+        );
+        let (alone, copied) = (alone.test.unwrap(), copied.test.unwrap());
+        assert_eq!((alone.p, alone.min_p), (copied.p, copied.min_p));
+        for (a, b) in alone.scales.iter().zip(&copied.scales) {
+            assert_eq!(a.p, b.p);
+            near(a.max_t, b.max_t);
+        }
+        // A bin and its ring deviate alike, and the ring is named.
+        assert_eq!(copied.scales[0].p, copied.scales[1].p);
+        assert_ne!(copied.strongest().name, "bins");
+    }
+}
+
+#[test]
 fn a_wrong_model_fails_beside_a_right_one_that_holds() {
     let mut ensemble = Ensemble::new(24);
     let surfaces = ensemble.surfaces(24);

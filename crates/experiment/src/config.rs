@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use asperity_analysis::{DEFAULT_LEVEL, MODEL_NAMES, ModelError, create_model};
 use asperity_optics::{Incidence, IncidenceError, Material, MaterialError};
 use asperity_surface::{Psd, PsdError};
-use asperity_tally::{HemisphereGrid, Layout, LayoutError};
+use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
 use asperity_tracer::{AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError};
 use serde::{Deserialize, Serialize};
 
@@ -230,6 +230,8 @@ pub struct RunConfig {
     pub bins: HemisphereGrid,
     /// Half width of the in-plane wedge, degrees.
     pub in_plane_half_width: Number,
+    /// The sides whose light is recorded.
+    pub side: Sides,
     /// Both branches, or one picked.
     pub branching: Branching,
     /// Flux below which roulette decides.
@@ -248,6 +250,7 @@ impl Default for RunConfig {
             seed: 1,
             bins: HemisphereGrid::default(),
             in_plane_half_width: Number(5.0),
+            side: Sides::Both,
             branching: Branching::Split,
             roulette: Number(PathSettings::DEFAULT_ROULETTE),
             max_order: PathSettings::DEFAULT_MAX_ORDER,
@@ -265,7 +268,8 @@ impl RunConfig {
         Ok(RaySettings {
             rays: self.rays.0,
             seed: self.seed,
-            layout: Layout::new(self.bins, self.in_plane_half_width.0.to_radians())?,
+            layout: Layout::new(self.bins, self.in_plane_half_width.0.to_radians())?
+                .with_sides(self.side),
             paths: PathSettings::new(self.branching, self.roulette.0, self.max_order)?,
             accelerator: self.accelerator,
         })
@@ -431,6 +435,13 @@ impl VerifyConfig {
             .map_or(isotropic, |a| a == Azimuth::Random)
     }
 
+    /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
+    /// over azimuth: vertical light, of any azimuth.
+    #[must_use]
+    pub fn free_azimuth(&self, case: &Case) -> bool {
+        self.any_azimuth() && case.incidence.is_vertical()
+    }
+
     fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
@@ -466,12 +477,26 @@ impl VerifyConfig {
                     case.folder()
                 )));
             }
+            check_sides(self.run.side, case.material)?;
             for name in &self.compare.models {
                 create_model(name, case.smoothness, case.material)?;
             }
         }
         Ok(())
     }
+}
+
+/// Checks that light of `material` can leave on the sides asked for.
+///
+/// # Errors
+/// [`ConfigError::Contradiction`] if transmitted light alone is asked of a surface that transmits none.
+pub fn check_sides(sides: Sides, material: Material) -> Result<(), ConfigError> {
+    if sides != Sides::Transmitted || material.transmitting_index().is_some() {
+        return Ok(());
+    }
+    Err(ConfigError::Contradiction(
+        "nothing is transmitted by a conductor or a mirror; ask for side reflected or both".into(),
+    ))
 }
 
 fn check_smoothness(smoothness: f64) -> Result<(), ConfigError> {
@@ -563,6 +588,11 @@ mod tests {
             ("[run]\naccelerator = \"magic\"", "magic"),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
             ("[compare]\nalpha = 0", "alpha"),
+            ("[run]\nside = \"left\"", "left"),
+            (
+                "[run]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",
+                "nothing is transmitted",
+            ),
             ("[surface]\ntau_y = 8", "isotropic"),
             ("surface = 3", "line 1"),
             ("[surface", "line 1"),

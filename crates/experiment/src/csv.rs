@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use asperity_io::{CsvField as Field, WriteError, write_csv};
-use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share, Side};
+use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share};
 
 use crate::verify::{CaseOutcome, ModelOutcome};
 
@@ -69,7 +69,8 @@ fn write_histogram(
         "flux_multiple_se",
     ]);
     let grid = layout.grid();
-    let rows = grid.bins().enumerate().map(|(i, bin)| {
+    let rows = layout.asked_bins().map(|i| {
+        let bin = grid.bin(i);
         let [single, multiple, total] =
             Share::ALL.map(|share| statistics.estimate(layout.bins(share).start + i));
         let hits: f64 = [Share::Single, Share::Multiple]
@@ -85,14 +86,24 @@ fn write_histogram(
             (total.mean / bin.solid_angle).into(),
             (total.mean / projected).into(),
             total.se.map(|se| se / projected).into(),
-            // Hits are kept per incident ray; their number is whole but for rounding.
-            ((hits * rays as f64).round() as u64).into(),
+            count_of_rays(hits * rays as f64),
         ]);
         row.extend(fields(single));
         row.extend(fields(multiple));
         row
     });
     write_csv(folder.join("histogram.csv"), &header, rows)
+}
+
+/// A number of rays that was kept per incident ray: whole but for rounding, unless a ring's rays were
+/// spread over its bins.
+fn count_of_rays(count: f64) -> Field<'static> {
+    let whole = count.round();
+    if (count - whole).abs() <= 1e-9 * whole {
+        (whole as u64).into()
+    } else {
+        count.into()
+    }
 }
 
 fn order_header() -> Vec<String> {
@@ -111,7 +122,7 @@ fn write_theta(
     let mut header = vec!["side", "theta_min_deg", "theta_max_deg", "flux", "flux_se"];
     header.extend(orders.iter().map(String::as_str));
     let mut rows = Vec::new();
-    for side in Side::BOTH {
+    for side in layout.sides() {
         let edges = layout.grid().theta_edges_deg(side);
         for ring in 0..layout.grid().n_theta() {
             let of = |class| statistics.estimate(layout.rings(side, class).start + ring);
@@ -155,7 +166,7 @@ fn write_in_plane(
     ];
     header.extend(orders.iter().chain(&of_models).map(String::as_str));
     let mut rows = Vec::new();
-    for side in Side::BOTH {
+    for side in layout.sides() {
         for i in 0..layout.in_plane_len() {
             let of = |class| statistics.estimate(layout.in_plane(side, class).start + i);
             let [from, to] = layout.in_plane_edges_deg(i);
@@ -208,11 +219,11 @@ pub(crate) fn write_comparison(
     header.extend(of_models.iter().map(String::as_str));
     let grid = layout.grid();
     let start = layout.bins(Share::Single).start;
-    let rows = (0..grid.len()).map(|i| {
+    let rows = layout.asked_bins().enumerate().map(|(compared, i)| {
         let mut row = place(&grid, i);
         row.extend(fields(case.statistics.estimate(start + i)));
         for model in &case.models {
-            let bin = &model.single.bins[i];
+            let bin = &model.single.bins[compared];
             row.extend([bin.model.into(), bin.z.into(), u64::from(bin.tested).into()]);
         }
         row

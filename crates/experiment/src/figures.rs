@@ -5,7 +5,8 @@ use std::path::Path;
 use asperity_io::write_bytes;
 use asperity_optics::{Incidence, Material};
 use asperity_plot::{
-    Figure, HeightMapFigure, InPlaneCurves, PolarLobes, Sample, Series, Side as PlotSide, Sides,
+    Figure, HeightMapFigure, InPlaneCurves, PolarLobes, Sample, Series, Side as PlotSide,
+    Sides as PlotSides,
 };
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
@@ -137,30 +138,33 @@ pub(crate) fn lobes_and_curves(
     models: &[ModelOutcome],
 ) -> Result<(), ReportError> {
     let transmits = light.material.transmitting_index().is_some();
-    let sides: &[Side] = if transmits {
-        &Side::BOTH
-    } else {
-        &[Side::Reflected]
-    };
+    let leaves = |side| side == Side::Reflected || transmits;
+    let sides: Vec<Side> = layout.sides().filter(|&side| leaves(side)).collect();
+    let mut subtitle = light.subtitle();
+    for side in Side::BOTH {
+        if leaves(side) && !layout.asks(side) {
+            subtitle.push_str(&format!("; {side} light not asked for"));
+        }
+    }
     let series: Vec<Series> = sides
         .iter()
         .flat_map(|&side| series_of(light, layout, statistics, models, side))
         .collect();
     let lobes = PolarLobes {
         title: "Scattered intensity in the plane of incidence".to_owned(),
-        subtitle: light.subtitle(),
+        subtitle,
         theta_i_deg: light.incidence.theta_deg(),
-        sides: if transmits {
-            Sides::Both
-        } else {
-            Sides::Reflected
+        sides: match sides.as_slice() {
+            [Side::Reflected] => PlotSides::Reflected,
+            [Side::Transmitted] => PlotSides::Transmitted,
+            _ => PlotSides::Both,
         },
         flat_reflection_deg: light.flat_direction(Side::Reflected),
         flat_refraction_deg: light.flat_direction(Side::Transmitted),
         series: series.clone(),
     };
     save(folder, "lobes", &lobes.draw()?)?;
-    for &side in sides {
+    for side in sides {
         let curves = InPlaneCurves {
             title: match side {
                 Side::Reflected => "Reflected light in the plane of incidence",

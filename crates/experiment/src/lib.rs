@@ -30,7 +30,7 @@ pub use blocks::RaySettings;
 pub use case::Case;
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
-    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
+    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig, check_sides,
 };
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::PlotError;
-use asperity_tally::Layout;
+use asperity_tally::{Layout, Side};
 use serde_json::{Value, json};
 
 use crate::csv::{write_comparison, write_tables};
@@ -170,6 +170,7 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
 
 /// Verdicts, p values and distances of one case.
 fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
+    let energy = |side, of_model: f64| layout.asks(side).then_some(of_model);
     let models: Vec<Value> = case
         .models
         .iter()
@@ -190,8 +191,8 @@ fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
             };
             json!({
                 "model": model.model.name(),
-                "reflected": model.energy.reflected,
-                "transmitted": model.energy.transmitted,
+                "reflected": energy(Side::Reflected, model.energy.reflected),
+                "transmitted": energy(Side::Transmitted, model.energy.transmitted),
                 "verdict": verdict_word(&model.verdict),
                 "single": against(&model.single),
                 "total": against(&model.total),

@@ -17,6 +17,8 @@ pub struct SummaryWork {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
     /// Accelerator used.
     pub accelerator: AcceleratorKind,
     /// Estimator used.
@@ -40,6 +42,7 @@ impl SummaryWork {
             rays: work.rays,
             segments: work.segments,
             segments_skipped: work.segments_skipped,
+            branches_not_asked: work.branches_not_asked,
             accelerator: accelerator.resolve(),
             estimator: "plain",
             generate_seconds: 0.0,
@@ -53,13 +56,16 @@ impl SummaryWork {
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
-    reflected: Estimate,
-    transmitted: Estimate,
+    /// `None` on a side that is not asked for.
+    reflected: Option<Estimate>,
+    transmitted: Option<Estimate>,
     absorbed: Estimate,
     truncated: Estimate,
     lost: Estimate,
     /// The part of truncated that left an open patch sideways.
     left_patch: Estimate,
+    /// The part of truncated that went to a side that is not asked for.
+    not_asked: Estimate,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -73,8 +79,9 @@ struct Order {
 
 #[derive(Clone, Debug, Serialize)]
 struct Orders {
-    reflected: Vec<Order>,
-    transmitted: Vec<Order>,
+    /// `None` on a side that is not asked for.
+    reflected: Option<Vec<Order>>,
+    transmitted: Option<Vec<Order>>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -117,6 +124,8 @@ impl Summary {
         work: SummaryWork,
     ) -> Self {
         let at = |i| statistics.estimate(i);
+        let energy = |side: Side| layout.asks(side).then(|| at(side.index()));
+        let orders = |side| layout.asks(side).then(|| orders(layout, statistics, side));
         Self {
             schema: 1,
             command,
@@ -126,16 +135,17 @@ impl Summary {
             errors_from,
             batches: statistics.batches(),
             energy: Energy {
-                reflected: at(Layout::REFLECTED),
-                transmitted: at(Layout::TRANSMITTED),
+                reflected: energy(Side::Reflected),
+                transmitted: energy(Side::Transmitted),
                 absorbed: at(Layout::ABSORBED),
                 truncated: at(Layout::TRUNCATED),
                 lost: at(Layout::LOST),
                 left_patch: at(Layout::LEFT_PATCH),
+                not_asked: at(Layout::NOT_ASKED),
             },
             orders: Orders {
-                reflected: orders(layout, statistics, Side::Reflected),
-                transmitted: orders(layout, statistics, Side::Transmitted),
+                reflected: orders(Side::Reflected),
+                transmitted: orders(Side::Transmitted),
             },
             paths: paths(layout, statistics),
             comparison: None,
@@ -177,7 +187,7 @@ fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Vec<Orde
 /// Fluxes by event path, those that were seen, the strongest first.
 fn paths(layout: &Layout, statistics: &BatchStatistics) -> Vec<Path> {
     let mut found: Vec<Path> = Vec::new();
-    for side in Side::BOTH {
+    for side in layout.sides() {
         let listed = layout
             .listed_paths()
             .map(|path: EventPath| (path.to_string(), layout.path(side, path)));

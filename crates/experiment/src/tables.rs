@@ -25,13 +25,14 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
 #[must_use]
 pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
     let mut out = String::new();
-    let names = ["reflected", "transmitted", "absorbed", "truncated", "lost"];
-    for (i, name) in names.into_iter().enumerate() {
+    let energies = layout.sides().map(|side| (side.to_string(), side.index()));
+    let endings = endings(layout).map(|(name, i)| (name.to_owned(), i));
+    for (name, i) in energies.chain(endings) {
         let _ = writeln!(out, "  {name:<12} {}", with_error(statistics.estimate(i)));
     }
     let residual = statistics.means()[..5].iter().sum::<f64>() - 1.0;
     let _ = writeln!(out, "  sum - 1      {residual:.1e}");
-    for side in Side::BOTH {
+    for side in layout.sides() {
         let mut fluxes: Vec<String> = (1..=4)
             .map(|order| statistics.estimate(layout.order(side, order)))
             .enumerate()
@@ -49,6 +50,20 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
         }
     }
     out
+}
+
+/// Names and entries of the budget beside the energies; what went to a side that is not asked for is
+/// a part of truncated, and set in beneath it.
+fn endings(layout: &Layout) -> impl Iterator<Item = (&'static str, usize)> {
+    let not_asked = layout.sides().count() < Side::BOTH.len();
+    [
+        ("absorbed", Layout::ABSORBED),
+        ("truncated", Layout::TRUNCATED),
+        ("  not asked", Layout::NOT_ASKED),
+        ("lost", Layout::LOST),
+    ]
+    .into_iter()
+    .filter(move |&(_, i)| i != Layout::NOT_ASKED || not_asked)
 }
 
 /// What a reader must know if light was lost.
@@ -120,7 +135,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             .chain(names())
             .collect(),
     ];
-    for side in Side::BOTH {
+    for side in outcome.layout.sides() {
         for (part, estimate) in parts(&outcome.layout, case, side) {
             let mut row = vec![format!("{side} {part}"), with_error(estimate)];
             row.extend(
@@ -131,7 +146,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             rows.push(row);
         }
     }
-    for (i, name) in [(2, "absorbed"), (3, "truncated"), (4, "lost")] {
+    for (name, i) in endings(&outcome.layout) {
         rows.push(vec![
             name.to_owned(),
             with_error(case.statistics.estimate(i)),
@@ -192,7 +207,11 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
             Box::new(|m| m.model.name().to_owned()),
         ),
         (
-            "bins of 20 rays or more".into(),
+            if case.free_azimuth {
+                "bins in rings of 20 rays or more".into()
+            } else {
+                "bins of 20 rays or more".into()
+            },
             Box::new(|m| {
                 m.single
                     .bins
@@ -294,7 +313,7 @@ fn strongest_deviation(model: &ModelOutcome, layout: &Layout) -> Option<String> 
         bins.iter().map(|b| b.mean).sum::<f64>(),
         bins.iter().map(|b| b.model).sum::<f64>(),
     ];
-    let bin = grid.bin(first);
+    let bin = grid.bin(layout.asked_bins().start + first);
     let degrees = |range: [f64; 2]| {
         let [from, to] = range.map(|angle| short(round_degrees(angle.to_degrees())));
         format!("{from}-{to}")

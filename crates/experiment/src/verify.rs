@@ -18,7 +18,8 @@ use crate::limits::RunError;
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
-/// Rays that a bin must hold, found or expected, to enter a test.
+/// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
+/// azimuth, a bin stands for its ring, and the rays of the ring count.
 const ENOUGH_RAYS: f64 = 20.0;
 
 /// Why a verification fails.
@@ -48,13 +49,13 @@ pub struct ModelOutcome {
     pub model: Box<dyn BsdfModel>,
     /// Its energies.
     pub energy: HemisphericalEnergy,
-    /// Against light scattered once, over the bins of both hemispheres.
+    /// Against light scattered once, over the bins of the sides asked for.
     pub single: Comparison,
     /// Against all light.
     pub total: Comparison,
     /// What follows from the comparison with the light that the model describes.
     pub verdict: Verdict,
-    /// Its flux into each in-plane bin, by side.
+    /// Its flux into each in-plane bin, by side; empty on a side that is not asked for.
     pub in_plane: [Vec<f64>; 2],
 }
 
@@ -77,6 +78,8 @@ pub struct CaseOutcome {
     pub statistics: BatchStatistics,
     /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
     pub errors_from: &'static str,
+    /// Whether what leaves is spread evenly over azimuth: every bin holds its share of its ring.
+    pub free_azimuth: bool,
     /// The models.
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the models.
@@ -236,6 +239,7 @@ fn judge(
         case,
         statistics: batches,
         errors_from,
+        free_azimuth: config.free_azimuth(&case),
         models,
         level,
         work: SummaryWork {
@@ -258,17 +262,24 @@ fn model_outcome(
     statistics: &BatchStatistics,
 ) -> Result<ModelOutcome, VerifyError> {
     let wi = case.incidence.wi();
-    let expected = model.expected_fluxes(wi, &layout.grid()).flux;
+    let asked = layout.asked_bins();
+    let expected = model.expected_fluxes(wi, &layout.grid(), config.run.side);
+    let expected = &expected.flux[asked.clone()];
     let rays = ensemble.work.rays as f64;
+    let bins_of_a_value = if config.free_azimuth(case) {
+        layout.grid().n_phi() as f64
+    } else {
+        1.0
+    };
     let means = statistics.means();
     let against = |share: Share| {
         let surfaces: Vec<Vec<f64>> = ensemble
             .records
             .iter()
-            .map(|record| record[layout.bins(share)].to_vec())
+            .map(|record| record[layout.bins(share)][asked.clone()].to_vec())
             .collect();
-        let single = &means[layout.hits(Share::Single)];
-        let multiple = &means[layout.hits(Share::Multiple)];
+        let single = &means[layout.hits(Share::Single)][asked.clone()];
+        let multiple = &means[layout.hits(Share::Multiple)][asked.clone()];
         let enough: Vec<bool> = (0..expected.len())
             .map(|i| {
                 let found = match share {
@@ -276,12 +287,12 @@ fn model_outcome(
                     Share::Multiple => multiple[i],
                     Share::Total => single[i] + multiple[i],
                 };
-                found.max(expected[i]) * rays >= ENOUGH_RAYS
+                found.max(expected[i]) * rays * bins_of_a_value >= ENOUGH_RAYS
             })
             .collect();
         compare(
             &surfaces,
-            &expected,
+            expected,
             &enough,
             &rings_and_sides(layout),
             config.run.seed,
@@ -292,17 +303,23 @@ fn model_outcome(
         single: against(Share::Single)?,
         total: against(Share::Total)?,
         verdict: Verdict::Holds,
-        in_plane: Side::BOTH.map(|side| in_plane_fluxes(model.as_ref(), layout, case, side)),
+        in_plane: Side::BOTH.map(|side| {
+            if layout.asks(side) {
+                in_plane_fluxes(model.as_ref(), layout, case, side)
+            } else {
+                Vec::new()
+            }
+        }),
         model,
     })
 }
 
 /// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
-/// sides, which are the energies.
+/// sides, which are the energies. Bins count from the first that is asked for.
 fn rings_and_sides(layout: &Layout) -> [Grouping; 2] {
     let grid = layout.grid();
     let groups = |of_each: usize| -> Vec<Vec<usize>> {
-        (0..grid.len())
+        (0..layout.asked_bins().len())
             .step_by(of_each)
             .map(|i| (i..i + of_each).collect())
             .collect()

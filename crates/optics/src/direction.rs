@@ -106,6 +106,12 @@ impl Incidence {
         Self { phi, ..self }
     }
 
+    /// Whether the light comes from straight above, so that its azimuth has no meaning.
+    #[must_use]
+    pub fn is_vertical(self) -> bool {
+        self.theta.sin() == 0.0
+    }
+
     /// `wi`, the unit vector towards the light, `z > 0`.
     #[must_use]
     pub fn wi(self) -> DVec3 {
@@ -129,6 +135,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn only_light_from_straight_above_is_vertical() {
+        let vertical = |theta| Incidence::from_degrees(theta, 70.0).unwrap().is_vertical();
+        assert!(vertical(0.0) && vertical(-0.0));
+        assert!(!vertical(1e-300) && !vertical(1e-6) && !vertical(30.0));
     }
 
     #[test]

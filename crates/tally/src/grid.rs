@@ -147,14 +147,22 @@ impl HemisphereGrid {
     /// `side` decides for a direction at grazing, where the sign of `z` may have been lost.
     #[must_use]
     pub fn index_of(&self, side: Side, wo: DVec3) -> usize {
+        (side.index() * self.n_theta + self.ring_of(side, wo)) * self.n_phi + self.sector_of(wo)
+    }
+
+    /// Number of the ring that holds the unit vector `wo`, from +z, among those of `side`.
+    pub(crate) fn ring_of(&self, side: Side, wo: DVec3) -> usize {
         let theta = polar_angle(wo);
-        let ring = match side {
+        match side {
             Side::Reflected => ring_index(theta / FRAC_PI_2, self.n_theta),
             Side::Transmitted => ring_index((theta - FRAC_PI_2) / FRAC_PI_2, self.n_theta),
-        };
+        }
+    }
+
+    /// Number of the sector of azimuth that holds `wo`.
+    pub(crate) fn sector_of(&self, wo: DVec3) -> usize {
         // A full turn is zero: a direction that snaps up to it belongs to the first bin.
-        let sector = snapped_floor(azimuth(wo) / TAU * self.n_phi as f64) % self.n_phi;
-        (side.index() * self.n_theta + ring) * self.n_phi + sector
+        snapped_floor(azimuth(wo) / TAU * self.n_phi as f64) % self.n_phi
     }
 
     /// The bin of number `index`.

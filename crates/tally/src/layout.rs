@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use crate::{EventPath, HemisphereGrid, Side};
+use crate::wedge::Half;
+use crate::{EventPath, HemisphereGrid, Side, Sides};
 
 /// Highest order of scattering that has an entry of its own; higher ones share the last entry.
 pub const MAX_LISTED_ORDER: usize = 64;
@@ -77,7 +78,8 @@ pub enum LayoutError {
 ///
 /// | quantity | entries |
 /// |---|---|
-/// | budget: reflected, transmitted, absorbed, truncated, lost, and the part of truncated that left an open patch | 6 |
+/// | budget: reflected, transmitted, absorbed, truncated, lost | 5 |
+/// | the parts of truncated that left an open patch, and that went where nobody asks | 2 |
 /// | scattered more than once, a side | 1 |
 /// | orders, a side | [`MAX_LISTED_ORDER`], the last for that order and above |
 /// | event paths, a side | all strings up to [`MAX_LISTED_PATH`], one for longer ones |
@@ -85,10 +87,13 @@ pub enum LayoutError {
 /// | rings (theta bins, all azimuths), a side | each [`OrderClass`] |
 /// | in-plane profile, a side | each [`OrderClass`] |
 /// | number of rays, bins of the grid | single, multiple |
+///
+/// Entries of a side that is not asked for keep their places and stay zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
     grid: HemisphereGrid,
     in_plane_half_width: f64,
+    sides: Sides,
 }
 
 impl Layout {
@@ -98,17 +103,21 @@ impl Layout {
     pub const TRANSMITTED: usize = 1;
     /// Flux fraction that was absorbed.
     pub const ABSORBED: usize = 2;
-    /// Flux fraction of paths that were ended: bounce limit, roulette bookkeeping, open border.
+    /// Flux fraction of paths that were ended: bounce limit, roulette bookkeeping, open border, a
+    /// side that is not asked for.
     pub const TRUNCATED: usize = 3;
     /// Flux fraction of paths that failed numerically.
     pub const LOST: usize = 4;
     /// The part of truncated that left an open patch sideways.
     pub const LEFT_PATCH: usize = 5;
+    /// The part of truncated that went where nobody asks: flux that left on a side that is not asked
+    /// for, or could have left on no other.
+    pub const NOT_ASKED: usize = 6;
 
     /// Flux fraction of `side` that was scattered more than once.
     #[must_use]
     pub const fn multiple(&self, side: Side) -> usize {
-        Self::LEFT_PATCH + 1 + side.index()
+        Self::NOT_ASKED + 1 + side.index()
     }
 
     /// Default half width of the in-plane wedge, radians (5 degrees).
@@ -126,7 +135,37 @@ impl Layout {
         Ok(Self {
             grid,
             in_plane_half_width: half_width,
+            sides: Sides::Both,
         })
+    }
+
+    /// The same places, of which those of `sides` alone are filled.
+    #[must_use]
+    pub const fn with_sides(self, sides: Sides) -> Self {
+        Self { sides, ..self }
+    }
+
+    /// Whether light that leaves on `side` is recorded.
+    #[must_use]
+    pub const fn asks(&self, side: Side) -> bool {
+        self.sides.ask(side)
+    }
+
+    /// The sides that are asked for, in the order of the bins.
+    pub fn sides(&self) -> impl Iterator<Item = Side> + use<> {
+        let sides = self.sides;
+        Side::BOTH.into_iter().filter(move |&side| sides.ask(side))
+    }
+
+    /// Numbers of the grid's bins on the sides that are asked for.
+    #[must_use]
+    pub const fn asked_bins(&self) -> Range<usize> {
+        let of_a_side = self.grid.bins_per_side();
+        match self.sides {
+            Sides::Both => 0..2 * of_a_side,
+            Sides::Reflected => 0..of_a_side,
+            Sides::Transmitted => of_a_side..2 * of_a_side,
+        }
     }
 
     /// The grid of bins.
@@ -216,6 +255,27 @@ impl Layout {
         start..start + n
     }
 
+    /// Entry of the in-plane bin over `ring` of `side`, on one half of the plane of incidence.
+    pub(crate) fn in_plane_entry(
+        &self,
+        side: Side,
+        class: OrderClass,
+        ring: usize,
+        half: Half,
+    ) -> usize {
+        let n = self.grid.n_theta();
+        // Rings count from +z; the in-plane angle counts from the side's own normal.
+        let from_normal = match side {
+            Side::Reflected => ring,
+            Side::Transmitted => n - 1 - ring,
+        };
+        self.in_plane(side, class).start
+            + match half {
+                Half::Forward => n + from_normal,
+                Half::Backward => n - 1 - from_normal,
+            }
+    }
+
     /// Edges `[min, max]` of in-plane bin `i`, signed degrees.
     #[must_use]
     pub fn in_plane_edges_deg(&self, i: usize) -> [f64; 2] {
@@ -232,7 +292,8 @@ impl Layout {
     }
 
     /// Number of rays per incident ray that reached the bins of the grid (`Single` or `Multiple`;
-    /// `Total` is taken as `Single`).
+    /// `Total` is taken as `Single`). With [`crate::Azimuth::Free`] every bin of a ring has the same
+    /// part of the ring's rays, which need not be a whole number of rays.
     #[must_use]
     pub fn hits(&self, share: Share) -> Range<usize> {
         let start = self.hits_start() + usize::from(share == Share::Multiple) * self.grid.len();
@@ -252,16 +313,17 @@ impl Layout {
     }
 }
 
-const ORDERS_START: usize = 8;
+const ORDERS_START: usize = Layout::NOT_ASKED + 3;
 const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
 const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 
 impl Default for Layout {
-    /// The default grid and an in-plane half width of 5 degrees.
+    /// The default grid, an in-plane half width of 5 degrees, and both sides.
     fn default() -> Self {
         Self {
             grid: HemisphereGrid::default(),
             in_plane_half_width: Self::DEFAULT_HALF_WIDTH,
+            sides: Sides::Both,
         }
     }
 }
@@ -309,6 +371,25 @@ mod tests {
             layout.order(Side::Reflected, 1000),
             layout.order(Side::Reflected, MAX_LISTED_ORDER)
         );
+    }
+
+    #[test]
+    fn bins_asked_for_are_those_of_the_sides_asked_for() {
+        for sides in [Sides::Both, Sides::Reflected, Sides::Transmitted] {
+            let layout = Layout::default().with_sides(sides);
+            let grid = layout.grid();
+            let asked: Vec<usize> = (0..grid.len())
+                .filter(|&i| layout.asks(grid.bin(i).side))
+                .collect();
+            assert!(layout.asked_bins().eq(asked), "{sides}");
+            assert!(layout.sides().all(|side| layout.asks(side)));
+            assert_eq!(layout.len(), Layout::default().len());
+        }
+        let one: Vec<Side> = Layout::default()
+            .with_sides(Sides::Transmitted)
+            .sides()
+            .collect();
+        assert_eq!(one, [Side::Transmitted]);
     }
 
     #[test]

@@ -7,13 +7,17 @@
 //! independent batches into means and standard errors.
 
 mod events;
+mod finder;
 mod grid;
 mod layout;
 mod record;
+mod sides;
 mod statistics;
+mod wedge;
 
 pub use events::{Event, EventPath};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 pub use layout::{Layout, LayoutError, MAX_LISTED_ORDER, MAX_LISTED_PATH, OrderClass, Share};
-pub use record::{Exit, Loss, Record};
+pub use record::{Azimuth, Exit, Loss, Record};
+pub use sides::Sides;
 pub use statistics::{BatchStatistics, Estimate};

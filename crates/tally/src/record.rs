@@ -1,10 +1,11 @@
 //! What one batch of rays did.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use asperity_optics::azimuth;
 use glam::DVec3;
 
+use crate::finder::BinFinder;
+use crate::wedge::{Half, Wedge};
 use crate::{EventPath, Layout, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
@@ -29,31 +30,60 @@ pub enum Loss {
     Truncated,
     /// It left an open patch sideways, on its way to surface that is not there.
     LeftPatch,
+    /// It went to a side that is not asked for.
+    NotAsked,
     /// The path failed numerically.
     Lost,
+}
+
+/// What the azimuths of exits are counted from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Azimuth {
+    /// The horizontal component of the light *travels* towards this azimuth, radians: that of `wi`
+    /// plus half a turn.
+    From(f64),
+    /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
+    /// surfaces without a preferred direction. The azimuths of exits are not looked at.
+    ///
+    /// When the record is closed, the flux of a ring is spread evenly over its bins, and each half
+    /// of the in-plane wedge gets its share of the full turn. The number of rays is spread alike, so
+    /// that a bin's is a fraction of its ring's and need not be whole.
+    Free,
 }
 
 /// Sums over one batch of rays; entries by [`Layout`].
 #[derive(Clone, Debug)]
 pub struct Record {
     layout: Layout,
-    forward_azimuth: f64,
+    finder: BinFinder,
+    /// `None` where the azimuth is free.
+    wedge: Option<Wedge>,
     values: Vec<f64>,
 }
 
 impl Record {
-    /// An empty record for light whose horizontal component *travels* towards `forward_azimuth`,
-    /// radians: the azimuth of `wi` plus half a turn.
+    /// An empty record.
     #[must_use]
-    pub fn new(layout: Layout, forward_azimuth: f64) -> Self {
+    pub fn new(layout: Layout, azimuth: Azimuth) -> Self {
         Self {
             layout,
-            forward_azimuth,
+            finder: BinFinder::new(layout.grid()),
+            wedge: match azimuth {
+                Azimuth::From(forward) => Some(Wedge::new(forward, layout.in_plane_half_width())),
+                Azimuth::Free => None,
+            },
             values: vec![0.0; layout.len()],
         }
     }
 
-    /// Adds light that left the surface.
+    /// Whether light that leaves on `side` is recorded.
+    #[must_use]
+    pub const fn asks(&self, side: Side) -> bool {
+        self.layout.asks(side)
+    }
+
+    /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the
+    /// flux that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
         let Exit {
             side,
@@ -62,6 +92,10 @@ impl Record {
             path,
         } = *exit;
         let layout = self.layout;
+        if !layout.asks(side) {
+            self.add_loss(Loss::NotAsked, flux);
+            return;
+        }
         let grid = layout.grid();
         let class = OrderClass::of(path.order());
         let share = if path.order() > 1 {
@@ -78,40 +112,19 @@ impl Record {
             self.values[layout.multiple(side)] += flux;
         }
 
-        let bin = grid.index_of(side, wo);
+        let ring = self.finder.ring(side, wo);
+        self.values[layout.rings(side, class).start + ring] += flux;
+        let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
+        let Some(wedge) = &self.wedge else {
+            // The first bin counts for its ring until the record is closed.
+            self.values[layout.hits(share).start + first] += 1.0;
+            return;
+        };
+        let bin = first + self.finder.sector(wo);
         self.values[layout.bins(share).start + bin] += flux;
         self.values[layout.hits(share).start + bin] += 1.0;
-        let ring = bin / grid.n_phi() - side.index() * grid.n_theta();
-        self.values[layout.rings(side, class).start + ring] += flux;
-
-        // Angle from the plane of incidence, folded so that both its halves are near zero.
-        // A vertical direction lies in every plane, on the forward side of it.
-        let vertical = wo.x == 0.0 && wo.y == 0.0;
-        let azimuth = if vertical {
-            self.forward_azimuth
-        } else {
-            azimuth(wo)
-        };
-        let relative = (azimuth - self.forward_azimuth).rem_euclid(TAU);
-        let forward = !(0.5 * PI..1.5 * PI).contains(&relative);
-        let off_plane = if forward {
-            relative.min(TAU - relative)
-        } else {
-            (relative - PI).abs()
-        };
-        if off_plane <= layout.in_plane_half_width() {
-            let n = grid.n_theta();
-            // Rings count from +z; the in-plane angle counts from the side's own normal.
-            let from_normal = match side {
-                Side::Reflected => ring,
-                Side::Transmitted => n - 1 - ring,
-            };
-            let i = if forward {
-                n + from_normal
-            } else {
-                n - 1 - from_normal
-            };
-            self.values[layout.in_plane(side, class).start + i] += flux;
+        if let Some(half) = wedge.half(wo) {
+            self.values[layout.in_plane_entry(side, class, ring, half)] += flux;
         }
     }
 
@@ -125,6 +138,10 @@ impl Record {
                 self.values[Layout::TRUNCATED] += flux;
                 self.values[Layout::LEFT_PATCH] += flux;
             }
+            Loss::NotAsked => {
+                self.values[Layout::TRUNCATED] += flux;
+                self.values[Layout::NOT_ASKED] += flux;
+            }
         }
     }
 
@@ -132,6 +149,11 @@ impl Record {
     #[must_use]
     pub fn into_fractions(mut self, rays: u64) -> Vec<f64> {
         let layout = self.layout;
+        if self.wedge.is_none() {
+            for side in layout.sides() {
+                (0..layout.grid().n_theta()).for_each(|ring| self.spread(side, ring));
+            }
+        }
         for side in Side::BOTH {
             for i in 0..layout.grid().n_theta() {
                 self.sum_classes(|class| layout.rings(side, class).start + i);
@@ -149,6 +171,39 @@ impl Record {
         self.values
     }
 
+    /// Spreads one ring evenly over its bins and over the in-plane wedge.
+    fn spread(&mut self, side: Side, ring: usize) {
+        let layout = self.layout;
+        let grid = layout.grid();
+        let n_phi = grid.n_phi();
+        let [first, second, third, more] = [
+            OrderClass::First,
+            OrderClass::Second,
+            OrderClass::Third,
+            OrderClass::FourthOrMore,
+        ]
+        .map(|class| {
+            let flux = self.values[layout.rings(side, class).start + ring];
+            // Each half of the wedge is twice its half width wide.
+            let share = 2.0 * layout.in_plane_half_width() / TAU;
+            for half in [Half::Forward, Half::Backward] {
+                self.values[layout.in_plane_entry(side, class, ring, half)] = share * flux;
+            }
+            flux
+        });
+        let start = (side.index() * grid.n_theta() + ring) * n_phi;
+        let bins = start..start + n_phi;
+        for (share, flux) in [
+            (Share::Single, first),
+            (Share::Multiple, second + third + more),
+        ] {
+            let hits = self.values[layout.hits(share).start + start];
+            for (entries, of_ring) in [(layout.bins(share), flux), (layout.hits(share), hits)] {
+                self.values[entries][bins.clone()].fill(of_ring / n_phi as f64);
+            }
+        }
+    }
+
     /// Sets the entry of all orders to the sum of those of the classes.
     fn sum_classes(&mut self, entry: impl Fn(OrderClass) -> usize) {
         let [first, second, third, more, all] = OrderClass::ALL.map(entry);
@@ -160,7 +215,7 @@ impl Record {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Event, HemisphereGrid};
+    use crate::{Event, HemisphereGrid, Sides};
     use asperity_optics::from_spherical;
 
     fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
@@ -184,7 +239,7 @@ mod tests {
     #[test]
     fn every_view_of_an_exit_agrees() {
         let layout = Layout::default();
-        let mut record = Record::new(layout, 0.0);
+        let mut record = Record::new(layout, Azimuth::From(0.0));
         record.add_exit(&exit(Side::Reflected, 32.0, 1.0, 1));
         record.add_exit(&exit(Side::Transmitted, 143.0, 2.0, 2));
         let values = record.into_fractions(2);
@@ -218,7 +273,7 @@ mod tests {
     fn in_plane_profile_knows_forward_from_backward_and_leaves_out_the_rest() {
         let layout = Layout::new(HemisphereGrid::default(), 5_f64.to_radians()).unwrap();
         // Light from azimuth 100 deg travels towards 280 deg.
-        let mut record = Record::new(layout, 280_f64.to_radians());
+        let mut record = Record::new(layout, Azimuth::From(280_f64.to_radians()));
         record.add_exit(&exit(Side::Reflected, 12.0, 283.0, 1));
         record.add_exit(&exit(Side::Reflected, 12.0, 97.0, 1));
         record.add_exit(&exit(Side::Reflected, 12.0, 280.0 - 6.0, 1));
@@ -230,14 +285,122 @@ mod tests {
         assert_eq!(profile.iter().sum::<f64>(), 1.0);
     }
 
+    /// Exits that lie evenly about the vertical at many polar angles, with fluxes and orders of all
+    /// kinds.
+    fn even_exits(n_phi: u32) -> Vec<Exit> {
+        let mut exits = Vec::new();
+        for i in 0..60 {
+            let theta = 3.0 * f64::from(i) + 1.3;
+            let side = if theta < 90.0 {
+                Side::Reflected
+            } else {
+                Side::Transmitted
+            };
+            for k in 0..n_phi {
+                let phi = 360.0 * (f64::from(k) + 0.5) / f64::from(n_phi);
+                let mut exit = exit(side, theta, phi, 1 + i % 5);
+                exit.flux = 0.1 + f64::from(i % 7);
+                exits.push(exit);
+            }
+        }
+        exits
+    }
+
+    #[test]
+    fn free_azimuth_spreads_what_is_even_as_it_was_found() {
+        // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
+        let layout = Layout::default();
+        let mut found = Record::new(layout, Azimuth::From(0.0));
+        let mut free = Record::new(layout, Azimuth::Free);
+        for exit in even_exits(1440) {
+            found.add_exit(&exit);
+            free.add_exit(&exit);
+        }
+        let [found, free] = [found, free].map(|record| record.into_fractions(1000));
+        for (i, (found, free)) in found.iter().zip(&free).enumerate() {
+            assert!((found - free).abs() <= 1e-12 * found, "{i}: {found} {free}");
+        }
+    }
+
+    #[test]
+    fn free_azimuth_is_exactly_even_and_adds_up() {
+        for half_width_deg in [0.01, 5.0, 90.0] {
+            let grid = HemisphereGrid::new(18, 7).unwrap();
+            let layout = Layout::new(grid, f64::to_radians(half_width_deg)).unwrap();
+            let mut record = Record::new(layout, Azimuth::Free);
+            // All at one azimuth, which is not looked at.
+            even_exits(1).iter().for_each(|exit| record.add_exit(exit));
+            let values = record.into_fractions(60);
+            for share in Share::ALL {
+                for entries in [layout.bins(share), layout.hits(share)] {
+                    for ring in values[entries].chunks_exact(grid.n_phi()) {
+                        assert!(ring.iter().all(|value| *value == ring[0]));
+                    }
+                }
+            }
+            for side in Side::BOTH {
+                for class in OrderClass::ALL {
+                    let profile = &values[layout.in_plane(side, class)];
+                    assert!(profile.iter().eq(profile.iter().rev()));
+                    let of_rings: f64 = values[layout.rings(side, class)].iter().sum();
+                    let of_profile: f64 = profile.iter().sum();
+                    let share = half_width_deg / 90.0;
+                    assert!((of_profile - share * of_rings).abs() < 1e-12);
+                }
+                let bins: f64 = values[layout.bins(Share::Total)]
+                    .chunks_exact(grid.bins_per_side())
+                    .nth(side.index())
+                    .map_or(0.0, |bins| bins.iter().sum());
+                assert!((bins - values[side.index()]).abs() < 1e-12);
+            }
+            let rays: f64 = [Share::Single, Share::Multiple]
+                .iter()
+                .flat_map(|&share| &values[layout.hits(share)])
+                .sum();
+            assert!((rays - 1.0).abs() < 1e-12);
+        }
+    }
+
     #[test]
     fn losses_go_into_the_budget() {
-        let mut record = Record::new(Layout::default(), 0.0);
+        let mut record = Record::new(Layout::default(), Azimuth::From(0.0));
         record.add_loss(Loss::Absorbed, 0.25);
         record.add_loss(Loss::LeftPatch, 0.5);
         record.add_loss(Loss::Truncated, -0.125);
-        record.add_loss(Loss::Lost, 0.375);
+        record.add_loss(Loss::Lost, 0.25);
+        record.add_loss(Loss::NotAsked, 0.125);
         let values = record.into_fractions(1);
-        assert_eq!(values[..6], [0.0, 0.0, 0.25, 0.375, 0.375, 0.5]);
+        assert_eq!(values[..7], [0.0, 0.0, 0.25, 0.5, 0.25, 0.5, 0.125]);
+    }
+
+    #[test]
+    fn a_side_that_is_not_asked_for_fills_no_bin() {
+        for sides in [Sides::Reflected, Sides::Transmitted] {
+            let layout = Layout::default().with_sides(sides);
+            let exits = [
+                exit(Side::Reflected, 32.0, 1.0, 1),
+                exit(Side::Transmitted, 143.0, 2.0, 2),
+                exit(Side::Reflected, 12.0, 170.0, 3),
+            ];
+            let mut all = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
+            let mut asked = Record::new(layout, Azimuth::From(0.0));
+            let mut alone = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
+            let mut not_asked = 0.0;
+            for exit in &exits {
+                all.add_exit(exit);
+                asked.add_exit(exit);
+                if layout.asks(exit.side) {
+                    alone.add_exit(exit);
+                } else {
+                    not_asked += exit.flux;
+                }
+            }
+            let [all, asked, mut alone] = [all, asked, alone].map(|r| r.into_fractions(1));
+            alone[Layout::TRUNCATED] = not_asked;
+            alone[Layout::NOT_ASKED] = not_asked;
+            assert_eq!(asked, alone);
+            let budget = |values: &[f64]| values[..5].iter().sum::<f64>();
+            assert_eq!(budget(&asked), budget(&all));
+        }
     }
 }

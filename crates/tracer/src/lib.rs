@@ -23,6 +23,7 @@ mod mesh_surface;
 mod morton;
 mod path;
 mod ray;
+mod steepness;
 mod surface;
 
 pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tally::{Event, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
@@ -102,6 +102,8 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
 }
 
 impl std::ops::AddAssign for Work {
@@ -109,6 +111,7 @@ impl std::ops::AddAssign for Work {
         self.rays += other.rays;
         self.segments += other.segments;
         self.segments_skipped += other.segments_skipped;
+        self.branches_not_asked += other.branches_not_asked;
     }
 }
 
@@ -170,7 +173,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     ///
     /// Light comes from `incidence`; with `any_azimuth` each ray comes from an azimuth of its own,
     /// uniformly drawn, and what leaves is turned back so that its azimuths are as if the light had
-    /// come from that of `incidence`. Returns flux fractions by `layout`, and the work done.
+    /// come from that of `incidence`; of vertical light all azimuths are one, none is drawn, and what
+    /// leaves is spread evenly over azimuth ([`Azimuth::Free`]). Returns flux fractions by `layout`, and the work done.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
@@ -183,8 +187,16 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         layout: Layout,
         rng: &mut R,
     ) -> (Vec<f64>, Work) {
+        // Vertical light has no azimuth to draw.
+        let free = any_azimuth && incidence.is_vertical();
+        let azimuth = if free {
+            Azimuth::Free
+        } else {
+            Azimuth::From(incidence.phi() + PI)
+        };
+        let turned = any_azimuth && !free;
         let mut batch = Batch {
-            record: Record::new(layout, incidence.phi() + PI),
+            record: Record::new(layout, azimuth),
             work: Work::default(),
             rng,
             onward: Vec::new(),
@@ -194,7 +206,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         while places.peek().is_some() {
             legs.clear();
             for place in places.by_ref().take(TOGETHER) {
-                legs.push(self.incident_leg(place, strata, incidence, any_azimuth, batch.rng));
+                legs.push(self.incident_leg(place, strata, incidence, turned, batch.rng));
                 batch.work.rays += 1;
             }
             while !legs.is_empty() {
@@ -215,13 +227,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         [column, row]: [u32; 2],
         strata: u32,
         incidence: Incidence,
-        any_azimuth: bool,
+        turned: bool,
         rng: &mut R,
     ) -> Leg {
         let width = 1.0 / f64::from(strata);
         let u = (f64::from(column) + rng.random::<f64>()) * width;
         let v = (f64::from(row) + rng.random::<f64>()) * width;
-        let (light, turn) = if any_azimuth {
+        let (light, turn) = if turned {
             let phi = TAU * rng.random::<f64>();
             (incidence.at_azimuth(phi), incidence.phi() - phi)
         } else {
@@ -279,11 +291,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 let wo = self.turned_upright(leg.heading.world_direction());
                 let level = leg.turn.rotate(wo.truncate());
                 batch.record.add_exit(&Exit {
-                    side: if leg.medium == self.incident {
-                        Side::Reflected
-                    } else {
-                        Side::Transmitted
-                    },
+                    side: self.side_of(leg.medium),
                     wo: level.extend(wo.z),
                     flux: leg.flux,
                     path: leg.path,
@@ -331,7 +339,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             } else {
                 Event::Transmission
             };
-            batch.onward.push(onward(event, 1.0));
+            self.push_if_asked(onward(event, 1.0), batch);
             return;
         }
         if transmits {
@@ -375,6 +383,32 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             }
             leg.flux = kept;
         }
-        batch.onward.push(leg);
+        self.push_if_asked(leg, batch);
+    }
+
+    /// Pushes a branch that goes on, unless it can end only where nobody asks.
+    ///
+    /// A branch that has reached the highest order has no interaction left: it escapes on the side
+    /// of its medium, or is truncated. If that side is not asked for, its flux is booked as such at
+    /// once. A branch of lower order is always followed, since it may come back. This is decided
+    /// after all random numbers of a branch are drawn, and one of the highest order draws no more, so
+    /// what is recorded of a side does not depend on whether the other is asked for.
+    fn push_if_asked<R>(&self, leg: Leg, batch: &mut Batch<'_, R>) {
+        let last = leg.path.order() >= self.settings.max_order;
+        if last && !batch.record.asks(self.side_of(leg.medium)) {
+            batch.record.add_loss(Loss::NotAsked, leg.flux);
+            batch.work.branches_not_asked += 1;
+        } else {
+            batch.onward.push(leg);
+        }
+    }
+
+    /// The side on which light leaves that escapes through `medium`.
+    fn side_of(&self, medium: Medium) -> Side {
+        if medium == self.incident {
+            Side::Reflected
+        } else {
+            Side::Transmitted
+        }
     }
 }

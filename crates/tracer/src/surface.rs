@@ -9,6 +9,7 @@ use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{Hit, Medium, TileRay};
+use crate::steepness::Steepness;
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,43 +30,57 @@ pub struct Facet {
 #[derive(Clone, Debug)]
 pub struct Surface {
     field: HeightField,
-    inverse_dx: f64,
-    z_offset: f64,
+    scale: Scale,
     half_range: f64,
     mean: f64,
-    steepest: f64,
+    steepness: Steepness,
+}
+
+/// From heights to z in tile coordinates.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    per_column: f64,
+    offset: f64,
+}
+
+impl Scale {
+    fn z(self, height: f64) -> f64 {
+        (height - self.offset) * self.per_column
+    }
 }
 
 impl Surface {
     /// Takes over a height field.
     #[must_use]
     pub fn new(field: HeightField) -> Self {
-        let (mut low, mut high, mut sum) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
         let first = field.heights()[0];
-        for &h in field.heights() {
-            low = low.min(h);
+        let (mut low, mut high, mut sum) = (f64::INFINITY, f64::NEG_INFINITY, 0.0);
+        for chunk in field.heights().chunks(1024) {
+            let (l, h, s) = extremes(chunk, first);
+            low = low.min(l);
             high = high.max(h);
-            sum += h - first;
+            sum += s;
         }
-        let inverse_dx = 1.0 / field.spacing()[0];
-        let z_offset = 0.5 * low + 0.5 * high;
-        let mean = first + sum / field.heights().len() as f64;
-        let mut surface = Self {
-            half_range: (0.5 * high - 0.5 * low) * inverse_dx,
-            mean: (mean - z_offset) * inverse_dx,
-            field,
-            inverse_dx,
-            z_offset,
-            steepest: 0.0,
+        let scale = Scale {
+            per_column: 1.0 / field.spacing()[0],
+            offset: 0.5 * low + 0.5 * high,
         };
-        surface.steepest = surface
-            .facets()
-            .map(|f| {
-                let [x, y] = surface.slope(f);
-                x.hypot(y)
-            })
-            .fold(0.0, f64::max);
-        surface
+        let mean = first + sum / field.heights().len() as f64;
+        let half_range = (0.5 * high - 0.5 * low) * scale.per_column;
+        // Differences of heights are rounded by a few 2^-53 of their range.
+        let margin = 1e-14 * half_range;
+        let steepness = Steepness::new(field.cells(), field.border(), margin, |iy, row| {
+            row.clear();
+            row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
+            row.push(scale.z(field.height(field.cells()[0], iy)));
+        });
+        Self {
+            field,
+            scale,
+            half_range,
+            mean: scale.z(mean),
+            steepness,
+        }
     }
 
     /// The height field.
@@ -80,26 +95,26 @@ impl Surface {
         self.field.cells()
     }
 
-    /// Slope (tangent) of the steepest facet.
-    #[must_use]
-    pub const fn steepest_slope(&self) -> f64 {
-        self.steepest
-    }
-
     /// z of the grid point `(ix, iy)`, tile coordinates; indices wrap.
     #[must_use]
     pub fn z(&self, ix: usize, iy: usize) -> f64 {
-        (self.field.height(ix, iy) - self.z_offset) * self.inverse_dx
+        self.scale.z(self.field.height(ix, iy))
     }
 
-    /// z of the grid points of row `iy`, tile coordinates; rows wrap.
+    /// z of the grid points of row `iy`, one a cell, tile coordinates; rows wrap.
     pub fn row(&self, iy: usize) -> impl Iterator<Item = f64> {
-        let [ny, nx] = self.field.shape();
-        let start = (iy % ny) * nx;
-        let columns = self.cells()[0];
-        self.field.heights()[start..start + columns]
-            .iter()
-            .map(|h| (h - self.z_offset) * self.inverse_dx)
+        grid_row(&self.field, iy).iter().map(|&h| self.scale.z(h))
+    }
+
+    /// The corners of a cell.
+    fn cell(&self, [ix, iy]: [u32; 2]) -> Cell {
+        let (ix, iy) = (ix as usize, iy as usize);
+        Cell {
+            z00: self.z(ix, iy),
+            z10: self.z(ix + 1, iy),
+            z01: self.z(ix, iy + 1),
+            z11: self.z(ix + 1, iy + 1),
+        }
     }
 
     /// First facet of the cell `[column, row]` that a ray in `medium` passes through.
@@ -110,10 +125,11 @@ impl Surface {
         ray: &TileRay,
         medium: Medium,
     ) -> Option<Hit<Facet>> {
+        let cell = self.cell([ix, iy]);
         let mut closest = None;
         for triangle in [Triangle::Lower, Triangle::Upper] {
             let facet = Facet { iy, ix, triangle };
-            if let Some(t) = self.intersect(facet, ray, medium) {
+            if let Some(t) = cell.intersect(facet, ray, medium) {
                 let hit = Hit { t, facet };
                 if hit.is_before(&closest) {
                     closest = Some(hit);
@@ -131,23 +147,6 @@ impl Surface {
                 [Triangle::Lower, Triangle::Upper].map(|triangle| Facet { iy, ix, triangle })
             })
         })
-    }
-
-    /// z of the facet's plane at the cell's corner `(ix, iy)`, and its rise a column and a row.
-    fn plane(&self, facet: Facet) -> [f64; 3] {
-        let (ix, iy) = (facet.ix as usize, facet.iy as usize);
-        let z00 = self.z(ix, iy);
-        let z11 = self.z(ix + 1, iy + 1);
-        match facet.triangle {
-            Triangle::Lower => {
-                let z10 = self.z(ix + 1, iy);
-                [z00, z10 - z00, z11 - z10]
-            }
-            Triangle::Upper => {
-                let z01 = self.z(ix, iy + 1);
-                [z00, z11 - z01, z01 - z00]
-            }
-        }
     }
 
     /// Gradient `[dz/dx, dz/dy]` of the facet in physical lengths.
@@ -232,10 +231,66 @@ impl Geometry for Surface {
     /// Rounding may have put `p` slightly beside the cell or the plane; the result lies on both.
     fn snap(&self, facet: Facet, p: DVec3) -> DVec3 {
         let (ix, iy) = (f64::from(facet.ix), f64::from(facet.iy));
-        let [z00, per_column, per_row] = self.plane(facet);
+        let cell = self.cell([facet.ix, facet.iy]);
+        let [z00, per_column, per_row] = cell.plane(facet.triangle);
         let u = (p.x - ix).clamp(0.0, 1.0);
         let v = (p.y - iy).clamp(0.0, 1.0);
         DVec3::new(ix + u, iy + v, z00 + per_column * u + per_row * v)
+    }
+
+    fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
+        self.cell([facet.ix, facet.iy])
+            .intersect(facet, ray, medium)
+    }
+
+    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
+        let q = medium.sign();
+        let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
+        if rise <= 0.0 {
+            return None;
+        }
+        if self.steepness.is_below_all(u, rise) {
+            return Some(Escape::SteeperThanAll);
+        }
+        // Until it is above the highest point (below the lowest one).
+        let t = (self.half_range - q * ray.origin.z) / rise;
+        let place = ray.origin.truncate();
+        let [cx, cy] = self.extent();
+        let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
+        (within && self.steepness.is_below_near(place, u, rise, t))
+            .then_some(Escape::SteeperThanNear)
+    }
+
+    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
+        let [low, high] = self.z_range();
+        let columns = high - low;
+        if columns.is_nan() || columns > TALLEST {
+            return Err(BuildError::TooTall { columns });
+        }
+        Ok(match kind {
+            AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+            AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
+            AcceleratorKind::BruteForce => Box::new(BruteForce),
+        })
+    }
+}
+
+/// z at the corners of a cell, tile coordinates.
+struct Cell {
+    z00: f64,
+    z10: f64,
+    z01: f64,
+    z11: f64,
+}
+
+impl Cell {
+    /// z of a triangle's plane at the corner 00, and its rise a column and a row.
+    fn plane(&self, triangle: Triangle) -> [f64; 3] {
+        let Self { z00, z10, z01, z11 } = *self;
+        match triangle {
+            Triangle::Lower => [z00, z10 - z00, z11 - z10],
+            Triangle::Upper => [z00, z11 - z01, z01 - z00],
+        }
     }
 
     /// Ray parameter `t >= 0` at which a ray in `medium` passes through `facet` to the other side.
@@ -247,7 +302,7 @@ impl Geometry for Surface {
     /// one that moves away from a facet never meets it.
     fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
         let q = medium.sign();
-        let [z00, per_column, per_row] = self.plane(facet);
+        let [z00, per_column, per_row] = self.plane(facet.triangle);
         let d = ray.direction;
         let g_rate = d.z - per_column * d.x - per_row * d.y;
         if q * g_rate >= 0.0 {
@@ -279,25 +334,32 @@ impl Geometry for Surface {
         let passes = q * (g + g_rate * span.leave) < 0.0;
         passes.then(|| (-g / g_rate).clamp(span.enter, span.leave))
     }
+}
 
-    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
-        let d = ray.direction;
-        let horizontal = d.x.hypot(d.y / self.aspect());
-        (medium.sign() * d.z > self.steepest * horizontal).then_some(Escape::SteeperThanAll)
-    }
+/// The heights of row `iy`, one a cell; rows wrap.
+fn grid_row(field: &HeightField, iy: usize) -> &[f64] {
+    let [ny, nx] = field.shape();
+    let start = (iy % ny) * nx;
+    &field.heights()[start..start + field.cells()[0]]
+}
 
-    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
-        let [low, high] = self.z_range();
-        let columns = high - low;
-        if columns.is_nan() || columns > TALLEST {
-            return Err(BuildError::TooTall { columns });
+/// Lowest, highest, and the sum over `first`; in lanes, so that it takes vector instructions.
+fn extremes(heights: &[f64], first: f64) -> (f64, f64, f64) {
+    let mut lanes = [(f64::INFINITY, f64::NEG_INFINITY, 0.0); 8];
+    for chunk in heights.chunks(8) {
+        for (lane, &h) in lanes.iter_mut().zip(chunk) {
+            let (low, high, sum) = *lane;
+            *lane = (
+                if h < low { h } else { low },
+                if h > high { h } else { high },
+                sum + (h - first),
+            );
         }
-        Ok(match kind {
-            AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
-            AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
-            AcceleratorKind::BruteForce => Box::new(BruteForce),
-        })
     }
+    lanes.into_iter().fold(
+        (f64::INFINITY, f64::NEG_INFINITY, 0.0),
+        |(low, high, sum), (l, h, s)| (low.min(l), high.max(h), sum + s),
+    )
 }
 
 /// An interval of the ray parameter.
@@ -340,7 +402,6 @@ mod tests {
         for facet in surface.facets() {
             assert!((surface.normal(facet) - expected).length() < 1e-15);
         }
-        assert!((surface.steepest_slope() - 0.5_f64.hypot(0.125)).abs() < 1e-15);
     }
 
     #[test]

@@ -1,0 +1,119 @@
+//! The in-plane wedge: directions near the plane of incidence.
+
+use std::f64::consts::{PI, TAU};
+
+use asperity_optics::azimuth;
+use glam::DVec3;
+
+use crate::finder::{MARGIN, TINY};
+
+/// The half of the plane of incidence that a direction is near.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Half {
+    /// The one that the light travels towards.
+    Forward,
+    /// The one that it comes from.
+    Backward,
+}
+
+/// All directions within an angle of the plane of incidence, on both its halves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wedge {
+    forward_azimuth: f64,
+    half_width: f64,
+    /// Cosine and sine of the azimuth and of the half width.
+    forward: [f64; 2],
+    edge: [f64; 2],
+}
+
+impl Wedge {
+    /// `forward_azimuth` and `half_width` in radians, the latter at most a right angle.
+    pub(crate) fn new(forward_azimuth: f64, half_width: f64) -> Self {
+        let cos_sin = |angle: f64| [angle.cos(), angle.sin()];
+        Self {
+            forward_azimuth,
+            half_width,
+            forward: cos_sin(forward_azimuth),
+            edge: cos_sin(half_width),
+        }
+    }
+
+    /// The half of the wedge that holds `wo`, if one does: the answer of [`Wedge::by_angles`], by
+    /// products wherever no edge is near.
+    #[inline]
+    pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
+        let [cos, sin] = self.forward;
+        let along = cos * wo.x + sin * wo.y;
+        let across = (cos * wo.y - sin * wo.x).abs();
+        let [cos, sin] = self.edge;
+        let inside = sin * along.abs() - cos * across;
+        let length = along.abs() + across;
+        let margin = MARGIN * length;
+        if length < TINY {
+            self.by_angles(wo)
+        } else if inside < -margin {
+            None
+        } else if inside > margin && along > margin {
+            Some(Half::Forward)
+        } else if inside > margin && along < -margin {
+            Some(Half::Backward)
+        } else {
+            self.by_angles(wo)
+        }
+    }
+
+    /// The definition: within the half width of one of the two halves of the plane of incidence. A
+    /// vertical direction lies in every plane, on the forward side of it.
+    fn by_angles(&self, wo: DVec3) -> Option<Half> {
+        let vertical = wo.x == 0.0 && wo.y == 0.0;
+        let azimuth = if vertical {
+            self.forward_azimuth
+        } else {
+            azimuth(wo)
+        };
+        let relative = (azimuth - self.forward_azimuth).rem_euclid(TAU);
+        let (half, off_plane) = if (0.5 * PI..1.5 * PI).contains(&relative) {
+            (Half::Backward, (relative - PI).abs())
+        } else {
+            (Half::Forward, relative.min(TAU - relative))
+        };
+        (off_plane <= self.half_width).then_some(half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_optics::from_spherical;
+
+    #[test]
+    fn products_decide_as_angles_do() {
+        for forward_deg in [0.0, 30.0, 123.4, 180.0, 280.0, 540.0, -77.0] {
+            for half_width_deg in [1e-7, 0.5, 5.0, 45.0, 89.999, 90.0] {
+                let [forward, half_width] =
+                    [forward_deg, half_width_deg].map(|deg: f64| deg.to_radians());
+                let wedge = Wedge::new(forward, half_width);
+                let mut azimuths: Vec<f64> = (0..3000)
+                    .map(|i| TAU * (f64::from(i) * 0.618_033_988_7).fract())
+                    .collect();
+                for edge in [0.0, half_width, -half_width, 0.5 * PI] {
+                    for turn in [0.0, PI] {
+                        for off in [0.0, 1e-16, 1e-15, 1e-12, 1e-9, 1e-8, 2e-8, 1e-6] {
+                            azimuths.push(forward + turn + edge + off);
+                            azimuths.push(forward + turn + edge - off);
+                        }
+                    }
+                }
+                for phi in azimuths {
+                    for theta in [1e-320, 1e-300, 1e-12, 0.3, 1.5, 3.0] {
+                        let wo = from_spherical(theta, phi);
+                        assert_eq!(wedge.half(wo), wedge.by_angles(wo), "{wedge:?} {wo:?}");
+                    }
+                }
+                for wo in [DVec3::Z, DVec3::new(-0.0, 0.0, -1.0)] {
+                    assert_eq!(wedge.half(wo), Some(Half::Forward));
+                }
+            }
+        }
+    }
+}

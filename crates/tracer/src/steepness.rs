@@ -1,0 +1,405 @@
+//! Bounds on the slopes that a ray has ahead: what lets it escape without a search.
+//!
+//! The gradients of the facets of a block are bounded by their support function: for a horizontal
+//! direction u, the steepest rise `max(g . u)`. It is kept in eight directions, axes and diagonals;
+//! any other u is `a e + b f` of two neighbouring ones, and `max(g . u) <= a max(g . e) + b max(g . f)`.
+//! A ray in direction `(u, d_z)` that rises faster than that comes closer to no facet of the block.
+
+use glam::DVec2;
+use rayon::prelude::*;
+
+use asperity_surface::Border;
+
+/// Cells along the side of the smallest blocks.
+const SMALLEST: usize = 16;
+
+/// The directions of the support function, `45 deg` apart from +x: axes and diagonals.
+const DIRECTIONS: usize = 8;
+
+/// Steepest rise of a set of facets in eight directions, tile coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Support([f64; DIRECTIONS]);
+
+impl Support {
+    /// That of no facet.
+    const NONE: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
+
+    /// An upper bound of the steepest rise in the direction and by the length of `u`.
+    pub(crate) fn rise(&self, u: DVec2) -> f64 {
+        let (x, y) = (u.x.abs(), u.y.abs());
+        let axis = match (x >= y, u.x < 0.0, u.y < 0.0) {
+            (true, false, _) => 0,
+            (true, true, _) => 4,
+            (false, _, false) => 2,
+            (false, _, true) => 6,
+        };
+        let diagonal = match (u.x < 0.0, u.y < 0.0) {
+            (false, false) => 1,
+            (true, false) => 3,
+            (true, true) => 5,
+            (false, true) => 7,
+        };
+        (x - y).abs() * self.0[axis] + x.min(y) * self.0[diagonal]
+    }
+
+    /// That of the facets of both.
+    fn join(&self, other: &Self) -> Self {
+        Self(std::array::from_fn(|k| self.0[k].max(other.0[k])))
+    }
+
+    /// That of the mirror image across x, across y, or both.
+    fn mirrored(&self, [x, y]: [bool; 2]) -> Self {
+        let mut of = *self;
+        if x {
+            of = Self([4, 3, 2, 1, 0, 7, 6, 5].map(|k| of.0[k]));
+        }
+        if y {
+            of = Self([0, 7, 6, 5, 4, 3, 2, 1].map(|k| of.0[k]));
+        }
+        of
+    }
+
+    /// Raised by `margin` in every direction.
+    fn raised(&self, margin: f64) -> Self {
+        Self(self.0.map(|rise| rise + margin))
+    }
+
+    /// Least and greatest rise along x, along y, along the diagonal and along the other diagonal.
+    fn from_extremes([x, y, diagonal, other]: [[f64; 2]; 4]) -> Self {
+        // The other diagonal is (1, -1).
+        Self([
+            x[1],
+            diagonal[1],
+            y[1],
+            -other[0],
+            -x[0],
+            -diagonal[0],
+            -y[0],
+            other[1],
+        ])
+    }
+}
+
+/// Bounds for the whole tile, and for the neighbourhood of every block of it.
+#[derive(Clone, Debug)]
+pub(crate) struct Steepness {
+    all: Support,
+    /// From the smallest blocks to the largest: blocks twice as long each time.
+    levels: Vec<Level>,
+}
+
+/// Blocks of one size.
+#[derive(Clone, Debug)]
+struct Level {
+    /// Cells along a block's side.
+    side: usize,
+    columns: usize,
+    /// For each block, that of itself and of the eight around it, beyond the border too.
+    around: Vec<Support>,
+}
+
+impl Level {
+    /// The bound around a point of the tile.
+    fn around(&self, place: DVec2) -> &Support {
+        let rows = self.around.len() / self.columns;
+        let block = |p: f64, count: usize| (p as usize / self.side).min(count - 1);
+        &self.around[block(place.y, rows) * self.columns + block(place.x, self.columns)]
+    }
+}
+
+impl Steepness {
+    /// Bounds for a tile of `[columns, rows]` cells; `row(i)` are the heights of the grid points of
+    /// row i, one more than there are columns.
+    pub(crate) fn new(
+        [cx, cy]: [usize; 2],
+        border: Border,
+        margin: f64,
+        row: impl Fn(usize, &mut Vec<f64>) + Sync,
+    ) -> Self {
+        let columns = cx.div_ceil(SMALLEST);
+        let mut blocks: Vec<Support> = (0..cy.div_ceil(SMALLEST))
+            .into_par_iter()
+            .flat_map_iter(|block_row| {
+                let rows = block_row * SMALLEST..((block_row + 1) * SMALLEST).min(cy);
+                row_of_blocks(columns, rows, &row)
+            })
+            .map(|support| support.raised(margin))
+            .collect();
+        let mut size = [columns, cy.div_ceil(SMALLEST)];
+        let mut side = SMALLEST;
+        let mut levels = Vec::new();
+        loop {
+            levels.push(Level {
+                side,
+                columns: size[0],
+                around: with_neighbours(&blocks, size, [cx, cy].map(|n| n % side == 0), border),
+            });
+            if size == [1, 1] {
+                break;
+            }
+            (blocks, size) = joined_by_four(&blocks, size);
+            side *= 2;
+        }
+        // Mirror images rise where the tile falls.
+        let tile = blocks[0];
+        let all = match border {
+            Border::Open | Border::Periodic => tile,
+            Border::Mirrored => [[true, false], [false, true], [true, true]]
+                .into_iter()
+                .fold(tile, |all, axes| all.join(&tile.mirrored(axes))),
+        };
+        Self { all, levels }
+    }
+
+    /// Whether a ray of horizontal direction `u` that rises by `rise` a unit of `t` is steeper than
+    /// every facet.
+    pub(crate) fn is_below_all(&self, u: DVec2, rise: f64) -> bool {
+        rise > self.all.rise(u)
+    }
+
+    /// Whether such a ray, from `(x, y)` in the tile, is steeper than every facet that it passes
+    /// before it has gone on by `t`.
+    pub(crate) fn is_below_near(&self, place: DVec2, u: DVec2, rise: f64, t: f64) -> bool {
+        let reach = t * u.x.abs().max(u.y.abs());
+        let level = self.levels.iter().find(|level| level.side as f64 >= reach);
+        level.is_some_and(|level| rise > level.around(place).rise(u))
+    }
+}
+
+/// Supports of one row of the smallest blocks, `rows` being its rows of cells.
+fn row_of_blocks(
+    columns: usize,
+    rows: std::ops::Range<usize>,
+    row: impl Fn(usize, &mut Vec<f64>),
+) -> Vec<Support> {
+    let empty = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
+    let mut extremes = vec![empty; columns];
+    let (mut near, mut far) = (Vec::new(), Vec::new());
+    row(rows.start, &mut near);
+    for iy in rows {
+        row(iy + 1, &mut far);
+        for (block, extremes) in extremes.iter_mut().enumerate() {
+            let cells = block * SMALLEST..((block + 1) * SMALLEST).min(near.len() - 1);
+            let points = cells.start..cells.end + 1;
+            widen(extremes, &near[points.clone()], &far[points]);
+        }
+        std::mem::swap(&mut near, &mut far);
+    }
+    extremes.into_iter().map(Support::from_extremes).collect()
+}
+
+/// Takes a row of cells into the extremes; `near` and `far` are the grid points at its edges.
+fn widen(extremes: &mut [[f64; 2]; 4], near: &[f64], far: &[f64]) {
+    let mut lanes = [*extremes; 4];
+    let count = near.len() - 1;
+    let far = &far[..count + 1];
+    let mut take = |lane: usize, i: usize| {
+        let (h00, h10, h01, h11) = (near[i], near[i + 1], far[i], far[i + 1]);
+        // Gradients of the lower triangle, (h10 - h00, h11 - h10), and of the upper one.
+        let rises = [
+            [h10 - h00, h11 - h01],
+            [h01 - h00, h11 - h10],
+            [h11 - h00, h11 - h00],
+            [(h10 - h00) - (h11 - h10), (h11 - h01) - (h01 - h00)],
+        ];
+        for (extreme, [a, b]) in lanes[lane].iter_mut().zip(rises) {
+            extreme[0] = least(extreme[0], least(a, b));
+            extreme[1] = greatest(extreme[1], greatest(a, b));
+        }
+    };
+    let whole = count - count % 4;
+    for i in (0..whole).step_by(4) {
+        for lane in 0..4 {
+            take(lane, i + lane);
+        }
+    }
+    for i in whole..count {
+        take(0, i);
+    }
+    for lane in lanes {
+        for (extreme, of_lane) in extremes.iter_mut().zip(lane) {
+            extreme[0] = least(extreme[0], of_lane[0]);
+            extreme[1] = greatest(extreme[1], of_lane[1]);
+        }
+    }
+}
+
+/// One comparison, where `f64::min` takes care of what is no number.
+fn least(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// As [`least`].
+fn greatest(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// Blocks of twice the side.
+fn joined_by_four(blocks: &[Support], [nx, ny]: [usize; 2]) -> (Vec<Support>, [usize; 2]) {
+    let size = [nx.div_ceil(2), ny.div_ceil(2)];
+    let joined = (0..size[1])
+        .flat_map(|y| (0..size[0]).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let mut of = Support::NONE;
+            for j in 2 * y..(2 * y + 2).min(ny) {
+                for i in 2 * x..(2 * x + 2).min(nx) {
+                    of = of.join(&blocks[j * nx + i]);
+                }
+            }
+            of
+        })
+        .collect();
+    (joined, size)
+}
+
+/// Each block joined with the eight around it, beyond the border as the border says.
+///
+/// Where the last block of an axis is not `whole`, what lies a block's side away may be in the next
+/// but one, and in the one after that if the last block is followed by its own image.
+fn with_neighbours(
+    blocks: &[Support],
+    [nx, ny]: [usize; 2],
+    whole: [bool; 2],
+    border: Border,
+) -> Vec<Support> {
+    // Along x, then along y.
+    let along = |i: isize, n: usize| -> Option<(usize, bool)> {
+        let n = n as isize;
+        match border {
+            Border::Open => (0..n).contains(&i).then_some((i as usize, false)),
+            Border::Periodic => Some((i.rem_euclid(n) as usize, false)),
+            Border::Mirrored => {
+                let i = i.rem_euclid(2 * n);
+                Some(if i < n {
+                    (i as usize, false)
+                } else {
+                    ((2 * n - 1 - i) as usize, true)
+                })
+            }
+        }
+    };
+    let far = whole.map(|whole| match border {
+        _ if whole => 1,
+        Border::Open | Border::Periodic => 2,
+        Border::Mirrored => 3,
+    });
+    let gather = |from: &[Support], axis: usize| -> Vec<Support> {
+        (0..nx * ny)
+            .map(|index| {
+                let at = [index % nx, index / nx];
+                let n = [nx, ny][axis];
+                let mut of = Support::NONE;
+                for step in -far[axis]..=far[axis] {
+                    let Some((i, mirrored)) = along(at[axis] as isize + step, n) else {
+                        continue;
+                    };
+                    let mut place = at;
+                    place[axis] = i;
+                    let flip = [mirrored && axis == 0, mirrored && axis == 1];
+                    of = of.join(&from[place[1] * nx + place[0]].mirrored(flip));
+                }
+                of
+            })
+            .collect()
+    };
+    gather(&gather(blocks, 0), 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Heights that look random, of a tile of `[columns, rows]` cells that repeats.
+    fn row(cells: [usize; 2]) -> impl Fn(usize, &mut Vec<f64>) + Sync {
+        move |iy, out| {
+            out.clear();
+            out.extend((0..=cells[0]).map(|ix| {
+                let i = (ix % cells[0]) + (iy % cells[1]) * cells[0];
+                ((i as f64 * 0.618_034).fract() - 0.5) * 3.0
+            }));
+        }
+    }
+
+    fn gradients([cx, cy]: [usize; 2]) -> Vec<([usize; 2], [f64; 2])> {
+        let heights = row([cx, cy]);
+        let mut all = Vec::new();
+        let (mut near, mut far) = (Vec::new(), Vec::new());
+        for iy in 0..cy {
+            heights(iy, &mut near);
+            heights(iy + 1, &mut far);
+            for ix in 0..cx {
+                let (h00, h10, h01, h11) = (near[ix], near[ix + 1], far[ix], far[ix + 1]);
+                all.push(([ix, iy], [h10 - h00, h11 - h10]));
+                all.push(([ix, iy], [h11 - h01, h01 - h00]));
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn the_bound_holds_for_every_facet_and_is_met_in_the_eight_directions() {
+        let cells = [37, 50];
+        let steepness = Steepness::new(cells, Border::Periodic, 0.0, row(cells));
+        for k in 0..64 {
+            let u = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / 64.0);
+            let steepest = gradients(cells)
+                .iter()
+                .map(|(_, [x, y])| x * u.x + y * u.y)
+                .fold(f64::NEG_INFINITY, f64::max);
+            let bound = steepness.all.rise(u);
+            assert!(bound >= steepest - 1e-12, "{k}: {bound} {steepest}");
+            if k % 8 == 0 {
+                assert!((bound - steepest).abs() < 1e-12, "{k}: {bound} {steepest}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_bound_nearby_holds_for_every_facet_within_reach() {
+        for border in [Border::Periodic, Border::Mirrored, Border::Open] {
+            let cells = [90, 70];
+            let steepness = Steepness::new(cells, border, 0.0, row(cells));
+            let all = gradients(cells);
+            for i in 0..300 {
+                let i = f64::from(i);
+                let place = DVec2::new(
+                    90.0 * (i * 0.754_877).fract(),
+                    70.0 * (i * 0.569_840).fract(),
+                );
+                let u = DVec2::from_angle(i * 2.399_963);
+                let t = 60.0 * (i * 0.381_966).fract();
+                // The steepest facet that the ray passes, found by walking along it.
+                let mut steepest = f64::NEG_INFINITY;
+                let steps = (t * 50.0) as usize;
+                for step in 0..=steps {
+                    let p = place + u * (t * step as f64 / steps.max(1) as f64);
+                    let fold = |p: f64, n: f64| match border {
+                        Border::Periodic => Some((p.rem_euclid(n), 1.0)),
+                        Border::Open => (0.0..n).contains(&p).then_some((p, 1.0)),
+                        Border::Mirrored => {
+                            let p = p.rem_euclid(2.0 * n);
+                            Some(if p < n { (p, 1.0) } else { (2.0 * n - p, -1.0) })
+                        }
+                    };
+                    let (Some((x, sx)), Some((y, sy))) = (fold(p.x, 90.0), fold(p.y, 70.0)) else {
+                        continue;
+                    };
+                    let cell = [x.min(89.0) as usize, y.min(69.0) as usize];
+                    let first = 2 * (cell[1] * 90 + cell[0]);
+                    for (_, g) in &all[first..first + 2] {
+                        steepest = steepest.max(g[0] * sx * u.x + g[1] * sy * u.y);
+                    }
+                }
+                if steepest.is_finite() {
+                    let rise = steepest - 1e-9;
+                    assert!(
+                        !steepness.is_below_near(place, u, rise, t),
+                        "{border:?} {place} {u} {t} {steepest}"
+                    );
+                }
+            }
+            // And it excludes something: a ray steeper than all facets escapes.
+            assert!(steepness.is_below_near(DVec2::ONE, DVec2::X, 10.0, 5.0));
+        }
+    }
+}
