@@ -79,7 +79,7 @@ pub(crate) enum Command {
 /// How a height map is read.
 #[derive(Debug, Args)]
 pub(crate) struct Reading {
-    /// What lies beyond the border: periodic, mirrored or open; as the file says unless given
+    /// What lies beyond the border: periodic, mirrored or open; as the file says unless given (a mesh is open)
     #[arg(long, value_name = "BORDER")]
     pub(crate) border: Option<Border>,
     /// Length units a sample along x, or X,Y; as the file says unless given
@@ -242,7 +242,7 @@ pub(crate) struct Light {
 
 #[derive(Debug, Args)]
 pub(crate) struct Trace {
-    /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv
+    /// Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv; or triangle mesh: .ply, .obj or .stl
     #[arg(required_unless_present = "flat")]
     pub(crate) file: Option<PathBuf>,
     /// A flat surface in place of FILE

@@ -3,11 +3,14 @@
 use std::path::Path;
 
 use asperity_experiment::{Incident, MaterialConfig, MaterialKind, Number, OneOrMany};
-use asperity_io::{HeightMapFormat, WriteError, read_height_map, write_height_map};
+use asperity_io::{
+    HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
+};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{
-    Border, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
+    Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
 };
+use asperity_tracer::{Geometry, MeshSurface};
 
 use crate::args::{Common, FromArgument, Interface, Light, MaterialArgument, Reading};
 use crate::failure::Failure;
@@ -26,6 +29,12 @@ pub(crate) fn read_surface(
     reading: &Reading,
     common: &Common,
 ) -> Result<Input, Failure> {
+    if is_mesh(path) {
+        return Err(Failure::usage(format!(
+            "{} names a triangle mesh, where a height map is needed; `asperity trace` takes meshes",
+            path.display()
+        )));
+    }
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
     let mut raw = read_height_map(path).map_err(Failure::failed)?;
     if !reading.spacing.is_empty() {
@@ -80,6 +89,49 @@ pub(crate) fn read_surface(
         filled,
         notes,
     })
+}
+
+/// Whether a file is named as a triangle mesh.
+pub(crate) fn is_mesh(path: &Path) -> bool {
+    MeshFormat::from_path(path).is_some()
+}
+
+/// Reads a triangle mesh; an open patch unless a border is given.
+pub(crate) fn read_mesh_surface(
+    path: &Path,
+    reading: &Reading,
+    common: &Common,
+) -> Result<MeshSurface, Failure> {
+    for (given, flag) in [
+        (!reading.spacing.is_empty(), "--spacing"),
+        (reading.unit.is_some(), "--unit"),
+        (reading.missing != MissingPolicy::Refuse, "--missing"),
+        (reading.remove != Form::None, "--remove"),
+    ] {
+        if given {
+            return Err(Failure::usage(format!(
+                "{flag} is for height maps, but {} names a triangle mesh, which is traced as it is",
+                path.display()
+            )));
+        }
+    }
+    let MeshData {
+        vertices,
+        triangles,
+    } = read_mesh(path).map_err(Failure::failed)?;
+    let border = reading.border.unwrap_or(Border::Open);
+    let mesh = MeshSurface::new(&vertices, triangles, border)
+        .map_err(|error| Failure::failed(format!("{}: {error}", path.display())))?;
+    common.say(|| {
+        let [x, y, z] = mesh.size();
+        format!(
+            "{}: {} vertices, {} triangles, extent {x} x {y} x {z}, {border} border",
+            path.display(),
+            mesh.vertex_count(),
+            mesh.facet_count(),
+        )
+    });
+    Ok(mesh)
 }
 
 impl Interface {

@@ -1,19 +1,21 @@
 //! `asperity trace`: light on one surface.
 
+use std::path::Path;
+
 use asperity_experiment::{
-    Light, RaySettings, Summary, Surroundings, check_sides, energy_table, lost_warning, trace,
-    trace_report, work_line,
+    Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, lost_warning,
+    trace, trace_mesh, trace_report, work_line,
 };
 use asperity_io::create_output_folder;
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{HeightField, Roughness};
+use asperity_surface::{Border, HeightField, Roughness};
 use asperity_tally::Layout;
-use asperity_tracer::{Medium, PathSettings};
+use asperity_tracer::{BuildError, Geometry, Medium, MeshSurface, PathSettings};
 use serde_json::{Value, json};
 
 use crate::args::{Common, Trace};
 use crate::failure::Failure;
-use crate::input::{incident, name_of, read_surface};
+use crate::input::{Input, incident, is_mesh, name_of, read_mesh_surface, read_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
@@ -34,24 +36,31 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             .map_err(Failure::usage)?,
         accelerator: command.accelerator,
     };
-    let (field, name, filled, notes) = match &command.file {
-        Some(path) => {
-            let input = read_surface(path, &command.reading, common)?;
-            (input.field, name_of(path), input.filled, input.notes)
-        }
-        None => (flat()?, "flat surface".to_owned(), 0, Vec::new()),
-    };
-    let config = config(command, material, incidence, &field, filled);
-    let mut warnings = warnings(&field, notes);
+    let subject = Subject::of(command, common)?;
+    let config = config(command, material, incidence, subject.description);
+    let (name, mut warnings) = (subject.name, subject.warnings);
     if let Some(folder) = &command.output {
         create_output_folder(folder).map_err(Failure::failed)?;
     }
 
     let bar = Bar::new(common);
     let medium = Medium::from(incident(command.from));
-    let drawn = (command.output.is_some() && !command.no_plots).then(|| field.clone());
-    let outcome =
-        trace(field, material, incidence, medium, &settings, &bar).map_err(Failure::failed)?;
+    let plots = command.output.is_some() && !command.no_plots;
+    let (outcome, drawn) = match subject.shape {
+        Shape::Field(field) => {
+            let drawn = plots.then(|| field.clone());
+            let outcome = trace(field, material, incidence, medium, &settings, &bar);
+            (outcome, drawn)
+        }
+        Shape::Mesh(mesh) => {
+            let outcome = trace_mesh(mesh, material, incidence, medium, &settings, &bar);
+            (outcome, None)
+        }
+    };
+    let outcome = outcome.map_err(|error| match error {
+        RunError::Build(BuildError::NeedsHeightField { .. }) => Failure::usage(error),
+        _ => Failure::failed(error),
+    })?;
     let statistics = &outcome.statistics;
     warnings.extend(lost_warning(statistics));
     let summary = Summary::new(
@@ -70,8 +79,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             from: incident(command.from),
             case: None,
         };
-        let surroundings = drawn.as_ref().map(|field| Surroundings {
-            field,
+        let surroundings = plots.then(|| Surroundings {
+            field: drawn.as_ref(),
             name: name.clone(),
             light: &light,
         });
@@ -104,6 +113,82 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     if common.quiet { Ok(()) } else { print(&text) }
 }
 
+/// What light falls on.
+struct Subject {
+    shape: Shape,
+    name: String,
+    /// What summary.json says of it.
+    description: Value,
+    /// What a reader of the results should know about it.
+    warnings: Vec<String>,
+}
+
+enum Shape {
+    Field(HeightField),
+    Mesh(MeshSurface),
+}
+
+impl Subject {
+    /// Reads what the command asks for.
+    fn of(command: &Trace, common: &Common) -> Result<Self, Failure> {
+        match &command.file {
+            Some(path) if is_mesh(path) => {
+                let mesh = read_mesh_surface(path, &command.reading, common)?;
+                Ok(Self::of_mesh(mesh, path))
+            }
+            Some(path) => {
+                let input = read_surface(path, &command.reading, common)?;
+                Ok(Self::of_field(command, input, name_of(path)))
+            }
+            None => {
+                let input = Input {
+                    field: flat()?,
+                    filled: 0,
+                    notes: Vec::new(),
+                };
+                Ok(Self::of_field(command, input, "flat surface".to_owned()))
+            }
+        }
+    }
+
+    fn of_field(command: &Trace, input: Input, name: String) -> Self {
+        let field = input.field;
+        Self {
+            name,
+            description: json!({
+                "file": command.file,
+                "shape": field.shape(),
+                "spacing": field.spacing(),
+                "unit": field.unit(),
+                "border": field.border(),
+                "points_filled": input.filled,
+                "form_removed": command.reading.remove.to_string(),
+                "generated": field.provenance(),
+            }),
+            warnings: warnings(&field, input.notes),
+            shape: Shape::Field(field),
+        }
+    }
+
+    fn of_mesh(mesh: MeshSurface, path: &Path) -> Self {
+        let repairs = mesh.repairs();
+        Self {
+            name: name_of(path),
+            description: json!({
+                "file": path,
+                "vertices": mesh.vertex_count(),
+                "triangles": mesh.facet_count(),
+                "extent": mesh.size(),
+                "border": mesh.border(),
+                "triangles_dropped": repairs.dropped,
+                "turned_over": repairs.turned_over,
+            }),
+            warnings: mesh_warnings(&mesh),
+            shape: Shape::Mesh(mesh),
+        }
+    }
+}
+
 /// One flat periodic cell.
 fn flat() -> Result<HeightField, Failure> {
     HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).map_err(Failure::failed)
@@ -126,24 +211,9 @@ fn light_line(material: Material, incidence: Incidence, command: &Trace) -> Stri
     )
 }
 
-fn config(
-    command: &Trace,
-    material: Material,
-    incidence: Incidence,
-    field: &HeightField,
-    filled: usize,
-) -> Value {
+fn config(command: &Trace, material: Material, incidence: Incidence, surface: Value) -> Value {
     json!({
-        "surface": {
-            "file": command.file,
-            "shape": field.shape(),
-            "spacing": field.spacing(),
-            "unit": field.unit(),
-            "border": field.border(),
-            "points_filled": filled,
-            "form_removed": command.reading.remove.to_string(),
-            "generated": field.provenance(),
-        },
+        "surface": surface,
         "material": material,
         "light": {
             "theta_deg": incidence.theta_deg(),
@@ -173,15 +243,52 @@ fn warnings(field: &HeightField, mut warnings: Vec<String>) -> Vec<String> {
             steepest.angle_degrees
         ));
     }
-    if field.border() == asperity_surface::Border::Open {
+    warnings.extend(border_warning(field.border()));
+    warnings.push(ONE_SURFACE.to_owned());
+    warnings
+}
+
+/// What a reader of the results should know about the mesh.
+fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
+    let repairs = mesh.repairs();
+    let mut warnings = Vec::new();
+    if repairs.turned_over {
         warnings.push(
-            "the patch is open: light that leaves it sideways is booked as truncated, and grazing light finds it too bright"
-                .to_owned(),
+            "the mesh faced away from +z (or inwards, being closed) and was turned over".to_owned(),
         );
     }
-    warnings.push(
-        "one surface: errors hold for this surface, not for the ensemble it may come from"
-            .to_owned(),
-    );
+    if repairs.dropped > 0 {
+        warnings.push(format!(
+            "{} triangles without area were left out",
+            repairs.dropped
+        ));
+    }
+    let booked = match mesh.border() {
+        Border::Open => "truncated",
+        Border::Periodic | Border::Mirrored => "lost",
+    };
+    if repairs.closed {
+        warnings.push(format!(
+            "the mesh is closed: light that goes on beneath it meets nothing and is booked as {booked}"
+        ));
+    }
+    if repairs.open_edges > 0 {
+        warnings.push(format!(
+            "{} edges inside the tile have one triangle only: light that passes by them is booked as {booked}",
+            repairs.open_edges
+        ));
+    }
+    warnings.extend(border_warning(mesh.border()));
+    warnings.push(ONE_SURFACE.to_owned());
     warnings
+}
+
+const ONE_SURFACE: &str =
+    "one surface: errors hold for this surface, not for the ensemble it may come from";
+
+fn border_warning(border: Border) -> Option<String> {
+    (border == Border::Open).then(|| {
+        "the patch is open: light that leaves it sideways is booked as truncated, and grazing light finds it too bright"
+            .to_owned()
+    })
 }

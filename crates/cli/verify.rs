@@ -8,12 +8,18 @@ use asperity_io::{create_output_folder, read_text};
 
 use crate::args::{Common, MaterialArgument, Verify};
 use crate::failure::Failure;
-use crate::input::{incident, material_kind, one_or_many, per_axis, refuse_surface};
+use crate::input::{incident, is_mesh, material_kind, one_or_many, per_axis, refuse_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     let mut config = match &command.config {
+        Some(path) if is_mesh(path) => {
+            return Err(Failure::usage(format!(
+                "{} names a triangle mesh, but `asperity verify` draws its own surfaces and takes a configuration; `asperity trace` takes meshes",
+                path.display()
+            )));
+        }
         Some(path) => {
             let text = read_text(path).map_err(Failure::failed)?;
             VerifyConfig::from_toml(&text)

@@ -85,8 +85,8 @@ impl Light {
 
 /// What the plots of a traced surface show beside the light.
 pub struct Surroundings<'a> {
-    /// The surface.
-    pub field: &'a HeightField,
+    /// The surface, if it is a height field, which alone has a map.
+    pub field: Option<&'a HeightField>,
     /// Its name.
     pub name: String,
     /// The light.

@@ -1,6 +1,6 @@
 //! Experiments: from a typed configuration to results with errors.
 //!
-//! [`trace`] sends light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
+//! [`trace`] and [`trace_mesh`] send light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
 //! and compares what comes out with statistical models. Threads, seeds and progress live here and
 //! nowhere else.
 //!
@@ -39,6 +39,6 @@ pub use progress::{Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use summary::{Summary, SummaryWork};
 pub use tables::{energy_table, lost_warning, verify_table, work_line};
-pub use trace::{TraceOutcome, trace};
+pub use trace::{TraceOutcome, trace, trace_mesh};
 pub use values::{Count, Number, OneOrMany, PerAxis};
 pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

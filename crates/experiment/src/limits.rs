@@ -3,7 +3,7 @@
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
-use asperity_tracer::{BuildError, Surface, border};
+use asperity_tracer::{BuildError, Geometry, border};
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
@@ -76,6 +76,12 @@ pub(crate) const fn traced_bytes([ny, nx]: [usize; 2]) -> usize {
     nx.saturating_mul(ny).saturating_mul(550)
 }
 
+/// Bytes that the hierarchy over the triangles of a mesh takes beside the mesh: as over those of a cell,
+/// without their heights.
+pub(crate) const fn hierarchy_bytes(triangles: usize) -> usize {
+    triangles.saturating_mul(270)
+}
+
 /// Refuses more results than memory should hold: a record for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
 pub(crate) fn check_results(
@@ -99,7 +105,10 @@ pub(crate) fn check_results(
 }
 
 /// Refuses light that would cross more tiles than a ray may.
-pub(crate) fn check_grazing(surface: &Surface, incidence: Incidence) -> Result<(), RunError> {
+pub(crate) fn check_grazing<G: Geometry>(
+    surface: &G,
+    incidence: Incidence,
+) -> Result<(), RunError> {
     let tiles = border::tiles_crossed(surface, incidence.theta());
     if tiles < 0.5 * f64::from(border::MOST_TILES) {
         return Ok(());

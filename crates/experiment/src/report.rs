@@ -70,7 +70,9 @@ pub fn trace_report(
     )?;
     if let Some(surroundings) = plots {
         let light = surroundings.light;
-        figures::height_map(folder, surroundings.field, &surroundings.name)?;
+        if let Some(field) = surroundings.field {
+            figures::height_map(folder, field, &surroundings.name)?;
+        }
         figures::lobes_and_curves(folder, light, layout, &outcome.statistics, &[])?;
     }
     write_json(folder.join("summary.json"), summary)?;

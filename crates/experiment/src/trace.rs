@@ -5,10 +5,12 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, Surface, Tracer};
+use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
-use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
+use crate::limits::{
+    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
+};
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
@@ -36,23 +38,56 @@ pub fn trace(
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
-    let began = Instant::now();
-    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
-    check_results(&settings.layout, 1, 1)?;
     check_memory(
         "this surface with its hierarchy",
         traced_bytes(field.shape()),
     )?;
+    let build = || Surface::new(field);
+    trace_on(build, material, incidence, incident, settings, progress)
+}
+
+/// [`trace`] on a triangle mesh.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_mesh(
+    mesh: MeshSurface,
+    material: Material,
+    incidence: Incidence,
+    incident: Medium,
+    settings: &RaySettings,
+    progress: &dyn Progress,
+) -> Result<TraceOutcome, RunError> {
+    check_memory(
+        "this mesh with its hierarchy",
+        hierarchy_bytes(mesh.facet_count()),
+    )?;
+    let build = || mesh;
+    trace_on(build, material, incidence, incident, settings, progress)
+}
+
+/// Traces light on what `build` builds.
+fn trace_on<G: Geometry>(
+    build: impl FnOnce() -> G,
+    material: Material,
+    incidence: Incidence,
+    incident: Medium,
+    settings: &RaySettings,
+    progress: &dyn Progress,
+) -> Result<TraceOutcome, RunError> {
+    let began = Instant::now();
+    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
+    check_results(&settings.layout, 1, 1)?;
     progress.begin("building", 1);
-    let surface = Surface::new(field);
-    let accelerator = surface.accelerator(settings.accelerator)?;
-    check_grazing(&surface, incidence)?;
+    let geometry = build();
+    let accelerator = geometry.accelerator(settings.accelerator)?;
+    check_grazing(&geometry, incidence)?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 
     progress.begin("tracing", blocks.rays());
     let tracing = Instant::now();
-    let tracer = Tracer::new(&surface, &*accelerator, material, incident, settings.paths);
+    let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
     let mut statistics = BatchStatistics::new(settings.layout.len());
     let light = (incidence, false);
     let work = run_blocks(&tracer, light, settings, 0, blocks, progress, |values| {
@@ -67,7 +102,7 @@ pub fn trace(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, settings.accelerator)
+            ..SummaryWork::new(work, accelerator.kind())
         },
     })
 }

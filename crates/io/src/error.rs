@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use asperity_surface::HeightFieldError;
 
 use crate::format::{HeightMapFormat, list_endings};
+use crate::mesh::{MESH_ENDINGS, MeshFormat};
 
 /// Why a file cannot be read.
 ///
@@ -28,7 +29,7 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// A device, pipe or socket.
-    #[error("`{}` is a device, pipe or socket; height maps are read from regular files only", .path.display())]
+    #[error("`{}` is a device, pipe or socket; only regular files are read", .path.display())]
     NotRegular {
         /// The file.
         path: PathBuf,
@@ -42,6 +43,12 @@ pub enum ReadError {
     /// No format has this ending.
     #[error("`{}` has {}; height maps are read from {}", .path.display(), ending_found(.path), list_endings(HeightMapFormat::can_read))]
     UnknownEnding {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No format of meshes has this ending.
+    #[error("`{}` has {}; meshes are read from {MESH_ENDINGS}", .path.display(), ending_found(.path))]
+    UnknownMeshEnding {
         /// The file.
         path: PathBuf,
     },
@@ -76,6 +83,16 @@ pub enum ReadError {
         path: PathBuf,
         /// The format.
         format: HeightMapFormat,
+        /// What was found and what is allowed.
+        what: String,
+    },
+    /// The file breaks the rules of its format of meshes.
+    #[error("`{}` is not a valid {format}: {what}", .path.display())]
+    BadMesh {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: MeshFormat,
         /// What was found and what is allowed.
         what: String,
     },

@@ -94,7 +94,7 @@ fn survive(format: HeightMapFormat, bytes: &[u8]) -> Result<RawHeightMap, ReadEr
 }
 
 /// One sentence that names the file.
-fn assert_sentence(error: &ReadError) {
+pub(crate) fn assert_sentence(error: &ReadError) {
     let text = error.to_string();
     assert!(text.contains("in memory."), "{text}");
     assert!(!text.contains('\n') && !text.ends_with('.'), "{text}");
@@ -136,6 +136,27 @@ impl Damage {
     }
 }
 
+/// `original` with up to four changes, the same ones for the same seed.
+pub(crate) fn damaged(original: &[u8], seed: u64) -> Vec<u8> {
+    let mut damage = Damage(seed);
+    let mut bytes = original.to_vec();
+    for _ in 0..=damage.below(4) {
+        let i = damage.below(bytes.len());
+        match damage.below(6) {
+            0 => bytes[i] ^= 1 << damage.below(8),
+            1 => bytes[i] = damage.next() as u8,
+            2 => bytes[i] = [0, 0xff, 0x7f, 0x80, b'9', b'-'][damage.below(6)],
+            3 => bytes.insert(i, damage.next() as u8),
+            4 if bytes.len() > 1 => _ = bytes.remove(i),
+            _ => {
+                let j = (i + 4).min(bytes.len());
+                bytes[i..j].fill([0, 0xff, 0x7f][damage.below(3)]);
+            }
+        }
+    }
+    bytes
+}
+
 #[test]
 fn no_damage_causes_a_panic() {
     const CASES: u64 = 40_000;
@@ -157,22 +178,7 @@ fn no_damage_causes_a_panic() {
         let originals = victims(format);
         let mut refused = 0;
         for seed in 0..CASES {
-            let mut damage = Damage(seed);
-            let mut bytes = originals[seed as usize % originals.len()].clone();
-            for _ in 0..=damage.below(4) {
-                let i = damage.below(bytes.len());
-                match damage.below(6) {
-                    0 => bytes[i] ^= 1 << damage.below(8),
-                    1 => bytes[i] = damage.next() as u8,
-                    2 => bytes[i] = [0, 0xff, 0x7f, 0x80, b'9', b'-'][damage.below(6)],
-                    3 => bytes.insert(i, damage.next() as u8),
-                    4 if bytes.len() > 1 => _ = bytes.remove(i),
-                    _ => {
-                        let j = (i + 4).min(bytes.len());
-                        bytes[i..j].fill([0, 0xff, 0x7f][damage.below(3)]);
-                    }
-                }
-            }
+            let bytes = damaged(&originals[seed as usize % originals.len()], seed);
             match catch_unwind(AssertUnwindSafe(|| read(format, &bytes))) {
                 Ok(Ok(_)) => {}
                 Ok(Err(error)) => {

@@ -2,8 +2,8 @@
 //!
 //! [`read_height_map`] and [`write_height_map`] choose the format by the file's ending:
 //! OpenEXR, NumPy, Gwyddion Simple Field, ISO 25178-72 (X3P), text matrices (read only) and 16-bit
-//! PNG (written only); [`HeightMapFormat`] tells what each keeps. [`write_mesh`] does the same for
-//! triangle meshes, [`write_csv`] and [`write_json`] for results.
+//! PNG (written only); [`HeightMapFormat`] tells what each keeps. [`read_mesh`] and [`write_mesh`]
+//! do the same for triangle meshes, [`write_csv`] and [`write_json`] for results.
 //!
 //! Whatever is written goes aside first and is renamed when complete ([`write_atomically`]), so
 //! that a name either holds a whole file or what it held before. The bytes depend on the data
@@ -52,5 +52,5 @@ pub use csv::{CsvField, write_csv};
 pub use error::{ReadError, WriteError};
 pub use format::{HeightMapFormat, read_height_map, write_height_map};
 pub use memory::available_memory;
-pub use mesh::{MeshFormat, MeshView, write_mesh};
+pub use mesh::{MeshData, MeshFormat, MeshView, read_mesh, write_mesh};
 pub use text_file::{read_json, read_text};

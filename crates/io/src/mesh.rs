@@ -1,11 +1,32 @@
-//! Triangle meshes: .ply, .obj and .stl, written only.
+//! Triangle meshes: .ply, .obj and .stl.
 
-use std::io::{self, Write};
+mod build;
+mod obj;
+mod ply;
+mod stl;
+
+#[cfg(test)]
+mod read_tests;
+
+use std::fmt;
+use std::io::{self, BufRead, BufReader, Seek, Write};
 use std::path::Path;
 
 use crate::atomic::replace;
-use crate::error::WriteError;
+use crate::error::{ReadError, WriteError};
+use crate::format::open;
 use crate::samples::single;
+
+/// A triangle mesh as a file holds it.
+///
+/// None of the formats says in which unit its lengths are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData {
+    /// Positions `[x, y, z]`, finite, each different from all others.
+    pub vertices: Vec<[f64; 3]>,
+    /// Three indices into `vertices` each, in the order of the file; one triangle at least.
+    pub triangles: Vec<[u32; 3]>,
+}
 
 /// A borrowed triangle mesh.
 ///
@@ -31,6 +52,16 @@ pub enum MeshFormat {
     Stl,
 }
 
+impl fmt::Display for MeshFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Ply => "PLY mesh",
+            Self::Obj => "OBJ mesh",
+            Self::Stl => "STL mesh",
+        })
+    }
+}
+
 impl MeshFormat {
     /// The format that the ending of `path` stands for, in capital or small letters.
     #[must_use]
@@ -41,6 +72,42 @@ impl MeshFormat {
             "stl" => Some(Self::Stl),
             _ => None,
         }
+    }
+}
+
+/// The endings of all formats.
+pub(crate) const MESH_ENDINGS: &str = ".ply, .obj and .stl";
+
+/// Reads a triangle mesh; the ending of `path` chooses the format.
+///
+/// PLY is read as text and in either byte order, STL as text and binary; polygons become fans of
+/// triangles around their first corner, and vertices of equal coordinates become one. Nothing is
+/// asked of the shape: triangles may be without area, and overlap.
+///
+/// # Errors
+/// [`ReadError`] if the file is not there, of another ending, damaged, cut short, or holds no faces,
+/// coordinates that are not finite, or corners that do not exist.
+pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshData, ReadError> {
+    let path = path.as_ref();
+    let format = MeshFormat::from_path(path).ok_or_else(|| ReadError::UnknownMeshEnding {
+        path: path.to_owned(),
+    })?;
+    let (file, length) = open(path)?;
+    let reader = BufReader::with_capacity(1 << 16, file);
+    read_mesh_from(path, format, reader, length)
+}
+
+/// Reads a mesh of a known format; `path` serves messages only.
+pub(crate) fn read_mesh_from<R: BufRead + Seek>(
+    path: &Path,
+    format: MeshFormat,
+    reader: R,
+    length: u64,
+) -> Result<MeshData, ReadError> {
+    match format {
+        MeshFormat::Ply => ply::read(path, reader, length),
+        MeshFormat::Obj => obj::read(path, reader),
+        MeshFormat::Stl => stl::read(path, reader, length),
     }
 }
 
@@ -57,7 +124,7 @@ pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), Wri
     let path = path.as_ref();
     let format = MeshFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
         path: path.to_owned(),
-        allowed: ".ply, .obj and .stl".to_owned(),
+        allowed: MESH_ENDINGS.to_owned(),
     })?;
     check(path, format, mesh)?;
     replace(path, |out| match format {

@@ -59,6 +59,14 @@ pub enum BuildError {
         /// Height range over the column spacing.
         columns: f64,
     },
+    /// An accelerator for height fields, and a mesh.
+    #[error(
+        "the accelerator {kind} needs a height field, but this is a triangle mesh; take auto, mesh or brute-force"
+    )]
+    NeedsHeightField {
+        /// The accelerator asked for.
+        kind: AcceleratorKind,
+    },
 }
 
 /// Accelerators by name.

@@ -1,7 +1,8 @@
 //! Light paths on explicit surfaces.
 //!
 //! A [`Surface`] is a height field seen as the triangles that are traced: cell `(ix, iy)` split
-//! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`. An [`Accelerator`] finds
+//! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`; a [`MeshSurface`] is any
+//! triangles, also with overhangs. An [`Accelerator`] finds
 //! where a ray meets one tile of it; [`border`] carries rays across periodic, mirrored and open
 //! borders without copying geometry; [`Tracer`] follows light from interaction to interaction and
 //! hands what leaves to a record.
@@ -18,6 +19,7 @@ mod accelerators;
 pub mod border;
 mod geometry;
 mod mesh;
+mod mesh_surface;
 mod morton;
 mod path;
 mod ray;
@@ -30,6 +32,7 @@ pub use accelerators::mesh_bvh::MeshBvh;
 pub use accelerators::pyramid::{Instructions, Pyramid};
 pub use geometry::{Escape, Geometry};
 pub use mesh::{MeshError, TriangleMesh};
+pub use mesh_surface::{MeshSurface, MeshSurfaceError, Repairs};
 pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
 pub use ray::{Hit, Medium, TileRay};
 pub use surface::{Facet, Surface};

@@ -1,0 +1,170 @@
+//! What the readers of meshes share: joining vertices, fanning polygons, refusing what is no mesh.
+
+use std::collections::HashMap;
+use std::fmt::Display;
+use std::path::Path;
+
+use super::{MeshData, MeshFormat};
+use crate::error::ReadError;
+
+/// A mesh that grows while its file is read.
+pub(super) struct Builder<'a> {
+    path: &'a Path,
+    format: MeshFormat,
+    /// Number of each vertex of the file in `mesh`.
+    numbers: Vec<u32>,
+    /// Number of the vertex at these coordinates.
+    known: HashMap<[u64; 3], u32>,
+    mesh: MeshData,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(path: &'a Path, format: MeshFormat) -> Self {
+        Self {
+            path,
+            format,
+            numbers: Vec::new(),
+            known: HashMap::new(),
+            mesh: MeshData::default(),
+        }
+    }
+
+    pub(super) fn malformed(&self, what: impl Display) -> ReadError {
+        ReadError::BadMesh {
+            path: self.path.to_owned(),
+            format: self.format,
+            what: what.to_string(),
+        }
+    }
+
+    /// Vertices of the file so far.
+    pub(super) fn vertices(&self) -> usize {
+        self.numbers.len()
+    }
+
+    /// Takes the next vertex, or says what is wrong with it.
+    pub(super) fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), String> {
+        let number = self.join(vertex)?;
+        self.numbers.push(number);
+        Ok(())
+    }
+
+    /// The number of the vertex at these coordinates, a new one if there is none yet.
+    fn join(&mut self, vertex: [f64; 3]) -> Result<u32, String> {
+        if vertex.iter().any(|x| !x.is_finite()) {
+            return Err(format!("{vertex:?}, where coordinates must be finite"));
+        }
+        // Adding zero makes -0 the same place as +0.
+        let vertex = vertex.map(|x| x + 0.0);
+        let next = self.mesh.vertices.len();
+        let number = *self
+            .known
+            .entry(vertex.map(f64::to_bits))
+            .or_insert(u32::try_from(next).map_err(|_| "one vertex more than 2^32".to_owned())?);
+        if number as usize == next {
+            self.mesh.vertices.push(vertex);
+        }
+        Ok(number)
+    }
+
+    /// Takes a polygon of vertices of the file, as a fan of triangles around its first corner.
+    ///
+    /// Says what is wrong with it if it has too few corners, or corners that do not exist.
+    pub(super) fn polygon(&mut self, corners: &[i64]) -> Result<(), String> {
+        let number = |corner: &i64| {
+            let number = usize::try_from(*corner)
+                .ok()
+                .and_then(|k| self.numbers.get(k));
+            number.copied().ok_or_else(|| {
+                format!(
+                    "the vertex number {corner}, counted from zero, but there are {} vertices",
+                    self.numbers.len()
+                )
+            })
+        };
+        let [first, rest @ ..] = corners else {
+            return Err("no corners, where 3 are the least".to_owned());
+        };
+        if rest.len() < 2 {
+            return Err(format!("{} corners, where 3 are the least", corners.len()));
+        }
+        let first = number(first)?;
+        for pair in rest.windows(2) {
+            let triangle = [first, number(&pair[0])?, number(&pair[1])?];
+            self.mesh.triangles.push(triangle);
+        }
+        Ok(())
+    }
+
+    /// Takes a triangle that brings its own corners.
+    pub(super) fn triangle(&mut self, corners: [[f64; 3]; 3]) -> Result<(), String> {
+        let [a, b, c] = corners;
+        let triangle = [self.join(a)?, self.join(b)?, self.join(c)?];
+        self.mesh.triangles.push(triangle);
+        Ok(())
+    }
+
+    pub(super) fn finish(self) -> Result<MeshData, ReadError> {
+        if self.mesh.triangles.is_empty() {
+            return Err(self.malformed("it holds no faces, where one triangle is the least"));
+        }
+        Ok(self.mesh)
+    }
+}
+
+/// A line of a text file, for messages and for its words.
+#[derive(Clone, Copy)]
+pub(super) struct Line<'a> {
+    pub(super) path: &'a Path,
+    /// Counted from one.
+    pub(super) number: usize,
+    pub(super) text: &'a str,
+}
+
+impl<'a> Line<'a> {
+    pub(super) fn words(self) -> impl Iterator<Item = &'a str> {
+        self.text.split_whitespace()
+    }
+
+    /// An error at `word`, a slice of the line.
+    pub(super) fn refuse(self, word: &str, what: impl Display) -> ReadError {
+        let offset = word.as_ptr().addr() - self.text.as_ptr().addr();
+        ReadError::Text {
+            path: self.path.to_owned(),
+            line: self.number,
+            column: offset + 1,
+            what: what.to_string(),
+        }
+    }
+
+    /// Three coordinates from `words`, of which more may follow.
+    pub(super) fn coordinates(
+        self,
+        words: &mut impl Iterator<Item = &'a str>,
+    ) -> Result<[f64; 3], ReadError> {
+        let mut vertex = [0.0_f64; 3];
+        for (i, x) in vertex.iter_mut().enumerate() {
+            let word = words.next().ok_or_else(|| {
+                let what = format_args!("this vertex has {i} coordinates, where 3 are needed");
+                self.refuse(self.text, what)
+            })?;
+            *x = word.parse().map_err(|_| {
+                self.refuse(
+                    word,
+                    format_args!("`{}` is no number; coordinates are needed", short(word)),
+                )
+            })?;
+            if !x.is_finite() {
+                let what = format_args!("`{}` is not finite; coordinates must be", short(word));
+                return Err(self.refuse(word, what));
+            }
+        }
+        Ok(vertex)
+    }
+}
+
+/// At most the first 40 characters, for messages, of which none breaks a line.
+pub(super) fn short(text: &str) -> String {
+    let visible = |c: char| if c.is_control() { ' ' } else { c };
+    text.trim().chars().map(visible).take(40).collect()
+}

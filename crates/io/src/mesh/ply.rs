@@ -1,0 +1,361 @@
+//! Stanford polygon files (.ply): text, and binary in either byte order, by ply-rs-bw.
+//!
+//! Elements are read one by one, so that a count in the header takes no memory. Vertices have the
+//! properties `x`, `y` and `z` of any type, faces a list `vertex_indices` or `vertex_index` of whole
+//! numbers; all other properties and elements are skipped.
+
+use std::io::{BufRead, ErrorKind, Read};
+use std::path::Path;
+
+use ply_rs_bw::parser::{ParseError, Parser, Reader};
+use ply_rs_bw::ply::{
+    ElementDef, Encoding, Header, Property, PropertyAccess, PropertyAccessResult, PropertyType,
+    ScalarType,
+};
+
+use super::build::{Builder, Line, short};
+use super::{MeshData, MeshFormat};
+use crate::error::ReadError;
+
+/// Longest header that is read.
+const HEADER_LIMIT: u64 = 1 << 20;
+
+pub(super) fn read<R: BufRead>(
+    path: &Path,
+    mut reader: R,
+    length: u64,
+) -> Result<MeshData, ReadError> {
+    let mut mesh = Builder::new(path, MeshFormat::Ply);
+    let mut head = Reader::new((&mut reader).take(HEADER_LIMIT));
+    let header = match Parser::<Skipped>::new().read_header(&mut head) {
+        Ok(header) => header,
+        Err(_) if head.get_ref().limit() == 0 => {
+            let what = format_args!("its header does not end within {HEADER_LIMIT} bytes");
+            return Err(mesh.malformed(what));
+        }
+        Err(error) => return Err(header_error(&mesh, path, &error)),
+    };
+    let line = head.line();
+    check(&mesh, path, &header, length)?;
+    let mut elements = Elements {
+        path,
+        reader,
+        encoding: header.encoding,
+        line: line.saturating_sub(1),
+        bytes: Vec::new(),
+    };
+    for element in header.elements.values() {
+        let name = element.name.as_str();
+        for i in 0..element.count {
+            let taken = match name {
+                "vertex" => {
+                    let Vertex(vertex) = elements.next(&mesh, element, i)?;
+                    mesh.vertex(vertex).map_err(|what| ("is", what))
+                }
+                "face" => {
+                    let Face(corners) = elements.next(&mesh, element, i)?;
+                    mesh.polygon(&corners).map_err(|what| ("has", what))
+                }
+                _ => elements.next(&mesh, element, i).map(|Skipped| Ok(()))?,
+            };
+            taken.map_err(|(verb, what)| {
+                mesh.malformed(format_args!(
+                    "its {name} {i}, counted from zero, {verb} {what}"
+                ))
+            })?;
+        }
+    }
+    elements.end(&mesh)?;
+    mesh.finish()
+}
+
+/// The elements of a file, in their order.
+struct Elements<'a, R> {
+    path: &'a Path,
+    reader: R,
+    encoding: Encoding,
+    /// Last line read, counted from one.
+    line: usize,
+    bytes: Vec<u8>,
+}
+
+impl<R: BufRead> Elements<'_, R> {
+    /// Element number `i` of a kind.
+    fn next<E: PropertyAccess>(
+        &mut self,
+        mesh: &Builder<'_>,
+        element: &ElementDef,
+        i: usize,
+    ) -> Result<E, ReadError> {
+        let parser = Parser::<E>::new();
+        let parsed = match self.encoding {
+            Encoding::Ascii => {
+                if !self.next_line()? {
+                    return Err(self.cut(element, i));
+                }
+                let text = String::from_utf8_lossy(&self.bytes);
+                let line = Line {
+                    path: self.path,
+                    number: self.line,
+                    text: &text,
+                };
+                return parser.read_ascii_element(&text, element).map_err(|_| {
+                    line.refuse(
+                        line.text,
+                        format_args!(
+                            "`{}` is no {} as the header announces it: {}",
+                            short(&text),
+                            short(&element.name),
+                            properties(element)
+                        ),
+                    )
+                });
+            }
+            Encoding::BinaryBigEndian => parser.read_big_endian_element(&mut self.reader, element),
+            Encoding::BinaryLittleEndian => {
+                parser.read_little_endian_element(&mut self.reader, element)
+            }
+        };
+        parsed.map_err(|error| match error.kind() {
+            ErrorKind::UnexpectedEof => self.cut(element, i),
+            ErrorKind::InvalidInput => mesh.malformed(format_args!(
+                "the list of its {} {i}, counted from zero, has a negative length",
+                short(&element.name)
+            )),
+            _ => ReadError::io(self.path, error.into()),
+        })
+    }
+
+    /// Reads the next line that is not blank; false if there is none.
+    fn next_line(&mut self) -> Result<bool, ReadError> {
+        loop {
+            self.bytes.clear();
+            let read = self.reader.read_until(b'\n', &mut self.bytes);
+            if read.map_err(|e| ReadError::io(self.path, e))? == 0 {
+                return Ok(false);
+            }
+            self.line += 1;
+            if !self.bytes.trim_ascii().is_empty() {
+                return Ok(true);
+            }
+        }
+    }
+
+    fn cut(&self, element: &ElementDef, i: usize) -> ReadError {
+        let ElementDef { name, count, .. } = element;
+        ReadError::truncated(
+            self.path,
+            format_args!(
+                "{count} elements `{}` were expected, but only {i} are there",
+                short(name)
+            ),
+        )
+    }
+
+    /// Refuses what follows the last element.
+    fn end(&mut self, mesh: &Builder<'_>) -> Result<(), ReadError> {
+        let more = match self.encoding {
+            Encoding::Ascii => self.next_line()?,
+            _ => !self
+                .reader
+                .fill_buf()
+                .map_err(|e| ReadError::io(self.path, e))?
+                .is_empty(),
+        };
+        if more {
+            let what = "more data follow its last element, where the file should end";
+            return Err(mesh.malformed(what));
+        }
+        Ok(())
+    }
+}
+
+fn header_error(mesh: &Builder<'_>, path: &Path, error: &ParseError) -> ReadError {
+    if error.kind() == ErrorKind::UnexpectedEof {
+        return ReadError::truncated(path, "its header has no line `end_header`");
+    }
+    match error.line() {
+        Some(1) => mesh.malformed("its first line is not `ply`"),
+        Some(line) => mesh.malformed(format_args!(
+            "line {line} is none of the header of a PLY file, version 1.0"
+        )),
+        None => mesh.malformed(
+            "its header is not text with a line `format ascii 1.0`, `format binary_little_endian 1.0` or `format binary_big_endian 1.0`",
+        ),
+    }
+}
+
+/// Checks the header before anything is read by it.
+fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Result<(), ReadError> {
+    for name in ["vertex", "face"] {
+        if !header.elements.contains_key(name) {
+            return Err(mesh.malformed(format_args!("it has no element `{name}`")));
+        }
+    }
+    if header.elements.keys().position(|name| name == "vertex")
+        > header.elements.keys().position(|name| name == "face")
+    {
+        return Err(mesh.malformed("its faces come before its vertices"));
+    }
+    let vertex = &header.elements["vertex"];
+    for name in ["x", "y", "z"] {
+        match vertex.properties.get(name).map(|p| &p.data_type) {
+            Some(PropertyType::Scalar(_)) => {}
+            Some(PropertyType::List(..)) => {
+                return Err(mesh.malformed(format_args!(
+                    "the property {name} of its vertices is a list, where a number is needed"
+                )));
+            }
+            None => {
+                let what = format_args!("its vertices have no property {name}");
+                return Err(mesh.malformed(what));
+            }
+        }
+    }
+    let whole = |kind: &ScalarType| !matches!(kind, ScalarType::Float | ScalarType::Double);
+    let lists = header.elements["face"].properties.values();
+    let is_corners = |name: &str| CORNERS.contains(&name);
+    match lists.clone().filter(|p| is_corners(&p.name)).count() {
+        0 => {
+            let what = "its faces have no list `vertex_indices` or `vertex_index`";
+            return Err(mesh.malformed(what));
+        }
+        1 => {}
+        _ => return Err(mesh.malformed("its faces have two lists of corners")),
+    }
+    for p in lists.filter(|p| is_corners(&p.name)) {
+        if !matches!(&p.data_type, PropertyType::List(_, item) if whole(item)) {
+            let what = format_args!("the {} of its faces are no list of whole numbers", p.name);
+            return Err(mesh.malformed(what));
+        }
+    }
+    // What the elements take at least: no header asks for more than its file holds.
+    let mut least = 0_u64;
+    for element in header.elements.values() {
+        let mut bytes = 0;
+        for p in element.properties.values() {
+            if let PropertyType::List(count, _) = &p.data_type
+                && !whole(count)
+            {
+                return Err(mesh.malformed(format_args!(
+                    "the length of the list `{}` is not of a whole type",
+                    short(&p.name)
+                )));
+            }
+            bytes += match (&header.encoding, &p.data_type) {
+                // A digit and a separator.
+                (Encoding::Ascii, _) => 2,
+                (_, PropertyType::Scalar(kind) | PropertyType::List(kind, _)) => width(kind),
+            };
+        }
+        if bytes == 0 && element.count > 0 {
+            return Err(mesh.malformed(format_args!(
+                "its elements `{}` have no properties",
+                short(&element.name)
+            )));
+        }
+        least = least.saturating_add(bytes.saturating_mul(element.count as u64));
+    }
+    // The last separator may be missing.
+    if least > length.saturating_add(1) {
+        let counts: Vec<String> = header
+            .elements
+            .values()
+            .map(|e| format!("{} of `{}`", e.count, short(&e.name)))
+            .collect();
+        return Err(ReadError::truncated(
+            path,
+            format_args!(
+                "its header announces {}, which take {least} bytes or more, but the whole file has {length}",
+                counts.join(", ")
+            ),
+        ));
+    }
+    Ok(())
+}
+
+/// Names of the list of a face's corners.
+const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
+
+/// Bytes of a number.
+const fn width(kind: &ScalarType) -> u64 {
+    match kind {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// The names of an element's properties, for messages.
+fn properties(element: &ElementDef) -> String {
+    let names: Vec<&str> = element.properties.keys().map(String::as_str).collect();
+    short(&names.join(" "))
+}
+
+/// A vertex, of which three properties are kept.
+struct Vertex([f64; 3]);
+
+impl PropertyAccess for Vertex {
+    fn new() -> Self {
+        Self([0.0; 3])
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        let axis = match name {
+            "x" => 0,
+            "y" => 1,
+            "z" => 2,
+            _ => return PropertyAccessResult::Ignored,
+        };
+        self.0[axis] = match property {
+            Property::Char(x) => x.into(),
+            Property::UChar(x) => x.into(),
+            Property::Short(x) => x.into(),
+            Property::UShort(x) => x.into(),
+            Property::Int(x) => x.into(),
+            Property::UInt(x) => x.into(),
+            Property::Float(x) => x.into(),
+            Property::Double(x) => x,
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+/// A face, of which the corners are kept.
+struct Face(Vec<i64>);
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Self(Vec::new())
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if !CORNERS.contains(&name) {
+            return PropertyAccessResult::Ignored;
+        }
+        fn widen<N: Into<i64>>(list: Vec<N>) -> Vec<i64> {
+            list.into_iter().map(Into::into).collect()
+        }
+        self.0 = match property {
+            Property::ListChar(list) => widen(list),
+            Property::ListUChar(list) => widen(list),
+            Property::ListShort(list) => widen(list),
+            Property::ListUShort(list) => widen(list),
+            Property::ListInt(list) => widen(list),
+            Property::ListUInt(list) => widen(list),
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}
+
+/// An element of which nothing is kept.
+struct Skipped;
+
+impl PropertyAccess for Skipped {
+    fn new() -> Self {
+        Self
+    }
+}

@@ -1,0 +1,440 @@
+//! Meshes as others write them, and damaged, cut and lying files: an error each time, a panic never.
+
+use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+
+use super::{MeshData, MeshFormat, MeshView, read_mesh, read_mesh_from, write_mesh};
+use crate::error::ReadError;
+use crate::hostile_tests::{assert_sentence, damaged};
+
+const FORMATS: [MeshFormat; 3] = [MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl];
+
+/// A tent over a square: five vertices, four triangles.
+fn tent() -> MeshData {
+    MeshData {
+        vertices: vec![
+            [0.0, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+            [2.0, 2.0, 0.0],
+            [0.0, 2.0, 0.0],
+            [1.0, 1.0, 0.5],
+        ],
+        triangles: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]],
+    }
+}
+
+fn path(format: MeshFormat) -> PathBuf {
+    let ending = match format {
+        MeshFormat::Ply => "ply",
+        MeshFormat::Obj => "obj",
+        MeshFormat::Stl => "stl",
+    };
+    PathBuf::from(format!("in memory.{ending}"))
+}
+
+fn read(format: MeshFormat, bytes: &[u8]) -> Result<MeshData, ReadError> {
+    let length = bytes.len() as u64;
+    catch_unwind(AssertUnwindSafe(|| {
+        read_mesh_from(&path(format), format, Cursor::new(bytes), length)
+    }))
+    .unwrap_or_else(|_| panic!("panic on {format}: {:?}", String::from_utf8_lossy(bytes)))
+}
+
+fn refused(format: MeshFormat, bytes: &[u8], words: &str) {
+    let error = read(format, bytes).unwrap_err();
+    assert_sentence(&error);
+    assert!(error.to_string().contains(words), "{error}");
+}
+
+/// What the project itself writes.
+fn written(format: MeshFormat, mesh: &MeshData) -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(path(format));
+    let view = MeshView {
+        vertices: &mesh.vertices,
+        triangles: &mesh.triangles,
+    };
+    write_mesh(&path, &view).unwrap();
+    assert_eq!(
+        read_mesh(&path).unwrap(),
+        read(format, &std::fs::read(&path).unwrap()).unwrap()
+    );
+    std::fs::read(&path).unwrap()
+}
+
+const PLY: &str = "ply\nformat ascii 1.0\ncomment a tent\nobj_info made by hand\n\
+    element vertex 5\nproperty uchar red\nproperty float z\nproperty int x\nproperty double y\n\
+    element face 4\nproperty list uchar short vertex_index\nproperty uchar flags\n\
+    element edge 1\nproperty int vertex1\nproperty list char float weights\nend_header\n\
+    255 0 0 0\n255 0 2 0.0\n1 0 2 2\n2 0.0e0 0 2\n\n3 5e-1 1 1\n\
+    3 0 1 4 7\n3 1 2 4 7\r\n3 2 3 4 7\n3 3 0 4 7\n0 2 0.5 0.5\n";
+
+const OBJ: &str = "# a tent\nmtllib tent.mtl\no tent\nv 0 0 0\nv 2 0 0 1.0\nv 2 2 0 0.5 0.5 0.5\n\
+    v 0 2 0\nv 1 \\\n 1 0.5\nvt 0 0\nvn 0 0 1\ns off\ng front\nf 1/1/1 2/1/1 5/1/1\n\
+    f 2//1 3//1 -1//1\nusemtl red\nf 3/1 4/1 5/1\ng back\nf -2 -5 -1\nl 1 2\np 1\n";
+
+const STL: &str = "solid a tent\n\
+    facet normal 0 0 1\n outer loop\n  vertex 0 0 0\n  vertex 2 0 0\n  vertex 1 1 0.5\n endloop\nendfacet\n\
+    facet normal 0 0 1\n outer loop\n  vertex 2 0 0\n  vertex 2 2 0\n  vertex 1 1 5e-1\n endloop\nendfacet\n\
+    FACET NORMAL 0 0 1\n OUTER LOOP\n  VERTEX 2 2 0\n  VERTEX 0 2 0\n  VERTEX 1 1 0.5\n ENDLOOP\nENDFACET\n\
+    facet normal nan nan nan\n outer loop\n  vertex 0 2 -0\n  vertex -0.0 0 0\n  vertex 1 1 0.5\n endloop\nendfacet\n\
+    endsolid a tent\n";
+
+/// The tent in binary PLY, with extra properties before, between and behind.
+fn binary_ply(big: bool) -> Vec<u8> {
+    let order = if big { "big" } else { "little" };
+    let mut bytes = format!(
+        "ply\nformat binary_{order}_endian 1.0\nelement note 2\nproperty list ushort uchar text\n\
+         element vertex 5\nproperty float32 x\nproperty uint16 id\nproperty float64 y\nproperty int8 quality\n\
+         property float z\nelement face 4\nproperty float64 area\nproperty list int32 uint vertex_indices\nend_header\n"
+    )
+    .into_bytes();
+    macro_rules! put {
+        ($x:expr) => {
+            bytes.extend(if big {
+                $x.to_be_bytes()
+            } else {
+                $x.to_le_bytes()
+            })
+        };
+    }
+    for text in ["hello", ""] {
+        put!(text.len() as u16);
+        for byte in text.bytes() {
+            put!(byte);
+        }
+    }
+    for [x, y, z] in tent().vertices {
+        put!(x as f32);
+        put!(7_u16);
+        put!(y);
+        put!(-1_i8);
+        put!(z as f32);
+    }
+    for triangle in tent().triangles {
+        put!(0.5_f64);
+        put!(3_i32);
+        for k in triangle {
+            put!(k);
+        }
+    }
+    bytes
+}
+
+/// The tent in binary STL, under a title that announces text.
+fn binary_stl() -> Vec<u8> {
+    let mut bytes = written(MeshFormat::Stl, &tent());
+    bytes[..13].copy_from_slice(b"solid binary ");
+    bytes
+}
+
+/// Every kind of file that is read, each holding the tent.
+fn victims(format: MeshFormat) -> Vec<Vec<u8>> {
+    let own = written(format, &tent());
+    match format {
+        MeshFormat::Ply => vec![own, PLY.into(), binary_ply(true), binary_ply(false)],
+        MeshFormat::Obj => vec![own, OBJ.into()],
+        MeshFormat::Stl => vec![own, STL.into(), binary_stl()],
+    }
+}
+
+/// The corners of all triangles, in order.
+fn corners(mesh: &MeshData) -> Vec<[[f64; 3]; 3]> {
+    let corner = |k: u32| mesh.vertices[k as usize];
+    mesh.triangles.iter().map(|t| t.map(corner)).collect()
+}
+
+#[test]
+fn every_way_of_writing_a_mesh_is_read() {
+    for format in FORMATS {
+        for (i, bytes) in victims(format).iter().enumerate() {
+            let mesh = read(format, bytes).unwrap();
+            assert_eq!(mesh.vertices.len(), 5, "{format} {i}");
+            assert_eq!(corners(&mesh), corners(&tent()), "{format} {i}");
+        }
+    }
+}
+
+#[test]
+fn what_is_written_comes_back() {
+    let mut mesh = tent();
+    mesh.vertices[4] = [1.0 / 3.0, 1e-300, -7e20];
+    for format in [MeshFormat::Ply, MeshFormat::Obj] {
+        assert_eq!(read(format, &written(format, &mesh)).unwrap(), mesh);
+    }
+    mesh.vertices[4] = [1.0 / 3.0, 1e-30, -7e20].map(|x: f64| f64::from(x as f32));
+    let again = read(MeshFormat::Stl, &written(MeshFormat::Stl, &mesh)).unwrap();
+    assert_eq!(corners(&again), corners(&mesh));
+}
+
+#[test]
+fn polygons_become_fans() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 0\nf 1 2 3 4\nf 5 3 4\n";
+    let mesh = read(MeshFormat::Obj, obj.as_bytes()).unwrap();
+    // The fifth vertex stands where the first does.
+    assert_eq!(mesh.vertices.len(), 4);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
+}
+
+#[test]
+fn every_cut_of_a_counted_file_is_an_error() {
+    for format in [MeshFormat::Ply, MeshFormat::Stl] {
+        for bytes in victims(format) {
+            // The last line of a text may lose its end without a trace.
+            let binary = bytes.contains(&0);
+            let longest = bytes.len() - if binary { 1 } else { 14 };
+            for length in 1..=longest {
+                match read(format, &bytes[..length]) {
+                    Err(error) => assert_sentence(&error),
+                    Ok(_) => panic!("{format} cut to {length} of {} bytes", bytes.len()),
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn no_damage_causes_a_panic() {
+    const CASES: u64 = 40_000;
+    for format in FORMATS {
+        let originals = victims(format);
+        let mut refusals = 0;
+        for seed in 0..CASES {
+            let bytes = damaged(&originals[seed as usize % originals.len()], seed);
+            if let Err(error) = read(format, &bytes) {
+                assert_sentence(&error);
+                refusals += 1;
+            }
+        }
+        println!("{format}: {refusals} of {CASES} damaged files refused");
+    }
+}
+
+#[test]
+fn one_format_named_as_another_is_refused() {
+    for format in FORMATS {
+        for other in FORMATS.into_iter().filter(|other| *other != format) {
+            for bytes in victims(format) {
+                assert_sentence(&read(other, &bytes).unwrap_err());
+            }
+        }
+    }
+}
+
+#[test]
+fn names_of_other_formats_are_refused() {
+    for name in ["a.exr", "a", "a.gltf"] {
+        let error = read_mesh(Path::new(name)).unwrap_err().to_string();
+        assert!(error.contains(".ply, .obj and .stl"), "{error}");
+    }
+    let error = read_mesh(Path::new("no such.ply")).unwrap_err();
+    assert!(matches!(error, ReadError::NotFound { .. }), "{error}");
+}
+
+/// A PLY file of a header without its first line, and data.
+fn ply(header: &str, data: &[u8]) -> Vec<u8> {
+    let mut bytes = format!("ply\n{header}end_header\n").into_bytes();
+    bytes.extend(data);
+    bytes
+}
+
+#[test]
+fn ply_headers_are_refused_before_allocation() {
+    use MeshFormat::Ply;
+    let vertex = |count: &str| {
+        format!(
+            "format binary_little_endian 1.0\nelement vertex {count}\nproperty float x\n\
+             property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+        )
+    };
+    refused(
+        Ply,
+        &ply(&vertex("4000000000"), &[0; 64]),
+        "48000000001 bytes or more",
+    );
+    refused(
+        Ply,
+        &ply(&vertex("18446744073709551615"), &[0; 64]),
+        "announces",
+    );
+    refused(
+        Ply,
+        &ply(&vertex("99999999999999999999"), &[0; 64]),
+        "line 3",
+    );
+    refused(Ply, &ply(&vertex("-1"), &[0; 64]), "line 3");
+    for kind in ["uint", "int"] {
+        // A list of two thousand million corners, of which none is there.
+        let header = vertex("3").replace("uchar int", &format!("{kind} int"));
+        let mut data = vec![0; 36];
+        data.extend(0x7fff_ffff_u32.to_le_bytes());
+        refused(
+            Ply,
+            &ply(&header, &data),
+            "1 elements `face` were expected, but only 0",
+        );
+        let mut data = vec![0; 36];
+        data.extend(u32::MAX.to_le_bytes());
+        assert!(read(Ply, &ply(&header, &data)).is_err());
+    }
+    let nothing = vertex("3") + "element nothing 18446744073709551615\n";
+    refused(
+        Ply,
+        &ply(&nothing, &[0; 64]),
+        "`nothing` have no properties",
+    );
+    for (from, to, words) in [
+        ("property float x\n", "", "no property x"),
+        (
+            "float x",
+            "list uchar float x",
+            "x of its vertices is a list",
+        ),
+        ("vertex_indices", "corners", "no list `vertex_indices`"),
+        (
+            "list uchar int vertex_indices",
+            "int vertex_indices",
+            "no list of whole numbers",
+        ),
+        (
+            "list uchar int",
+            "list uchar float",
+            "no list of whole numbers",
+        ),
+        ("list uchar int", "list float int", "not of a whole type"),
+        ("element face", "element strip", "no element `face`"),
+        ("element vertex", "element point", "no element `vertex`"),
+        (
+            "element vertex",
+            "element face 1\nproperty list char int vertex_index\nelement vertex",
+            "come before",
+        ),
+        ("binary_little_endian", "binary_middle_endian", "line 2"),
+        ("1.0", "one", "line 2"),
+        ("float y", "quadruple y", "line 5"),
+        ("format", "comment", "`format ascii 1.0`"),
+    ] {
+        let header = vertex("3").replace(from, to);
+        refused(Ply, &ply(&header, &[0; 64]), words);
+    }
+    refused(
+        Ply,
+        &ply(&"comment long\n".repeat(100_000), &[]),
+        "does not end within 1048576 bytes",
+    );
+    refused(Ply, b"ply\nformat ascii 1.0\n", "end_header");
+    refused(Ply, b"solid\n", "first line is not `ply`");
+    refused(Ply, b"ply\ncomment \xff\xff\nend_header\n", "not text");
+}
+
+#[test]
+fn ply_data_are_checked() {
+    use MeshFormat::Ply;
+    let swap = |from: &str, to: &str| PLY.replace(from, to).into_bytes();
+    refused(
+        Ply,
+        &swap("3 0 1 4 7", "3 0 1 5 7"),
+        "its face 0, counted from zero, has the vertex number 5",
+    );
+    refused(Ply, &swap("3 0 1 4 7", "3 0 1 -1 7"), "vertex number -1");
+    refused(Ply, &swap("3 0 1 4 7", "2 0 1 7"), "has 2 corners");
+    refused(Ply, &swap("3 0 1 4 7", "0 7"), "no corners");
+    refused(
+        Ply,
+        &swap("3 0 1 4 7", "4 0 1 4"),
+        "line 23, column 1: `4 0 1 4` is no face",
+    );
+    refused(
+        Ply,
+        &swap("255 0 2 0.0", "255 0 two 0.0"),
+        "`255 0 two 0.0` is no vertex as the header announces it: red z x y",
+    );
+    refused(Ply, &swap("255 0 2 0.0", "256 0 2 0.0"), "is no vertex");
+    refused(Ply, &swap("255 0 2 0.0", "255 0 2 1e999"), "must be finite");
+    refused(
+        Ply,
+        &swap("0 2 0.5 0.5\n", "0 2 0.5 0.5\n1"),
+        "more data follow",
+    );
+    refused(
+        Ply,
+        &swap("0 2 0.5 0.5\n", ""),
+        "1 elements `edge` were expected, but only 0",
+    );
+    refused(
+        Ply,
+        &swap("element face 4", "element face 0"),
+        "more data follow",
+    );
+    refused(
+        Ply,
+        &[binary_ply(true), vec![0]].concat(),
+        "more data follow",
+    );
+}
+
+#[test]
+fn obj_errors_name_line_and_column() {
+    let at = |text: &str| match read(MeshFormat::Obj, text.as_bytes()).unwrap_err() {
+        ReadError::Text { line, column, .. } => (line, column),
+        other => panic!("{other}"),
+    };
+    let start = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
+    assert_eq!(at(&format!("{start}f 1 2 4\n")), (4, 7));
+    assert_eq!(at(&format!("{start}f 1 0 3\n")), (4, 5));
+    assert_eq!(at(&format!("{start}f 1 -4 3\n")), (4, 5));
+    assert_eq!(at(&format!("{start}f 1 2 99999999999999999999\n")), (4, 7));
+    assert_eq!(at(&format!("{start}f 1 2/ x\n")), (4, 8));
+    assert_eq!(at(&format!("{start}f 1 2\n")), (4, 1));
+    assert_eq!(at(&format!("{start}f\n")), (4, 1));
+    assert_eq!(at("v 0 0\n"), (1, 1));
+    assert_eq!(at("v 0 0 x\n"), (1, 7));
+    assert_eq!(at("\n\nv 0 nan 0\n"), (3, 5));
+    assert_eq!(at("v 0 \\\n 0 1e999\n"), (1, 9));
+    refused(MeshFormat::Obj, start.as_bytes(), "holds no faces");
+    refused(MeshFormat::Obj, b"\x89PNG\r\n\x1a\n", "holds no faces");
+}
+
+#[test]
+fn stl_is_told_apart_by_its_length_and_checked() {
+    use MeshFormat::Stl;
+    let own = written(Stl, &tent());
+    refused(
+        Stl,
+        &own[..own.len() - 1],
+        "4 triangles of 50 bytes were expected",
+    );
+    refused(Stl, &own[..70], "less than the header");
+    refused(
+        Stl,
+        &[own.clone(), vec![0; 3]].concat(),
+        "3 bytes follow its 4 triangles",
+    );
+    let mut many = own.clone();
+    many[80..84].fill(0xff);
+    refused(Stl, &many, "4294967295 triangles");
+    let mut none = own.clone();
+    none[80..84].fill(0);
+    refused(Stl, &none[..84], "holds no faces");
+    let mut infinite = own;
+    infinite[84 + 50 + 12..][..4].copy_from_slice(&f32::INFINITY.to_le_bytes());
+    refused(Stl, &infinite, "triangle 1");
+    let swap = |from: &str, to: &str| STL.replacen(from, to, 1).into_bytes();
+    refused(
+        Stl,
+        &swap("  vertex 2 0 0\n", ""),
+        "2 vertices make no triangle",
+    );
+    refused(Stl, &swap("endloop", "vertex 1 2 3"), "a fourth vertex");
+    refused(Stl, &swap("vertex 2 0 0", "vertex 2 0"), "line 5, column 1");
+    refused(
+        Stl,
+        &swap("vertex 2 0 0", "vertex 2 0 inf"),
+        "line 5, column 14",
+    );
+    refused(Stl, &swap("outer", "other"), "`other` is no statement");
+    refused(Stl, &swap("endsolid", "facet"), "no `endsolid`");
+    refused(Stl, b"solid nothing\nendsolid nothing\n", "holds no faces");
+    refused(Stl, b"\n", "less than the header");
+}

@@ -1,0 +1,183 @@
+//! Triangle meshes as users trace them.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
+mod support;
+
+use std::fs;
+
+use serde_json::Value;
+use support::{files, json, refused, succeed, with_surface};
+
+/// A cube of side 2 on a square ground of side 6 with a gap beneath it, by polygons.
+const TABLE: &str = "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n\
+    v -1 -1 0.5\nv 1 -1 0.5\nv 1 1 0.5\nv -1 1 0.5\nv -1 -1 2.5\nv 1 -1 2.5\nv 1 1 2.5\nv -1 1 2.5\n\
+    f 8 7 6 5\nf 9 10 11 12\nf 5 6 10 9\nf 6 7 11 10\nf 7 8 12 11\nf 8 5 9 12\n";
+
+fn number(value: &Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap()
+}
+
+#[test]
+fn an_exported_tile_gives_the_energies_of_the_height_map() {
+    let (_keep, folder) = with_surface();
+    let flags = ["--theta", "40", "--rays", "4e4", "--json"];
+    let trace = |file: &str, more: &[&str]| {
+        let text = succeed(&folder, &[&["trace", file], more, &flags].concat());
+        json(&text)
+    };
+    let expected = trace("h.exr", &[]);
+    for file in ["m.ply", "m.obj", "m.stl"] {
+        succeed(&folder, &["mesh", "h.exr", "-o", file]);
+        let found = trace(file, &["--border", "periodic"]);
+        let surface = &found["config"]["surface"];
+        assert_eq!(surface["vertices"], 65 * 65);
+        assert_eq!(surface["triangles"], 2 * 64 * 64);
+        assert_eq!(surface["triangles_dropped"], 0);
+        assert_eq!(number(&found["energy"]["lost"], "mean"), 0.0, "{file}");
+        for part in ["reflected", "transmitted"] {
+            let [a, b] = [&expected, &found].map(|summary| &summary["energy"][part]);
+            let error = number(a, "se").hypot(number(b, "se"));
+            let apart = (number(a, "mean") - number(b, "mean")).abs();
+            assert!(apart <= 3.0 * error, "{file} {part}: {apart} {error}");
+        }
+    }
+}
+
+#[test]
+fn a_cube_above_the_ground_is_traced() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("table.obj"), TABLE).unwrap();
+    let trace = ["trace", "table.obj", "--theta", "30", "--rays", "1e4"];
+    let tile = [&trace[..], &["--border", "mirrored", "-o", "out"]].concat();
+    let text = succeed(folder, &tile);
+    assert!(text.contains("lost         0 (exact)"), "{text}");
+    assert!(text.contains("accelerator mesh"), "{text}");
+    let written = files(&folder.join("out"));
+    assert!(written.contains(&"lobes.svg".to_owned()), "{written:?}");
+    assert!(!written.iter().any(|name| name.starts_with("height_map")));
+    let summary = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    assert_eq!(summary["config"]["surface"]["vertices"], 12);
+    assert_eq!(summary["config"]["surface"]["triangles"], 14);
+    assert_eq!(
+        summary["config"]["surface"]["extent"],
+        serde_json::json!([6.0, 6.0, 2.5])
+    );
+    let reference = [
+        &tile[..5],
+        &["1e4", "--border", "mirrored", "--accelerator"],
+    ]
+    .concat();
+    let energies = |kind: &str| {
+        let arguments = [&reference[..], &[kind, "--json"]].concat();
+        json(&succeed(folder, &arguments))["energy"].clone()
+    };
+    assert_eq!(energies("mesh"), energies("brute-force"));
+
+    let (_, cube) = TABLE.split_once("f 1 2 3 4\n").unwrap();
+    let corners = &TABLE[..TABLE.find("f 1").unwrap()];
+    fs::write(folder.join("cube.obj"), [corners, cube].concat()).unwrap();
+    let text = succeed(
+        folder,
+        &["trace", "cube.obj", "--theta", "0", "--rays", "1e3"],
+    );
+    assert!(text.contains("the mesh is closed"), "{text}");
+
+    // An open patch unless asked for otherwise; turned over and with a hole, it says so.
+    let text = succeed(folder, &trace);
+    assert!(text.contains("the patch is open"), "{text}");
+    assert!(
+        !text.contains("turned over") && !text.contains("triangle only"),
+        "{text}"
+    );
+    let worse: String = TABLE
+        .lines()
+        .map(|line| match line.strip_prefix("f ") {
+            Some("9 10 11 12") => "f 9 12 12\n".to_owned(),
+            Some(corners) => {
+                let turned: Vec<&str> = corners.split(' ').rev().collect();
+                format!("f {}\n", turned.join(" "))
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    fs::write(folder.join("table.obj"), worse).unwrap();
+    let text = succeed(folder, &trace);
+    assert!(text.contains("turned over"), "{text}");
+    assert!(text.contains("1 triangles without area"), "{text}");
+    assert!(
+        text.contains("4 edges inside the tile have one triangle only"),
+        "{text}"
+    );
+}
+
+#[test]
+fn what_meshes_are_not_for_gets_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("table.obj"), TABLE).unwrap();
+    fs::write(folder.join("cut.ply"), "ply\nformat ascii 1.0\n").unwrap();
+    let trace = |flags: &[&'static str]| [&["trace", "table.obj", "--theta", "30"], flags].concat();
+    for (arguments, code, words) in [
+        (
+            trace(&["--spacing", "2"]),
+            2,
+            "--spacing is for height maps",
+        ),
+        (trace(&["--unit", "um"]), 2, "--unit is for height maps"),
+        (
+            trace(&["--missing", "fill"]),
+            2,
+            "--missing is for height maps",
+        ),
+        (
+            trace(&["--remove", "plane"]),
+            2,
+            "--remove is for height maps",
+        ),
+        (
+            trace(&["--accelerator", "pyramid"]),
+            2,
+            "pyramid needs a height field",
+        ),
+        (vec!["inspect", "table.obj"], 2, "a height map is needed"),
+        (
+            vec!["mesh", "table.obj", "-o", "x.ply"],
+            2,
+            "a height map is needed",
+        ),
+        (
+            vec!["verify", "table.obj", "-o", "out"],
+            2,
+            "takes a configuration",
+        ),
+        (vec!["trace", "cut.ply", "--theta", "30"], 1, "end_header"),
+        (
+            vec!["trace", "none.stl", "--theta", "30"],
+            1,
+            "does not exist",
+        ),
+    ] {
+        let error = refused(folder, &arguments, code);
+        assert!(error.contains(words), "{error}");
+    }
+    fs::write(
+        folder.join("table.obj"),
+        TABLE.replace("v 3 3 0\n", "v 3 3 1\n"),
+    )
+    .unwrap();
+    let error = refused(folder, &trace(&["--border", "periodic"]), 1);
+    assert!(
+        error.contains("table.obj: the border is to be periodic along x"),
+        "{error}"
+    );
+    fs::write(
+        folder.join("table.obj"),
+        TABLE.replace("f 9 10 11 12", "f 12 11 10 9"),
+    )
+    .unwrap();
+    let error = refused(folder, &trace(&[]), 1);
+    assert!(error.contains("face opposite sides"), "{error}");
+    assert_eq!(files(folder), ["cut.ply", "table.obj"]);
+}
