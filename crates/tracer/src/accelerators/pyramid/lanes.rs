@@ -61,7 +61,7 @@ pub(super) trait Lanes: Copy {
     /// Towards zero; for values within the range of i32.
     fn to_integer(self, value: Self::F) -> Self::I;
     /// `table[index]`; an index beyond the end, or below zero, reads the last entry.
-    fn gather(self, table: &[f32], index: Self::I) -> Self::F;
+    fn gather_i(self, table: &[u32], index: Self::I) -> Self::I;
     /// `table[index]` and `table[index + 1]`; an index beyond the last pair reads the last pair.
     fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2];
     /// `table[index & 15]`.

@@ -151,9 +151,9 @@ impl Lanes for Portable {
         I(value.0.map(|a| a as i32))
     }
     #[inline(always)]
-    fn gather(self, table: &[f32], index: I) -> F {
+    fn gather_i(self, table: &[u32], index: I) -> I {
         let last = table.len() - 1;
-        F(index.0.map(|i| table[(i as u32 as usize).min(last)]))
+        I(index.0.map(|i| table[(i as u32 as usize).min(last)] as i32))
     }
     #[inline(always)]
     fn gather_pair(self, table: &[f32], index: I) -> [F; 2] {

@@ -60,6 +60,12 @@ impl fmt::Display for Instructions {
     }
 }
 
+/// Steps from node to node a look into cells; a ray takes about that many.
+const STEPS: usize = 4;
+
+/// The level of a ray whose cell is to be looked into.
+const IN_CELL: i32 = -1;
+
 /// Level at which rays that come down from far above begin.
 const FIRST_LEVEL: i32 = 4;
 
@@ -110,6 +116,8 @@ struct State<L: Lanes> {
     inverse_dx: L::F,
     inverse_dy: L::F,
     side: L::F,
+    /// By how many bits the bound of its medium is shifted in a word.
+    half: L::I,
     first_x: L::I,
     first_y: L::I,
     place: L::I,
@@ -178,12 +186,10 @@ impl<'b, L: Lanes> Search<'b, L> {
             if !(more_a || more_b) {
                 break;
             }
-            // A fixed round, since a ray takes about two steps a cell: choosing would cost more
-            // in branches than it saves.
-            self.step(&mut a);
-            self.step(&mut b);
-            self.step(&mut a);
-            self.step(&mut b);
+            for _ in 0..STEPS {
+                self.step(&mut a);
+                self.step(&mut b);
+            }
             self.look_into_cells(&mut a);
             self.look_into_cells(&mut b);
         }
@@ -205,6 +211,7 @@ impl<'b, L: Lanes> Search<'b, L> {
             inverse_dx: zero,
             inverse_dy: zero,
             side: zero,
+            half: none,
             first_x: none,
             first_y: none,
             place: lanes.splat_i(rays.nowhere()),
@@ -259,6 +266,8 @@ impl<'b, L: Lanes> Search<'b, L> {
         load!(inverse_dx);
         load!(inverse_dy);
         load!(side);
+        let below = lanes.less(state.side, lanes.splat(0.0));
+        state.half = lanes.select_i(below, lanes.splat_i(16), lanes.splat_i(0));
         state.first_x = lanes.refill_i(mask, &rays.cell_x[from..], state.first_x);
         state.first_y = lanes.refill_i(mask, &rays.cell_y[from..], state.first_y);
         state.place = lanes.refill_i(mask, &rays.place[from..], state.place);
@@ -269,7 +278,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         // A ray from the highest point is far from everything, one from a facet is not.
         let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
         let first = FIRST_LEVEL.min(self.bounds.top as i32);
-        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(0));
+        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(IN_CELL));
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
         *next += filled.count_ones() as usize;
@@ -277,13 +286,12 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     /// Where the rays leave the nodes of their levels.
     #[inline(always)]
-    fn exit(&self, state: &State<L>) -> Exit<L> {
+    fn exit(&self, state: &State<L>, level: L::I) -> Exit<L> {
         let lanes = self.lanes;
         let (zero, one) = (lanes.splat_i(0), lanes.splat_i(1));
         let backward = lanes.splat(0.0);
         let ahead_x = lanes.select_i(lanes.less(state.dx, backward), zero, one);
         let ahead_y = lanes.select_i(lanes.less(state.dy, backward), zero, one);
-        let level = state.level;
         let edge_x = (state.ix.shifted_right(level) + ahead_x).shifted_left(level);
         let edge_y = (state.iy.shifted_right(level) + ahead_y).shifted_left(level);
         let t_x = (lanes.to_float(edge_x - state.first_x) - state.x) * state.inverse_dx;
@@ -309,17 +317,17 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn step(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(0));
-        let exit = self.exit(state);
+        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(IN_CELL));
+        let exit = self.exit(state, state.level);
         let node = lanes.lookup(&self.first, state.level)
             + lanes
                 .lookup(&self.width, state.level)
                 .times(state.iy.shifted_right(state.level))
             + state.ix.shifted_right(state.level);
-        let below = lanes.less(state.side, lanes.splat(0.0));
-        let half = lanes.splat_i(self.bounds.half as i32);
-        let node = node + lanes.select_i(below, half, lanes.splat_i(0));
-        let bound = lanes.gather(&self.bounds.nodes, node);
+        let word = lanes.gather_i(&self.bounds.nodes, node);
+        let steps = word.shifted_right(state.half).and(lanes.splat_i(0xffff));
+        let bound =
+            lanes.splat(self.bounds.lowest) + lanes.splat(self.bounds.step) * lanes.to_float(steps);
         let leaving = exit.t * state.dz - exit.late * state.dz.abs();
         let lowest = state.z + (state.t * state.dz).min(leaving);
         let clear = lanes.less(bound, lowest);
@@ -381,8 +389,9 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn look_into_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(0));
-        let exit = self.exit(state);
+        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(IN_CELL));
+        let level = lanes.splat_i(0);
+        let exit = self.exit(state, level);
         let stride = self.bounds.cells[0] as i32 + 1;
         let corner = state.iy.times(lanes.splat_i(stride)) + state.ix;
         let heights = &self.bounds.heights;
@@ -446,6 +455,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.code = lanes.select_i(met, code, state.code);
         let doubtful = at_cell & !(met | clear);
         state.active = state.active & !(met | doubtful);
+        state.level = lanes.select_i(clear, level, state.level);
         self.advance(state, clear, &exit);
     }
 

@@ -174,12 +174,12 @@ impl Lanes for Avx2 {
         unsafe { I8(_mm256_cvttps_epi32(value.0)) }
     }
     #[inline(always)]
-    fn gather(self, table: &[f32], index: I8) -> F8 {
+    fn gather_i(self, table: &[u32], index: I8) -> I8 {
         let last = last_index(table.len());
         // SAFETY: as above; every index is at most that of the last entry.
         unsafe {
             let index = _mm256_min_epu32(index.0, _mm256_set1_epi32(last));
-            F8(_mm256_i32gather_ps::<4>(table.as_ptr(), index))
+            I8(_mm256_i32gather_epi32::<4>(table.as_ptr().cast(), index))
         }
     }
     #[inline(always)]
@@ -414,12 +414,12 @@ impl Lanes for Avx512 {
         unsafe { I16(_mm512_cvttps_epi32(value.0)) }
     }
     #[inline(always)]
-    fn gather(self, table: &[f32], index: I16) -> F16 {
+    fn gather_i(self, table: &[u32], index: I16) -> I16 {
         let last = last_index(table.len());
         // SAFETY: as above; every index is at most that of the last entry.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            F16(_mm512_i32gather_ps::<4>(index, table.as_ptr()))
+            I16(_mm512_i32gather_epi32::<4>(index, table.as_ptr().cast()))
         }
     }
     #[inline(always)]
