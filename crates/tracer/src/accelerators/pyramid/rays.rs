@@ -84,7 +84,12 @@ impl Rays {
             found: vec![[DOUBTFUL, 0]; queries.len() + 1],
             count: 0,
         };
-        let (cells, z_range) = (surface.cells(), surface.z_range());
+        let cells = surface.cells();
+        // Wider than the heights, so that a ray that touches the highest point within rounding
+        // begins before it.
+        let [low, high] = surface.z_range();
+        let pad = 1e-6 * (1.0 + high - low);
+        let z_range = [low - pad, high + pad];
         for (place, query) in queries.iter().enumerate() {
             rays.add(query, cells, z_range, place as i32);
         }
