@@ -45,6 +45,9 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
+    /// Level at which rays that come down from far above begin.
+    pub(super) const FIRST_LEVEL: i32 = 4;
+
     pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
         if cx.saturating_mul(cy) > MOST_CELLS || cx.max(cy) > 1 << 24 {
@@ -83,6 +86,31 @@ impl Bounds {
             bounds.bound_level(level, shape(level - 1));
         }
         Ok(bounds)
+    }
+
+    /// The bound of the node of `level` that the cell `[ix, iy]` is in, for rays above (`side` 1) or
+    /// below (-1).
+    pub(super) fn signed_bound(&self, level: i32, [ix, iy]: [i32; 2], side: f32) -> f32 {
+        let l = level as usize;
+        let node = self.first[l] + (iy >> level) * self.width[l] + (ix >> level);
+        let word = self.nodes[node as usize];
+        let steps = if side < 0.0 {
+            word >> 16
+        } else {
+            word & 0xffff
+        };
+        self.lowest + self.step * steps as i32 as f32
+    }
+
+    /// Heights at the corners 00, 10, 01 and 11 of the cell `[ix, iy]`.
+    pub(super) fn corners(&self, [ix, iy]: [i32; 2]) -> [f32; 4] {
+        let stride = self.cells[0] + 1;
+        let i = iy as usize * stride + ix as usize;
+        let (near, far) = (
+            &self.heights[i..i + 2],
+            &self.heights[i + stride..i + stride + 2],
+        );
+        [near[0], near[1], far[0], far[1]]
     }
 
     /// Number of bytes held.

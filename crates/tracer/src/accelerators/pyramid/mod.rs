@@ -13,9 +13,9 @@
 
 mod bounds;
 mod lanes;
-mod portable;
 mod quadtree;
 mod rays;
+mod walk;
 mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;

@@ -29,13 +29,44 @@ pub(super) enum Answer {
     Doubtful,
 }
 
-pub(super) const NOTHING: i32 = -1;
-pub(super) const DOUBTFUL: i32 = -2;
+/// Which facet of a cell is met, in the words of an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Code {
+    Lower = 0,
+    Upper = 1,
+    /// One of the two.
+    Either = 2,
+}
 
-/// Codes for the facet of an answer.
-pub(super) const LOWER: i32 = 0;
-pub(super) const UPPER: i32 = 1;
-pub(super) const EITHER: i32 = 2;
+impl Code {
+    /// In place of the column: nothing is met.
+    pub(super) const NOTHING_WORD: i32 = -1;
+    /// In place of the column: the ray is doubtful.
+    pub(super) const DOUBTFUL_WORD: i32 = -2;
+    pub(super) const NOTHING: [i32; 2] = [Self::NOTHING_WORD, 0];
+    pub(super) const DOUBTFUL: [i32; 2] = [Self::DOUBTFUL_WORD, 0];
+
+    /// The answer that a facet of the cell `[column, row]` is met.
+    pub(super) const fn met([column, row]: [i32; 2], code: Self) -> [i32; 2] {
+        [column, row << 2 | code as i32]
+    }
+}
+
+/// One ray; see [`Rays`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ray {
+    pub(super) x: f32,
+    pub(super) y: f32,
+    pub(super) z: f32,
+    pub(super) dx: f32,
+    pub(super) dy: f32,
+    pub(super) dz: f32,
+    pub(super) inverse_dx: f32,
+    pub(super) inverse_dy: f32,
+    pub(super) side: f32,
+    pub(super) cell: [i32; 2],
+    pub(super) place: i32,
+}
 
 /// Rays field by field; an entry a ray, and room behind the last for a full load of lanes.
 ///
@@ -81,7 +112,7 @@ impl Rays {
             cell_y: integers(),
             place: integers(),
             // One more than there are rays: lanes that never held one write there.
-            found: vec![[DOUBTFUL, 0]; queries.len() + 1],
+            found: vec![Code::DOUBTFUL; queries.len() + 1],
             count: 0,
         };
         let cells = surface.cells();
@@ -143,6 +174,23 @@ impl Rays {
         self.count
     }
 
+    /// Ray number `i`.
+    pub(super) fn ray(&self, i: usize) -> Ray {
+        Ray {
+            x: self.x[i],
+            y: self.y[i],
+            z: self.z[i],
+            dx: self.dx[i],
+            dy: self.dy[i],
+            dz: self.dz[i],
+            inverse_dx: self.inverse_dx[i],
+            inverse_dy: self.inverse_dy[i],
+            side: self.side[i],
+            cell: [self.cell_x[i], self.cell_y[i]],
+            place: self.place[i],
+        }
+    }
+
     /// The place of no ray.
     pub(super) fn nowhere(&self) -> i32 {
         self.found.len() as i32 - 1
@@ -161,10 +209,10 @@ impl Rays {
             .map(|&[column, row]| {
                 let cell = [column as u32, (row >> 2) as u32];
                 match (column, row & 3) {
-                    (NOTHING, _) => Answer::Nothing,
-                    (DOUBTFUL, _) => Answer::Doubtful,
-                    (_, LOWER) => Answer::Inside(cell, Triangle::Lower),
-                    (_, UPPER) => Answer::Inside(cell, Triangle::Upper),
+                    (Code::NOTHING_WORD, _) => Answer::Nothing,
+                    (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
+                    (_, 0) => Answer::Inside(cell, Triangle::Lower),
+                    (_, 1) => Answer::Inside(cell, Triangle::Upper),
                     _ => Answer::Cell(cell),
                 }
             })

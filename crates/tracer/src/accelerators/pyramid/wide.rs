@@ -1,4 +1,4 @@
-//! Many rays through the pyramid at a time, a ray a lane.
+//! Many rays through the pyramid at a time, a ray a lane: `walk.rs` with selections for branches.
 //!
 //! Every lane goes its own way: down a level where its ray may come under the bound of its node, on
 //! to the next node where it cannot, up a level where it passes from one parent to the next. Lanes
@@ -9,15 +9,15 @@ use std::fmt;
 
 use super::bounds::{Bounds, MOST_LEVELS};
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
-use super::portable::Portable;
-use super::rays::{DOUBTFUL, EITHER, LOWER, NOTHING, ROUNDING, Rays, UPPER};
+use super::rays::{Code, ROUNDING, Rays};
+use super::walk;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
 
 /// Instruction sets for which the wide search is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instructions {
-    /// Any machine: four rays at a time.
+    /// Any machine: one ray at a time.
     Portable,
     /// AVX2 and FMA: eight rays at a time.
     Avx2,
@@ -66,9 +66,6 @@ const STEPS: usize = 4;
 /// The level of a ray whose cell is to be looked into.
 const IN_CELL: i32 = -1;
 
-/// Level at which rays that come down from far above begin.
-const FIRST_LEVEL: i32 = 4;
-
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instructions) {
     let task = SearchAll { bounds, rays };
@@ -77,7 +74,7 @@ pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instruction
         Instructions::Avx512 if let Some(lanes) = Avx512::detect() => lanes.run(task),
         #[cfg(target_arch = "x86_64")]
         Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(task),
-        _ => task.run(Portable),
+        _ => walk::search(task.bounds, task.rays),
     }
 }
 
@@ -271,13 +268,13 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.first_x = lanes.refill_i(mask, &rays.cell_x[from..], state.first_x);
         state.first_y = lanes.refill_i(mask, &rays.cell_y[from..], state.first_y);
         state.place = lanes.refill_i(mask, &rays.place[from..], state.place);
-        state.answer = lanes.select_i(mask, lanes.splat_i(DOUBTFUL), state.answer);
+        state.answer = lanes.select_i(mask, lanes.splat_i(Code::DOUBTFUL_WORD), state.answer);
         state.t = lanes.select(mask, lanes.splat(0.0), state.t);
         state.ix = lanes.select_i(mask, state.first_x, state.ix);
         state.iy = lanes.select_i(mask, state.first_y, state.iy);
         // A ray from the highest point is far from everything, one from a facet is not.
         let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
-        let first = FIRST_LEVEL.min(self.bounds.top as i32);
+        let first = Bounds::FIRST_LEVEL.min(self.bounds.top as i32);
         let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(IN_CELL));
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
@@ -381,7 +378,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         let risen = rising & lanes.less(top, state.z + (exit.t - exit.late) * state.dz);
         let left = moving & (risen | !(unsure | inside));
         let doubtful = moving & unsure & !left;
-        state.answer = lanes.select_i(left, lanes.splat_i(NOTHING), state.answer);
+        state.answer = lanes.select_i(left, lanes.splat_i(Code::NOTHING_WORD), state.answer);
         state.active = state.active & !(left | doubtful);
     }
 
@@ -450,8 +447,12 @@ impl<'b, L: Lanes> Search<'b, L> {
         // Which facet, where it is met farther from its edges than rounding can move it.
         let clear_entry = lanes.less(margin, on_entry);
         let lower = (under_diagonal & lower_in) | (over_diagonal & lower_out);
-        let code = lanes.select_i(lower, lanes.splat_i(LOWER), lanes.splat_i(UPPER));
-        let code = lanes.select_i(clear_entry, code, lanes.splat_i(EITHER));
+        let code = lanes.select_i(
+            lower,
+            lanes.splat_i(Code::Lower as i32),
+            lanes.splat_i(Code::Upper as i32),
+        );
+        let code = lanes.select_i(clear_entry, code, lanes.splat_i(Code::Either as i32));
         state.code = lanes.select_i(met, code, state.code);
         let doubtful = at_cell & !(met | clear);
         state.active = state.active & !(met | doubtful);
