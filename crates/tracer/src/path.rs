@@ -117,7 +117,7 @@ impl std::ops::AddAssign for Work {
 
 /// Incident rays that are followed together: enough to fill wide searches, few enough for their
 /// paths and the surface around them to stay in cache.
-const TOGETHER: usize = 4096;
+const TOGETHER: usize = 2048;
 
 /// Follows light that falls on a surface.
 pub struct Tracer<'a, G: Geometry> {

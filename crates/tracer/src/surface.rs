@@ -109,6 +109,18 @@ impl Surface {
     /// The corners of a cell.
     fn cell(&self, [ix, iy]: [u32; 2]) -> Cell {
         let (ix, iy) = (ix as usize, iy as usize);
+        let [ny, nx] = self.field.shape();
+        if ix + 1 < nx && iy + 1 < ny {
+            let corner = iy * nx + ix;
+            let heights = &self.field.heights()[corner..corner + nx + 2];
+            let z = |i: usize| self.scale.z(heights[i]);
+            return Cell {
+                z00: z(0),
+                z10: z(1),
+                z01: z(nx),
+                z11: z(nx + 1),
+            };
+        }
         Cell {
             z00: self.z(ix, iy),
             z10: self.z(ix + 1, iy),
@@ -234,17 +246,6 @@ impl Surface {
                 .into_iter()
                 .any(|side| entered_by(side) && before * side.1 <= place)
     }
-
-    /// Gradient `[dz/dx, dz/dy]` of the facet in physical lengths.
-    fn slope(&self, facet: Facet) -> [f64; 2] {
-        let [lower, upper] = self
-            .field
-            .facet_slopes(facet.ix as usize, facet.iy as usize);
-        match facet.triangle {
-            Triangle::Lower => lower,
-            Triangle::Upper => upper,
-        }
-    }
 }
 
 impl Geometry for Surface {
@@ -293,8 +294,9 @@ impl Geometry for Surface {
     }
 
     fn normal(&self, facet: Facet) -> DVec3 {
-        let [x, y] = self.slope(facet);
-        DVec3::new(-x, -y, 1.0).normalize()
+        let cell = self.cell([facet.ix, facet.iy]);
+        let [_, per_column, per_row] = cell.plane(facet.triangle);
+        DVec3::new(-per_column, -per_row * self.aspect(), 1.0).normalize()
     }
 
     fn corners(&self, facet: Facet) -> [DVec3; 3] {

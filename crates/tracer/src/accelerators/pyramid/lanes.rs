@@ -74,8 +74,9 @@ pub(super) trait Lanes: Copy {
     fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
     /// The mask whose lanes are the low bits of `bits`.
     fn mask(self, bits: u32) -> Self::M;
-    /// Entries of the lanes; those beyond [`Lanes::COUNT`] are zero.
-    fn store_i(self, value: Self::I) -> [i32; MOST_LANES];
+    /// Writes the entries of the lanes in `mask` to the front of `out`, in order; what is behind
+    /// them there may be overwritten. `out` must hold at least [`MOST_LANES`] entries.
+    fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]);
 }
 
 /// Work that can be done with any lanes.

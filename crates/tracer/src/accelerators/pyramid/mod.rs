@@ -20,6 +20,8 @@ mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use std::cell::Cell;
+
 use self::bounds::Bounds;
 use self::rays::{Answer, Rays};
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
@@ -56,6 +58,11 @@ impl Pyramid {
     }
 }
 
+thread_local! {
+    /// Memory for rays that each thread uses again and again.
+    static RAYS: Cell<Rays> = Cell::default();
+}
+
 impl Accelerator<Surface> for Pyramid {
     fn kind(&self) -> AcceleratorKind {
         AcceleratorKind::Pyramid
@@ -71,11 +78,14 @@ impl Accelerator<Surface> for Pyramid {
         queries: &[Query],
         hits: &mut Vec<Option<Hit<Facet>>>,
     ) {
-        let mut rays = Rays::new(surface, queries);
+        let mut rays = RAYS.take();
+        rays.load(surface, queries);
         wide::search(&self.bounds, &mut rays, self.instructions);
         hits.clear();
-        hits.extend(rays.answers().zip(queries).map(|(answer, query)| {
-            match answer {
+        hits.resize(queries.len(), None);
+        for (place, answer) in rays.answers.iter() {
+            let query = &queries[place];
+            hits[place] = match answer {
                 Answer::Nothing => None,
                 Answer::Inside([ix, iy], triangle) => {
                     let facet = Facet { iy, ix, triangle };
@@ -86,7 +96,8 @@ impl Accelerator<Surface> for Pyramid {
                     .intersect_cell(cell, &query.ray, query.medium)
                     .or_else(|| self.closest_hit(surface, query)),
                 Answer::Doubtful => self.closest_hit(surface, query),
-            }
-        }));
+            };
+        }
+        RAYS.set(rays);
     }
 }

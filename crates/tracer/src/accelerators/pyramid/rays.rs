@@ -73,6 +73,7 @@ pub(super) struct Ray {
 /// x and y are measured from the corner of the cell that the ray starts in, so that they are exact
 /// to a few 2^-24 of the way travelled, however large the tile; z and its rate are signed by medium,
 /// so that every ray is above.
+#[derive(Default)]
 pub(super) struct Rays {
     pub(super) x: Vec<f32>,
     pub(super) y: Vec<f32>,
@@ -88,33 +89,17 @@ pub(super) struct Rays {
     pub(super) cell_y: Vec<i32>,
     /// The ray's place among the answers.
     pub(super) place: Vec<i32>,
-    /// Answers as [`Rays::note`] takes them.
-    found: Vec<[i32; 2]>,
     /// Number of rays.
     count: usize,
+    pub(super) answers: Answers,
 }
 
 impl Rays {
-    pub(super) fn new(surface: &Surface, queries: &[Query]) -> Self {
-        let room = queries.len() + MOST_LANES;
-        let (floats, integers) = (|| vec![0.0; room], || vec![0; room]);
-        let mut rays = Self {
-            x: floats(),
-            y: floats(),
-            z: floats(),
-            dx: floats(),
-            dy: floats(),
-            dz: floats(),
-            inverse_dx: floats(),
-            inverse_dy: floats(),
-            side: floats(),
-            cell_x: integers(),
-            cell_y: integers(),
-            place: integers(),
-            // One more than there are rays: lanes that never held one write there.
-            found: vec![Code::DOUBTFUL; queries.len() + 1],
-            count: 0,
-        };
+    /// Takes in the rays of `queries` instead of those that were there.
+    pub(super) fn load(&mut self, surface: &Surface, queries: &[Query]) {
+        self.make_room(queries.len() + MOST_LANES);
+        self.count = 0;
+        self.answers.count = 0;
         let cells = surface.cells();
         // Wider than the heights, so that a ray that touches the highest point within rounding
         // begins before it.
@@ -122,14 +107,52 @@ impl Rays {
         let pad = 1e-6 * (1.0 + high - low);
         let z_range = [low - pad, high + pad];
         for (place, query) in queries.iter().enumerate() {
-            rays.add(query, cells, z_range, place as i32);
+            if self.add(query, cells, z_range, place as i32).is_none() {
+                self.answers.push(place as i32, Code::DOUBTFUL);
+            }
         }
-        rays
+    }
+
+    /// Makes every field at least `room` long.
+    fn make_room(&mut self, room: usize) {
+        if self.place.len() >= room {
+            return;
+        }
+        for field in [
+            &mut self.x,
+            &mut self.y,
+            &mut self.z,
+            &mut self.dx,
+            &mut self.dy,
+            &mut self.dz,
+            &mut self.inverse_dx,
+            &mut self.inverse_dy,
+            &mut self.side,
+        ] {
+            field.resize(room, 0.0);
+        }
+        let answers = &mut self.answers;
+        for field in [
+            &mut self.cell_x,
+            &mut self.cell_y,
+            &mut self.place,
+            &mut answers.places,
+            &mut answers.columns,
+            &mut answers.rows,
+        ] {
+            field.resize(room, 0);
+        }
     }
 
     /// Adds a ray, unless it is doubtful from the start.
     #[inline(always)]
-    fn add(&mut self, query: &Query, cells: [usize; 2], z_range: [f64; 2], place: i32) {
+    fn add(
+        &mut self,
+        query: &Query,
+        cells: [usize; 2],
+        z_range: [f64; 2],
+        place: i32,
+    ) -> Option<()> {
         let Query { ray, medium } = *query;
         let (o, d) = (ray.origin, ray.direction);
         let extent = cells.map(|n| n as f64);
@@ -142,16 +165,10 @@ impl Rays {
         let p = if inside {
             o
         } else {
-            match entry(&ray, extent, z_range) {
-                Some(t) => ray.at(t),
-                None => return,
-            }
+            ray.at(entry(&ray, extent, z_range)?)
         };
-        let (Some((column, x)), Some((row, y))) =
-            (cell(p.x, d.x, cells[0]), cell(p.y, d.y, cells[1]))
-        else {
-            return;
-        };
+        let (column, x) = cell(p.x, d.x, cells[0])?;
+        let (row, y) = cell(p.y, d.y, cells[1])?;
         let q = medium.sign();
         let i = self.count;
         self.x[i] = x as f32;
@@ -167,6 +184,7 @@ impl Rays {
         self.cell_y[i] = row;
         self.place[i] = place;
         self.count += 1;
+        Some(())
     }
 
     /// Number of rays to be searched.
@@ -190,32 +208,52 @@ impl Rays {
             place: self.place[i],
         }
     }
+}
 
-    /// The place of no ray.
-    pub(super) fn nowhere(&self) -> i32 {
-        self.found.len() as i32 - 1
-    }
+/// Answers in the order in which they are found, field by field, with room as in [`Rays`].
+#[derive(Default)]
+pub(super) struct Answers {
+    places: Vec<i32>,
+    columns: Vec<i32>,
+    rows: Vec<i32>,
+    count: usize,
+}
 
-    /// Notes what is known of the ray at `place`: the column of the cell that it meets, or a
-    /// negative word; and four times the row, plus a code for the facet.
+impl Answers {
+    /// Notes the answer to the ray at `place`, in the words of [`Code`].
     #[inline(always)]
-    pub(super) fn note(&mut self, place: i32, answer: [i32; 2]) {
-        self.found[place as usize] = answer;
+    pub(super) fn push(&mut self, place: i32, [column, row]: [i32; 2]) {
+        let [places, columns, rows] = self.next(1);
+        (places[0], columns[0], rows[0]) = (place, column, row);
     }
 
-    pub(super) fn answers(&self) -> impl Iterator<Item = Answer> {
-        self.found[..self.found.len() - 1]
-            .iter()
-            .map(|&[column, row]| {
-                let cell = [column as u32, (row >> 2) as u32];
-                match (column, row & 3) {
-                    (Code::NOTHING_WORD, _) => Answer::Nothing,
-                    (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
-                    (_, 0) => Answer::Inside(cell, Triangle::Lower),
-                    (_, 1) => Answer::Inside(cell, Triangle::Upper),
-                    _ => Answer::Cell(cell),
-                }
-            })
+    /// Room for the next answers, `count` of which are about to be written.
+    #[inline(always)]
+    pub(super) fn next(&mut self, count: usize) -> [&mut [i32]; 3] {
+        let from = self.count;
+        self.count += count;
+        [
+            &mut self.places[from..],
+            &mut self.columns[from..],
+            &mut self.rows[from..],
+        ]
+    }
+
+    /// Each answer with the place of its ray.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, Answer)> {
+        let words = self.columns.iter().zip(&self.rows);
+        let answers = words.map(|(&column, &row)| {
+            let cell = [column as u32, (row >> 2) as u32];
+            match (column, row & 3) {
+                (Code::NOTHING_WORD, _) => Answer::Nothing,
+                (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
+                (_, 0) => Answer::Inside(cell, Triangle::Lower),
+                (_, 1) => Answer::Inside(cell, Triangle::Upper),
+                _ => Answer::Cell(cell),
+            }
+        });
+        let places = self.places[..self.count].iter();
+        places.map(|&place| place as usize).zip(answers)
     }
 }
 

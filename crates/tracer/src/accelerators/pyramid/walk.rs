@@ -16,7 +16,7 @@ pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
     for i in 0..rays.len() {
         let ray = rays.ray(i);
         let answer = walk(bounds, &ray);
-        rays.note(ray.place, answer);
+        rays.answers.push(ray.place, answer);
     }
 }
 
@@ -40,7 +40,7 @@ enum Look {
     Doubtful,
 }
 
-/// Follows one ray to its answer, as [`Rays::note`] takes it.
+/// Follows one ray to its answer, in the words of [`Code`].
 fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let high = ray.z > 0.999 * bounds.reach;
     let mut level = if high {

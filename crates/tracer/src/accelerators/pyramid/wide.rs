@@ -9,7 +9,7 @@ use std::fmt;
 
 use super::bounds::{Bounds, MOST_LEVELS};
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
-use super::rays::{Code, ROUNDING, Rays};
+use super::rays::{Answers, Code, ROUNDING, Rays};
 use super::walk;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
@@ -129,7 +129,10 @@ struct State<L: Lanes> {
     iy: L::I,
     /// The level at which it is looked at.
     level: L::I,
+    /// Whether the ray goes on.
     active: L::M,
+    /// Whether there is a ray, or the answer to one.
+    occupied: L::M,
 }
 
 impl<L: Lanes> State<L> {
@@ -173,7 +176,7 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     #[inline(always)]
     fn run(&self, rays: &mut Rays) {
-        let empty = self.empty(rays);
+        let empty = self.empty();
         let (mut a, mut b) = (empty, empty);
         let mut next = 0;
         // Two loads of lanes in turn: while one waits for memory, the other goes on.
@@ -194,7 +197,7 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     /// Lanes without rays.
     #[inline(always)]
-    fn empty(&self, rays: &Rays) -> State<L> {
+    fn empty(&self) -> State<L> {
         let lanes = self.lanes;
         let zero = lanes.splat(0.0);
         let none = lanes.splat_i(0);
@@ -211,7 +214,7 @@ impl<'b, L: Lanes> Search<'b, L> {
             half: none,
             first_x: none,
             first_y: none,
-            place: lanes.splat_i(rays.nowhere()),
+            place: none,
             answer: none,
             code: none,
             t: zero,
@@ -219,17 +222,19 @@ impl<'b, L: Lanes> Search<'b, L> {
             iy: none,
             level: none,
             active: lanes.mask(0),
+            occupied: lanes.mask(0),
         }
     }
 
-    /// Refills idle lanes once there are some; false if no lane has a ray any more.
+    /// Takes the answers out of idle lanes once there are some, and puts the next rays into them;
+    /// false if no lane has a ray any more.
     #[inline(always)]
     fn keep_busy(&self, state: &mut State<L>, rays: &mut Rays, next: &mut usize) -> bool {
         let all = ((1_u64 << L::COUNT) - 1) as u32;
         let idle = all & !state.active.bits();
         let left = rays.len() - *next;
         if idle.count_ones() as usize * 4 >= L::COUNT && (left > 0 || idle == all) {
-            self.note_answers(state, rays);
+            self.note_answers(state, &mut rays.answers);
             if left == 0 {
                 return false;
             }
@@ -278,6 +283,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(IN_CELL));
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
+        state.occupied = state.active;
         *next += filled.count_ones() as usize;
     }
 
@@ -460,15 +466,16 @@ impl<'b, L: Lanes> Search<'b, L> {
         self.advance(state, clear, &exit);
     }
 
-    /// Writes down what is known of the rays in all lanes; of those that go on, more is known later.
+    /// Writes down the answers of the rays that have ended.
     #[inline(always)]
-    fn note_answers(&self, state: &State<L>, rays: &mut Rays) {
-        let places = self.lanes.store_i(state.place);
-        let columns = self.lanes.store_i(state.answer);
-        let two = self.lanes.splat_i(2);
-        let rows = self.lanes.store_i(state.iy.shifted_left(two) + state.code);
-        for lane in 0..L::COUNT {
-            rays.note(places[lane], [columns[lane], rows[lane]]);
-        }
+    fn note_answers(&self, state: &mut State<L>, answers: &mut Answers) {
+        let lanes = self.lanes;
+        let ended = state.occupied & !state.active;
+        let [places, columns, rows] = answers.next(ended.bits().count_ones() as usize);
+        let row = state.iy.shifted_left(lanes.splat_i(2)) + state.code;
+        lanes.store_some(ended, state.place, places);
+        lanes.store_some(ended, state.answer, columns);
+        lanes.store_some(ended, row, rows);
+        state.occupied = state.active;
     }
 }

@@ -215,7 +215,7 @@ impl Lanes for Avx2 {
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_ps(source.as_ptr());
-            let spread = _mm256_permutevar8x32_ps(next, ranks(mask.bits()));
+            let spread = _mm256_permutevar8x32_ps(next, bytes(RANKS[mask.bits() as usize]));
             F8(_mm256_blendv_ps(old.0, spread, mask.0))
         }
     }
@@ -225,7 +225,7 @@ impl Lanes for Avx2 {
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_si256(source.as_ptr().cast());
-            let spread = _mm256_permutevar8x32_epi32(next, ranks(mask.bits()));
+            let spread = _mm256_permutevar8x32_epi32(next, bytes(RANKS[mask.bits() as usize]));
             I8(_mm256_blendv_epi8(
                 old.0,
                 spread,
@@ -243,26 +243,56 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn store_i(self, value: I8) -> [i32; MOST_LANES] {
-        let mut out = [0; MOST_LANES];
+    fn store_some(self, mask: M8, value: I8, out: &mut [i32]) {
+        assert!(out.len() >= MOST_LANES);
         // SAFETY: as above; `out` has room for eight entries.
-        unsafe { _mm256_storeu_si256(out.as_mut_ptr().cast(), value.0) };
-        out
+        unsafe {
+            let packed = _mm256_permutevar8x32_epi32(value.0, bytes(NAMED[mask.bits() as usize]));
+            _mm256_storeu_si256(out.as_mut_ptr().cast(), packed);
+        }
     }
 }
 
-/// For each lane the number of lanes before it that `bits` names.
+/// Eight lanes from the bytes of a word.
 #[inline(always)]
-fn ranks(bits: u32) -> __m256i {
-    let mut rank = [0_i32; 8];
-    let mut before = 0;
-    for (lane, rank) in rank.iter_mut().enumerate() {
-        *rank = before;
-        before += (bits >> lane & 1) as i32;
-    }
-    // SAFETY: called from lanes of AVX2 alone; `rank` holds eight entries.
-    unsafe { _mm256_loadu_si256(rank.as_ptr().cast()) }
+fn bytes(word: u64) -> __m256i {
+    // SAFETY: called from lanes of AVX2 alone.
+    unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(word as i64)) }
 }
+
+/// For each mask, byte by byte, the number of lanes that it names before each lane.
+static RANKS: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut before) = (0, 0);
+        while lane < 8 {
+            table[mask] |= before << (8 * lane);
+            before += (mask >> lane & 1) as u64;
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
+
+/// For each mask, byte by byte, the lanes that it names.
+static NAMED: [u64; 256] = {
+    let mut table = [0; 256];
+    let mut mask = 0;
+    while mask < 256 {
+        let (mut lane, mut before) = (0_u64, 0);
+        while lane < 8 {
+            if mask >> lane & 1 == 1 {
+                table[mask] |= lane << (8 * before);
+                before += 1;
+            }
+            lane += 1;
+        }
+        mask += 1;
+    }
+    table
+};
 
 /// The index of the last entry of a table.
 #[inline(always)]
@@ -473,10 +503,12 @@ impl Lanes for Avx512 {
         M16(bits as __mmask16)
     }
     #[inline(always)]
-    fn store_i(self, value: I16) -> [i32; MOST_LANES] {
-        let mut out = [0; MOST_LANES];
+    fn store_some(self, mask: M16, value: I16, out: &mut [i32]) {
+        assert!(out.len() >= MOST_LANES);
         // SAFETY: as above; `out` has room for sixteen entries.
-        unsafe { _mm512_storeu_epi32(out.as_mut_ptr(), value.0) };
-        out
+        unsafe {
+            let packed = _mm512_maskz_compress_epi32(mask.0, value.0);
+            _mm512_storeu_epi32(out.as_mut_ptr(), packed);
+        }
     }
 }
