@@ -1,0 +1,276 @@
+//! The engine in figures: segments a second, building, memory, and whole surfaces a second.
+//!
+//! ```text
+//! cargo bench -p asperity-tracer --bench engine               # N = 512, 1024, 2048; four minutes
+//! cargo bench -p asperity-tracer --bench engine -- 512 4096   # other sizes
+//! ```
+//!
+//! One thread. Accelerators take turns, so that what else the machine does falls on all of them
+//! alike; figures are medians over the turns.
+#![allow(
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "a benchmark prints, and fails as tests do"
+)]
+
+use std::hint::black_box;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::{Psd, Synthesis};
+use asperity_tally::Layout;
+use asperity_tracer::{
+    Accelerator, AcceleratorKind, Facet, Geometry, Hit, Instructions, Medium, PathSettings,
+    Pyramid, Query, Surface, Tracer, Work,
+};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// Correlation length of all surfaces, samples.
+const TAU: f64 = 16.0;
+/// Rays along either side of the tile for segments a second: about 260,000 rays.
+const STRATA: u32 = 512;
+/// The same for whole surfaces: about 100,000 rays.
+const STRATA_OF_ONE: u32 = 316;
+const TURNS: usize = 5;
+const THETAS: [f64; 2] = [30.0, 70.0];
+
+type Boxed = Box<dyn Accelerator<Surface>>;
+
+fn main() {
+    let sizes: Vec<usize> = std::env::args().filter_map(|a| a.parse().ok()).collect();
+    let sizes = if sizes.is_empty() {
+        vec![512, 1024, 2048]
+    } else {
+        sizes
+    };
+    println!("one thread, glass 1.5, tau = {TAU} samples, {STRATA} x {STRATA} rays\n");
+    for &n in &sizes {
+        for s in [6.0, 2.0, 1.0] {
+            segments(n, s);
+        }
+    }
+    for &n in &sizes {
+        realisations(n);
+    }
+}
+
+/// The accelerators by name: all that this machine can run.
+fn contenders() -> Vec<(String, AcceleratorKind, Option<Instructions>)> {
+    let mut all = vec![
+        ("mesh".to_owned(), AcceleratorKind::Mesh, None),
+        ("tiles".to_owned(), AcceleratorKind::Tiles, None),
+    ];
+    for instructions in [
+        Instructions::Portable,
+        Instructions::Avx2,
+        Instructions::Avx512,
+    ] {
+        if instructions.are_available() {
+            let name = format!("pyramid, {instructions}");
+            all.push((name, AcceleratorKind::Pyramid, Some(instructions)));
+        }
+    }
+    all
+}
+
+fn build(surface: &Surface, kind: AcceleratorKind, instructions: Option<Instructions>) -> Boxed {
+    match instructions {
+        Some(instructions) => Box::new(
+            Pyramid::build(surface)
+                .unwrap()
+                .with_instructions(instructions),
+        ),
+        None => surface.accelerator(kind).unwrap(),
+    }
+}
+
+/// Segments a second on the segments of real light paths, which are recorded first.
+fn segments(n: usize, s: f64) {
+    let surface = Surface::new(synthesis(n, s).draw(1, 0).unwrap());
+    let cells = (n * n) as f64;
+    let built: Vec<(String, f64, Boxed)> = contenders()
+        .into_iter()
+        .map(|(name, kind, instructions)| {
+            // Once is enough for a mesh, whose hierarchy takes seconds.
+            let turns = if kind == AcceleratorKind::Mesh { 1 } else { TURNS };
+            let times = (0..turns).map(|_| time(|| drop(build(&surface, kind, instructions))));
+            let seconds = median(times.collect());
+            (name, seconds, build(&surface, kind, instructions))
+        })
+        .collect();
+    let recorded = THETAS.map(|theta| record(&surface, theta));
+
+    let mut searched = vec![[const { Vec::new() }; 2]; built.len()];
+    let mut traced = searched.clone();
+    for _ in 0..TURNS {
+        for (i, (_, _, accelerator)) in built.iter().enumerate() {
+            for (j, theta) in THETAS.into_iter().enumerate() {
+                let (batches, _) = &recorded[j];
+                let mut hits = Vec::new();
+                searched[i][j].push(time(|| {
+                    for queries in batches {
+                        accelerator.closest_hits(&surface, queries, &mut hits);
+                        black_box(&hits);
+                    }
+                }));
+                traced[i][j].push(time(|| {
+                    black_box(paths(&surface, &**accelerator, theta, STRATA));
+                }));
+            }
+        }
+    }
+
+    let skipped: Vec<String> = recorded
+        .iter()
+        .map(|(_, work)| {
+            let all = work.segments + work.segments_skipped;
+            format!("{:.0} %", 100.0 * work.segments_skipped as f64 / all as f64)
+        })
+        .collect();
+    println!(
+        "N = {n}, s = {s}; million segments a second at theta 30 / 70 deg ({} of them skipped)",
+        skipped.join(" / ")
+    );
+    println!(
+        "| accelerator       | build ms | bytes a cell | searched        | times mesh    | in whole paths  |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let rate = |i: usize, j: usize| {
+        let count: usize = recorded[j].0.iter().map(Vec::len).sum();
+        count as f64 / median(searched[i][j].clone()) * 1e-6
+    };
+    for (i, (name, seconds, accelerator)) in built.iter().enumerate() {
+        let whole = |j: usize| {
+            let work = &recorded[j].1;
+            (work.segments + work.segments_skipped) as f64 / median(traced[i][j].clone()) * 1e-6
+        };
+        println!(
+            "| {name:17} | {:8.2} | {:12.1} | {:6.2} / {:6.2} | {:5.2} / {:5.2} | {:6.2} / {:6.2} |",
+            seconds * 1e3,
+            accelerator.bytes() as f64 / cells,
+            rate(i, 0),
+            rate(i, 1),
+            rate(i, 0) / rate(0, 0),
+            rate(i, 1) / rate(0, 1),
+            whole(0),
+            whole(1),
+        );
+    }
+    println!();
+}
+
+/// Whole surfaces a second: drawn, built, and 100,000 rays traced.
+fn realisations(n: usize) {
+    println!("N = {n}, s = 2, theta = 30 deg; milliseconds for one surface after the other");
+    println!("| accelerator       | draw     | prepare  | build    | 10^5 rays | surfaces a second |");
+    println!("|---|---|---|---|---|---|");
+    let synthesis = synthesis(n, 2.0);
+    for (name, kind, instructions) in contenders() {
+        let mut parts = [const { Vec::new() }; 4];
+        let mut room = Vec::new();
+        let turns = if kind == AcceleratorKind::Mesh { 2 } else { TURNS };
+        for turn in 0..turns {
+            let mut field = None;
+            let draw = time(|| {
+                field = synthesis
+                    .draw_into(1, turn as u64, std::mem::take(&mut room))
+                    .ok();
+            });
+            let mut surface = None;
+            let prepare = time(|| surface = field.take().map(Surface::new));
+            let surface = surface.unwrap();
+            let mut accelerator = None;
+            let built = time(|| accelerator = Some(build(&surface, kind, instructions)));
+            let rays = time(|| {
+                let accelerator = accelerator.as_deref().unwrap();
+                black_box(paths(&surface, accelerator, 30.0, STRATA_OF_ONE));
+            });
+            for (part, seconds) in parts.iter_mut().zip([draw, prepare, built, rays]) {
+                part.push(seconds);
+            }
+            room = surface.into_field().into_heights();
+        }
+        let [draw, prepare, built, rays] = parts.map(median);
+        println!(
+            "| {name:17} | {:8.2} | {:8.2} | {:8.2} | {:9.2} | {:17.2} |",
+            draw * 1e3,
+            prepare * 1e3,
+            built * 1e3,
+            rays * 1e3,
+            1.0 / (draw + prepare + built + rays)
+        );
+    }
+    println!();
+}
+
+fn synthesis(n: usize, s: f64) -> Synthesis {
+    let psd = Psd::gaussian(TAU / s, TAU).unwrap();
+    Synthesis::new(psd, [n, n], [1.0, 1.0], false).unwrap()
+}
+
+fn paths(
+    surface: &Surface,
+    accelerator: &dyn Accelerator<Surface>,
+    theta: f64,
+    strata: u32,
+) -> Work {
+    let glass = Material::dielectric(1.5).unwrap();
+    let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
+    let settings = PathSettings::default();
+    let tracer = Tracer::new(surface, accelerator, glass, Medium::Above, settings);
+    let mut rng = ChaCha8Rng::seed_from_u64(1);
+    tracer
+        .batch(incidence, false, strata, Layout::default(), &mut rng)
+        .1
+}
+
+/// The queries of all searches of a batch, as they come, and the work done.
+fn record(surface: &Surface, theta: f64) -> (Vec<Vec<Query>>, Work) {
+    let recorder = Recorder {
+        inner: Pyramid::build(surface).unwrap(),
+        batches: Mutex::default(),
+    };
+    let work = paths(surface, &recorder, theta, STRATA);
+    (recorder.batches.into_inner().unwrap(), work)
+}
+
+/// Keeps the queries that pass through it.
+struct Recorder {
+    inner: Pyramid,
+    batches: Mutex<Vec<Vec<Query>>>,
+}
+
+impl Accelerator<Surface> for Recorder {
+    fn kind(&self) -> AcceleratorKind {
+        self.inner.kind()
+    }
+    fn bytes(&self) -> usize {
+        self.inner.bytes()
+    }
+    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+        self.inner.closest_hit(surface, query)
+    }
+    fn closest_hits(
+        &self,
+        surface: &Surface,
+        queries: &[Query],
+        hits: &mut Vec<Option<Hit<Facet>>>,
+    ) {
+        self.batches.lock().unwrap().push(queries.to_vec());
+        self.inner.closest_hits(surface, queries, hits);
+    }
+}
+
+/// Seconds that `work` takes.
+fn time(work: impl FnOnce()) -> f64 {
+    let clock = Instant::now();
+    work();
+    clock.elapsed().as_secs_f64()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
