@@ -29,6 +29,9 @@ impl Accelerator<Surface> for Recorder<'_> {
     fn kind(&self) -> AcceleratorKind {
         self.inner.kind()
     }
+    fn bytes(&self) -> usize {
+        self.inner.bytes()
+    }
     fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
         self.inner.closest_hit(surface, query)
     }
@@ -84,7 +87,7 @@ fn main() {
         ));
     }
     if std::env::args().nth(3).is_none() {
-        for kind in [AcceleratorKind::Mesh] {
+        for kind in [AcceleratorKind::Tiles, AcceleratorKind::Mesh] {
             let clock = Instant::now();
             let a = surface.accelerator(kind).unwrap();
             println!("{kind} built {:.2} ms", clock.elapsed().as_secs_f64() * 1e3);

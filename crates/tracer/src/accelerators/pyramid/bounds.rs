@@ -47,7 +47,7 @@ pub(super) struct Bounds {
 impl Bounds {
     pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
-        if cx.saturating_mul(cy) > MOST_CELLS || cx.max(cy) > 1 << 24 {
+        if !Self::hold([cx, cy]) {
             return Err(BuildError::TooManyFacets {
                 facets: 2 * cx * cy,
                 most: 2 * MOST_CELLS,
@@ -83,6 +83,11 @@ impl Bounds {
             bounds.bound_level(level, shape(level - 1));
         }
         Ok(bounds)
+    }
+
+    /// Whether so many cells, `[columns, rows]`, can be bounded.
+    pub(super) const fn hold([cx, cy]: [usize; 2]) -> bool {
+        cx.saturating_mul(cy) <= MOST_CELLS && cx <= 1 << 24 && cy <= 1 << 24
     }
 
     /// Number of bytes held.
