@@ -281,7 +281,7 @@ pub(crate) struct Trace {
     /// Interactions after which a path is truncated
     #[arg(long, default_value = "1000", allow_negative_numbers = true)]
     pub(crate) max_order: u32,
-    /// How hits are found: auto, mesh or brute-force
+    /// How hits are found: auto, mesh, tiles, pyramid or brute-force
     #[arg(long, default_value = "auto")]
     pub(crate) accelerator: AcceleratorKind,
     /// Folder for summary.json, histogram.csv, in_plane.csv and plots
@@ -368,7 +368,7 @@ pub(crate) struct Verify {
     /// Interactions after which a path is truncated
     #[arg(long)]
     pub(crate) max_order: Option<u32>,
-    /// How hits are found: auto, mesh or brute-force
+    /// How hits are found: auto, mesh, tiles, pyramid or brute-force
     #[arg(long)]
     pub(crate) accelerator: Option<AcceleratorKind>,
     /// Level of the tests of a case

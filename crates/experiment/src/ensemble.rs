@@ -11,6 +11,7 @@ use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::case::Case;
 use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
 use crate::progress::Progress;
+use crate::summary::Used;
 use crate::trace::FEWEST_BLOCKS;
 use crate::verify::VerifyError;
 
@@ -23,6 +24,9 @@ struct Realisation {
     records: Vec<BatchStatistics>,
     work: Vec<Work>,
     seconds: Seconds,
+    used: Used,
+    /// The heights, which have served.
+    room: Vec<f64>,
 }
 
 /// Seconds spent, summed over surfaces.
@@ -40,6 +44,19 @@ pub(crate) struct Ensemble {
     pub(crate) blocks_of_one: Option<BatchStatistics>,
     pub(crate) work: Work,
     pub(crate) seconds: Seconds,
+    pub(crate) used: Used,
+}
+
+impl Ensemble {
+    fn new(used: &Used) -> Self {
+        Self {
+            records: Vec::new(),
+            blocks_of_one: None,
+            work: Work::default(),
+            seconds: Seconds::default(),
+            used: used.clone(),
+        }
+    }
 }
 
 /// Cases that share their surfaces, and how they are run.
@@ -68,30 +85,31 @@ impl Group<'_> {
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
     pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
         check_results(&self.settings.layout, self.realisations, self.cases.len())?;
+        let [ny, nx] = self.synthesis.shape();
+        let accelerator = self.settings.accelerator.on_height_field([nx, ny], false);
         let bytes = self
             .synthesis
             .peak_bytes()
-            .max(traced_bytes(self.synthesis.shape()));
-        check_memory("one surface with its hierarchy", bytes)?;
+            .max(traced_bytes([ny, nx], accelerator));
+        check_memory("tracing one surface", bytes)?;
         let wave = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
-        let mut ensembles: Vec<Ensemble> = self
-            .cases
-            .iter()
-            .map(|_| Ensemble {
-                records: Vec::new(),
-                blocks_of_one: None,
-                work: Work::default(),
-                seconds: Seconds::default(),
-            })
-            .collect();
+        let mut ensembles: Vec<Ensemble> = Vec::new();
+        // Heights of surfaces that have served: their memory serves the next ones.
+        let mut rooms = vec![Vec::new(); wave];
         let mut first = 0;
         while first < self.realisations {
             let last = (first + wave as u64).min(self.realisations);
-            let drawn: Vec<_> = (first..last)
+            let drawn: Vec<Realisation> = (first..last)
+                .zip(std::mem::take(&mut rooms))
+                .collect::<Vec<_>>()
                 .into_par_iter()
-                .map(|realisation| self.one(realisation, progress))
+                .map(|(realisation, room)| self.one(realisation, room, progress))
                 .collect::<Result<_, _>>()?;
             for realisation in drawn {
+                rooms.push(realisation.room);
+                if ensembles.is_empty() {
+                    ensembles.resize_with(self.cases.len(), || Ensemble::new(&realisation.used));
+                }
                 let share = 1.0 / self.cases.len() as f64;
                 for ((ensemble, record), work) in ensembles
                     .iter_mut()
@@ -113,11 +131,16 @@ impl Group<'_> {
         Ok(ensembles)
     }
 
-    /// Draws one surface and traces all cases on it.
-    fn one(&self, index: u64, progress: &dyn Progress) -> Result<Realisation, VerifyError> {
+    /// Draws one surface in `room` and traces all cases on it.
+    fn one(
+        &self,
+        index: u64,
+        room: Vec<f64>,
+        progress: &dyn Progress,
+    ) -> Result<Realisation, VerifyError> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
-        let field = self.synthesis.draw(self.settings.seed, index)?;
+        let field = self.synthesis.draw_into(self.settings.seed, index, room)?;
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -152,6 +175,8 @@ impl Group<'_> {
             records,
             work,
             seconds,
+            used: Used::of(&*accelerator),
+            room: surface.into_field().into_heights(),
         })
     }
 }

@@ -3,7 +3,7 @@
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
-use asperity_tracer::{BuildError, Geometry, border};
+use asperity_tracer::{AcceleratorKind, BuildError, Geometry, border};
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
@@ -69,11 +69,19 @@ pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), RunError> {
     }
 }
 
-/// Bytes that a surface of `[ny, nx]` samples takes while it is traced: heights, and two facets a
-/// cell, each with its box while the hierarchy is built and its share of the nodes. Measured: 540 a
-/// cell at 2048 x 2048.
-pub(crate) const fn traced_bytes([ny, nx]: [usize; 2]) -> usize {
-    nx.saturating_mul(ny).saturating_mul(550)
+/// Bytes that a height field of `[ny, nx]` samples takes while it is traced with an accelerator, at the
+/// peak, which is that of building it.
+pub(crate) fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
+    // Measured, in bytes a cell: the heights, and 1 for the bounds of slopes and for rounding up.
+    let heights = 8 + 1;
+    let beside = match accelerator {
+        // Two facets, each with its box while the hierarchy is built and its share of the nodes.
+        AcceleratorKind::Mesh => 541,
+        // Heights in single precision, and a word for every node; blocks take a tenth of a byte.
+        AcceleratorKind::Pyramid | AcceleratorKind::Auto => 10,
+        _ => 0,
+    };
+    nx.saturating_mul(ny).saturating_mul(heights + beside)
 }
 
 /// Bytes that the hierarchy over the triangles of a mesh takes beside the mesh: as over those of a cell,

@@ -3,7 +3,7 @@
 use asperity_tally::{
     BatchStatistics, Estimate, EventPath, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
 };
-use asperity_tracer::{AcceleratorKind, Work};
+use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Work};
 use serde::Serialize;
 
 /// What was done, and how long it took.
@@ -21,6 +21,8 @@ pub struct SummaryWork {
     pub branches_not_asked: u64,
     /// Accelerator used.
     pub accelerator: AcceleratorKind,
+    /// Instructions with which it searches, where there is a choice.
+    pub instructions: Option<String>,
     /// Estimator used.
     pub estimator: &'static str,
     /// Seconds spent on drawing surfaces, summed over surfaces.
@@ -35,15 +37,32 @@ pub struct SummaryWork {
     pub threads: usize,
 }
 
+/// The accelerator that was built.
+#[derive(Clone, Debug)]
+pub(crate) struct Used {
+    accelerator: AcceleratorKind,
+    instructions: Option<String>,
+}
+
+impl Used {
+    pub(crate) fn of<G: Geometry>(accelerator: &dyn Accelerator<G>) -> Self {
+        Self {
+            accelerator: accelerator.kind(),
+            instructions: accelerator.instructions(),
+        }
+    }
+}
+
 impl SummaryWork {
-    pub(crate) fn new(work: Work, accelerator: AcceleratorKind) -> Self {
+    pub(crate) fn new(work: Work, used: Used) -> Self {
         Self {
             realisations: 0,
             rays: work.rays,
             segments: work.segments,
             segments_skipped: work.segments_skipped,
             branches_not_asked: work.branches_not_asked,
-            accelerator: accelerator.resolve(),
+            accelerator: used.accelerator,
+            instructions: used.instructions,
             estimator: "plain",
             generate_seconds: 0.0,
             build_seconds: 0.0,

@@ -78,12 +78,17 @@ pub fn lost_warning(statistics: &BatchStatistics) -> Option<String> {
 /// One line about the effort.
 #[must_use]
 pub fn work_line(work: &SummaryWork) -> String {
+    let instructions = match &work.instructions {
+        Some(name) => format!(" ({name})"),
+        None => String::new(),
+    };
     format!(
-        "{} rays, {} segments searched and {} skipped, accelerator {}, {:.1} s on {} threads",
+        "{} rays, {} segments searched and {} skipped, accelerator {}{}, {:.1} s on {} threads",
         work.rays,
         work.segments,
         work.segments_skipped,
         work.accelerator,
+        instructions,
         work.seconds,
         work.threads
     )

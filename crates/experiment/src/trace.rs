@@ -12,7 +12,7 @@ use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
 };
 use crate::progress::Progress;
-use crate::summary::SummaryWork;
+use crate::summary::{SummaryWork, Used};
 
 /// Blocks that a single surface gets at least, since its errors come from them.
 pub(crate) const FEWEST_BLOCKS: u64 = 64;
@@ -38,9 +38,12 @@ pub fn trace(
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
+    let first = field.heights()[0];
+    let flat = field.heights().iter().all(|h| *h == first);
+    let accelerator = settings.accelerator.on_height_field(field.cells(), flat);
     check_memory(
-        "this surface with its hierarchy",
-        traced_bytes(field.shape()),
+        "tracing this surface",
+        traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),
     )?;
     let build = || Surface::new(field);
     trace_on(build, material, incidence, incident, settings, progress)
@@ -102,7 +105,7 @@ fn trace_on<G: Geometry>(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, accelerator.kind())
+            ..SummaryWork::new(work, Used::of(&*accelerator))
         },
     })
 }

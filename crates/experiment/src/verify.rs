@@ -248,7 +248,7 @@ fn judge(
             build_seconds: ensemble.seconds.build,
             trace_seconds: ensemble.seconds.trace,
             seconds,
-            ..SummaryWork::new(ensemble.work, config.run.accelerator)
+            ..SummaryWork::new(ensemble.work, ensemble.used.clone())
         },
     })
 }

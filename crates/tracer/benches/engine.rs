@@ -94,7 +94,11 @@ fn segments(n: usize, s: f64) {
         .into_iter()
         .map(|(name, kind, instructions)| {
             // Once is enough for a mesh, whose hierarchy takes seconds.
-            let turns = if kind == AcceleratorKind::Mesh { 1 } else { TURNS };
+            let turns = if kind == AcceleratorKind::Mesh {
+                1
+            } else {
+                TURNS
+            };
             let times = (0..turns).map(|_| time(|| drop(build(&surface, kind, instructions))));
             let seconds = median(times.collect());
             (name, seconds, build(&surface, kind, instructions))
@@ -164,13 +168,19 @@ fn segments(n: usize, s: f64) {
 /// Whole surfaces a second: drawn, built, and 100,000 rays traced.
 fn realisations(n: usize) {
     println!("N = {n}, s = 2, theta = 30 deg; milliseconds for one surface after the other");
-    println!("| accelerator       | draw     | prepare  | build    | 10^5 rays | surfaces a second |");
+    println!(
+        "| accelerator       | draw     | prepare  | build    | 10^5 rays | surfaces a second |"
+    );
     println!("|---|---|---|---|---|---|");
     let synthesis = synthesis(n, 2.0);
     for (name, kind, instructions) in contenders() {
         let mut parts = [const { Vec::new() }; 4];
         let mut room = Vec::new();
-        let turns = if kind == AcceleratorKind::Mesh { 2 } else { TURNS };
+        let turns = if kind == AcceleratorKind::Mesh {
+            2
+        } else {
+            TURNS
+        };
         for turn in 0..turns {
             let mut field = None;
             let draw = time(|| {

@@ -5,6 +5,7 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use crate::accelerators::pyramid::Pyramid;
 use crate::geometry::Geometry;
 use crate::ray::{Hit, Medium, TileRay};
 
@@ -24,6 +25,14 @@ pub struct Query {
 pub trait Accelerator<G: Geometry>: Send + Sync {
     /// Which accelerator this is.
     fn kind(&self) -> AcceleratorKind;
+
+    /// Bytes that it holds, beside the geometry.
+    fn bytes(&self) -> usize;
+
+    /// The instructions with which it searches, where there is a choice.
+    fn instructions(&self) -> Option<String> {
+        None
+    }
 
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
@@ -59,6 +68,9 @@ pub enum BuildError {
         /// Height range over the column spacing.
         columns: f64,
     },
+    /// An accelerator for flat surfaces, and another one.
+    #[error("the accelerator flat is for surfaces without any height; take auto")]
+    NotFlat,
     /// An accelerator for height fields, and a mesh.
     #[error(
         "the accelerator {kind} needs a height field, but this is a triangle mesh; take auto, mesh or brute-force"
@@ -81,16 +93,25 @@ pub enum AcceleratorKind {
     Mesh,
     /// A pyramid of height bounds over the cells, searched by many rays at a time.
     Pyramid,
+    /// A bounding volume hierarchy over square blocks of cells.
+    Tiles,
+    /// The plane of a surface whose heights are all equal.
+    Flat,
     /// Every triangle for every ray: the reference, for small surfaces.
     BruteForce,
 }
 
 impl AcceleratorKind {
-    /// The accelerator that `auto` stands for.
+    /// What stands for `auto` on a height field of `[columns, rows]` cells; all others stay what they
+    /// are.
+    ///
+    /// `flat` if it is flat, else `pyramid` up to the size that it can hold, else `tiles`.
     #[must_use]
-    pub const fn resolve(self) -> Self {
+    pub const fn on_height_field(self, cells: [usize; 2], flat: bool) -> Self {
         match self {
-            Self::Auto => Self::Mesh,
+            Self::Auto if flat => Self::Flat,
+            Self::Auto if Pyramid::holds(cells) => Self::Pyramid,
+            Self::Auto => Self::Tiles,
             chosen => chosen,
         }
     }
@@ -102,6 +123,8 @@ impl fmt::Display for AcceleratorKind {
             Self::Auto => "auto",
             Self::Mesh => "mesh",
             Self::Pyramid => "pyramid",
+            Self::Tiles => "tiles",
+            Self::Flat => "flat",
             Self::BruteForce => "brute-force",
         })
     }
@@ -115,9 +138,11 @@ impl FromStr for AcceleratorKind {
             "auto" => Ok(Self::Auto),
             "mesh" => Ok(Self::Mesh),
             "pyramid" => Ok(Self::Pyramid),
+            "tiles" => Ok(Self::Tiles),
+            "flat" => Ok(Self::Flat),
             "brute-force" => Ok(Self::BruteForce),
             _ => Err(format!(
-                "unknown accelerator `{text}`; allowed are auto, mesh, pyramid and brute-force"
+                "unknown accelerator `{text}`; allowed are auto, mesh, tiles, pyramid and brute-force"
             )),
         }
     }

@@ -28,8 +28,10 @@ mod surface;
 
 pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 pub use accelerators::brute_force::BruteForce;
+pub use accelerators::flat::Flat;
 pub use accelerators::mesh_bvh::MeshBvh;
 pub use accelerators::pyramid::{Instructions, Pyramid};
+pub use accelerators::tile_bvh::TileBvh;
 pub use geometry::{Escape, Geometry};
 pub use mesh::{MeshError, TriangleMesh};
 pub use mesh_surface::{MeshSurface, MeshSurfaceError, Repairs};

@@ -5,8 +5,10 @@ use glam::DVec3;
 
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
 use crate::accelerators::brute_force::BruteForce;
+use crate::accelerators::flat::Flat;
 use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
+use crate::accelerators::tile_bvh::TileBvh;
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{Hit, Medium, TileRay};
 use crate::steepness::Steepness;
@@ -89,6 +91,12 @@ impl Surface {
         &self.field
     }
 
+    /// The height field back.
+    #[must_use]
+    pub fn into_field(self) -> HeightField {
+        self.field
+    }
+
     /// Cells of the tile, `[columns, rows]`: its extent in tile coordinates.
     #[must_use]
     pub const fn cells(&self) -> [usize; 2] {
@@ -99,6 +107,24 @@ impl Surface {
     #[must_use]
     pub fn z(&self, ix: usize, iy: usize) -> f64 {
         self.scale.z(self.field.height(ix, iy))
+    }
+
+    /// Whether all heights are equal.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        let heights = self.field.heights();
+        self.half_range == 0.0 && heights.iter().all(|h| *h == heights[0])
+    }
+
+    /// The accelerator that `kind` stands for on this surface.
+    #[must_use]
+    pub fn resolve(&self, kind: AcceleratorKind) -> AcceleratorKind {
+        kind.on_height_field(self.cells(), self.is_flat())
+    }
+
+    /// z of a height, tile coordinates; it never falls with the height.
+    pub(crate) fn z_of(&self, height: f64) -> f64 {
+        self.scale.z(height)
     }
 
     /// z of the grid points of row `iy`, one a cell, tile coordinates; rows wrap.
@@ -355,9 +381,11 @@ impl Geometry for Surface {
         if columns.is_nan() || columns > TALLEST {
             return Err(BuildError::TooTall { columns });
         }
-        Ok(match kind {
-            AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+        Ok(match self.resolve(kind) {
+            AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+            AcceleratorKind::Flat => Box::new(Flat::build(self)?),
             AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
+            AcceleratorKind::Auto | AcceleratorKind::Tiles => Box::new(TileBvh::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })
     }

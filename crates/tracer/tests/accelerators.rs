@@ -8,10 +8,10 @@
 
 mod common;
 
-use asperity_surface::{Border, Triangle};
+use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, Facet, Geometry, Hit, Instructions, Medium, Pyramid,
-    Query, Surface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildError, Facet, Geometry, Hit, Instructions,
+    Medium, Pyramid, Query, Surface, TileRay,
 };
 use common::{rugged, waves};
 use glam::DVec3;
@@ -105,10 +105,17 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
 
 /// Every accelerator for a surface, with a name for messages.
 fn accelerators(surface: &Surface) -> Vec<(String, Box<dyn Accelerator<Surface>>)> {
-    let mut all: Vec<(String, Box<dyn Accelerator<Surface>>)> =
-        [AcceleratorKind::Mesh, AcceleratorKind::Pyramid]
-            .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
-            .into();
+    let mut all: Vec<(String, Box<dyn Accelerator<Surface>>)> = [
+        AcceleratorKind::Mesh,
+        AcceleratorKind::Tiles,
+        AcceleratorKind::Pyramid,
+    ]
+    .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
+    .into();
+    if surface.is_flat() {
+        let flat = surface.accelerator(AcceleratorKind::Flat).unwrap();
+        all.push(("flat".to_owned(), flat));
+    }
     for instructions in [
         Instructions::Portable,
         Instructions::Avx2,
@@ -169,8 +176,65 @@ fn bvh_matches_brute_force() {
 fn bvh_matches_brute_force_on_the_smallest_and_on_flat_surfaces() {
     let smallest = rugged(2, 2, 1.0, 1, Border::Open);
     assert!(agree_on(&smallest, 500, 1) > 50);
-    let flat = rugged(6, 5, 0.0, 1, Border::Periodic);
-    assert!(agree_on(&flat, 500, 2) > 50);
+    for border in [Border::Periodic, Border::Open, Border::Mirrored] {
+        let flat = rugged(6, 5, 0.0, 1, border);
+        assert!(flat.is_flat());
+        assert!(agree_on(&flat, 4_000, 2) > 400);
+    }
+}
+
+#[test]
+fn blocks_of_any_shape_match_brute_force() {
+    // Tiles of one block and of many, and blocks that the tile does not fill.
+    for (nx, ny, height, border) in [
+        (70, 33, 1.0, Border::Periodic),
+        (33, 65, 0.3, Border::Open),
+        (64, 32, 4.0, Border::Mirrored),
+        (2, 97, 2.0, Border::Periodic),
+    ] {
+        let surface = rugged(nx, ny, height, 6, border);
+        let met = agree_on(&surface, 1_500, 13);
+        assert!(met > 400, "{met}");
+    }
+}
+
+#[test]
+fn auto_takes_what_suits_the_surface() {
+    let kind = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap().kind();
+    let rough = rugged(9, 7, 1.0, 1, Border::Open);
+    assert_eq!(kind(&rough), AcceleratorKind::Pyramid);
+    assert_eq!(rough.resolve(AcceleratorKind::Auto), kind(&rough));
+    let offset = HeightField::new(vec![0.1; 12], [3, 4], [0.3, 0.7]).unwrap();
+    let flat = Surface::new(offset);
+    assert_eq!(kind(&flat), AcceleratorKind::Flat);
+    assert_eq!(flat.resolve(AcceleratorKind::Auto), kind(&flat));
+    // What no pyramid holds.
+    let large = AcceleratorKind::Auto.on_height_field([1 << 16, 1 << 16], false);
+    assert_eq!(large, AcceleratorKind::Tiles);
+    assert!(matches!(
+        rough.accelerator(AcceleratorKind::Flat).err(),
+        Some(BuildError::NotFlat)
+    ));
+}
+
+#[test]
+fn accelerators_say_what_they_are_and_hold() {
+    let surface = rugged(64, 64, 1.0, 1, Border::Periodic);
+    for (name, accelerator) in accelerators(&surface) {
+        let kind = accelerator.kind();
+        assert_eq!(kind.to_string().parse(), Ok(kind), "{name}");
+        assert_eq!(
+            accelerator.instructions().is_some(),
+            kind == AcceleratorKind::Pyramid
+        );
+        let a_cell = accelerator.bytes() as f64 / 4096.0;
+        let expected = match kind {
+            AcceleratorKind::Mesh => 50.0..250.0,
+            AcceleratorKind::Pyramid => 9.0..12.0,
+            _ => 0.0..0.2,
+        };
+        assert!(expected.contains(&a_cell), "{name}: {a_cell}");
+    }
 }
 
 /// Möller and Trumbore 1997, without tolerance, culled by side.

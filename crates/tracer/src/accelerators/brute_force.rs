@@ -13,6 +13,10 @@ impl<G: Geometry> Accelerator<G> for BruteForce {
         AcceleratorKind::BruteForce
     }
 
+    fn bytes(&self) -> usize {
+        0
+    }
+
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {
         let mut closest = None;
         for index in 0..geometry.facet_count() {

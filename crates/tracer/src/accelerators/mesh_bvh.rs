@@ -5,6 +5,7 @@ use std::time::Duration;
 use obvhs::aabb::Aabb;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
 use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams};
 
@@ -29,6 +30,12 @@ impl Boundable for FacetBox {
     fn aabb(&self) -> Aabb {
         self.0
     }
+}
+
+/// Bytes that a hierarchy holds.
+pub(super) fn held_by(bvh: &CwBvh) -> usize {
+    bvh.nodes.capacity() * size_of::<CwBvhNode>()
+        + bvh.primitive_indices.capacity() * size_of::<u32>()
 }
 
 impl MeshBvh {
@@ -67,6 +74,10 @@ impl MeshBvh {
 impl<G: Geometry> Accelerator<G> for MeshBvh {
     fn kind(&self) -> AcceleratorKind {
         AcceleratorKind::Mesh
+    }
+
+    fn bytes(&self) -> usize {
+        held_by(&self.bvh)
     }
 
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>> {

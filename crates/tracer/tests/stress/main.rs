@@ -44,9 +44,10 @@ use scenes::{Scene, gaussian, scaled};
 use textbook::{Verdict, comes_in_its_medium, compare};
 
 /// Every accelerator that surfaces have; another joins by its name here.
-const KINDS: [AcceleratorKind; 3] = [
+const KINDS: [AcceleratorKind; 4] = [
     AcceleratorKind::BruteForce,
     AcceleratorKind::Mesh,
+    AcceleratorKind::Tiles,
     AcceleratorKind::Pyramid,
 ];
 

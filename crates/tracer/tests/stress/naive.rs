@@ -18,6 +18,10 @@ impl Accelerator<Surface> for TwoSided {
         AcceleratorKind::BruteForce
     }
 
+    fn bytes(&self) -> usize {
+        0
+    }
+
     fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
         let mut closest = None;
         for facet in surface.facets() {

@@ -50,7 +50,7 @@ impl Bounds {
 
     pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
-        if cx.saturating_mul(cy) > MOST_CELLS || cx.max(cy) > 1 << 24 {
+        if !Self::hold([cx, cy]) {
             return Err(BuildError::TooManyFacets {
                 facets: 2 * cx * cy,
                 most: 2 * MOST_CELLS,
@@ -111,6 +111,11 @@ impl Bounds {
             &self.heights[i + stride..i + stride + 2],
         );
         [near[0], near[1], far[0], far[1]]
+    }
+
+    /// Whether so many cells, `[columns, rows]`, can be bounded.
+    pub(super) const fn hold([cx, cy]: [usize; 2]) -> bool {
+        cx.saturating_mul(cy) <= MOST_CELLS && cx <= 1 << 24 && cy <= 1 << 24
     }
 
     /// Number of bytes held.

@@ -48,6 +48,12 @@ impl Pyramid {
         })
     }
 
+    /// Whether there is one for so many cells, `[columns, rows]`.
+    #[must_use]
+    pub const fn holds(cells: [usize; 2]) -> bool {
+        Bounds::hold(cells)
+    }
+
     /// The same, searched with the given instructions.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
@@ -66,6 +72,14 @@ thread_local! {
 impl Accelerator<Surface> for Pyramid {
     fn kind(&self) -> AcceleratorKind {
         AcceleratorKind::Pyramid
+    }
+
+    fn bytes(&self) -> usize {
+        self.bounds.bytes()
+    }
+
+    fn instructions(&self) -> Option<String> {
+        Some(self.instructions.to_string())
     }
 
     fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {

@@ -1,0 +1,76 @@
+//! A surface whose heights are all equal: the plane names the cell.
+
+use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::ray::Hit;
+use crate::surface::{Facet, Surface};
+
+/// By how much a point may be moved by rounding, relative to the size of the tile, and far more.
+const WIDENING: f64 = 1e-9;
+
+/// Needs no structure: a ray passes a plane once.
+#[derive(Clone, Copy, Debug)]
+pub struct Flat;
+
+impl Flat {
+    /// For a surface that is flat.
+    ///
+    /// # Errors
+    /// [`BuildError::NotFlat`] if it is not.
+    pub fn build(surface: &Surface) -> Result<Self, BuildError> {
+        if surface.is_flat() {
+            Ok(Self)
+        } else {
+            Err(BuildError::NotFlat)
+        }
+    }
+}
+
+impl Accelerator<Surface> for Flat {
+    fn kind(&self) -> AcceleratorKind {
+        AcceleratorKind::Flat
+    }
+
+    fn bytes(&self) -> usize {
+        0
+    }
+
+    /// Where the ray passes the plane, or comes over the tile if it has passed by then, up to four
+    /// cells may be met within rounding.
+    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+        let Query { ray, medium } = *query;
+        if medium.sign() * ray.direction.z >= 0.0 {
+            return None;
+        }
+        let cells = surface.cells();
+        let widening = WIDENING * cells[0].max(cells[1]) as f64;
+        let mut t = ((surface.z(0, 0) - ray.origin.z) / ray.direction.z).max(0.0);
+        for (axis, &count) in cells.iter().enumerate() {
+            let (place, rate) = (ray.origin[axis], ray.direction[axis]);
+            if rate != 0.0 {
+                let edge = if rate > 0.0 { 0.0 } else { count as f64 };
+                t = t.max((edge - place) / rate);
+            }
+        }
+        let point = ray.at(t);
+        let near = |axis: usize| {
+            let (place, count) = (point[axis], cells[axis]);
+            let outside = place < -widening || place > count as f64 + widening;
+            // Conversion saturates, and what is below zero becomes zero.
+            let [low, high] = [place - widening, place + widening].map(|p| p as usize);
+            let end = if outside { 0 } else { (high + 1).min(count) };
+            low..end
+        };
+        let mut closest = None;
+        for iy in near(1) {
+            for ix in near(0) {
+                let cell = [ix as u32, iy as u32];
+                if let Some(hit) = surface.intersect_cell(cell, &ray, medium)
+                    && hit.is_before(&closest)
+                {
+                    closest = Some(hit);
+                }
+            }
+        }
+        closest
+    }
+}
