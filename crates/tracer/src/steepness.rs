@@ -195,38 +195,39 @@ fn row_of_blocks(
 
 /// Takes a row of cells into the extremes; `near` and `far` are the grid points at its edges.
 fn widen(extremes: &mut [[f64; 2]; 4], near: &[f64], far: &[f64]) {
-    let mut lanes = [*extremes; 4];
-    let count = near.len() - 1;
-    let far = &far[..count + 1];
-    let mut take = |lane: usize, i: usize| {
-        let (h00, h10, h01, h11) = (near[i], near[i + 1], far[i], far[i + 1]);
-        // Gradients of the lower triangle, (h10 - h00, h11 - h10), and of the upper one.
-        let rises = [
-            [h10 - h00, h11 - h01],
-            [h01 - h00, h11 - h10],
-            [h11 - h00, h11 - h00],
-            [(h10 - h00) - (h11 - h10), (h11 - h01) - (h01 - h00)],
-        ];
-        for (extreme, [a, b]) in lanes[lane].iter_mut().zip(rises) {
-            extreme[0] = least(extreme[0], least(a, b));
-            extreme[1] = greatest(extreme[1], greatest(a, b));
-        }
-    };
-    let whole = count - count % 4;
-    for i in (0..whole).step_by(4) {
-        for lane in 0..4 {
-            take(lane, i + lane);
+    // Two lanes, so that each extreme is one vector.
+    let mut lanes = [extremes.map(|[least, greatest]| ([least; 2], [greatest; 2]))];
+    let [lanes] = &mut lanes;
+    let cells = near.windows(3).zip(far.windows(3));
+    for (a, b) in cells.step_by(2) {
+        for lane in 0..2 {
+            let rises = rises([a[lane], a[lane + 1], b[lane], b[lane + 1]]);
+            for ((least_one, greatest_one), [x, y]) in lanes.iter_mut().zip(rises) {
+                least_one[lane] = least(least_one[lane], least(x, y));
+                greatest_one[lane] = greatest(greatest_one[lane], greatest(x, y));
+            }
         }
     }
-    for i in whole..count {
-        take(0, i);
+    let last = near.len() - 2;
+    let rest = rises([near[last], near[last + 1], far[last], far[last + 1]]);
+    for ((extreme, (low, high)), [x, y]) in extremes.iter_mut().zip(lanes).zip(rest) {
+        extreme[0] = least(least(low[0], low[1]), least(x, y));
+        extreme[1] = greatest(greatest(high[0], high[1]), greatest(x, y));
     }
-    for lane in lanes {
-        for (extreme, of_lane) in extremes.iter_mut().zip(lane) {
-            extreme[0] = least(extreme[0], of_lane[0]);
-            extreme[1] = greatest(extreme[1], of_lane[1]);
-        }
-    }
+}
+
+/// Rises of both triangles of a cell along x, y, the diagonal and the other diagonal: of the lower
+/// one, whose gradient is `(h10 - h00, h11 - h10)`, and of the upper one.
+#[inline(always)]
+fn rises([h00, h10, h01, h11]: [f64; 4]) -> [[f64; 2]; 4] {
+    let (lower_x, lower_y) = (h10 - h00, h11 - h10);
+    let (upper_x, upper_y) = (h11 - h01, h01 - h00);
+    [
+        [lower_x, upper_x],
+        [upper_y, lower_y],
+        [h11 - h00, h11 - h00],
+        [lower_x - lower_y, upper_x - upper_y],
+    ]
 }
 
 /// One comparison, where `f64::min` takes care of what is no number.
