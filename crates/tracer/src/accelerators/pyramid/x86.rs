@@ -203,10 +203,16 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn lookup(self, table: &[i32; 16], index: I8) -> I8 {
-        // SAFETY: as above; every index is at most 15.
+        // SAFETY: as above; `table` holds sixteen entries, and the permutations take an index's
+        // low three bits; the fourth, moved to the sign, chooses between them.
         unsafe {
-            let index = _mm256_and_si256(index.0, _mm256_set1_epi32(15));
-            I8(_mm256_i32gather_epi32::<4>(table.as_ptr(), index))
+            let low = _mm256_loadu_si256(table.as_ptr().cast());
+            let high = _mm256_loadu_si256(table.as_ptr().add(8).cast());
+            let low = _mm256_permutevar8x32_epi32(low, index.0);
+            let high = _mm256_permutevar8x32_epi32(high, index.0);
+            let fourth = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index.0));
+            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+            I8(_mm256_castps_si256(_mm256_blendv_ps(low, high, fourth)))
         }
     }
     #[inline(always)]
