@@ -126,3 +126,20 @@ pub(crate) fn check_grazing<G: Geometry>(
         tiles,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn large_surfaces_fit_unless_triangles_are_held() {
+        let side = 16_384;
+        let gib = |kind: AcceleratorKind| {
+            let kind = kind.on_height_field([side, side], false);
+            traced_bytes([side, side], kind) as f64 / GIB
+        };
+        assert!(gib(AcceleratorKind::Auto) < 6.0);
+        assert!(gib(AcceleratorKind::Tiles) < 3.0);
+        assert!(gib(AcceleratorKind::Mesh) > 100.0);
+    }
+}

@@ -1,5 +1,6 @@
 //! A surface whose heights are all equal: the plane names the cell.
 
+use super::brute_force::BruteForce;
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 use crate::ray::Hit;
 use crate::surface::{Facet, Surface};
@@ -52,13 +53,15 @@ impl Accelerator<Surface> for Flat {
             }
         }
         let point = ray.at(t);
+        let outside =
+            |axis: usize| point[axis] < -widening || point[axis] > cells[axis] as f64 + widening;
+        if outside(0) || outside(1) {
+            return None;
+        }
+        // Conversion saturates, and what is below zero becomes zero.
         let near = |axis: usize| {
-            let (place, count) = (point[axis], cells[axis]);
-            let outside = place < -widening || place > count as f64 + widening;
-            // Conversion saturates, and what is below zero becomes zero.
-            let [low, high] = [place - widening, place + widening].map(|p| p as usize);
-            let end = if outside { 0 } else { (high + 1).min(count) };
-            low..end
+            let [low, high] = [-widening, widening].map(|w| (point[axis] + w) as usize);
+            low..(high + 1).min(cells[axis])
         };
         let mut closest = None;
         for iy in near(1) {
@@ -71,6 +74,7 @@ impl Accelerator<Surface> for Flat {
                 }
             }
         }
-        closest
+        // A ray along the rim of the tile may touch no cell here and one further on.
+        closest.or_else(|| BruteForce.closest_hit(surface, query))
     }
 }

@@ -103,8 +103,10 @@ const SPIKY: f64 = 1e3;
 type Named = (String, Box<dyn Accelerator<Surface>>);
 
 fn accelerators(surface: &Surface) -> Vec<Named> {
+    let flat = surface.is_flat().then_some(AcceleratorKind::Flat);
     let kinds = KINDS
         .into_iter()
+        .chain(flat)
         .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()));
     let pyramids = INSTRUCTIONS
         .into_iter()
