@@ -46,16 +46,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let bar = Bar::new(common);
     let medium = Medium::from(incident(command.from));
     let plots = command.output.is_some() && !command.no_plots;
-    let (outcome, drawn) = match subject.shape {
-        Shape::Field(field) => {
-            let drawn = plots.then(|| field.clone());
-            let outcome = trace(field, material, incidence, medium, &settings, &bar);
-            (outcome, drawn)
-        }
-        Shape::Mesh(mesh) => {
-            let outcome = trace_mesh(mesh, material, incidence, medium, &settings, &bar);
-            (outcome, None)
-        }
+    let outcome = match subject.shape {
+        Shape::Field(field) => trace(field, material, incidence, medium, &settings, &bar),
+        Shape::Mesh(mesh) => trace_mesh(mesh, material, incidence, medium, &settings, &bar),
     };
     let outcome = outcome.map_err(|error| match error {
         RunError::Build(BuildError::NeedsHeightField { .. }) => Failure::usage(error),
@@ -80,7 +73,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             case: None,
         };
         let surroundings = plots.then(|| Surroundings {
-            field: drawn.as_ref(),
+            field: outcome.field.as_ref(),
             name: name.clone(),
             light: &light,
         });

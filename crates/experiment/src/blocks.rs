@@ -31,7 +31,7 @@ pub(crate) struct Blocks {
 }
 
 /// Rays of an ordinary block: enough strata to spread them, few enough to keep every thread busy.
-const ORDINARY_STRATA: u64 = 64;
+const ORDINARY_STRATA: u64 = 128;
 
 /// Most blocks of a surface; beyond, blocks grow.
 const MOST_BLOCKS: u64 = 1 << 16;

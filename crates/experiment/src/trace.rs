@@ -24,6 +24,8 @@ pub struct TraceOutcome {
     pub statistics: BatchStatistics,
     /// What was done.
     pub work: SummaryWork,
+    /// The surface, given back; of a mesh none.
+    pub field: Option<HeightField>,
 }
 
 /// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
@@ -46,7 +48,11 @@ pub fn trace(
         traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),
     )?;
     let build = || Surface::new(field);
-    trace_on(build, material, incidence, incident, settings, progress)
+    let (outcome, surface) = trace_on(build, material, incidence, incident, settings, progress)?;
+    Ok(TraceOutcome {
+        field: Some(surface.into_field()),
+        ..outcome
+    })
 }
 
 /// [`trace`] on a triangle mesh.
@@ -66,7 +72,7 @@ pub fn trace_mesh(
         hierarchy_bytes(mesh.facet_count()),
     )?;
     let build = || mesh;
-    trace_on(build, material, incidence, incident, settings, progress)
+    Ok(trace_on(build, material, incidence, incident, settings, progress)?.0)
 }
 
 /// Traces light on what `build` builds.
@@ -77,7 +83,7 @@ fn trace_on<G: Geometry>(
     incident: Medium,
     settings: &RaySettings,
     progress: &dyn Progress,
-) -> Result<TraceOutcome, RunError> {
+) -> Result<(TraceOutcome, G), RunError> {
     let began = Instant::now();
     let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
     check_results(&settings.layout, 1, 1)?;
@@ -97,7 +103,7 @@ fn trace_on<G: Geometry>(
         statistics.push(values);
     });
     progress.end();
-    Ok(TraceOutcome {
+    let outcome = TraceOutcome {
         statistics,
         work: SummaryWork {
             realisations: 1,
@@ -107,5 +113,7 @@ fn trace_on<G: Geometry>(
             seconds: began.elapsed().as_secs_f64(),
             ..SummaryWork::new(work, Used::of(&*accelerator))
         },
-    })
+        field: None,
+    };
+    Ok((outcome, geometry))
 }

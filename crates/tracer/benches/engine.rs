@@ -99,9 +99,11 @@ fn segments(n: usize, s: f64) {
             } else {
                 TURNS
             };
-            let times = (0..turns).map(|_| time(|| drop(build(&surface, kind, instructions))));
+            let mut accelerator = None;
+            let times = (0..turns)
+                .map(|_| time(|| accelerator = Some(build(&surface, kind, instructions))));
             let seconds = median(times.collect());
-            (name, seconds, build(&surface, kind, instructions))
+            (name, seconds, accelerator.unwrap())
         })
         .collect();
     let recorded = THETAS.map(|theta| record(&surface, theta));

@@ -60,7 +60,8 @@ pub enum Travel<F> {
     Escaped,
     /// It escapes, and needed no search.
     EscapedUnsearched(Escape),
-    /// It leaves an open patch on its way to surface that is not there.
+    /// It leaves an open patch on its way to surface that is not there, or comes from beneath such
+    /// surface.
     LeftPatch,
     /// It should have met the surface and did not.
     Lost,
@@ -168,6 +169,12 @@ impl Search {
         let tiles = Tiles::new(geometry, heading);
         if let Some(escape) = geometry.escapes(&tiles.ray, medium) {
             return Err(Travel::EscapedUnsearched(escape));
+        }
+        if tiles.border == Border::Open
+            && let Some(rim) = tiles.rim()
+            && geometry.is_beyond(rim, medium)
+        {
+            return Err(Travel::LeftPatch);
         }
         match tiles.current() {
             Some(ray) => Ok(Self {
@@ -281,6 +288,22 @@ impl Tiles {
             }
         }
         Some(ray)
+    }
+
+    /// Where a ray from beside the tile comes over its rim, if it does.
+    fn rim(&self) -> Option<DVec3> {
+        let (o, d) = (self.ray.origin, self.ray.direction);
+        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+        for axis in 0..2 {
+            if d[axis] != 0.0 {
+                let at = [0.0, self.size[axis]].map(|edge| (edge - o[axis]) / d[axis]);
+                enter = enter.max(at[0].min(at[1]));
+                leave = leave.min(at[0].max(at[1]));
+            } else if !(0.0..=self.size[axis]).contains(&o[axis]) {
+                return None;
+            }
+        }
+        (enter > 0.0 && enter < leave).then(|| self.ray.at(enter))
     }
 
     /// How the way ends if no tile has anything in it.
@@ -549,6 +572,27 @@ mod tests {
         };
         let journey = travel(&surface, &BruteForce, heading, Medium::Above);
         assert_eq!(journey, Travel::LeftPatch);
+    }
+
+    #[test]
+    fn light_from_under_the_rim_of_an_open_patch_is_not_let_in() {
+        // A valley between two rims: level light from beside meets the first rim's far side, which
+        // is not there, and must not shine through the ground onto the slope behind the valley.
+        let profile = [1.0, 0.0, 1.0];
+        let heights = (0..9).map(|i| profile[i % 3]).collect();
+        let field = HeightField::new(heights, [3, 3], [1.0, 1.0]).unwrap();
+        let surface = Surface::new(field.with_border(Border::Open));
+        let d = DVec3::new(1.0, 0.0, -0.01).normalize();
+        let from = |z: f64| Heading {
+            origin: DVec3::new(-1.0, 0.7, z),
+            direction: d,
+            mirrored: [false; 2],
+        };
+        let [_, high] = surface.z_range();
+        let under = travel(&surface, &BruteForce, from(high - 0.3), Medium::Above);
+        assert_eq!(under, Travel::LeftPatch);
+        let over = travel(&surface, &BruteForce, from(high + 0.015), Medium::Above);
+        assert!(matches!(over, Travel::Met(..)), "{over:?}");
     }
 
     #[test]

@@ -52,6 +52,12 @@ pub trait Geometry: Sized + Send + Sync {
     /// A ray above passes a facet only against its normal, a ray below only along it.
     fn intersect(&self, facet: Self::Facet, ray: &TileRay, medium: Medium) -> Option<f64>;
 
+    /// Whether a point at the border of the tile lies on the other side of the surface than `medium`;
+    /// false where the geometry cannot tell.
+    fn is_beyond(&self, _p: DVec3, _medium: Medium) -> bool {
+        false
+    }
+
     /// Whether bounds on the slopes ahead exclude that a ray in `medium` meets any facet at all, in
     /// this tile or beyond it.
     fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape>;

@@ -357,6 +357,20 @@ impl Geometry for Surface {
         self.intersect_in(&cell, facet, ray, medium)
     }
 
+    fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
+        let cell = |p: f64, count: usize| (p as usize).min(count - 1) as u32;
+        let [cx, cy] = self.cells();
+        let (ix, iy) = (cell(p.x, cx), cell(p.y, cy));
+        let (u, v) = (p.x - f64::from(ix), p.y - f64::from(iy));
+        let triangle = if u > v {
+            Triangle::Lower
+        } else {
+            Triangle::Upper
+        };
+        let facet = Facet { iy, ix, triangle };
+        medium.sign() * (p.z - self.snap(facet, p).z) < 0.0
+    }
+
     fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
         let q = medium.sign();
         let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
