@@ -44,6 +44,25 @@ fn crates_use_only_what_lies_below_them() {
 }
 
 #[test]
+fn unsafe_code_is_in_one_module() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let mut folders = vec![root];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs")
+                && !path.ends_with("pyramid/x86.rs")
+            {
+                let text = fs::read_to_string(&path).unwrap();
+                assert!(!text.contains("unsafe {"), "{}", path.display());
+            }
+        }
+    }
+}
+
+#[test]
 fn single_precision_and_obvhs_stay_in_the_accelerators() {
     let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/tracer/src");
     for entry in fs::read_dir(sources).unwrap() {

@@ -71,6 +71,43 @@ fn every_format_that_is_written_and_read_holds_the_same_surface() {
 }
 
 #[test]
+fn the_accelerator_changes_no_byte_and_is_told() {
+    let (_keep, folder) = with_surface();
+    let light = [
+        "--theta",
+        "60",
+        "--eta",
+        "1.5",
+        "--rays",
+        "5000",
+        "--no-plots",
+    ];
+    for name in ["mesh", "tiles", "pyramid", "auto"] {
+        let rest = ["--accelerator", name, "-o", name];
+        succeed(&folder, &[&["trace", "h.exr"], &light[..], &rest].concat());
+        let read = |name: &str| fs::read(folder.join(name).join("histogram.csv")).unwrap();
+        assert!(read(name) == read("mesh"), "{name}");
+        let text = fs::read_to_string(folder.join(name).join("summary.json")).unwrap();
+        let work = &json(&text)["work"];
+        let expected = if name == "auto" { "pyramid" } else { name };
+        assert_eq!(work["accelerator"], expected);
+        assert_eq!(work["instructions"].is_null(), expected != "pyramid");
+        assert!(work["segments_skipped"].as_u64() >= work["segments_skipped_nearby"].as_u64());
+    }
+    let sentence = refused(
+        &folder,
+        &[&["trace", "h.exr", "--accelerator", "flat"], &light[..]].concat(),
+        1,
+    );
+    assert!(sentence.contains("flat"), "{sentence}");
+    let flat = succeed(
+        &folder,
+        &[&["trace", "--flat", "--json"], &light[..]].concat(),
+    );
+    assert_eq!(json(&flat)["work"]["accelerator"], "flat");
+}
+
+#[test]
 fn same_seed_same_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -17,6 +17,8 @@ pub struct SummaryWork {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Those of them that the slopes nearby excused.
+    pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not asked for.
     pub branches_not_asked: u64,
     /// Accelerator used.
@@ -60,6 +62,7 @@ impl SummaryWork {
             rays: work.rays,
             segments: work.segments,
             segments_skipped: work.segments_skipped,
+            segments_skipped_nearby: work.segments_skipped_nearby,
             branches_not_asked: work.branches_not_asked,
             accelerator: used.accelerator,
             instructions: used.instructions,

@@ -1,8 +1,8 @@
 //! The engine in figures: segments a second, building, memory, and whole surfaces a second.
 //!
 //! ```text
-//! cargo bench -p asperity-tracer --bench engine               # N = 512, 1024, 2048; four minutes
-//! cargo bench -p asperity-tracer --bench engine -- 512 4096   # other sizes
+//! cargo bench -p asperity-tracer --bench engine            # N = 512, 1024, 2048, 4096
+//! cargo bench -p asperity-tracer --bench engine -- 1024    # one size
 //! ```
 //!
 //! One thread. Accelerators take turns, so that what else the machine does falls on all of them
@@ -33,7 +33,15 @@ const TAU: f64 = 16.0;
 const STRATA: u32 = 512;
 /// The same for whole surfaces: about 100,000 rays.
 const STRATA_OF_ONE: u32 = 316;
-const TURNS: usize = 5;
+
+/// Turns of each accelerator.
+const fn turns(n: usize) -> usize {
+    if n > 1024 { 3 } else { 5 }
+}
+
+/// Samples along a side up to which meshes are built: beyond, one takes a minute and 9 GiB.
+const LARGEST_MESH: usize = 2048;
+
 const THETAS: [f64; 2] = [30.0, 70.0];
 
 type Boxed = Box<dyn Accelerator<Surface>>;
@@ -41,7 +49,7 @@ type Boxed = Box<dyn Accelerator<Surface>>;
 fn main() {
     let sizes: Vec<usize> = std::env::args().filter_map(|a| a.parse().ok()).collect();
     let sizes = if sizes.is_empty() {
-        vec![512, 1024, 2048]
+        vec![512, 1024, 2048, 4096]
     } else {
         sizes
     };
@@ -57,11 +65,11 @@ fn main() {
 }
 
 /// The accelerators by name: all that this machine can run.
-fn contenders() -> Vec<(String, AcceleratorKind, Option<Instructions>)> {
-    let mut all = vec![
-        ("mesh".to_owned(), AcceleratorKind::Mesh, None),
-        ("tiles".to_owned(), AcceleratorKind::Tiles, None),
-    ];
+fn contenders(n: usize) -> Vec<(String, AcceleratorKind, Option<Instructions>)> {
+    let mut all = vec![("tiles".to_owned(), AcceleratorKind::Tiles, None)];
+    if n <= LARGEST_MESH {
+        all.insert(0, ("mesh".to_owned(), AcceleratorKind::Mesh, None));
+    }
     for instructions in [
         Instructions::Portable,
         Instructions::Avx2,
@@ -90,14 +98,14 @@ fn build(surface: &Surface, kind: AcceleratorKind, instructions: Option<Instruct
 fn segments(n: usize, s: f64) {
     let surface = Surface::new(synthesis(n, s).draw(1, 0).unwrap());
     let cells = (n * n) as f64;
-    let built: Vec<(String, f64, Boxed)> = contenders()
+    let built: Vec<(String, f64, Boxed)> = contenders(n)
         .into_iter()
         .map(|(name, kind, instructions)| {
             // Once is enough for a mesh, whose hierarchy takes seconds.
             let turns = if kind == AcceleratorKind::Mesh {
                 1
             } else {
-                TURNS
+                turns(n)
             };
             let mut accelerator = None;
             let times = (0..turns)
@@ -110,7 +118,7 @@ fn segments(n: usize, s: f64) {
 
     let mut searched = vec![[const { Vec::new() }; 2]; built.len()];
     let mut traced = searched.clone();
-    for _ in 0..TURNS {
+    for _ in 0..turns(n) {
         for (i, (_, _, accelerator)) in built.iter().enumerate() {
             for (j, theta) in THETAS.into_iter().enumerate() {
                 let (batches, _) = &recorded[j];
@@ -140,13 +148,14 @@ fn segments(n: usize, s: f64) {
         skipped.join(" / ")
     );
     println!(
-        "| accelerator       | build ms | bytes a cell | searched        | times mesh    | in whole paths  |"
+        "| accelerator       | build ms | bytes a cell | searched        | times first   | in whole paths  |"
     );
     println!("|---|---|---|---|---|---|");
     let rate = |i: usize, j: usize| {
         let count: usize = recorded[j].0.iter().map(Vec::len).sum();
         count as f64 / median(searched[i][j].clone()) * 1e-6
     };
+    let first = [rate(0, 0), rate(0, 1)];
     for (i, (name, seconds, accelerator)) in built.iter().enumerate() {
         let whole = |j: usize| {
             let work = &recorded[j].1;
@@ -158,8 +167,8 @@ fn segments(n: usize, s: f64) {
             accelerator.bytes() as f64 / cells,
             rate(i, 0),
             rate(i, 1),
-            rate(i, 0) / rate(0, 0),
-            rate(i, 1) / rate(0, 1),
+            rate(i, 0) / first[0],
+            rate(i, 1) / first[1],
             whole(0),
             whole(1),
         );
@@ -175,13 +184,13 @@ fn realisations(n: usize) {
     );
     println!("|---|---|---|---|---|---|");
     let synthesis = synthesis(n, 2.0);
-    for (name, kind, instructions) in contenders() {
+    for (name, kind, instructions) in contenders(n) {
         let mut parts = [const { Vec::new() }; 4];
         let mut room = Vec::new();
         let turns = if kind == AcceleratorKind::Mesh {
             2
         } else {
-            TURNS
+            turns(n)
         };
         for turn in 0..turns {
             let mut field = None;

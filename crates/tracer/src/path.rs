@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accelerator::Accelerator;
 use crate::border::{Heading, Room, Travel, travel_together};
-use crate::geometry::Geometry;
+use crate::geometry::{Escape, Geometry};
 use crate::morton::morton_square;
 use crate::ray::Medium;
 
@@ -102,6 +102,8 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search.
     pub segments_skipped: u64,
+    /// Those of them that the slopes nearby excused, not those of the whole surface.
+    pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not asked for.
     pub branches_not_asked: u64,
 }
@@ -111,6 +113,7 @@ impl std::ops::AddAssign for Work {
         self.rays += other.rays;
         self.segments += other.segments;
         self.segments_skipped += other.segments_skipped;
+        self.segments_skipped_nearby += other.segments_skipped_nearby;
         self.branches_not_asked += other.branches_not_asked;
     }
 }
@@ -281,8 +284,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Books what has left, and lets light that has met the surface go on from there.
     fn arrive<R: Rng>(&self, leg: Leg, end: &Travel<G::Facet>, batch: &mut Batch<'_, R>) {
-        if matches!(end, Travel::EscapedUnsearched(_)) {
+        if let Travel::EscapedUnsearched(escape) = end {
             batch.work.segments_skipped += 1;
+            let nearby = *escape == Escape::SteeperThanNear;
+            batch.work.segments_skipped_nearby += u64::from(nearby);
         } else {
             batch.work.segments += 1;
         }
