@@ -17,6 +17,7 @@
 mod accelerator;
 mod accelerators;
 pub mod border;
+mod cell;
 mod geometry;
 mod mesh;
 mod mesh_surface;

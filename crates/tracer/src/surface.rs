@@ -9,6 +9,7 @@ use crate::accelerators::flat::Flat;
 use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
 use crate::accelerators::tile_bvh::TileBvh;
+use crate::cell::{Cell, Size};
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{Hit, Medium, TileRay};
 use crate::steepness::Steepness;
@@ -33,7 +34,7 @@ pub struct Facet {
 pub struct Surface {
     field: HeightField,
     scale: Scale,
-    half_range: f64,
+    size: Size,
     mean: f64,
     steepness: Steepness,
 }
@@ -79,7 +80,10 @@ impl Surface {
         Self {
             field,
             scale,
-            half_range,
+            size: Size {
+                reach: half_range,
+                steepest: steepness.steepest(),
+            },
             mean: scale.z(mean),
             steepness,
         }
@@ -113,7 +117,7 @@ impl Surface {
     #[must_use]
     pub fn is_flat(&self) -> bool {
         let heights = self.field.heights();
-        self.half_range == 0.0 && heights.iter().all(|h| *h == heights[0])
+        self.size.reach == 0.0 && heights.iter().all(|h| *h == heights[0])
     }
 
     /// The accelerator that `kind` stands for on this surface.
@@ -159,9 +163,7 @@ impl Surface {
     /// gives where the ray is known to pass through the facet, and not at its edge.
     #[must_use]
     pub fn crossing(&self, facet: Facet, ray: &TileRay) -> f64 {
-        let plane = self.cell([facet.ix, facet.iy]).plane(facet.triangle);
-        let [g, g_rate] = height_above(plane, facet, ray);
-        -g / g_rate
+        self.cell([facet.ix, facet.iy]).crossing(facet, ray)
     }
 
     /// First facet of the cell `[column, row]` that a ray in `medium` passes through.
@@ -176,7 +178,7 @@ impl Surface {
         let mut closest = None;
         for triangle in [Triangle::Lower, Triangle::Upper] {
             let facet = Facet { iy, ix, triangle };
-            if let Some(t) = self.intersect_in(&cell, facet, ray, medium) {
+            if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
                 let hit = Hit { t, facet };
                 if hit.is_before(&closest) {
                     closest = Some(hit);
@@ -194,83 +196,6 @@ impl Surface {
                 [Triangle::Lower, Triangle::Upper].map(|triangle| Facet { iy, ix, triangle })
             })
         })
-    }
-
-    /// Ray parameter `t >= 0` at which a ray in `medium` passes through `facet` to the other side.
-    ///
-    /// Along the ray, `g = z - plane` is linear. The ray is over the facet's footprint for `t` in
-    /// `[enter, leave]`. It passes through if the signed height `medium.sign() * g` falls and is
-    /// negative on leaving. A ray that enters the footprint slightly on the wrong side, by rounding
-    /// on a shared edge, and falls further, passes at once; so no ray slips between two facets, and
-    /// one that moves away from a facet never meets it. One that enters far on the wrong side has not
-    /// come over the surface: it came under the rim of an open patch, or has long gone through and
-    /// runs along the border of the tile.
-    fn intersect_in(
-        &self,
-        cell: &Cell,
-        facet: Facet,
-        ray: &TileRay,
-        medium: Medium,
-    ) -> Option<f64> {
-        let q = medium.sign();
-        let d = ray.direction;
-        let [g, g_rate] = height_above(cell.plane(facet.triangle), facet, ray);
-        if q * g_rate >= 0.0 {
-            return None;
-        }
-        let x = ray.origin.x - f64::from(facet.ix);
-        let y = ray.origin.y - f64::from(facet.iy);
-        // The footprint: u in [0, 1], v in [0, 1], and the diagonal u = v.
-        let sides = match facet.triangle {
-            Triangle::Lower => [(1.0 - x, -d.x), (y, d.y), (x - y, d.x - d.y)],
-            Triangle::Upper => [(x, d.x), (1.0 - y, -d.y), (y - x, d.y - d.x)],
-        };
-        let mut span = Span {
-            enter: 0.0,
-            leave: f64::INFINITY,
-        };
-        for (value, rate) in sides {
-            span.keep_positive(value, rate);
-        }
-        if span.enter > span.leave {
-            return None;
-        }
-        if q * (g + g_rate * span.leave) >= 0.0 {
-            return None;
-        }
-        let t = -g / g_rate;
-        if t < span.enter && self.comes_from_beneath(ray, g_rate, t, span.enter, sides) {
-            return None;
-        }
-        Some(t.clamp(span.enter, span.leave))
-    }
-
-    /// Whether a ray that passes the plane of a facet at `t`, before it enters the footprint at
-    /// `enter`, is further on the wrong side there than rounding explains.
-    ///
-    /// Coordinates and parameters are off by a few 2^-53 of how far the ray has come, heights by
-    /// that times the slope, be it the neighbour's. Either the height on entering is within that, or
-    /// the way that the ray has gone, since `t`, across the side by which it enters: along that side
-    /// nothing tells where it crosses it. `sides`: footprint coordinates at the origin, and their rates.
-    #[cold]
-    fn comes_from_beneath(
-        &self,
-        ray: &TileRay,
-        g_rate: f64,
-        t: f64,
-        enter: f64,
-        sides: [(f64, f64); 3],
-    ) -> bool {
-        let size = |p: DVec3| p.abs().element_sum();
-        let reach = 1.0 + self.half_range + size(ray.origin) + enter * size(ray.direction);
-        let place = 64.0 * f64::EPSILON * reach;
-        let height = place * (1.0 + self.steepness.steepest());
-        let before = enter - t;
-        let entered_by = |(value, rate): (f64, f64)| rate > 0.0 && -value / rate >= enter;
-        before * g_rate.abs() > height
-            && !sides
-                .into_iter()
-                .any(|side| entered_by(side) && before * side.1 <= place)
     }
 }
 
@@ -292,7 +217,7 @@ impl Geometry for Surface {
     }
 
     fn z_range(&self) -> [f64; 2] {
-        [-self.half_range, self.half_range]
+        [-self.size.reach, self.size.reach]
     }
 
     fn mean_plane(&self) -> f64 {
@@ -354,7 +279,7 @@ impl Geometry for Surface {
 
     fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
         let cell = self.cell([facet.ix, facet.iy]);
-        self.intersect_in(&cell, facet, ray, medium)
+        cell.intersect(facet, ray, medium, &self.size)
     }
 
     fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
@@ -381,7 +306,7 @@ impl Geometry for Surface {
             return Some(Escape::SteeperThanAll);
         }
         // Until it is above the highest point (below the lowest one).
-        let t = (self.half_range - q * ray.origin.z) / rise;
+        let t = (self.size.reach - q * ray.origin.z) / rise;
         let place = ray.origin.truncate();
         let [cx, cy] = self.extent();
         let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
@@ -403,36 +328,6 @@ impl Geometry for Surface {
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })
     }
-}
-
-/// z at the corners of a cell, tile coordinates.
-struct Cell {
-    z00: f64,
-    z10: f64,
-    z01: f64,
-    z11: f64,
-}
-
-impl Cell {
-    /// z of a triangle's plane at the corner 00, and its rise a column and a row.
-    fn plane(&self, triangle: Triangle) -> [f64; 3] {
-        let Self { z00, z10, z01, z11 } = *self;
-        match triangle {
-            Triangle::Lower => [z00, z10 - z00, z11 - z10],
-            Triangle::Upper => [z00, z11 - z01, z01 - z00],
-        }
-    }
-}
-
-/// Height of a ray's origin above a facet's plane, and its rate.
-#[inline(always)]
-fn height_above([z00, per_column, per_row]: [f64; 3], facet: Facet, ray: &TileRay) -> [f64; 2] {
-    let (o, d) = (ray.origin, ray.direction);
-    let (x, y) = (o.x - f64::from(facet.ix), o.y - f64::from(facet.iy));
-    [
-        o.z - z00 - per_column * x - per_row * y,
-        d.z - per_column * d.x - per_row * d.y,
-    ]
 }
 
 /// The heights of row `iy`, one a cell; rows wrap.
@@ -459,25 +354,6 @@ fn extremes(heights: &[f64], first: f64) -> (f64, f64, f64) {
         (f64::INFINITY, f64::NEG_INFINITY, 0.0),
         |(low, high, sum), (l, h, s)| (low.min(l), high.max(h), sum + s),
     )
-}
-
-/// An interval of the ray parameter.
-struct Span {
-    enter: f64,
-    leave: f64,
-}
-
-impl Span {
-    /// Keeps the part in which `value + t * rate >= 0`.
-    fn keep_positive(&mut self, value: f64, rate: f64) {
-        if rate > 0.0 {
-            self.enter = self.enter.max(-value / rate);
-        } else if rate < 0.0 {
-            self.leave = self.leave.min(-value / rate);
-        } else if value < 0.0 {
-            self.leave = f64::NEG_INFINITY;
-        }
-    }
 }
 
 #[cfg(test)]
