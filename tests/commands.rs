@@ -97,7 +97,7 @@ fn the_accelerator_changes_no_byte_and_is_told() {
     let sentence = refused(
         &folder,
         &[&["trace", "h.exr", "--accelerator", "flat"], &light[..]].concat(),
-        1,
+        2,
     );
     assert!(sentence.contains("flat"), "{sentence}");
     let flat = succeed(

@@ -31,7 +31,7 @@ pub(crate) struct Common {
     /// Threads to use; all cores unless given
     #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<usize>,
-    /// Print nothing but results and errors
+    /// Print nothing but errors, and what --json asks for
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
     /// Say on standard error what is done and how long it takes
@@ -281,7 +281,7 @@ pub(crate) struct Trace {
     /// Interactions after which a path is truncated
     #[arg(long, default_value = "1000", allow_negative_numbers = true)]
     pub(crate) max_order: u32,
-    /// How hits are found: auto, mesh, tiles, pyramid or brute-force
+    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long, default_value = "auto")]
     pub(crate) accelerator: AcceleratorKind,
     /// Folder for summary.json, histogram.csv, in_plane.csv and plots
@@ -368,7 +368,7 @@ pub(crate) struct Verify {
     /// Interactions after which a path is truncated
     #[arg(long)]
     pub(crate) max_order: Option<u32>,
-    /// How hits are found: auto, mesh, tiles, pyramid or brute-force
+    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long)]
     pub(crate) accelerator: Option<AcceleratorKind>,
     /// Level of the tests of a case

@@ -142,7 +142,7 @@ impl FromStr for AcceleratorKind {
             "flat" => Ok(Self::Flat),
             "brute-force" => Ok(Self::BruteForce),
             _ => Err(format!(
-                "unknown accelerator `{text}`; allowed are auto, mesh, tiles, pyramid and brute-force"
+                "unknown accelerator `{text}`; allowed are auto, mesh, tiles, pyramid, flat and brute-force"
             )),
         }
     }

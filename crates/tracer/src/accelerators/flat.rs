@@ -8,6 +8,10 @@ use crate::surface::{Facet, Surface};
 /// By how much a point may be moved by rounding, relative to the size of the tile, and far more.
 const WIDENING: f64 = 1e-9;
 
+/// Fall of a ray, relative to its length, below which rounding may move its way through the plane by
+/// cells: those rays are left to brute force.
+const LEVEL: f64 = 1e-6;
+
 /// Needs no structure: a ray passes a plane once.
 #[derive(Clone, Copy, Debug)]
 pub struct Flat;
@@ -42,8 +46,12 @@ impl Accelerator<Surface> for Flat {
         if medium.sign() * ray.direction.z >= 0.0 {
             return None;
         }
+        if ray.direction.z.abs() < LEVEL * ray.direction.length() {
+            return BruteForce.closest_hit(surface, query);
+        }
         let cells = surface.cells();
-        let widening = WIDENING * cells[0].max(cells[1]) as f64;
+        let far = ray.origin.abs().max_element();
+        let widening = WIDENING * far.max(cells[0].max(cells[1]) as f64);
         let mut t = ((surface.z(0, 0) - ray.origin.z) / ray.direction.z).max(0.0);
         for (axis, &count) in cells.iter().enumerate() {
             let (place, rate) = (ray.origin[axis], ray.direction[axis]);
