@@ -292,3 +292,73 @@ fn brute_force_matches_a_textbook_intersection() {
     }
     assert!(met > 300, "{met}");
 }
+
+#[test]
+fn rays_that_run_along_an_edge_past_corners_are_met_where_brute_force_meets_them() {
+    let mut rng = ChaCha8Rng::seed_from_u64(21);
+    for (border, height) in [(Border::Periodic, 0.3), (Border::Open, 3.0)] {
+        let surface = rugged(8, 7, height, 3, border);
+        let [cx, cy] = surface.cells().map(|n| n as f64);
+        let [_, high] = surface.z_range();
+        let queries: Vec<Query> = (0..120_000)
+            .map(|_| {
+                // Across the edge by a hair at about the row of a corner.
+                let slant = 10_f64.powf(rng.random_range(-6.0..-2.0));
+                let slant = if rng.random::<bool>() { slant } else { -slant };
+                let fall = -rng.random_range(0.001..0.3);
+                let direction = DVec3::new(slant, -1.0, fall).normalize();
+                let corner = DVec3::new(
+                    rng.random_range(0.0..cx).round(),
+                    rng.random_range(0.0..cy).round(),
+                    rng.random_range(-high..high),
+                );
+                let hair = rng.random_range(-1.0..1.0) * 10_f64.powf(rng.random_range(-9.0..-5.0));
+                let at = corner + DVec3::new(hair, 0.0, 0.0);
+                let origin = at - direction * ((at.z - high) / direction.z).min(cy);
+                let ray = TileRay { origin, direction };
+                let medium = Medium::Above;
+                Query { ray, medium }
+            })
+            .filter(|query| (0.0..=cy).contains(&query.ray.origin.y))
+            .collect();
+        assert!(queries.len() > 5_000, "{}", queries.len());
+        let expected: Vec<_> = queries
+            .iter()
+            .map(|query| BruteForce.closest_hit(&surface, query))
+            .collect();
+        let mut found = Vec::new();
+        for (name, accelerator) in accelerators(&surface) {
+            if !name.starts_with("pyramid") {
+                continue;
+            }
+            accelerator.closest_hits(&surface, &queries, &mut found);
+            for ((query, expected), found) in queries.iter().zip(&expected).zip(&found) {
+                assert_eq!(found, expected, "{name}: {query:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn high_levels_of_large_tiles_are_searched_as_well() {
+    for (nx, ny) in [(600, 300), (4096, 3)] {
+        let surface = rugged(nx, ny, 0.3, 17, Border::Periodic);
+        let queries: Vec<Query> = rays(&surface, 3_000, 31)
+            .into_iter()
+            .map(|(ray, medium)| Query { ray, medium })
+            .collect();
+        let pyramid = Pyramid::build(&surface).unwrap();
+        let mut found = Vec::new();
+        let expected: Vec<_> = queries
+            .iter()
+            .map(|query| pyramid.closest_hit(&surface, query))
+            .collect();
+        assert!(expected.iter().flatten().count() > 500);
+        for (name, accelerator) in accelerators(&surface) {
+            accelerator.closest_hits(&surface, &queries, &mut found);
+            for ((query, expected), found) in queries.iter().zip(&expected).zip(&found) {
+                assert_eq!(found, expected, "{name}: {query:?}");
+            }
+        }
+    }
+}

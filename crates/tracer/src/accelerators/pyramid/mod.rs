@@ -54,9 +54,14 @@ impl Pyramid {
         Bounds::hold(cells)
     }
 
-    /// The same, searched with the given instructions.
+    /// The same, searched with the given instructions, or portably where the machine lacks them.
     #[must_use]
     pub fn with_instructions(self, instructions: Instructions) -> Self {
+        let instructions = if instructions.are_available() {
+            instructions
+        } else {
+            Instructions::Portable
+        };
         Self {
             instructions,
             ..self

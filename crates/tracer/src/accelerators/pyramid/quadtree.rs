@@ -1,4 +1,4 @@
-//! One ray through the pyramid: the specification of the wide search.
+//! One ray through the pyramid in f64: what the searches in f32 must find.
 
 use glam::DVec3;
 

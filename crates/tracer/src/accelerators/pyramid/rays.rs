@@ -10,7 +10,9 @@ use crate::surface::Surface;
 
 /// How far a point of a ray may be from where it should be, in columns a column travelled: the
 /// position `x + t dx` takes `t = (edge - x) / dx` and roundings of x, dx, 1 / dx, the difference,
-/// two products and the sum, six of 2^-24 in all; 2^-21 covers eight.
+/// two products and the sum, six of 2^-24 in all; 2^-21 covers eight. Along the other axis the same
+/// error of x counts `dy / dx` times: what that can do is which edge comes first, and where the ray is
+/// when it leaves through an edge that it runs along; `Exit::tied` and `Exit::late` see to those.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
 
 /// Reciprocals are kept below this, so that products with edges stay finite.
@@ -167,18 +169,19 @@ impl Rays {
         } else {
             ray.at(entry(&ray, extent, z_range)?)
         };
-        let (column, x) = cell(p.x, d.x, cells[0])?;
-        let (row, y) = cell(p.y, d.y, cells[1])?;
+        let (dx, dy) = (d.x as f32, d.y as f32);
+        let (column, x) = cell(p.x, dx, cells[0])?;
+        let (row, y) = cell(p.y, dy, cells[1])?;
         let q = medium.sign();
         let i = self.count;
         self.x[i] = x as f32;
         self.y[i] = y as f32;
         self.z[i] = (q * p.z) as f32;
-        self.dx[i] = d.x as f32;
-        self.dy[i] = d.y as f32;
+        self.dx[i] = dx;
+        self.dy[i] = dy;
         self.dz[i] = (q * d.z) as f32;
-        self.inverse_dx[i] = reciprocal(d.x as f32);
-        self.inverse_dy[i] = reciprocal(d.y as f32);
+        self.inverse_dx[i] = reciprocal(dx);
+        self.inverse_dy[i] = reciprocal(dy);
         self.side[i] = q as f32;
         self.cell_x[i] = column;
         self.cell_y[i] = row;
@@ -292,7 +295,7 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 
 /// The cell of `count` that the coordinate `p` is in, and the place within it; `None` if rounding in
 /// f32 may have put it on the wrong side of an edge.
-fn cell(p: f64, rate: f64, count: usize) -> Option<(i32, f64)> {
+fn cell(p: f64, rate: f32, count: usize) -> Option<(i32, f64)> {
     let edge = f64::from(ROUNDING);
     // A place in the tile is not below zero, but for rounding.
     let index = f64::from((p as i32).clamp(0, (count - 1) as i32));

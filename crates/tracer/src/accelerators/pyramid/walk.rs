@@ -31,6 +31,9 @@ struct Exit {
     rounding: f32,
     /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
     late: f32,
+    /// Whether the edges across x and y are reached so close together that rounding decides which
+    /// comes first: `x`, off by as much as the point, takes `1 / dx` times that to get to an edge.
+    tied: bool,
 }
 
 /// What the facets of a cell do to a ray.
@@ -77,7 +80,7 @@ fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
         };
         let whole = floor(along);
         let within = along - whole as f32;
-        if within < exit.rounding || 1.0 - within < exit.rounding {
+        if exit.tied || within < exit.rounding || 1.0 - within < exit.rounding {
             return Code::DOUBTFUL;
         }
         let behind = |edge: i32, rate: f32| if rate < 0.0 { edge - 1 } else { edge };
@@ -125,6 +128,7 @@ fn leave(ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
         edge,
         rounding,
         late: (rounding * slow).abs(),
+        tied: (t_x - t_y).abs() < rounding * (ray.inverse_dx.abs() + ray.inverse_dy.abs()),
     }
 }
 
@@ -136,7 +140,7 @@ fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look
     let v = ray.y - (cell[1] - ray.cell[1]) as f32;
     let (w, dw) = (u - v, ray.dx - ray.dy);
     let (w_in, w_out) = (w + t * dw, w + exit.t * dw);
-    if least(w_in.abs(), w_out.abs()) < 2.0 * exit.rounding {
+    if exit.tied || least(w_in.abs(), w_out.abs()) < 2.0 * exit.rounding {
         return Look::Doubtful;
     }
     let (lower_in, lower_out) = (w_in > 0.0, w_out > 0.0);

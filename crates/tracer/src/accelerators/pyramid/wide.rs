@@ -158,6 +158,8 @@ struct Exit<L: Lanes> {
     rounding: L::F,
     /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
     late: L::F,
+    /// Whether rounding decides which of the edges across x and y comes first.
+    tied: L::M,
 }
 
 impl<'b, L: Lanes> Search<'b, L> {
@@ -308,6 +310,10 @@ impl<'b, L: Lanes> Search<'b, L> {
             t,
             across_x,
             late: (rounding * slow).abs(),
+            tied: lanes.less(
+                (t_x - t_y).abs(),
+                rounding * (state.inverse_dx.abs() + state.inverse_dy.abs()),
+            ),
             edge_x,
             edge_y,
             ahead_x,
@@ -350,7 +356,8 @@ impl<'b, L: Lanes> Search<'b, L> {
         let along = lanes.select(exit.across_x, y, x);
         let whole = along.floor();
         let within = along - whole;
-        let unsure = lanes.less(within, exit.rounding)
+        let unsure = exit.tied
+            | lanes.less(within, exit.rounding)
             | lanes.less(lanes.splat(1.0) - within, exit.rounding);
         let cell = lanes.to_integer(whole);
         let ix = lanes.select_i(
@@ -445,8 +452,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         );
         let edge = exit.rounding + exit.rounding;
         let on_edge = lanes.less(w_in.abs(), edge) | lanes.less(w_out.abs(), edge);
-        let sure = right_side & !on_edge & at_cell;
-        // Passing under either triangle is enough: the facets of the cell decide later.
+        let sure = right_side & !on_edge & !exit.tied & at_cell;
         let met = sure & (under_diagonal | (over_diagonal & under_leaving));
         let clear = sure & over_diagonal & over_leaving;
         state.answer = lanes.select_i(met, state.ix, state.answer);
