@@ -299,29 +299,37 @@ fn rays_that_run_along_an_edge_past_corners_are_met_where_brute_force_meets_them
     for (border, height) in [(Border::Periodic, 0.3), (Border::Open, 3.0)] {
         let surface = rugged(8, 7, height, 3, border);
         let [cx, cy] = surface.cells().map(|n| n as f64);
-        let [_, high] = surface.z_range();
-        let queries: Vec<Query> = (0..120_000)
+        let mut magnitude = |low: f64, high: f64| {
+            let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
+            sign * 10_f64.powf(rng.random_range(low..high))
+        };
+        let mut places = ChaCha8Rng::seed_from_u64(22);
+        let queries: Vec<Query> = (0..200_000)
             .map(|_| {
-                // Across the edge by a hair at about the row of a corner.
-                let slant = 10_f64.powf(rng.random_range(-6.0..-2.0));
-                let slant = if rng.random::<bool>() { slant } else { -slant };
-                let fall = -rng.random_range(0.001..0.3);
-                let direction = DVec3::new(slant, -1.0, fall).normalize();
-                let corner = DVec3::new(
-                    rng.random_range(0.0..cx).round(),
-                    rng.random_range(0.0..cy).round(),
-                    rng.random_range(-high..high),
-                );
-                let hair = rng.random_range(-1.0..1.0) * 10_f64.powf(rng.random_range(-9.0..-5.0));
-                let at = corner + DVec3::new(hair, 0.0, 0.0);
-                let origin = at - direction * ((at.z - high) / direction.z).min(cy);
+                // A hair above a corner and beside it, about as steep as the edge on the way there.
+                let corner = |count: f64, rng: &mut ChaCha8Rng| match rng.random_range(0..4) {
+                    0 => 0.0,
+                    1 => count,
+                    _ => rng.random_range(0.0..count).round(),
+                };
+                let (x, y) = (corner(cx, &mut places), corner(cy, &mut places));
+                let forward = magnitude(0.0, 1e-9).signum();
+                let before = (y - forward).clamp(0.0, cy);
+                let z = |y: f64| surface.z(x as usize, y as usize);
+                let slope = z(y) - z(before) + magnitude(-8.0, 0.0);
+                let medium = if magnitude(0.0, 1e-9) > 0.0 {
+                    Medium::Above
+                } else {
+                    Medium::Below
+                };
+                let direction = DVec3::new(magnitude(-7.0, -0.5), forward, slope).normalize();
+                let gap = medium.sign() * magnitude(-9.0, -3.0).abs();
+                let at = DVec3::new(x + magnitude(-10.0, -5.0), y, z(y) + gap);
+                let origin = at - direction * magnitude(-3.0, 1.5).abs();
                 let ray = TileRay { origin, direction };
-                let medium = Medium::Above;
                 Query { ray, medium }
             })
-            .filter(|query| (0.0..=cy).contains(&query.ray.origin.y))
             .collect();
-        assert!(queries.len() > 5_000, "{}", queries.len());
         let expected: Vec<_> = queries
             .iter()
             .map(|query| BruteForce.closest_hit(&surface, query))
