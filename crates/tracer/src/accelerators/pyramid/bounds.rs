@@ -4,7 +4,6 @@ use rayon::prelude::*;
 
 use crate::accelerator::BuildError;
 use crate::geometry::Geometry;
-use crate::ray::Medium;
 use crate::surface::Surface;
 
 /// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
@@ -48,6 +47,9 @@ impl Bounds {
     /// Level at which rays that come down from far above begin.
     pub(super) const FIRST_LEVEL: i32 = 4;
 
+    /// In place of a level: the cell itself is to be looked into.
+    pub(super) const IN_CELL: i32 = -1;
+
     pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
         if !Self::hold([cx, cy]) {
@@ -88,18 +90,12 @@ impl Bounds {
         Ok(bounds)
     }
 
-    /// The bound of the node of `level` that the cell `[ix, iy]` is in, for rays above (`side` 1) or
-    /// below (-1).
-    pub(super) fn signed_bound(&self, level: i32, [ix, iy]: [i32; 2], side: f32) -> f32 {
-        let l = level as usize;
-        let node = self.first[l] + (iy >> level) * self.width[l] + (ix >> level);
-        let word = self.nodes[node as usize];
-        let steps = if side < 0.0 {
-            word >> 16
-        } else {
-            word & 0xffff
-        };
-        self.lowest + self.step * steps as i32 as f32
+    /// The bound of node `[nx, ny]` of a level for rays above, or `below`.
+    pub(super) fn bound(&self, level: usize, [nx, ny]: [usize; 2], below: bool) -> f32 {
+        let node = self.first[level] as usize + ny * self.width[level] as usize + nx;
+        let word = self.nodes[node];
+        let steps = if below { word >> 16 } else { word & 0xffff };
+        self.lowest + self.step * steps as f32
     }
 
     /// Heights at the corners 00, 10, 01 and 11 of the cell `[ix, iy]`.
@@ -121,16 +117,6 @@ impl Bounds {
     /// Number of bytes held.
     pub(super) fn bytes(&self) -> usize {
         4 * (self.heights.len() + self.nodes.len())
-    }
-
-    /// The bound of a node for rays in `medium`.
-    pub(super) fn bound(&self, level: usize, [nx, ny]: [usize; 2], medium: Medium) -> f32 {
-        let node = self.first[level] as usize + ny * self.width[level] as usize + nx;
-        let steps = match medium {
-            Medium::Above => self.nodes[node] & 0xffff,
-            Medium::Below => self.nodes[node] >> 16,
-        };
-        self.lowest + self.step * steps as f32
     }
 
     /// Level 0: the four corners of each cell.

@@ -2,14 +2,15 @@
 //!
 //! Each node of level `l` covers `2^l` by `2^l` cells and bounds their heights from both sides: a ray
 //! above the surface can meet nothing in a node that lies below it, a ray below nothing in one that
-//! lies above it. Two searches use the bounds:
+//! lies above it. Three searches use the bounds:
 //!
 //! - `quadtree.rs`, one ray in f64: the clear one, which decides as brute force does;
-//! - `wide.rs`, many rays at a time in lanes of f32: it answers only where rounding cannot have
-//!   changed the answer, and hands the few other rays to the quadtree.
+//! - `walk.rs`, one ray in f32: it answers only where rounding cannot have changed the answer, and
+//!   hands the few other rays to the quadtree;
+//! - `wide.rs`, many rays at a time, each lane doing what `walk.rs` does.
 //!
-//! Either names a cell at most; which of its facets is met, and where, is decided in f64 by
-//! [`Geometry::intersect`]. So both give the facet that brute force gives.
+//! Where a ray is met is computed in f64, and which facet of a cell it is wherever rounding in f32
+//! might decide. So all give the facet that brute force gives.
 
 mod bounds;
 mod lanes;
@@ -111,6 +112,7 @@ impl Accelerator<Surface> for Pyramid {
                     let t = surface.crossing(facet, &query.ray);
                     Some(Hit { t, facet })
                 }
+                // Near an edge, f64 may find that the ray passes the cell by after all.
                 Answer::Cell(cell) => surface
                     .intersect_cell(cell, &query.ray, query.medium)
                     .or_else(|| self.closest_hit(surface, query)),

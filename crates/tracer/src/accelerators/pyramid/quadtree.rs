@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bounds::Bounds;
 use crate::accelerator::Query;
-use crate::ray::Hit;
+use crate::ray::{Hit, Medium};
 use crate::surface::{Facet, Surface};
 
 /// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
@@ -45,7 +45,7 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
         let q = medium.sign();
         let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
         let lowest = z + rise * if rise < 0.0 { leave } else { enter };
-        if lowest > f64::from(bounds.bound(level, [nx, ny], medium)) {
+        if lowest > f64::from(bounds.bound(level, [nx, ny], medium == Medium::Below)) {
             continue;
         }
         if level == 0 {

@@ -8,9 +8,6 @@
 use super::bounds::Bounds;
 use super::rays::{Code, ROUNDING, Ray, Rays};
 
-/// The level of a ray whose cell is to be looked into.
-const IN_CELL: i32 = -1;
-
 /// Searches all rays, one after the other.
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
     for i in 0..rays.len() {
@@ -49,22 +46,23 @@ fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let mut level = if high {
         Bounds::FIRST_LEVEL.min(bounds.top as i32)
     } else {
-        IN_CELL
+        Bounds::IN_CELL
     };
     let mut cell = ray.cell;
     let mut t = 0.0;
     loop {
         let exit = leave(ray, cell, level.max(0));
-        if level == IN_CELL {
+        if level == Bounds::IN_CELL {
             match look(bounds, ray, cell, t, &exit) {
                 Look::Met(code) => return Code::met(cell, code),
                 Look::Doubtful => return Code::DOUBTFUL,
                 Look::Clear => level = 0,
             }
         } else {
+            let node = cell.map(|i| (i >> level) as usize);
             let leaving = exit.t * ray.dz - exit.late * ray.dz.abs();
             let lowest = ray.z + least(t * ray.dz, leaving);
-            if lowest <= bounds.signed_bound(level, cell, ray.side) {
+            if lowest <= bounds.bound(level as usize, node, ray.side < 0.0) {
                 level -= 1;
                 continue;
             }

@@ -63,9 +63,6 @@ impl fmt::Display for Instructions {
 /// Steps from node to node a look into cells; a ray takes about that many.
 const STEPS: usize = 4;
 
-/// The level of a ray whose cell is to be looked into.
-const IN_CELL: i32 = -1;
-
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instructions) {
     let task = SearchAll { bounds, rays };
@@ -282,7 +279,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         // A ray from the highest point is far from everything, one from a facet is not.
         let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
         let first = Bounds::FIRST_LEVEL.min(self.bounds.top as i32);
-        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(IN_CELL));
+        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(Bounds::IN_CELL));
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
         state.occupied = state.active;
@@ -326,7 +323,7 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn step(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(IN_CELL));
+        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(Bounds::IN_CELL));
         let exit = self.exit(state, state.level);
         let node = lanes.lookup(&self.first, state.level)
             + lanes
@@ -399,7 +396,7 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn look_into_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(IN_CELL));
+        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(Bounds::IN_CELL));
         let level = lanes.splat_i(0);
         let exit = self.exit(state, level);
         let stride = self.bounds.cells[0] as i32 + 1;
