@@ -226,6 +226,23 @@ fn bad_files_get_a_sentence_and_code_1() {
 }
 
 #[test]
+fn late_refusals_leave_no_folder_and_take_none_away() {
+    let (_keep, folder) = with_surface();
+    fs::create_dir(folder.join("mine")).unwrap();
+    let flat_light = ["--theta", "89.9999999", "--smoothness", "1", "-o"];
+    for out in ["new", "new/deep", "mine"] {
+        let verify = [&["verify", "--tau", "8", "--size", "64"], &flat_light[..]].concat();
+        let trace = ["trace", "h.exr", "--theta", "89.9999999", "-o"];
+        for arguments in [&verify[..], &trace] {
+            let error = refused(&folder, &[arguments, &[out]].concat(), 1);
+            assert!(error.contains("tiles"), "{error}");
+        }
+    }
+    assert_eq!(files(&folder), ["h.exr", "mine"]);
+    assert_eq!(files(&folder.join("mine")).len(), 0);
+}
+
+#[test]
 fn places_that_cannot_be_written_are_refused_before_the_work() {
     let (_keep, folder) = with_surface();
     fs::write(folder.join("file"), "x").unwrap();

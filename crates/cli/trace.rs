@@ -6,7 +6,7 @@ use asperity_experiment::{
     Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, lost_warning,
     trace, trace_mesh, trace_report, work_line,
 };
-use asperity_io::create_output_folder;
+use asperity_io::check_output_folder;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, Roughness};
 use asperity_tally::Layout;
@@ -40,7 +40,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let config = config(command, material, incidence, subject.description);
     let (name, mut warnings) = (subject.name, subject.warnings);
     if let Some(folder) = &command.output {
-        create_output_folder(folder).map_err(Failure::failed)?;
+        check_output_folder(folder).map_err(Failure::failed)?;
     }
 
     let bar = Bar::new(common);

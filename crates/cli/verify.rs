@@ -4,7 +4,7 @@ use asperity_experiment::{
     Count, MaterialKind, Number, PerAxis, VerifyConfig, VerifyError, verify, verify_report,
     verify_summary, verify_table,
 };
-use asperity_io::{create_output_folder, read_text};
+use asperity_io::{check_output_folder, read_text};
 
 use crate::args::{Common, MaterialArgument, Verify};
 use crate::failure::Failure;
@@ -32,14 +32,14 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
         Some(path) => Failure::usage(format!("{}: {error}", path.display())),
         None => Failure::usage(error),
     };
-    // Everything is checked before a folder is made or a ray traced.
+    // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;
     config.run.ray_settings().map_err(|error| refuse(&error))?;
     config.check_surfaces().map_err(|error| match error {
         VerifyError::Synthesis(error) => refuse_surface(error),
         error => refuse(&error),
     })?;
-    create_output_folder(&command.output).map_err(Failure::failed)?;
+    check_output_folder(&command.output).map_err(Failure::failed)?;
 
     let bar = Bar::new(common);
     let outcome = verify(&config, &bar).map_err(|error| match error {

@@ -346,6 +346,13 @@ impl WriteError {
             source,
         }
     }
+
+    pub(crate) fn folder(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Self::Folder {
+            path: path.to_owned(),
+            source,
+        }
+    }
 }
 
 /// "the unknown ending `.foo`" or "no ending".

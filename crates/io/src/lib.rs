@@ -47,7 +47,10 @@ mod x3p;
 #[cfg(test)]
 mod hostile_tests;
 
-pub use atomic::{create_output_folder, remove_files, write_atomically, write_bytes, write_json};
+pub use atomic::{
+    check_output_folder, create_output_folder, remove_files, write_atomically, write_bytes,
+    write_json,
+};
 pub use csv::{CsvField, write_csv};
 pub use error::{ReadError, WriteError};
 pub use format::{HeightMapFormat, read_height_map, write_height_map};

@@ -11,8 +11,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
-    HeightMapFormat, ReadError, WriteError, create_output_folder, read_height_map,
-    write_atomically, write_bytes, write_height_map,
+    HeightMapFormat, ReadError, WriteError, check_output_folder, create_output_folder,
+    read_height_map, write_atomically, write_bytes, write_height_map,
 };
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Provenance, Psd};
 
@@ -405,9 +405,33 @@ fn files_and_folders_in_the_way_are_told() {
     assert!(matches!(error, WriteError::IsFolder { .. }), "{error}");
     write_bytes(at("file"), b"").unwrap();
     for name in ["file", "file/below"] {
-        let error = create_output_folder(at(name)).unwrap_err();
-        assert!(matches!(error, WriteError::FolderIsFile { .. }), "{error}");
+        for refuse in [create_output_folder, check_output_folder] {
+            let error = refuse(at(name)).unwrap_err();
+            assert!(matches!(error, WriteError::FolderIsFile { .. }), "{error}");
+        }
     }
+}
+
+#[test]
+fn a_folder_is_checked_without_a_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("there")).unwrap();
+    for name in ["there", "there/new", "new/deep", "new/../../new"] {
+        check_output_folder(at(name)).unwrap();
+    }
+    let long = "x".repeat(1000);
+    let error = check_output_folder(at("new").join(long)).unwrap_err();
+    assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("nowhere", at("there/link")).unwrap();
+        let error = check_output_folder(at("there/link")).unwrap_err();
+        assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+        fs::remove_file(at("there/link")).unwrap();
+    }
+    assert_eq!(entries(folder.path()), ["there"]);
+    assert_eq!(entries(&at("there")).len(), 0);
 }
 
 #[cfg(unix)]
@@ -422,17 +446,17 @@ fn folders_that_let_nothing_in_are_told() {
         println!("skipped: this user may write anywhere");
         // The kernel's own file system refuses even this user.
         if Path::new("/proc/self").exists() {
-            let error = create_output_folder("/proc/self/results").unwrap_err();
-            assert!(matches!(error, WriteError::Folder { .. }), "{error}");
-            let error = create_output_folder("/proc/self").unwrap_err();
-            assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+            for place in ["/proc/self/results", "/proc/self"] {
+                let error = check_output_folder(place).unwrap_err();
+                assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+            }
         }
         return;
     }
-    let error = create_output_folder(&closed).unwrap_err();
-    assert!(matches!(error, WriteError::Folder { .. }), "{error}");
-    let error = create_output_folder(closed.join("deeper")).unwrap_err();
-    assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+    for place in [closed.clone(), closed.join("deeper")] {
+        let error = check_output_folder(place).unwrap_err();
+        assert!(matches!(error, WriteError::Folder { .. }), "{error}");
+    }
     let error = write_height_map(closed.join("a.npy"), &field()).unwrap_err();
     assert!(matches!(error, WriteError::Io { .. }), "{error}");
 }
