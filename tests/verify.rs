@@ -261,6 +261,48 @@ fn a_verification_of_one_side_judges_that_side() {
 }
 
 #[test]
+fn a_run_that_ends_paths_says_which_orders_it_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let fixed = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "64",
+        "--smoothness",
+        "1",
+        "--realisations",
+        "6",
+        "--rays",
+        "6e3",
+        "--models",
+        "smith",
+        "-o",
+        "out",
+        "--max-order",
+    ];
+    for (max_order, orders) in [
+        ("1", "single scattering"),
+        ("2", "orders up to 2"),
+        ("1000", "all orders"),
+    ] {
+        let text = succeed(folder, &[&fixed[..], &[max_order]].concat());
+        let distance = format!("total variation from {orders} ");
+        assert!(text.contains(&distance), "{text}");
+        let ended = text.contains(&format!(
+            "{orders} alone; light that would go on is truncated"
+        ));
+        assert_eq!(ended, max_order != "1000", "{text}");
+        for plot in ["lobes.svg", "in_plane_reflected.svg"] {
+            let plot = fs::read_to_string(folder.join("out").join(plot)).unwrap();
+            assert!(plot.contains(&format!("explicit, {orders}")), "{max_order}");
+            assert_eq!(plot.contains("all orders"), max_order == "1000");
+        }
+    }
+}
+
+#[test]
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

@@ -72,6 +72,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             incidence,
             material,
             from: incident(command.from),
+            max_order: command.max_order,
             case: None,
         };
         let surroundings = plots.then(|| Surroundings {

@@ -12,8 +12,9 @@ use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
 
 use crate::case::{Case, short};
-use crate::config::Incident;
+use crate::config::{Incident, VerifyConfig};
 use crate::report::ReportError;
+use crate::tables::{SINGLE_SCATTERING, recorded_orders};
 use crate::verify::{ModelOutcome, in_plane_flux};
 
 /// Degrees between the points of a model's line.
@@ -28,16 +29,19 @@ pub struct Light {
     pub material: Material,
     /// The side that it comes from, which plots show as the upper one.
     pub from: Incident,
+    /// Interactions after which its paths were ended.
+    pub max_order: u32,
     /// The case of a verification, whose models are drawn.
     pub case: Option<Case>,
 }
 
 impl Light {
-    pub(crate) fn of_case(case: &Case, from: Incident) -> Self {
+    pub(crate) fn of_case(case: &Case, config: &VerifyConfig) -> Self {
         Self {
             incidence: case.incidence,
             material: case.material,
-            from,
+            from: config.light.from,
+            max_order: config.run.max_order,
             case: Some(*case),
         }
     }
@@ -188,7 +192,7 @@ const fn plot_side(side: Side) -> PlotSide {
     }
 }
 
-/// Explicit points, of all light and of that scattered once, and the models' lines, in 1/sr.
+/// Explicit points, of all recorded orders and of light scattered once, and the models' lines, in 1/sr.
 fn series_of(
     light: &Light,
     layout: &Layout,
@@ -197,7 +201,7 @@ fn series_of(
     side: Side,
 ) -> Vec<Series> {
     let width = 90.0 / layout.grid().n_theta() as f64;
-    let explicit = |name: &str, class: OrderClass| {
+    let explicit = |orders: &str, class: OrderClass| {
         let samples = (0..layout.in_plane_len())
             .map(|i| {
                 let flux = statistics.estimate(layout.in_plane(side, class).start + i);
@@ -210,12 +214,13 @@ fn series_of(
                 }
             })
             .collect();
+        let name = format!("explicit, {orders}");
         Series::explicit(name, plot_side(side), samples).with_bin_width(width)
     };
-    let mut series = vec![explicit("explicit, all orders", OrderClass::All)];
+    let mut series = vec![explicit(&recorded_orders(light.max_order), OrderClass::All)];
     // Without multiple scattering both are the same, and one would hide the other.
     if statistics.means()[layout.multiple(side)] != 0.0 {
-        series.push(explicit("explicit, single scattering", OrderClass::First));
+        series.push(explicit(SINGLE_SCATTERING, OrderClass::First));
     }
     if let Some(case) = &light.case {
         for model in models {

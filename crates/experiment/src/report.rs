@@ -110,7 +110,7 @@ pub fn verify_report(
             let first = outcome.config.first_surface(&case.case).map_err(Box::new)?;
             let name = format!("First of {} surfaces", case.work.realisations);
             figures::height_map(&place, &first, &name)?;
-            let light = Light::of_case(&case.case, outcome.config.light.from);
+            let light = Light::of_case(&case.case, &outcome.config);
             figures::lobes_and_curves(&place, &light, layout, &case.statistics, &case.models)?;
         }
         let table = case_table(outcome, case);

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use asperity_analysis::{Scope, SignFlipTest, Verdict};
 use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Side};
+use asperity_tracer::PathSettings;
 
 use crate::case::short;
 use crate::summary::SummaryWork;
@@ -18,6 +19,19 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
         }
         Some(_) => format!("{} (exact)", short(estimate.mean)),
         None => format!("{} (no error)", short(estimate.mean)),
+    }
+}
+
+/// What light of the first order is called.
+pub(crate) const SINGLE_SCATTERING: &str = "single scattering";
+
+/// What all light is called that was recorded of paths ended after `max_order` interactions; as many
+/// as are allowed by default end none that matters.
+pub(crate) fn recorded_orders(max_order: u32) -> String {
+    match max_order {
+        1 => SINGLE_SCATTERING.to_owned(),
+        2..PathSettings::DEFAULT_MAX_ORDER => format!("orders up to {max_order}"),
+        _ => "all orders".to_owned(),
     }
 }
 
@@ -122,6 +136,11 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         case.statistics.batches(),
         case.errors_from,
     );
+    let max_order = outcome.config.run.max_order;
+    let orders = recorded_orders(max_order);
+    if max_order < PathSettings::DEFAULT_MAX_ORDER {
+        let _ = writeln!(out, "{orders} alone; light that would go on is truncated");
+    }
     let _ = writeln!(
         out,
         "slope variance of the mesh is {:.2} % below that of the continuous surface\n",
@@ -163,7 +182,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     }
     if !case.models.is_empty() {
         out.push('\n');
-        out.push_str(&distribution_table(&outcome.layout, case));
+        out.push_str(&distribution_table(&outcome.layout, case, &orders));
         let _ = writeln!(out, "\n{}", conclusion(&outcome.layout, case));
     }
     out
@@ -200,15 +219,15 @@ fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> S
     }
 }
 
-/// Total variation, p value and verdict of every model.
-fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
+/// Total variation, p value and verdict of every model; `orders` names all light that was recorded.
+fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> String {
     let number = |value: Option<f64>, digits: usize| {
         value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
     };
     type Cell<'a> = Box<dyn Fn(&ModelOutcome) -> String + 'a>;
     let rows: [(String, Cell<'_>); 9] = [
         (
-            "single scattering".into(),
+            SINGLE_SCATTERING.into(),
             Box::new(|m| m.model.name().to_owned()),
         ),
         (
@@ -262,7 +281,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome) -> String {
             Box::new(|m| verdict_word(&m.verdict).to_owned()),
         ),
         (
-            "total variation from all light".into(),
+            format!("total variation from {orders}"),
             Box::new(move |m| number(Some(m.total.total_variation.observed), 5)),
         ),
     ];
