@@ -84,6 +84,16 @@ fn a_cube_above_the_ground_is_traced() {
     );
     assert!(text.contains("the mesh is closed"), "{text}");
 
+    for border in ["periodic", "mirrored"] {
+        let asked = [
+            "trace", "cube.obj", "--theta", "0", "--border", border, "-o", "no",
+        ];
+        let error = refused(folder, &asked, 1);
+        assert!(error.contains("cover the tile 0 times"), "{error}");
+        assert!(error.contains("`--border open`"), "{error}");
+    }
+    assert!(!folder.join("no").exists());
+
     // An open patch unless asked for otherwise; turned over and with a hole, it says so.
     let text = succeed(folder, &trace);
     assert!(text.contains("the patch is open"), "{text}");

@@ -10,7 +10,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
 };
-use asperity_tracer::{Geometry, MeshSurface};
+use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
 use crate::args::{Common, FromArgument, Interface, Light, MaterialArgument, Reading};
 use crate::failure::Failure;
@@ -120,8 +120,15 @@ pub(crate) fn read_mesh_surface(
         triangles,
     } = read_mesh(path).map_err(Failure::failed)?;
     let border = reading.border.unwrap_or(Border::Open);
-    let mesh = MeshSurface::new(&vertices, triangles, border)
-        .map_err(|error| Failure::failed(format!("{}: {error}", path.display())))?;
+    let mesh = MeshSurface::new(&vertices, triangles, border).map_err(|error| {
+        let advice = match error {
+            MeshSurfaceError::NotPeriodic { .. }
+            | MeshSurfaceError::Gaps { .. }
+            | MeshSurfaceError::NotOneGround { .. } => ": `--border open` takes it as a patch",
+            _ => "",
+        };
+        Failure::failed(format!("{}: {error}{advice}", path.display()))
+    })?;
     common.say(|| {
         let [x, y, z] = mesh.size();
         format!(

@@ -259,18 +259,16 @@ fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
             repairs.dropped
         ));
     }
-    let booked = match mesh.border() {
-        Border::Open => "truncated",
-        Border::Periodic | Border::Mirrored => "lost",
-    };
+    // Under other borders than an open one such meshes are refused.
     if repairs.closed {
-        warnings.push(format!(
-            "the mesh is closed: light that goes on beneath it meets nothing and is booked as {booked}"
-        ));
+        warnings.push(
+            "the mesh is closed: light that goes on beneath it meets nothing and is booked as truncated"
+                .to_owned(),
+        );
     }
     if repairs.open_edges > 0 {
         warnings.push(format!(
-            "{} edges inside the tile have one triangle only: light that passes by them is booked as {booked}",
+            "{} edges inside the tile have one triangle only: light that passes by them is booked as truncated",
             repairs.open_edges
         ));
     }

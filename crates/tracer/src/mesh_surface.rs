@@ -112,6 +112,30 @@ pub enum MeshSurfaceError {
         /// The vertex without counterpart.
         place: [f64; 3],
     },
+    /// A tile that goes on beyond its border, by a mesh that does not reach it everywhere.
+    #[error(
+        "{edges} edges inside the tile, or without their like on its opposite border, have one triangle only, one of them from {from:?} to {to:?}; a {border} border needs a ground without gaps from rim to rim"
+    )]
+    Gaps {
+        /// How many edges.
+        edges: usize,
+        /// One end of one of them.
+        from: [f64; 3],
+        /// Its other end.
+        to: [f64; 3],
+        /// The border asked for.
+        border: Border,
+    },
+    /// A tile that goes on beyond its border, by a mesh that does not part above from below.
+    #[error(
+        "seen from above, the triangles cover the tile {layers} times, those that face down counted as negative; a {border} border needs one ground from rim to rim, lest light pass by"
+    )]
+    NotOneGround {
+        /// Layers that face up, less those that face down: none for a closed body.
+        layers: i64,
+        /// The border asked for.
+        border: Border,
+    },
 }
 
 /// A triangle mesh that light meets.
@@ -153,8 +177,11 @@ impl MeshSurface {
     /// The side of the light is where most of the area faces +z, or outwards if the mesh is closed;
     /// a mesh that is the other way round is turned over.
     ///
+    /// With a periodic or mirrored border the mesh must part above from below everywhere, since light
+    /// that passed by it would never end; closed bodies may float over such a ground, or beneath it.
+    ///
     /// # Errors
-    /// [`MeshSurfaceError`] if the triangles make no surface, or a periodic border does not match.
+    /// [`MeshSurfaceError`] if the triangles make no surface, or none that its border needs.
     pub fn new(
         vertices: &[[f64; 3]],
         mut triangles: Vec<[u32; 3]>,
@@ -176,12 +203,15 @@ impl MeshSurface {
         if triangles.is_empty() {
             return Err(MeshSurfaceError::NoTriangles(all));
         }
-        let (open_edges, closed) = check_edges(&frame, &vertices, &triangles)?;
+        let edges = check_edges(&frame, &vertices, &triangles)?;
         let turned_over = faces_away(&vertices, &triangles);
         if turned_over {
             for [_, b, c] in &mut triangles {
                 std::mem::swap(b, c);
             }
+        }
+        if border != Border::Open {
+            check_ground(&frame, &vertices, &triangles, &edges, border)?;
         }
         let normals: Vec<DVec3> = triangles
             .iter()
@@ -199,8 +229,8 @@ impl MeshSurface {
             repairs: Repairs {
                 dropped: all - triangles.len(),
                 turned_over,
-                open_edges,
-                closed,
+                open_edges: edges.open,
+                closed: edges.rim.is_empty() && edges.open == 0,
             },
             vertices,
             triangles,
@@ -537,13 +567,22 @@ fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
     u.cross(v).length() <= longest * LONGEST / (1_u64 << 52) as f64
 }
 
-/// Checks what meets at each edge; returns how many have one triangle only and lie within the tile,
-/// and whether there are none of one triangle at all.
+/// Edges of one triangle only.
+#[derive(Default)]
+struct SingleEdges {
+    /// On the border of the tile: both ends, in the direction in which the triangle runs.
+    rim: Vec<[DVec3; 2]>,
+    /// How many there are inside the tile, and one of them.
+    open: usize,
+    one_open: [DVec3; 2],
+}
+
+/// Checks what meets at each edge.
 fn check_edges(
     frame: &Frame,
     vertices: &[DVec3],
     triangles: &[[u32; 3]],
-) -> Result<(usize, bool), MeshSurfaceError> {
+) -> Result<SingleEdges, MeshSurfaceError> {
     // Both ends, the smaller first, and whether the triangle runs from the smaller to the larger.
     let mut edges: Vec<(u32, u32, bool)> = triangles
         .iter()
@@ -551,14 +590,18 @@ fn check_edges(
         .map(|(p, q)| (p.min(q), p.max(q), p < q))
         .collect();
     edges.sort_unstable();
-    let (mut open, mut closed) = (0, true);
+    let mut single = SingleEdges::default();
     for edge in edges.chunk_by(|e, f| (e.0, e.1) == (f.0, f.1)) {
         let ends = [edge[0].0, edge[0].1].map(|k| vertices[k as usize]);
         let [from, to] = ends.map(|p| frame.leave(p));
         match *edge {
+            [(_, _, forward)] if lies_on_border(ends, frame.extent) => {
+                let [p, q] = ends;
+                single.rim.push(if forward { [p, q] } else { [q, p] });
+            }
             [_] => {
-                closed = false;
-                open += usize::from(!lies_on_border(ends, frame.extent));
+                single.open += 1;
+                single.one_open = ends;
             }
             [(_, _, one), (_, _, other)] if one != other => {}
             [_, _] => return Err(MeshSurfaceError::Inconsistent { from, to }),
@@ -571,7 +614,66 @@ fn check_edges(
             }
         }
     }
-    Ok((open, closed))
+    Ok(single)
+}
+
+/// Checks that the mesh and what its border repeats of it part above from below.
+///
+/// Where every edge has two triangles, its own or those of neighbouring tiles, the layers over a point
+/// that face up, less those that face down, are as many everywhere, and one is what parts.
+fn check_ground(
+    frame: &Frame,
+    vertices: &[DVec3],
+    triangles: &[[u32; 3]],
+    edges: &SingleEdges,
+    border: Border,
+) -> Result<(), MeshSurfaceError> {
+    let gaps = |count: usize, [from, to]: [DVec3; 2]| MeshSurfaceError::Gaps {
+        edges: count,
+        from: frame.leave(from),
+        to: frame.leave(to),
+        border,
+    };
+    if edges.open > 0 {
+        return Err(gaps(edges.open, edges.one_open));
+    }
+    if border == Border::Periodic {
+        let unmatched = unmatched_rim(&edges.rim, frame.extent);
+        if let Some(&one) = unmatched.first() {
+            return Err(gaps(unmatched.len(), one));
+        }
+    }
+    let projected: f64 = triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|k| vertices[k as usize]);
+            0.5 * (b - a).cross(c - a).z
+        })
+        .sum();
+    match (projected / (frame.extent.x * frame.extent.y)).round() as i64 {
+        1 => Ok(()),
+        layers => Err(MeshSurfaceError::NotOneGround { layers, border }),
+    }
+}
+
+/// Edges on the border of a periodic tile whose counterpart on the opposite border does not run the
+/// other way, or is not there.
+fn unmatched_rim(rim: &[[DVec3; 2]], extent: DVec3) -> Vec<[DVec3; 2]> {
+    // Borders have been made equal to the bit.
+    let name = |[mut p, mut q]: [DVec3; 2]| {
+        for k in 0..2 {
+            if p[k] == extent[k] && q[k] == extent[k] {
+                (p[k], q[k]) = (0.0, 0.0);
+            }
+        }
+        [p, q].map(|end| end.to_array().map(f64::to_bits))
+    };
+    let mut runs: HashMap<_, usize> = HashMap::new();
+    for &edge in rim {
+        *runs.entry(name(edge)).or_default() += 1;
+    }
+    let is_single = |&[p, q]: &[DVec3; 2]| runs.get(&name([q, p])) != Some(&1);
+    rim.iter().copied().filter(is_single).collect()
 }
 
 /// Whether an edge lies on one side of the tile.

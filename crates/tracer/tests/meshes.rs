@@ -505,16 +505,97 @@ fn what_is_no_surface_is_refused() {
     assert_eq!(mesh.size(), [1.0, 1.0, 0.5]);
 }
 
-#[test]
-fn holes_are_counted() {
+/// Two meshes as one.
+fn together((mut vertices, mut triangles): Mesh, (more, of_more): Mesh) -> Mesh {
+    let first = vertices.len() as u32;
+    vertices.extend(more);
+    triangles.extend(of_more.iter().map(|t| t.map(|k| k + first)));
+    (vertices, triangles)
+}
+
+fn scaled((vertices, triangles): Mesh, factor: f64, lift: f64) -> Mesh {
+    let place = |v: &[f64; 3]| [factor * v[0], factor * v[1], factor * v[2] + lift];
+    (vertices.iter().map(place).collect(), triangles)
+}
+
+fn turned_over((vertices, triangles): Mesh) -> Mesh {
+    let turn = |[a, b, c]: &[u32; 3]| [*a, *c, *b];
+    (vertices, triangles.iter().map(turn).collect())
+}
+
+/// A pipe of square section along x, which stands on an edge, closed but for its ends.
+fn pipe() -> Mesh {
+    let ring = |x| [[x, -1.0, 0.0], [x, 0.0, -1.0], [x, 1.0, 0.0], [x, 0.0, 1.0]];
+    let vertices = [ring(-1.0), ring(1.0)].concat();
+    let side = |i: u32| {
+        let j = (i + 1) % 4;
+        [[i, j, j + 4], [i, j + 4, i + 4]]
+    };
+    (vertices, (0..4).flat_map(side).collect())
+}
+
+/// A mushroom whose cap lacks a triangle.
+fn holed() -> Mesh {
     let (vertices, mut triangles) = mushroom();
     triangles.truncate(triangles.len() - 1);
-    assert_eq!(
-        surface((vertices, triangles), Border::Open)
-            .repairs()
-            .open_edges,
-        3
-    );
+    (vertices, triangles)
+}
+
+#[test]
+fn a_tile_that_goes_on_needs_one_ground_without_gaps() {
+    let sphere = || icosphere(1);
+    let two_grounds = || together(mushroom(), scaled(mushroom(), 1.0, 5.0));
+    let slab = || together(mushroom(), scaled(turned_over(mushroom()), 1.0, -5.0));
+    // Opposite borders with the same corners, joined in the order asked for on the second.
+    let strip = |[a, b, c, d]: [u32; 4]| -> Mesh {
+        let at = |x: f64| [[0.0, 0.0], [0.3, 0.1], [0.6, -0.1], [1.0, 0.0]].map(|[y, z]| [x, y, z]);
+        let triangles = vec![
+            [0, a, b],
+            [0, b, 1],
+            [1, b, c],
+            [1, c, 2],
+            [2, c, d],
+            [2, d, 3],
+        ];
+        ([at(0.0), at(1.0)].concat(), triangles)
+    };
+    surface(strip([4, 5, 6, 7]), Border::Periodic);
+    let crossed = strip([4, 6, 5, 7]);
+    let error = MeshSurface::new(&crossed.0, crossed.1, Border::Periodic).unwrap_err();
+    assert!(error.to_string().starts_with("6 edges inside"), "{error}");
+    for border in [Border::Periodic, Border::Mirrored] {
+        let over = together(mushroom(), scaled(sphere(), 0.5, 3.0));
+        assert_eq!(surface(over, border).repairs().open_edges, 0);
+        for (mesh, words) in [
+            (sphere(), "cover the tile 0 times"),
+            (pipe(), "cover the tile 0 times"),
+            (slab(), "cover the tile 0 times"),
+            (two_grounds(), "cover the tile 2 times"),
+            (holed(), "3 edges inside the tile"),
+        ] {
+            let error = MeshSurface::new(&mesh.0, mesh.1, border).unwrap_err();
+            let error = error.to_string();
+            assert!(error.contains(words), "{border}: {error}");
+            assert!(
+                error.contains(&format!("a {border} border needs")),
+                "{error}"
+            );
+        }
+    }
+}
+
+#[test]
+fn light_that_passes_by_an_open_patch_is_truncated() {
+    assert_eq!(surface(holed(), Border::Open).repairs().open_edges, 3);
+    for mesh in [icosphere(1), pipe(), holed()] {
+        let mesh = surface(mesh, Border::Open);
+        for (incident, theta) in [(Medium::Above, 0.0), (Medium::Below, 60.0)] {
+            let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
+            assert_eq!(statistics.means()[Layout::LOST], 0.0);
+            assert!(statistics.means()[Layout::LEFT_PATCH] > 1e-4);
+            assert!((budget(&statistics) - 1.0).abs() < 1e-12);
+        }
+    }
 }
 
 #[test]
