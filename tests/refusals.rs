@@ -209,6 +209,10 @@ fn bad_files_get_a_sentence_and_code_1() {
         ("row.txt", "2 x 2"),
         ("one.txt", "2 x 2"),
         ("h.jpg", ".npy"),
+        (
+            "h.jpg",
+            ".txt and .csv as height maps, and from .ply, .obj and .stl as meshes",
+        ),
         ("folder.exr", "folder"),
     ] {
         let error = refused(&folder, &["trace", file, "--theta", "30", "-o", "out"], 1);

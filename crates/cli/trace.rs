@@ -6,7 +6,7 @@ use asperity_experiment::{
     Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, lost_warning,
     trace, trace_mesh, trace_report, work_line,
 };
-use asperity_io::check_output_folder;
+use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, Roughness};
 use asperity_tally::Layout;
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::args::{Common, Trace};
 use crate::failure::Failure;
-use crate::input::{Input, incident, is_mesh, name_of, read_mesh_surface, read_surface};
+use crate::input::{Input, incident, name_of, read_mesh_surface, read_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
@@ -127,22 +127,22 @@ enum Shape {
 impl Subject {
     /// Reads what the command asks for.
     fn of(command: &Trace, common: &Common) -> Result<Self, Failure> {
-        match &command.file {
-            Some(path) if is_mesh(path) => {
+        let Some(path) = &command.file else {
+            let input = Input {
+                field: flat()?,
+                filled: 0,
+                notes: Vec::new(),
+            };
+            return Ok(Self::of_field(command, input, "flat surface".to_owned()));
+        };
+        match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
+            SurfaceFormat::Mesh(_) => {
                 let mesh = read_mesh_surface(path, &command.reading, common)?;
                 Ok(Self::of_mesh(mesh, path))
             }
-            Some(path) => {
+            SurfaceFormat::HeightMap(_) => {
                 let input = read_surface(path, &command.reading, common)?;
                 Ok(Self::of_field(command, input, name_of(path)))
-            }
-            None => {
-                let input = Input {
-                    field: flat()?,
-                    filled: 0,
-                    notes: Vec::new(),
-                };
-                Ok(Self::of_field(command, input, "flat surface".to_owned()))
             }
         }
     }

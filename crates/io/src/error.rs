@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use asperity_surface::HeightFieldError;
 
 use crate::format::{HeightMapFormat, list_endings};
-use crate::mesh::{MESH_ENDINGS, MeshFormat};
+use crate::mesh::{MeshFormat, list_mesh_endings};
 
 /// Why a file cannot be read.
 ///
@@ -47,8 +47,14 @@ pub enum ReadError {
         path: PathBuf,
     },
     /// No format of meshes has this ending.
-    #[error("`{}` has {}; meshes are read from {MESH_ENDINGS}", .path.display(), ending_found(.path))]
+    #[error("`{}` has {}; meshes are read from {}", .path.display(), ending_found(.path), list_mesh_endings())]
     UnknownMeshEnding {
+        /// The file.
+        path: PathBuf,
+    },
+    /// No format of height maps or meshes has this ending.
+    #[error("`{}` has {}; surfaces are read from {} as height maps, and from {} as meshes", .path.display(), ending_found(.path), list_endings(HeightMapFormat::can_read), list_mesh_endings())]
+    UnknownSurfaceEnding {
         /// The file.
         path: PathBuf,
     },

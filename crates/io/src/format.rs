@@ -9,6 +9,7 @@ use asperity_surface::{Border, HeightField, RawHeightMap};
 
 use crate::atomic::replace;
 use crate::error::{ReadError, WriteError};
+use crate::mesh::MeshFormat;
 use crate::{exr, gsf, npy, png, text, x3p};
 
 /// A file format of height maps, chosen by the ending of the file's name.
@@ -93,6 +94,31 @@ impl HeightMapFormat {
             Self::Exr | Self::Npy | Self::Png => Border::Periodic,
             Self::Gsf | Self::X3p | Self::Text => Border::Mirrored,
         }
+    }
+}
+
+/// A file format of surfaces, which are height maps or meshes, chosen by the ending of the file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceFormat {
+    /// A height map, read by [`read_height_map`].
+    HeightMap(HeightMapFormat),
+    /// A triangle mesh, read by [`read_mesh`](crate::read_mesh).
+    Mesh(MeshFormat),
+}
+
+impl SurfaceFormat {
+    /// The format that the ending of `path` stands for, in capital or small letters.
+    ///
+    /// # Errors
+    /// [`ReadError::UnknownSurfaceEnding`] if it stands for none.
+    pub fn from_path(path: &Path) -> Result<Self, ReadError> {
+        let mesh = || MeshFormat::from_path(path).map(Self::Mesh);
+        HeightMapFormat::from_path(path)
+            .map(Self::HeightMap)
+            .or_else(mesh)
+            .ok_or_else(|| ReadError::UnknownSurfaceEnding {
+                path: path.to_owned(),
+            })
     }
 }
 
@@ -289,10 +315,16 @@ pub(crate) fn write_to<W: Write>(
 
 /// The endings of the formats that `keep` keeps: ".exr, .npy and .gsf".
 pub(crate) fn list_endings(keep: fn(HeightMapFormat) -> bool) -> String {
-    let endings: Vec<String> = HeightMapFormat::ALL
+    let kept = HeightMapFormat::ALL
         .into_iter()
-        .filter(|format| keep(*format))
-        .flat_map(|format| format.endings())
+        .filter(|format| keep(*format));
+    list(kept.flat_map(|format| format.endings()).copied())
+}
+
+/// Endings with their dots, as a list in words.
+pub(crate) fn list(endings: impl IntoIterator<Item = &'static str>) -> String {
+    let endings: Vec<String> = endings
+        .into_iter()
         .map(|ending| format!(".{ending}"))
         .collect();
     match endings.split_last() {

@@ -53,7 +53,7 @@ pub use atomic::{
 };
 pub use csv::{CsvField, write_csv};
 pub use error::{ReadError, WriteError};
-pub use format::{HeightMapFormat, read_height_map, write_height_map};
+pub use format::{HeightMapFormat, SurfaceFormat, read_height_map, write_height_map};
 pub use memory::available_memory;
 pub use mesh::{MeshData, MeshFormat, MeshView, read_mesh, write_mesh};
 pub use text_file::{read_json, read_text};

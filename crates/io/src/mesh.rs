@@ -14,7 +14,7 @@ use std::path::Path;
 
 use crate::atomic::replace;
 use crate::error::{ReadError, WriteError};
-use crate::format::open;
+use crate::format::{list, open};
 use crate::samples::single;
 
 /// A triangle mesh as a file holds it.
@@ -63,20 +63,33 @@ impl fmt::Display for MeshFormat {
 }
 
 impl MeshFormat {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Ply, Self::Obj, Self::Stl];
+
+    /// The ending that stands for the format, in small letters and without the dot.
+    #[must_use]
+    pub const fn ending(self) -> &'static str {
+        match self {
+            Self::Ply => "ply",
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+        }
+    }
+
     /// The format that the ending of `path` stands for, in capital or small letters.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
-            "ply" => Some(Self::Ply),
-            "obj" => Some(Self::Obj),
-            "stl" => Some(Self::Stl),
-            _ => None,
-        }
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        Self::ALL
+            .into_iter()
+            .find(|format| format.ending() == ending)
     }
 }
 
-/// The endings of all formats.
-pub(crate) const MESH_ENDINGS: &str = ".ply, .obj and .stl";
+/// The endings of all formats: ".ply, .obj and .stl".
+pub(crate) fn list_mesh_endings() -> String {
+    list(MeshFormat::ALL.map(MeshFormat::ending))
+}
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.
 ///
@@ -124,7 +137,7 @@ pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), Wri
     let path = path.as_ref();
     let format = MeshFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
         path: path.to_owned(),
-        allowed: MESH_ENDINGS.to_owned(),
+        allowed: list_mesh_endings(),
     })?;
     check(path, format, mesh)?;
     replace(path, |out| match format {
