@@ -40,9 +40,9 @@ pub fn trace(
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
-    let first = field.heights()[0];
-    let flat = field.heights().iter().all(|h| *h == first);
-    let accelerator = settings.accelerator.on_height_field(field.cells(), flat);
+    let accelerator = settings
+        .accelerator
+        .on_height_field(field.cells(), field.is_flat());
     check_memory(
         "tracing this surface",
         traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),

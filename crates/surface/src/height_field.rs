@@ -282,6 +282,12 @@ impl HeightField {
         self.heights
     }
 
+    /// Whether all heights are equal.
+    #[must_use]
+    pub fn is_flat(&self) -> bool {
+        self.heights.iter().all(|h| *h == self.heights[0])
+    }
+
     /// `[ny, nx]`.
     #[must_use]
     pub const fn shape(&self) -> [usize; 2] {

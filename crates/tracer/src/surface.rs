@@ -116,8 +116,7 @@ impl Surface {
     /// Whether all heights are equal.
     #[must_use]
     pub fn is_flat(&self) -> bool {
-        let heights = self.field.heights();
-        self.size.reach == 0.0 && heights.iter().all(|h| *h == heights[0])
+        self.field.is_flat()
     }
 
     /// The accelerator that `kind` stands for on this surface.
