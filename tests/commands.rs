@@ -522,8 +522,33 @@ fn tall_surface_and_grazing_light_lose_nothing() {
 #[test]
 fn quiet_says_nothing_and_help_names_every_command() {
     let (_keep, folder) = with_surface();
-    let quiet = ["mesh", "h.exr", "-o", "m.ply", "--quiet"];
-    assert!(succeed(&folder, &quiet).is_empty());
+    let generate = [
+        "generate",
+        "--tau",
+        "8",
+        "--smoothness",
+        "2",
+        "--size",
+        "64",
+    ];
+    let verify = [
+        "verify",
+        "--tau",
+        "8",
+        "--size",
+        "64",
+        "--realisations",
+        "2",
+    ];
+    for quiet in [
+        &[&generate[..], &["--seed", "1", "-o", "g.npy"]].concat()[..],
+        &["mesh", "h.exr", "-o", "m.ply"],
+        &["inspect", "h.exr"],
+        &["trace", "h.exr", "--theta", "3", "--rays", "64"],
+        &[&verify[..], &["--rays", "128", "--no-plots", "-o", "v"]].concat(),
+    ] {
+        assert!(succeed(&folder, &[quiet, &["--quiet"]].concat()).is_empty());
+    }
     let help = succeed(&folder, &["--help"]);
     for command in ["generate", "inspect", "mesh", "trace", "verify", "model"] {
         assert!(help.contains(command));

@@ -31,7 +31,7 @@ pub(crate) struct Common {
     /// Threads to use; all cores unless given
     #[arg(long, global = true, value_name = "N", value_parser = parse_threads)]
     pub(crate) threads: Option<usize>,
-    /// Print nothing but errors, and what --json asks for
+    /// Print nothing but errors, what --json asks for, and the values of a model without -o
     #[arg(long, short, global = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
     /// Say on standard error what is done and how long it takes

@@ -34,6 +34,9 @@ pub(crate) fn run(command: &Inspect, common: &Common) -> Result<(), Failure> {
     if command.json {
         return print_json(&roughness);
     }
+    if common.quiet {
+        return Ok(());
+    }
     print(&roughness_table(&command.file, &input, &roughness))
 }
 
