@@ -18,6 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use asperity_optics::{from_spherical, polar_angle, reflect, refract};
 use asperity_tally::{HemisphereGrid, Side, Sides};
 use glam::DVec3;
+use rayon::prelude::*;
 
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
@@ -44,36 +45,39 @@ pub(crate) fn bin_fluxes_of(
     grid: &HemisphereGrid,
     sides: Sides,
 ) -> Vec<f64> {
-    let (n_theta, n_phi) = (grid.n_theta(), grid.n_phi());
-    let mut fluxes = vec![0.0; grid.len()];
+    let n_phi = grid.n_phi();
     let vertical = wi.x == 0.0 && wi.y == 0.0;
     let mirror = mirror_sum(wi, n_phi);
+    let mut fluxes = vec![0.0; grid.len()];
     for side in Side::BOTH.into_iter().filter(|&side| sides.ask(side)) {
-        let Some(mut range) = FluxIntegral::new(model, wi, side) else {
-            continue;
-        };
-        for ring in 0..n_theta {
-            let first = (side.index() * n_theta + ring) * n_phi;
-            for sector in 0..n_phi {
-                // Another bin of the ring that holds the same by symmetry, if it came before.
-                let twin = if !model.is_isotropic() {
-                    None
-                } else if vertical && sector > 0 {
-                    Some(0)
-                } else {
-                    mirror
-                        .map(|sum| (sum + n_phi - sector) % n_phi)
-                        .filter(|&twin| twin < sector)
+        let first_of_side = side.index() * grid.bins_per_side();
+        fluxes[first_of_side..][..grid.bins_per_side()]
+            .par_chunks_exact_mut(n_phi)
+            .enumerate()
+            .for_each(|(ring, fluxes)| {
+                let Some(mut range) = FluxIntegral::new(model, wi, side) else {
+                    return;
                 };
-                fluxes[first + sector] = match twin {
-                    Some(twin) => fluxes[first + twin],
-                    None => {
-                        let bin = grid.bin(first + sector);
-                        range.over(bin.theta, bin.phi)
-                    }
-                };
-            }
-        }
+                for sector in 0..n_phi {
+                    // Another bin of the ring that holds the same by symmetry, if it came before.
+                    let twin = if !model.is_isotropic() {
+                        None
+                    } else if vertical && sector > 0 {
+                        Some(0)
+                    } else {
+                        mirror
+                            .map(|sum| (sum + n_phi - sector) % n_phi)
+                            .filter(|&twin| twin < sector)
+                    };
+                    fluxes[sector] = match twin {
+                        Some(twin) => fluxes[twin],
+                        None => {
+                            let bin = grid.bin(first_of_side + ring * n_phi + sector);
+                            range.over(bin.theta, bin.phi)
+                        }
+                    };
+                }
+            });
     }
     fluxes
 }

@@ -36,8 +36,12 @@ const ORDINARY_STRATA: u64 = 128;
 /// Most blocks of a surface; beyond, blocks grow.
 const MOST_BLOCKS: u64 = 1 << 16;
 
-/// Memory for the records of blocks that are run side by side.
-const RECORD_BUDGET: usize = 1 << 30;
+/// Memory for the records of blocks that are run side by side, and of those run before.
+const RECORD_BUDGET: usize = 1 << 28;
+
+/// Blocks a thread that are run side by side, if their records fit: at the end threads wait for the
+/// last block, on average for half of one.
+const BLOCKS_OF_THREAD: usize = 32;
 
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
@@ -67,36 +71,40 @@ pub(crate) fn run_blocks<G: Geometry>(
     realisation: u64,
     blocks: Blocks,
     progress: &dyn Progress,
-    mut each: impl FnMut(&[f64]),
+    mut each: impl FnMut(&[f64]) + Send,
 ) -> Work {
     let mut work = Work::default();
-    // Waves bound how many records are held at once.
-    let records = RECORD_BUDGET / (settings.layout.len() * size_of::<f64>());
-    let wave = records.clamp(1, 4 * rayon::current_num_threads()) as u64;
-    let mut first = 0;
-    while first < blocks.count {
-        let last = (first + wave).min(blocks.count);
-        let records: Vec<_> = (first..last)
-            .into_par_iter()
-            .map(|block| {
-                let mut rng = ray_stream(settings.seed, realisation, block);
-                let record = tracer.batch(
-                    incidence,
-                    any_azimuth,
-                    blocks.strata,
-                    settings.layout,
-                    &mut rng,
-                );
-                progress.advance(u64::from(blocks.strata).pow(2));
-                record
-            })
-            .collect();
+    let mut take = |records: Vec<(Vec<f64>, Work)>| {
         for (values, done) in records {
             each(&values);
             work += done;
         }
-        first = last;
+    };
+    let trace = |block: usize| {
+        let mut rng = ray_stream(settings.seed, realisation, block as u64);
+        let record = tracer.batch(
+            incidence,
+            any_azimuth,
+            blocks.strata,
+            settings.layout,
+            &mut rng,
+        );
+        progress.advance(u64::from(blocks.strata).pow(2));
+        record
+    };
+    // Waves bound how many records are held at once; those of one are taken while the next is traced.
+    let records = RECORD_BUDGET / (2 * settings.layout.len() * size_of::<f64>());
+    let wave = records.clamp(1, BLOCKS_OF_THREAD * rayon::current_num_threads());
+    let count = blocks.count as usize;
+    let mut finished = Vec::new();
+    for first in (0..count).step_by(wave) {
+        let last = (first + wave).min(count);
+        // One block at a time, so that a thread without work finds any that is left.
+        let blocks = (first..last).into_par_iter().with_max_len(1);
+        let before = std::mem::take(&mut finished);
+        (finished, ()) = rayon::join(|| blocks.map(trace).collect(), || take(before));
     }
+    take(finished);
     work
 }
 

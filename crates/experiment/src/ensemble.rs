@@ -1,5 +1,6 @@
 //! Light on many fresh surfaces.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_surface::Synthesis;
@@ -20,13 +21,18 @@ const MEMORY_BUDGET: usize = 4 << 30;
 
 /// What one surface did with the light of every case.
 struct Realisation {
-    /// Flux fractions of each case, over ray blocks.
-    records: Vec<BatchStatistics>,
-    work: Vec<Work>,
+    cases: Vec<OfCase>,
     seconds: Seconds,
     used: Used,
-    /// The heights, which have served.
-    room: Vec<f64>,
+}
+
+/// What one surface did with the light of one case.
+struct OfCase {
+    /// Flux fractions.
+    record: Vec<f64>,
+    /// Their statistics over ray blocks, where there is only one surface.
+    blocks: Option<BatchStatistics>,
+    work: Work,
 }
 
 /// Seconds spent, summed over surfaces.
@@ -86,61 +92,76 @@ impl Group<'_> {
     pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
         check_results(&self.settings.layout, self.realisations, self.cases.len())?;
         let [ny, nx] = self.synthesis.shape();
+        // A surface that is drawn is not flat.
         let accelerator = self.settings.accelerator.on_height_field([nx, ny], false);
         let bytes = self
             .synthesis
             .peak_bytes()
             .max(traced_bytes([ny, nx], accelerator));
         check_memory("tracing one surface", bytes)?;
-        let wave = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
+        let side_by_side = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
+        let next = AtomicU64::new(0);
+        let mut drawn: Vec<_> = (0..side_by_side)
+            .into_par_iter()
+            .with_max_len(1)
+            .flat_map_iter(|_| self.one_after_the_other(&next, progress))
+            .collect();
+        drawn.sort_unstable_by_key(|(index, _)| *index);
+
         let mut ensembles: Vec<Ensemble> = Vec::new();
-        // Heights of surfaces that have served: their memory serves the next ones.
-        let mut rooms = vec![Vec::new(); wave];
-        let mut first = 0;
-        while first < self.realisations {
-            let last = (first + wave as u64).min(self.realisations);
-            let drawn: Vec<Realisation> = (first..last)
-                .zip(std::mem::take(&mut rooms))
-                .collect::<Vec<_>>()
-                .into_par_iter()
-                .map(|(realisation, room)| self.one(realisation, room, progress))
-                .collect::<Result<_, _>>()?;
-            for realisation in drawn {
-                rooms.push(realisation.room);
-                if ensembles.is_empty() {
-                    ensembles.resize_with(self.cases.len(), || Ensemble::new(&realisation.used));
-                }
-                let share = 1.0 / self.cases.len() as f64;
-                for ((ensemble, record), work) in ensembles
-                    .iter_mut()
-                    .zip(realisation.records)
-                    .zip(realisation.work)
-                {
-                    ensemble.records.push(record.means().to_vec());
-                    if self.realisations == 1 {
-                        ensemble.blocks_of_one = Some(record);
-                    }
-                    ensemble.work += work;
-                    ensemble.seconds.generate += share * realisation.seconds.generate;
-                    ensemble.seconds.build += share * realisation.seconds.build;
-                    ensemble.seconds.trace += share * realisation.seconds.trace;
-                }
+        let share = 1.0 / self.cases.len() as f64;
+        for (_, realisation) in drawn {
+            let realisation = realisation?;
+            if ensembles.is_empty() {
+                ensembles.resize_with(self.cases.len(), || Ensemble::new(&realisation.used));
             }
-            first = last;
+            for (ensemble, case) in ensembles.iter_mut().zip(realisation.cases) {
+                ensemble.records.push(case.record);
+                ensemble.blocks_of_one = case.blocks;
+                ensemble.work += case.work;
+                ensemble.seconds.generate += share * realisation.seconds.generate;
+                ensemble.seconds.build += share * realisation.seconds.build;
+                ensemble.seconds.trace += share * realisation.seconds.trace;
+            }
         }
         Ok(ensembles)
+    }
+
+    /// Runs the surface whose turn it is, each in the memory of the one before, until all have had
+    /// theirs or one fails; with the number of each.
+    fn one_after_the_other(
+        &self,
+        next: &AtomicU64,
+        progress: &dyn Progress,
+    ) -> Vec<(u64, Result<Realisation, VerifyError>)> {
+        let mut drawn = Vec::new();
+        let mut room = Vec::new();
+        loop {
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            if index >= self.realisations {
+                return drawn;
+            }
+            let realisation = self.one(index, &mut room, progress);
+            if realisation.is_err() {
+                next.store(self.realisations, Ordering::Relaxed);
+            }
+            drawn.push((index, realisation));
+        }
     }
 
     /// Draws one surface in `room` and traces all cases on it.
     fn one(
         &self,
         index: u64,
-        room: Vec<f64>,
+        room: &mut Vec<f64>,
         progress: &dyn Progress,
     ) -> Result<Realisation, VerifyError> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
-        let field = self.synthesis.draw_into(self.settings.seed, index, room)?;
+        let memory = std::mem::take(room);
+        let field = self
+            .synthesis
+            .draw_into(self.settings.seed, index, memory)?;
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -151,15 +172,14 @@ impl Group<'_> {
         seconds.build = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let mut records = Vec::new();
-        let mut work = Vec::new();
+        let mut cases = Vec::new();
         for case in self.cases {
             check_grazing(&surface, case.incidence)?;
             let paths = self.settings.paths;
             let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
             let light = (case.incidence, self.any_azimuth);
             let mut statistics = BatchStatistics::new(self.settings.layout.len());
-            work.push(run_blocks(
+            let work = run_blocks(
                 &tracer,
                 light,
                 self.settings,
@@ -167,16 +187,20 @@ impl Group<'_> {
                 self.blocks(),
                 progress,
                 |values| statistics.push(values),
-            ));
-            records.push(statistics);
+            );
+            cases.push(OfCase {
+                record: statistics.means().to_vec(),
+                blocks: (self.realisations == 1).then_some(statistics),
+                work,
+            });
         }
         seconds.trace = clock.elapsed().as_secs_f64();
+        let used = Used::of(&*accelerator);
+        *room = surface.into_field().into_heights();
         Ok(Realisation {
-            records,
-            work,
+            cases,
             seconds,
-            used: Used::of(&*accelerator),
-            room: surface.into_field().into_heights(),
+            used,
         })
     }
 }

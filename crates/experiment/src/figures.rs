@@ -10,6 +10,7 @@ use asperity_plot::{
 };
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
+use rayon::prelude::*;
 
 use crate::case::{Case, short};
 use crate::config::{Incident, VerifyConfig};
@@ -97,11 +98,19 @@ pub struct Surroundings<'a> {
     pub light: &'a Light,
 }
 
-/// Writes a figure as SVG and PNG under `name`.
-fn save(folder: &Path, name: &str, figure: &Figure) -> Result<(), ReportError> {
-    write_bytes(folder.join(format!("{name}.svg")), figure.svg()?.as_bytes())?;
-    write_bytes(folder.join(format!("{name}.png")), &figure.png()?)?;
-    Ok(())
+/// Writes a figure as SVG and PNG under `name` into each of the folders.
+fn save(folders: &[&Path], name: &str, figure: &Figure) -> Result<(), ReportError> {
+    let write = |ending: &str, bytes: &[u8]| {
+        let file = format!("{name}.{ending}");
+        folders
+            .iter()
+            .try_for_each(|folder| write_bytes(folder.join(&file), bytes))
+    };
+    let (svg, png) = rayon::join(
+        || -> Result<(), ReportError> { Ok(write("svg", figure.svg()?.as_bytes())?) },
+        || -> Result<(), ReportError> { Ok(write("png", &figure.png()?)?) },
+    );
+    svg.and(png)
 }
 
 /// The figure of a height map.
@@ -124,13 +133,13 @@ pub fn height_map_figure(
     .draw()
 }
 
-/// height_map.
+/// height_map, the same in each of the folders.
 pub(crate) fn height_map(
-    folder: &Path,
+    folders: &[&Path],
     field: &HeightField,
     name: &str,
 ) -> Result<(), ReportError> {
-    save(folder, "height_map", &height_map_figure(field, name)?)
+    save(folders, "height_map", &height_map_figure(field, name)?)
 }
 
 /// lobes, in_plane_reflected and in_plane_transmitted.
@@ -167,8 +176,8 @@ pub(crate) fn lobes_and_curves(
         flat_refraction_deg: light.flat_direction(Side::Transmitted),
         series: series.clone(),
     };
-    save(folder, "lobes", &lobes.draw()?)?;
-    for side in sides {
+    let draw_lobes = || save(&[folder], "lobes", &lobes.draw()?);
+    let draw_curves = |&side: &Side| {
         let curves = InPlaneCurves {
             title: match side {
                 Side::Reflected => "Reflected light in the plane of incidence",
@@ -180,9 +189,10 @@ pub(crate) fn lobes_and_curves(
             flat_direction_deg: light.flat_direction(side),
             series: series.clone(),
         };
-        save(folder, &format!("in_plane_{side}"), &curves.draw()?)?;
-    }
-    Ok(())
+        save(&[folder], &format!("in_plane_{side}"), &curves.draw()?)
+    };
+    let (lobes, curves) = rayon::join(draw_lobes, || sides.par_iter().try_for_each(draw_curves));
+    lobes.and(curves)
 }
 
 const fn plot_side(side: Side) -> PlotSide {
@@ -240,6 +250,7 @@ fn model_line(
 ) -> Series {
     let steps = (90.0 / LINE_STEP_DEG) as i32;
     let samples = (-steps..=steps)
+        .into_par_iter()
         .map(|i| {
             let theta_deg = f64::from(i) * LINE_STEP_DEG;
             let from = (theta_deg - 0.5 * width).max(-90.0).to_radians();

@@ -1,10 +1,11 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::PlotError;
 use asperity_tally::{Layout, Side};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::csv::{write_comparison, write_tables};
@@ -62,19 +63,24 @@ pub fn trace_report(
 ) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;
-    write_tables(
-        folder,
-        layout,
-        (&outcome.statistics, outcome.work.rays),
-        &[],
-    )?;
-    if let Some(surroundings) = plots {
-        let light = surroundings.light;
-        if let Some(field) = surroundings.field {
-            figures::height_map(folder, field, &surroundings.name)?;
-        }
-        figures::lobes_and_curves(folder, light, layout, &outcome.statistics, &[])?;
-    }
+    let tables = || {
+        let fluxes = (&outcome.statistics, outcome.work.rays);
+        write_tables(folder, layout, fluxes, &[])
+    };
+    let draw = |plots: &figures::Surroundings<'_>| {
+        let map = || {
+            plots.field.map_or(Ok(()), |field| {
+                figures::height_map(&[folder], field, &plots.name)
+            })
+        };
+        let lobes =
+            || figures::lobes_and_curves(folder, plots.light, layout, &outcome.statistics, &[]);
+        let (map, lobes) = rayon::join(map, lobes);
+        map.and(lobes)
+    };
+    let (tables, plots) = rayon::join(tables, || plots.map_or(Ok(()), draw));
+    tables?;
+    plots?;
     write_json(folder.join("summary.json"), summary)?;
     Ok(())
 }
@@ -91,34 +97,29 @@ pub fn verify_report(
 ) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     progress.begin("writing", outcome.cases.len() as u64);
-    for case in &outcome.cases {
-        let place = match outcome.cases.len() {
-            1 => folder.to_owned(),
-            _ => folder.join(case.case.folder()),
-        };
-        create_output_folder(&place)?;
-        remove_files(&place, FILES)?;
-        let layout = &outcome.layout;
-        write_tables(
-            &place,
-            layout,
-            (&case.statistics, case.work.rays),
-            &case.models,
-        )?;
-        write_comparison(&place, layout, case)?;
-        if outcome.config.output.plots {
-            let first = outcome.config.first_surface(&case.case).map_err(Box::new)?;
-            let name = format!("First of {} surfaces", case.work.realisations);
-            figures::height_map(&place, &first, &name)?;
-            let light = Light::of_case(&case.case, &outcome.config);
-            figures::lobes_and_curves(&place, &light, layout, &case.statistics, &case.models)?;
-        }
-        let table = case_table(outcome, case);
-        write_bytes(place.join("report.txt"), table.as_bytes())?;
-        if outcome.cases.len() > 1 {
-            write_json(place.join("summary.json"), &case_summary(outcome, case))?;
-        }
-        progress.advance(1);
+    let places: Vec<(&CaseOutcome, PathBuf)> = outcome
+        .cases
+        .iter()
+        .map(|case| match outcome.cases.len() {
+            1 => (case, folder.to_owned()),
+            _ => (case, folder.join(case.case.folder())),
+        })
+        .collect();
+    for (_, place) in &places {
+        create_output_folder(place)?;
+        remove_files(place, FILES)?;
+    }
+    let write_cases = || {
+        places.par_iter().try_for_each(|(case, place)| {
+            write_case(place, outcome, case)?;
+            progress.advance(1);
+            Ok(())
+        })
+    };
+    let (maps, cases) = rayon::join(|| height_maps(&places, outcome), write_cases);
+    maps.and(cases)?;
+    for (case, place) in places.iter().filter(|_| outcome.cases.len() > 1) {
+        write_json(place.join("summary.json"), &case_summary(outcome, case))?;
     }
     if outcome.cases.len() > 1 {
         remove_files(folder, FILES)?;
@@ -127,6 +128,57 @@ pub fn verify_report(
     write_json(folder.join("summary.json"), &verify_summary(outcome))?;
     progress.end();
     Ok(())
+}
+
+/// Draws the first surface of every case: once for those that share it, and one after the other, since
+/// memory may hold no more.
+fn height_maps(
+    places: &[(&CaseOutcome, PathBuf)],
+    outcome: &VerifyOutcome,
+) -> Result<(), ReportError> {
+    if !outcome.config.output.plots {
+        return Ok(());
+    }
+    for sharing in places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd) {
+        let case = sharing[0].0;
+        let first = outcome.config.first_surface(&case.case).map_err(Box::new)?;
+        let name = format!("First of {} surfaces", case.work.realisations);
+        let folders: Vec<&Path> = sharing.iter().map(|(_, place)| place.as_path()).collect();
+        figures::height_map(&folders, &first, &name)?;
+    }
+    Ok(())
+}
+
+/// Writes all of one case but its height map and its summary.
+fn write_case(
+    place: &Path,
+    outcome: &VerifyOutcome,
+    case: &CaseOutcome,
+) -> Result<(), ReportError> {
+    let layout = &outcome.layout;
+    let tables = || {
+        let fluxes = (&case.statistics, case.work.rays);
+        write_tables(place, layout, fluxes, &case.models)?;
+        write_comparison(place, layout, case)?;
+        write_bytes(
+            place.join("report.txt"),
+            case_table(outcome, case).as_bytes(),
+        )
+    };
+    let plots = || {
+        let light = Light::of_case(&case.case, &outcome.config);
+        figures::lobes_and_curves(place, &light, layout, &case.statistics, &case.models)
+    };
+    let plots = || {
+        if outcome.config.output.plots {
+            plots()
+        } else {
+            Ok(())
+        }
+    };
+    let (tables, plots) = rayon::join(tables, plots);
+    tables?;
+    plots
 }
 
 /// The contents of summary.json of a verification: that of its case, or, of several, a list of all

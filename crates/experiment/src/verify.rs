@@ -220,13 +220,15 @@ fn judge(
             (statistics, "surfaces")
         }
     };
-    let mut models = Vec::new();
-    for name in &config.compare.models {
-        let model = create_model(name, case.smoothness, case.material)?;
-        models.push(model_outcome(
-            config, layout, &case, model, ensemble, &batches,
-        )?);
-    }
+    let mut models = config
+        .compare
+        .models
+        .par_iter()
+        .map(|name| {
+            let model = create_model(name, case.smoothness, case.material)?;
+            model_outcome(config, layout, &case, model, ensemble, &batches)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
     let level = sidak_level(config.compare.alpha, models.len().max(1));
     let singles: Vec<Comparison> = models.iter().map(|m| m.judged().clone()).collect();
     for (model, verdict) in models
@@ -298,10 +300,11 @@ fn model_outcome(
             config.run.seed,
         )
     };
+    let (single, total) = rayon::join(|| against(Share::Single), || against(Share::Total));
     Ok(ModelOutcome {
         energy: hemispherical_energy(model.as_ref(), wi),
-        single: against(Share::Single)?,
-        total: against(Share::Total)?,
+        single: single?,
+        total: total?,
         verdict: Verdict::Holds,
         in_plane: Side::BOTH.map(|side| {
             if layout.asks(side) {
@@ -339,6 +342,7 @@ fn rings_and_sides(layout: &Layout) -> [Grouping; 2] {
 /// What a model expects in each in-plane bin.
 fn in_plane_fluxes(model: &dyn BsdfModel, layout: &Layout, case: &Case, side: Side) -> Vec<f64> {
     (0..layout.in_plane_len())
+        .into_par_iter()
         .map(|i| {
             let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
             in_plane_flux(model, layout, case, side, [from, to])
