@@ -11,6 +11,7 @@
 
 mod blocks;
 mod case;
+mod cases;
 mod config;
 mod csv;
 mod ensemble;
@@ -28,9 +29,10 @@ mod verify;
 
 pub use blocks::RaySettings;
 pub use case::Case;
+pub use cases::check_sides;
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
-    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig, check_sides,
+    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
 };
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};

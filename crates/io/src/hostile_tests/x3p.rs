@@ -1,0 +1,263 @@
+//! X3P files of other programs: types, masks, checksums, and headers that lie.
+
+use std::io::Cursor;
+
+use asperity_surface::{Border, LengthUnit, MissingPolicy};
+
+use super::{field, read, refused, valid};
+use crate::format::HeightMapFormat;
+
+/// An X3P of the given main.xml and parts, as any ZIP program would pack it.
+fn x3p(xml: &str, parts: &[(&str, &[u8])]) -> Vec<u8> {
+    use std::io::Write;
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    let options = zip::write::SimpleFileOptions::default();
+    for (name, bytes) in [("main.xml", xml.as_bytes())].iter().chain(parts) {
+        archive.start_file(*name, options).unwrap();
+        archive.write_all(bytes).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+/// A main.xml for 3 x 2 points.
+fn main_xml(z: &str, data: &str) -> String {
+    format!(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\
+         <p:ISO5436_2 xmlns:p=\"http://www.opengps.eu/2008/ISO5436_2\">\
+         <Record1><Revision>ISO5436 - 2000</Revision><FeatureType>SUR</FeatureType><Axes>\
+         <CX><AxisType>I</AxisType><Increment>1e-6</Increment><Offset>0</Offset></CX>\
+         <CY><AxisType>I</AxisType><Increment>2e-6</Increment><Offset>0</Offset></CY>\
+         <CZ><AxisType>A</AxisType>{z}</CZ></Axes></Record1>\
+         <Record3><MatrixDimension><SizeX>3</SizeX><SizeY>2</SizeY><SizeZ>1</SizeZ></MatrixDimension>\
+         {data}</Record3></p:ISO5436_2>"
+    )
+}
+
+const LINK: &str = "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink>";
+const DATA: &str = "bindata/data.bin";
+
+#[test]
+fn x3p_is_read_in_every_type() {
+    use HeightMapFormat::X3p;
+    let heights = |bytes: &[u8]| {
+        let map = read(X3p, bytes).unwrap();
+        assert_eq!(map.shape(), [2, 3]);
+        assert_eq!(map.unit, LengthUnit::Metre);
+        let field = map
+            .into_height_field(MissingPolicy::Refuse, Border::Mirrored)
+            .unwrap();
+        assert_eq!(field.spacing(), [1e-6, 2e-6]);
+        field.into_heights()
+    };
+    let numbers = [1, -2, 3, 4, 5, 100];
+    let scaled = numbers.map(|n| f64::from(n) * 0.5 + 10.0);
+    let scale = "<Increment>0.5</Increment><Offset>10</Offset>";
+    let i16s: Vec<u8> = numbers
+        .iter()
+        .flat_map(|n| (*n as i16).to_le_bytes())
+        .collect();
+    let i32s: Vec<u8> = numbers.iter().flat_map(|n: &i32| n.to_le_bytes()).collect();
+    let f32s: Vec<u8> = numbers
+        .iter()
+        .flat_map(|n| (*n as f32).to_le_bytes())
+        .collect();
+    let f64s: Vec<u8> = numbers
+        .iter()
+        .flat_map(|n| f64::from(*n).to_le_bytes())
+        .collect();
+    let z = |kind: &str, scale: &str| format!("<DataType>{kind}</DataType>{scale}");
+    assert_eq!(
+        heights(&x3p(&main_xml(&z("I", scale), LINK), &[(DATA, &i16s)])),
+        scaled
+    );
+    assert_eq!(
+        heights(&x3p(&main_xml(&z("L", scale), LINK), &[(DATA, &i32s)])),
+        scaled
+    );
+    let plain = numbers.map(f64::from);
+    assert_eq!(
+        heights(&x3p(&main_xml(&z("F", ""), LINK), &[(DATA, &f32s)])),
+        plain
+    );
+    assert_eq!(
+        heights(&x3p(&main_xml(&z("D", ""), LINK), &[(DATA, &f64s)])),
+        plain
+    );
+    // A program on Windows may name the part by a backslash.
+    let name = "bindata\\data.bin";
+    assert_eq!(
+        heights(&x3p(&main_xml(&z("D", ""), LINK), &[(name, &f64s)])),
+        plain
+    );
+
+    let list = "<DataList><Datum>;;1</Datum><Datum>0;0;-2</Datum><Datum>3</Datum>\
+        <Datum>4</Datum><Datum>5</Datum><Datum>1e2</Datum></DataList>";
+    assert_eq!(heights(&x3p(&main_xml(&z("D", ""), list), &[])), plain);
+    let hole = list.replace("0;0;-2", ";;");
+    assert_eq!(
+        read(X3p, &x3p(&main_xml(&z("D", ""), &hole), &[]))
+            .unwrap()
+            .missing(),
+        1
+    );
+    let short = list.replace("<Datum>3</Datum>", "");
+    refused(X3p, &x3p(&main_xml(&z("D", ""), &short), &[]), "5 data");
+
+    // Bits 1 and 4 are zero, the lowest bit first.
+    let masked = LINK.replace(
+        "</DataLink>",
+        "<ValidPointsLink>bindata/valid.bin</ValidPointsLink></DataLink>",
+    );
+    let mask: &[u8] = &[0b10_1101];
+    let bytes = x3p(
+        &main_xml(&z("I", scale), &masked),
+        &[(DATA, &i16s), ("bindata/valid.bin", mask)],
+    );
+    let map = read(X3p, &bytes).unwrap();
+    assert_eq!(map.missing(), 2);
+    let first = map
+        .into_height_field(MissingPolicy::Refuse, Border::Open)
+        .unwrap_err();
+    assert!(first.to_string().contains("column 1, row 0"), "{first}");
+    let infinite: Vec<u8> = [0.0, 0.0, 0.0, f64::INFINITY, 0.0, 0.0]
+        .iter()
+        .flat_map(|x: &f64| x.to_le_bytes())
+        .collect();
+    refused(
+        X3p,
+        &x3p(&main_xml(&z("D", ""), LINK), &[(DATA, &infinite)]),
+        "column 0, row 1 is inf",
+    );
+}
+
+#[test]
+fn x3p_checksums_are_verified() {
+    use HeightMapFormat::X3p;
+    let z = "<DataType>D</DataType>";
+    let data: &[u8] = &[0; 48];
+    // MD5 of 48 zero bytes, by an independent program.
+    let right = "b203621a65475445e6fcdca717c667b5";
+    let stated = |sum: &str| {
+        let sum = format!("<MD5ChecksumPointData>{sum}</MD5ChecksumPointData></DataLink>");
+        main_xml(z, &LINK.replace("</DataLink>", &sum))
+    };
+    assert!(read(X3p, &x3p(&stated(&right.to_uppercase()), &[(DATA, data)])).is_ok());
+    refused(
+        X3p,
+        &x3p(&stated(&right.replace('0', "1")), &[(DATA, data)]),
+        "states",
+    );
+    let line: &[u8] = b"00000000000000000000000000000000 *main.xml\n";
+    let bytes = x3p(
+        &main_xml(z, LINK),
+        &[(DATA, data), ("md5checksum.hex", line)],
+    );
+    refused(X3p, &bytes, "part `main.xml`");
+    let masked = LINK.replace(
+        "</DataLink>",
+        "<ValidPointsLink>v</ValidPointsLink>\
+         <MD5ChecksumValidPoints>00</MD5ChecksumValidPoints></DataLink>",
+    );
+    let bytes = x3p(&main_xml(z, &masked), &[(DATA, data), ("v", &[0xff])]);
+    refused(X3p, &bytes, "part `v`");
+    // Any damage to the stored samples of our own files is found.
+    let mut own = valid(X3p);
+    let sample = field().heights()[7].to_le_bytes();
+    let at = own.windows(8).position(|w| w == sample).unwrap();
+    own[at] ^= 1;
+    refused(X3p, &own, "damaged");
+}
+
+#[test]
+fn x3p_headers_are_checked() {
+    use HeightMapFormat::X3p;
+    let data: &[u8] = &[0; 48];
+    let z = "<DataType>D</DataType>";
+    let good = main_xml(z, LINK);
+    assert!(read(X3p, &x3p(&good, &[(DATA, data)])).is_ok());
+    let size = "<SizeX>3</SizeX><SizeY>2</SizeY>";
+    let huge = |n: &str| format!("<SizeX>{n}</SizeX><SizeY>{n}</SizeY>");
+    for (old, new, words) in [
+        (
+            size,
+            huge("4000000000").as_str(),
+            "claims 4000000000 x 4000000000",
+        ),
+        (size, huge("18446744073709551615").as_str(), "claims"),
+        (size, huge("99999999999999999999").as_str(), "whole number"),
+        (size, huge("1").as_str(), "at least 2 x 2"),
+        (size, huge("0").as_str(), "at least 2 x 2"),
+        (size, huge("-3").as_str(), "whole number"),
+        (size, "<SizeX>3</SizeX><SizeY>3</SizeY>", "claims 48 bytes"),
+        (size, "<SizeX>3</SizeX>", "lacks SizeY"),
+        (
+            "<SizeX>3</SizeX>",
+            "<SizeX>3</SizeX><SizeX>3</SizeX>",
+            "SizeX twice",
+        ),
+        ("<SizeZ>1</SizeZ>", "<SizeZ>2</SizeZ>", "2 layers"),
+        (
+            "<AxisType>I</AxisType><Increment>1e-6",
+            "<AxisType>A</AxisType><Increment>1e-6",
+            "axis CX is of type `A`",
+        ),
+        ("<Increment>1e-6</Increment>", "", "lacks Increment"),
+        (
+            "<Increment>1e-6</Increment>",
+            "<Increment>0</Increment>",
+            "spacing along x is 0",
+        ),
+        (
+            "<Increment>2e-6</Increment>",
+            "<Increment>-1</Increment>",
+            "spacing along y is -1",
+        ),
+        (
+            "<Increment>2e-6</Increment>",
+            "<Increment>wide</Increment>",
+            "`wide`",
+        ),
+        (z, "<DataType>L</DataType>", "no Increment"),
+        (z, "<DataType>Q</DataType>", "I, L, F and D"),
+        (
+            z,
+            "<DataType>D</DataType><Increment>0</Increment>",
+            "not zero",
+        ),
+        (
+            "<AxisType>A</AxisType>",
+            "<AxisType>I</AxisType>",
+            "CZ is of type `I`",
+        ),
+        ("SUR", "PCL", "`PCL`"),
+        ("MatrixDimension", "ListDimension", "list of points"),
+        (DATA, "elsewhere.bin", "no part `elsewhere.bin`"),
+        (LINK, "", "lacks DataList"),
+        ("p:ISO5436_2", "p:Other", "`Other`"),
+        ("</Record3>", "", "cannot be parsed"),
+    ] {
+        assert!(good.contains(old), "{old}");
+        refused(X3p, &x3p(&good.replace(old, new), &[(DATA, data)]), words);
+    }
+    refused(X3p, &x3p("", &[(DATA, data)]), "cannot be parsed");
+    let deep = format!("{}{}", "<a>".repeat(200_000), "</a>".repeat(200_000));
+    refused(X3p, &x3p(&deep, &[]), "ISO5436_2 is needed");
+    let bomb = "<!DOCTYPE a [<!ENTITY b \"bbbb\">]><a>&b;</a>";
+    refused(X3p, &x3p(bomb, &[]), "cannot be parsed");
+    let parts = x3p(&good, &[("other", data)]);
+    refused(X3p, &parts, "no part `bindata/data.bin`");
+    // Deflated zeros, a thousandfold: within what deflate can do, but not what the axes say.
+    refused(
+        X3p,
+        &x3p(&good, &[(DATA, &vec![0; 10_000_000])]),
+        "claims 10000000 bytes",
+    );
+    let text = [good.as_bytes(), b"<!-- \xff -->"].concat();
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    archive
+        .start_file("main.xml", zip::write::SimpleFileOptions::default())
+        .unwrap();
+    std::io::Write::write_all(&mut archive, &text).unwrap();
+    let bytes = archive.finish().unwrap().into_inner();
+    refused(X3p, &bytes, "not UTF-8");
+}
