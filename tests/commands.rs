@@ -11,7 +11,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use support::{asperity, json, refused, succeed, with_surface};
+use support::{asperity, json, refused, succeed, with_surface, words};
 
 #[test]
 fn generate_then_inspect_shows_requested_beside_realised() {
@@ -54,16 +54,7 @@ fn every_format_that_is_written_and_read_holds_the_same_surface() {
         };
         assert!((sq(name) / sq("h.exr") - 1.0).abs() < 1e-6, "{name}");
     }
-    let metres = [
-        "--tau",
-        "8e-6",
-        "--smoothness",
-        "2",
-        "--size",
-        "64",
-        "--spacing",
-        "1e-6",
-    ];
+    let metres = words("--tau 8e-6 --smoothness 2 --size 64 --spacing 1e-6");
     let rest = ["--unit", "m", "--seed", "7", "-o", "m.x3p"];
     succeed(&folder, &[&["generate"], &metres[..], &rest[..]].concat());
     let report = json(&succeed(&folder, &["inspect", "m.x3p", "--json"]));
@@ -73,15 +64,7 @@ fn every_format_that_is_written_and_read_holds_the_same_surface() {
 #[test]
 fn the_accelerator_changes_no_byte_and_is_told() {
     let (_keep, folder) = with_surface();
-    let light = [
-        "--theta",
-        "60",
-        "--eta",
-        "1.5",
-        "--rays",
-        "5000",
-        "--no-plots",
-    ];
+    let light = words("--theta 60 --eta 1.5 --rays 5000 --no-plots");
     for name in ["mesh", "tiles", "pyramid", "auto"] {
         let rest = ["--accelerator", name, "-o", name];
         succeed(&folder, &[&["trace", "h.exr"], &light[..], &rest].concat());
@@ -111,16 +94,7 @@ fn the_accelerator_changes_no_byte_and_is_told() {
 fn same_seed_same_bytes_on_any_number_of_threads() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let surface = [
-        "--tau",
-        "8",
-        "--smoothness",
-        "2",
-        "--size",
-        "128,96",
-        "--seed",
-        "3",
-    ];
+    let surface = words("--tau 8 --smoothness 2 --size 128,96 --seed 3");
     for threads in ["1", "2", "3"] {
         let name = format!("h{threads}.npy");
         let rest = ["-o", &name, "--threads", threads];
@@ -138,16 +112,7 @@ fn same_seed_same_bytes_on_any_number_of_threads() {
         ];
         succeed(folder, &[&["trace", &name], &rest[..]].concat());
         let out = format!("v{threads}");
-        let rays = [
-            "--size",
-            "128",
-            "--tau",
-            "8",
-            "--realisations",
-            "7",
-            "--rays",
-            "2e4",
-        ];
+        let rays = words("--size 128 --tau 8 --realisations 7 --rays 2e4");
         let rest = ["-o", &out, "--threads", threads];
         succeed(folder, &[&["verify"], &rays[..], &rest[..]].concat());
     }
@@ -261,18 +226,7 @@ fn trace_writes_what_it_says() {
 #[test]
 fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
     let (_keep, folder) = with_surface();
-    let fixed = [
-        "trace",
-        "h.exr",
-        "--theta",
-        "40",
-        "--rays",
-        "2e4",
-        "--max-order",
-        "1",
-        "--roulette",
-        "0.1",
-    ];
+    let fixed = words("trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1");
     succeed(&folder, &[&fixed[..], &["-o", "both"]].concat());
     for (side, other) in [("reflected", "transmitted"), ("transmitted", "reflected")] {
         let text = succeed(
@@ -316,14 +270,7 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
         let lobes = fs::read_to_string(out.join("lobes.svg")).unwrap();
         assert!(lobes.contains(&format!("{other} light not asked for")));
     }
-    let mirror = [
-        "--material",
-        "mirror",
-        "--side",
-        "reflected",
-        "-o",
-        "mirror",
-    ];
+    let mirror = words("--material mirror --side reflected -o mirror");
     succeed(&folder, &[&fixed[..], &mirror[..]].concat());
 }
 
@@ -387,16 +334,7 @@ fn mesh_writes_each_format() {
 fn model_prints_its_bsdf_in_the_plane_of_incidence_and_over_the_sphere() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let fixed = [
-        "model",
-        "smith",
-        "--smoothness",
-        "3",
-        "--eta",
-        "1.4",
-        "--theta",
-        "30",
-    ];
+    let fixed = words("model smith --smoothness 3 --eta 1.4 --theta 30");
     let text = succeed(folder, &[&fixed[..], &["--step", "10"]].concat());
     assert!(text.starts_with("side,theta_deg,phi_deg,bsdf\n"));
     // 17 directions a side, from -80 to 80 deg.
@@ -422,18 +360,7 @@ fn model_prints_its_bsdf_in_the_plane_of_incidence_and_over_the_sphere() {
 #[test]
 fn spacing_and_unit_come_from_the_file_or_from_flags() {
     let (_keep, folder) = with_surface();
-    let half = [
-        "--tau",
-        "4",
-        "--smoothness",
-        "2",
-        "--size",
-        "64",
-        "--spacing",
-        "0.5",
-        "--unit",
-        "um",
-    ];
+    let half = words("--tau 4 --smoothness 2 --size 64 --spacing 0.5 --unit um");
     let text = succeed(
         &folder,
         &[&["generate", "--seed", "1", "-o", "a.npy"], &half[..]].concat(),
@@ -491,16 +418,7 @@ fn measured_files_go_through_every_command() {
 fn tall_surface_and_grazing_light_lose_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let surface = [
-        "--tau",
-        "8",
-        "--smoothness",
-        "0.25",
-        "--size",
-        "96",
-        "--seed",
-        "1",
-    ];
+    let surface = words("--tau 8 --smoothness 0.25 --size 96 --seed 1");
     succeed(
         folder,
         &[&["generate"], &surface[..], &["-o", "tall.npy"]].concat(),
@@ -522,24 +440,8 @@ fn tall_surface_and_grazing_light_lose_nothing() {
 #[test]
 fn quiet_says_nothing_and_help_names_every_command() {
     let (_keep, folder) = with_surface();
-    let generate = [
-        "generate",
-        "--tau",
-        "8",
-        "--smoothness",
-        "2",
-        "--size",
-        "64",
-    ];
-    let verify = [
-        "verify",
-        "--tau",
-        "8",
-        "--size",
-        "64",
-        "--realisations",
-        "2",
-    ];
+    let generate = words("generate --tau 8 --smoothness 2 --size 64");
+    let verify = words("verify --tau 8 --size 64 --realisations 2");
     for quiet in [
         &[&generate[..], &["--seed", "1", "-o", "g.npy"]].concat()[..],
         &["mesh", "h.exr", "-o", "m.ply"],

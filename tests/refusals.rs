@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use support::{files, refused, succeed, with_surface};
+use support::{files, refused, succeed, with_surface, words};
 
 #[test]
 fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
@@ -36,14 +36,7 @@ fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
     }
     assert!(refused(folder, &["inspect", "overflow.txt"], 1).contains("1e200"));
     assert!(succeed(folder, &trace("steep.txt")).contains("same unit"));
-    let flat_light = [
-        "trace",
-        "steep.txt",
-        "--border",
-        "periodic",
-        "--theta",
-        "89.9999999",
-    ];
+    let flat_light = words("trace steep.txt --border periodic --theta 89.9999999");
     assert!(refused(folder, &flat_light, 1).contains("tiles"));
 }
 
@@ -260,16 +253,7 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
     }
     assert!(refused(&folder, &["mesh", "h.exr", "-o", "no/m.ply"], 1).contains("no"));
     if Path::new("/dev/full").exists() {
-        let model = [
-            "model",
-            "smith",
-            "--smoothness",
-            "3",
-            "--theta",
-            "30",
-            "-o",
-            "/dev/full",
-        ];
+        let model = words("model smith --smoothness 3 --theta 30 -o /dev/full");
         refused(&folder, &model, 1);
         let full = fs::OpenOptions::new()
             .write(true)

@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{files, json, succeed};
+use support::{files, json, succeed, words};
 
 #[test]
 fn verify_judges_every_case_and_says_so() {
@@ -69,25 +69,8 @@ fn verify_judges_every_case_and_says_so() {
 fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let surface = [
-        "--smoothness",
-        "1",
-        "--tau",
-        "8",
-        "--size",
-        "128",
-        "--eta",
-        "1/1.4",
-    ];
-    let run = [
-        "--realisations",
-        "8",
-        "--rays",
-        "2e4",
-        "--models",
-        "smith",
-        "--no-plots",
-    ];
+    let surface = words("--smoothness 1 --tau 8 --size 128 --eta 1/1.4");
+    let run = words("--realisations 8 --rays 2e4 --models smith --no-plots");
     let above = [&["verify", "-o", "above", "--json"], &surface[..], &run[..]].concat();
     let summary = json(&succeed(folder, &above));
     let file = json(&fs::read_to_string(folder.join("above/summary.json")).unwrap());
@@ -126,25 +109,9 @@ fn verdicts_rest_on_single_scattering_and_the_table_of_bins() {
 fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let fixed = [
-        "verify",
-        "--tau",
-        "8",
-        "--size",
-        "128",
-        "--smoothness",
-        "2",
-        "--eta",
-        "1.4",
-        "--theta",
-        "0",
-        "--realisations",
-        "12",
-        "--rays",
-        "1e5",
-        "-o",
-        "out",
-    ];
+    let fixed = words(
+        "verify --tau 8 --size 128 --smoothness 2 --eta 1.4 --theta 0 --realisations 12 --rays 1e5 -o out",
+    );
     let text = succeed(folder, &fixed);
     assert!(text.contains("bins in rings of 20 rays or more"), "{text}");
     assert!(!text.contains(" phi "), "no azimuth is named: {text}");
@@ -247,16 +214,7 @@ fn a_verification_of_one_side_judges_that_side() {
     }
     assert!(!folder.join("one/in_plane_reflected.svg").exists());
     // Many cases have an overview.
-    let many = [
-        "verify",
-        "v.toml",
-        "--theta",
-        "0,60",
-        "--side",
-        "reflected",
-        "-o",
-        "many",
-    ];
+    let many = words("verify v.toml --theta 0,60 --side reflected -o many");
     assert!(!succeed(folder, &many).contains("transmitted"));
 }
 
@@ -264,24 +222,9 @@ fn a_verification_of_one_side_judges_that_side() {
 fn a_run_that_ends_paths_says_which_orders_it_shows() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let fixed = [
-        "verify",
-        "--tau",
-        "8",
-        "--size",
-        "64",
-        "--smoothness",
-        "1",
-        "--realisations",
-        "6",
-        "--rays",
-        "6e3",
-        "--models",
-        "smith",
-        "-o",
-        "out",
-        "--max-order",
-    ];
+    let fixed = words(
+        "verify --tau 8 --size 64 --smoothness 1 --realisations 6 --rays 6e3 --models smith -o out --max-order",
+    );
     for (max_order, orders) in [
         ("1", "single scattering"),
         ("2", "orders up to 2"),
@@ -306,17 +249,7 @@ fn a_run_that_ends_paths_says_which_orders_it_shows() {
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let fixed = [
-        "verify",
-        "--tau",
-        "8",
-        "--size",
-        "64",
-        "--realisations",
-        "6",
-        "--rays",
-        "6e3",
-    ];
+    let fixed = words("verify --tau 8 --size 64 --realisations 6 --rays 6e3");
     succeed(folder, &[&fixed[..], &["-o", "out"]].concat());
     fs::write(folder.join("out/notes.txt"), "mine").unwrap();
     succeed(
@@ -346,17 +279,7 @@ fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
 #[test]
 fn verify_with_one_surface_takes_its_errors_from_ray_blocks() {
     let folder = tempfile::tempdir().unwrap();
-    let fixed = [
-        "verify",
-        "--tau",
-        "8",
-        "--size",
-        "64",
-        "--realisations",
-        "1",
-        "--rays",
-        "1e4",
-    ];
+    let fixed = words("verify --tau 8 --size 64 --realisations 1 --rays 1e4");
     let text = succeed(
         folder.path(),
         &[&fixed[..], &["--no-plots", "-o", "out"]].concat(),

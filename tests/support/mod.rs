@@ -21,6 +21,11 @@ pub fn asperity(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// The arguments of a command line, none of which holds a blank.
+pub fn words(line: &str) -> Vec<&str> {
+    line.split(' ').collect()
+}
+
 /// Runs a command that must succeed, and returns its standard output.
 pub fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = asperity(folder, arguments);
@@ -61,17 +66,7 @@ pub fn files(folder: &Path) -> Vec<String> {
 /// A folder with one small generated surface.
 pub fn with_surface() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
-    let arguments = [
-        "generate",
-        "--tau",
-        "8",
-        "--smoothness",
-        "2",
-        "--size",
-        "64",
-        "--seed",
-        "7",
-    ];
+    let arguments = words("generate --tau 8 --smoothness 2 --size 64 --seed 7");
     succeed(folder.path(), &[&arguments[..], &["-o", "h.exr"]].concat());
     let path = folder.path().to_owned();
     (folder, path)

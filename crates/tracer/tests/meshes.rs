@@ -11,15 +11,15 @@ mod common;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use asperity_optics::{Incidence, Material};
+use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
 use asperity_tracer::border::{Heading, Travel, travel};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, Geometry, Medium, MeshBvh, MeshSurface,
-    MeshSurfaceError, PathSettings, Query, Surface, TileRay, Tracer, TriangleMesh, Work,
+    MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
 };
-use common::{rugged, waves};
+use common::{Run, rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -116,6 +116,23 @@ fn surface((vertices, triangles): Mesh, border: Border) -> MeshSurface {
     MeshSurface::new(&vertices, triangles, border).unwrap()
 }
 
+/// A height field as the mesh that is written of it.
+fn exported(field: &Surface) -> MeshSurface {
+    let TriangleMesh {
+        vertices,
+        triangles,
+    } = TriangleMesh::new(field).unwrap();
+    surface((vertices, triangles), field.border())
+}
+
+fn random_medium(rng: &mut ChaCha8Rng) -> Medium {
+    if rng.random() {
+        Medium::Above
+    } else {
+        Medium::Below
+    }
+}
+
 fn random_direction(rng: &mut ChaCha8Rng) -> DVec3 {
     let z: f64 = rng.random_range(-1.0..1.0);
     let (sin, cos) = rng.random_range(0.0..TAU).sin_cos();
@@ -149,25 +166,14 @@ fn trace<G: Geometry>(
 ) -> (BatchStatistics, Work) {
     let accelerator = geometry.accelerator(kind).unwrap();
     let glass = Material::dielectric(1.5).unwrap();
-    let tracer = Tracer::new(
-        geometry,
-        &*accelerator,
-        glass,
+    Run {
         incident,
-        PathSettings::default(),
-    );
-    let incidence = Incidence::from_degrees(theta_deg, 20.0).unwrap();
-    let layout = Layout::default();
-    let mut statistics = BatchStatistics::new(layout.len());
-    let mut work = Work::default();
-    for block in 0..16 {
-        let mut rng = ChaCha8Rng::seed_from_u64(3);
-        rng.set_stream(block);
-        let (values, done) = tracer.batch(incidence, false, 32, layout, &mut rng);
-        statistics.push(&values);
-        work += done;
+        theta_deg,
+        phi_deg: 20.0,
+        seed: 3,
+        ..Run::new(geometry, &*accelerator, glass)
     }
-    (statistics, work)
+    .go(16, 32)
 }
 
 fn budget(statistics: &BatchStatistics) -> f64 {
@@ -295,11 +301,7 @@ fn bvh_matches_brute_force_under_overhangs() {
             // Anywhere from a point.
             _ => (mesh.snap(facet, point), random_direction(&mut rng)),
         };
-        let medium = if rng.random() {
-            Medium::Above
-        } else {
-            Medium::Below
-        };
+        let medium = random_medium(&mut rng);
         let ray = TileRay { origin, direction };
         let query = Query { ray, medium };
         let expected = BruteForce.closest_hit(&mesh, &query);
@@ -314,21 +316,12 @@ fn bvh_matches_brute_force_under_overhangs() {
 fn no_ray_slips_through_where_facets_meet() {
     // A rugged periodic mesh: a ray that moves towards it must meet it, wherever on it it starts.
     for border in [Border::Periodic, Border::Mirrored] {
-        let rough = rugged(8, 8, 1.5, 7, border);
-        let TriangleMesh {
-            vertices,
-            triangles,
-        } = TriangleMesh::new(&rough).unwrap();
-        let mesh = MeshSurface::new(&vertices, triangles, border).unwrap();
+        let mesh = exported(&rugged(8, 8, 1.5, 7, border));
         let bvh = MeshBvh::build(&mesh).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let mut met = 0;
         for _ in 0..100_000 {
-            let medium = if rng.random() {
-                Medium::Above
-            } else {
-                Medium::Below
-            };
+            let medium = random_medium(&mut rng);
             let facet = rng.random_range(0..mesh.facet_count() as u32);
             let origin = mesh.snap(facet, point_of(&mesh, facet, &mut rng));
             let direction = random_direction(&mut rng);
@@ -355,12 +348,7 @@ fn no_ray_slips_through_where_facets_meet() {
 #[test]
 fn no_ray_slips_through_where_tiles_meet() {
     for border in [Border::Periodic, Border::Mirrored] {
-        let rough = rugged(7, 9, 1.5, 7, border);
-        let TriangleMesh {
-            vertices,
-            triangles,
-        } = TriangleMesh::new(&rough).unwrap();
-        let mesh = MeshSurface::new(&vertices, triangles, border).unwrap();
+        let mesh = exported(&rugged(7, 9, 1.5, 7, border));
         let bvh = MeshBvh::build(&mesh).unwrap();
         let [low, high] = mesh.z_range();
         let mut rng = ChaCha8Rng::seed_from_u64(5);
@@ -376,11 +364,7 @@ fn no_ray_slips_through_where_tiles_meet() {
             if (0..2).all(|k| target[k] != 0.0 && target[k] != mesh.extent()[k]) {
                 continue;
             }
-            let medium = if rng.random() {
-                Medium::Above
-            } else {
-                Medium::Below
-            };
+            let medium = random_medium(&mut rng);
             let direction = random_direction(&mut rng) * DVec3::new(1.0, 1.0, 0.1);
             let direction = direction.normalize();
             let towards = direction * -medium.sign() * direction.z.signum();
@@ -401,8 +385,7 @@ fn an_exported_tile_is_traced_as_the_height_field_itself() {
     let heights = waves(24, 1.3, 5).heights().to_vec();
     let field = HeightField::new(heights, [24, 24], [0.5, 0.75]).unwrap();
     let surface = Surface::new(field.with_border(Border::Periodic));
-    let exported = TriangleMesh::new(&surface).unwrap();
-    let mesh = MeshSurface::new(&exported.vertices, exported.triangles, Border::Periodic).unwrap();
+    let mesh = exported(&surface);
     assert_eq!(mesh.repairs(), Default::default());
     for (incident, theta) in [(Medium::Above, 30.0), (Medium::Below, 60.0)] {
         let (expected, work) = trace(&surface, AcceleratorKind::Auto, incident, theta);

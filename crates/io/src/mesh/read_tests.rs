@@ -8,8 +8,6 @@ use super::{MeshData, MeshFormat, MeshView, read_mesh, read_mesh_from, write_mes
 use crate::error::ReadError;
 use crate::hostile_tests::{assert_sentence, damaged};
 
-const FORMATS: [MeshFormat; 3] = [MeshFormat::Ply, MeshFormat::Obj, MeshFormat::Stl];
-
 /// A tent over a square: five vertices, four triangles.
 fn tent() -> MeshData {
     MeshData {
@@ -25,12 +23,7 @@ fn tent() -> MeshData {
 }
 
 fn path(format: MeshFormat) -> PathBuf {
-    let ending = match format {
-        MeshFormat::Ply => "ply",
-        MeshFormat::Obj => "obj",
-        MeshFormat::Stl => "stl",
-    };
-    PathBuf::from(format!("in memory.{ending}"))
+    PathBuf::from(format!("in memory.{}", format.ending()))
 }
 
 fn read(format: MeshFormat, bytes: &[u8]) -> Result<MeshData, ReadError> {
@@ -147,7 +140,7 @@ fn corners(mesh: &MeshData) -> Vec<[[f64; 3]; 3]> {
 
 #[test]
 fn every_way_of_writing_a_mesh_is_read() {
-    for format in FORMATS {
+    for format in MeshFormat::ALL {
         for (i, bytes) in victims(format).iter().enumerate() {
             let mesh = read(format, bytes).unwrap();
             assert_eq!(mesh.vertices.len(), 5, "{format} {i}");
@@ -197,7 +190,7 @@ fn every_cut_of_a_counted_file_is_an_error() {
 #[test]
 fn no_damage_causes_a_panic() {
     const CASES: u64 = 40_000;
-    for format in FORMATS {
+    for format in MeshFormat::ALL {
         let originals = victims(format);
         let mut refusals = 0;
         for seed in 0..CASES {
@@ -213,8 +206,8 @@ fn no_damage_causes_a_panic() {
 
 #[test]
 fn one_format_named_as_another_is_refused() {
-    for format in FORMATS {
-        for other in FORMATS.into_iter().filter(|other| *other != format) {
+    for format in MeshFormat::ALL {
+        for other in MeshFormat::ALL.into_iter().filter(|other| *other != format) {
             for bytes in victims(format) {
                 assert_sentence(&read(other, &bytes).unwrap_err());
             }

@@ -8,7 +8,7 @@
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Estimate, Layout};
-use asperity_tracer::{Accelerator, Medium, PathSettings, Surface, Tracer, Work};
+use asperity_tracer::{Accelerator, Geometry, Medium, PathSettings, Surface, Tracer, Work};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -58,9 +58,9 @@ pub fn waves(n: usize, amplitude: f64, seed: u64) -> HeightField {
 }
 
 /// Traces `batches` batches of `strata^2` rays each and returns their statistics.
-pub struct Run<'a> {
-    pub surface: &'a Surface,
-    pub accelerator: &'a dyn Accelerator<Surface>,
+pub struct Run<'a, G = Surface> {
+    pub surface: &'a G,
+    pub accelerator: &'a dyn Accelerator<G>,
     pub material: Material,
     pub incident: Medium,
     pub settings: PathSettings,
@@ -70,12 +70,8 @@ pub struct Run<'a> {
     pub seed: u64,
 }
 
-impl<'a> Run<'a> {
-    pub fn new(
-        surface: &'a Surface,
-        accelerator: &'a dyn Accelerator<Surface>,
-        material: Material,
-    ) -> Self {
+impl<'a, G: Geometry> Run<'a, G> {
+    pub fn new(surface: &'a G, accelerator: &'a dyn Accelerator<G>, material: Material) -> Self {
         Self {
             surface,
             accelerator,
