@@ -78,7 +78,7 @@ pub(crate) fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -
         // Two facets, each with its box while the hierarchy is built and its share of the nodes.
         AcceleratorKind::Mesh => 541,
         // Heights in single precision, and a word for every node; blocks take a tenth of a byte.
-        AcceleratorKind::Pyramid | AcceleratorKind::Auto => 10,
+        AcceleratorKind::Pyramid | AcceleratorKind::Auto => 6,
         _ => 0,
     };
     nx.saturating_mul(ny).saturating_mul(heights + beside)

@@ -125,6 +125,11 @@ impl Surface {
         kind.on_height_field(self.cells(), self.is_flat())
     }
 
+    /// An upper bound of the rise of any facet along a column or a row, tile coordinates.
+    pub(crate) const fn steepest(&self) -> f64 {
+        self.size.steepest
+    }
+
     /// z of a height, tile coordinates; it never falls with the height.
     pub(crate) fn z_of(&self, height: f64) -> f64 {
         self.scale.z(height)

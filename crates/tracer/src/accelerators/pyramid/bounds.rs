@@ -17,17 +17,18 @@ const STEPS: f32 = 65_000.0;
 
 /// Heights in f32, and bounds of nodes.
 ///
-/// All heights are tile coordinates. A bound is kept for either medium: the highest `z` for rays
+/// All heights are tile coordinates. The cells have no bounds of their own, since looking at the four
+/// heights of a cell says more and costs as much. A bound is kept for either medium: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.
 pub(super) struct Bounds {
     /// Grid points row by row, with the first column and row repeated behind the last.
     pub(super) heights: Vec<f32>,
-    /// Bounds of all nodes, the cells first.
+    /// Bounds of all nodes, level by level, the smallest first.
     pub(super) nodes: Vec<u32>,
     /// Cells along x and y.
     pub(super) cells: [usize; 2],
-    /// Highest level; level 0 is a cell.
+    /// Highest level; level 0 is a cell, and has no node.
     pub(super) top: usize,
     /// First node of a level.
     pub(super) first: [i32; MOST_LEVELS + 1],
@@ -38,6 +39,8 @@ pub(super) struct Bounds {
     /// How far a height in f32, or a point of a ray, may be from where it should be: 2^-20 of the
     /// reach, which covers the rounding of a height, of a ray's origin and of its rise (a few 2^-24).
     pub(super) margin: f32,
+    /// Steepest rise of any facet.
+    pub(super) steepest: f32,
     /// Lowest bound, and height a step.
     pub(super) lowest: f32,
     pub(super) step: f32,
@@ -46,9 +49,6 @@ pub(super) struct Bounds {
 impl Bounds {
     /// Level at which rays that come down from far above begin.
     pub(super) const FIRST_LEVEL: i32 = 4;
-
-    /// In place of a level: the cell itself is to be looked into.
-    pub(super) const IN_CELL: i32 = -1;
 
     pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
@@ -62,7 +62,7 @@ impl Bounds {
         let shape = |level: usize| [cx, cy].map(|n| n.div_ceil(1 << level));
         let (mut first, mut width) = ([0; MOST_LEVELS + 1], [0; MOST_LEVELS + 1]);
         let mut count = 0;
-        for level in 0..=top {
+        for level in 1..=top {
             let [nx, ny] = shape(level);
             first[level] = count as i32;
             width[level] = nx as i32;
@@ -79,18 +79,19 @@ impl Bounds {
             width,
             reach,
             margin: reach * 2_f32.powi(-20) + f32::MIN_POSITIVE,
+            steepest: surface.steepest() as f32 * (1.0 + f32::EPSILON),
             lowest: -reach,
             // Some steps more than the heights span: one for rounding up, one for the margin.
             step: 2.0 * reach / STEPS + f32::MIN_POSITIVE,
         };
-        bounds.bound_cells();
-        for level in 1..=top {
+        bounds.bound_pairs();
+        for level in 2..=top {
             bounds.bound_level(level, shape(level - 1));
         }
         Ok(bounds)
     }
 
-    /// The bound of node `[nx, ny]` of a level for rays above, or `below`.
+    /// The bound of node `[nx, ny]` of a level above 0 for rays above, or `below`.
     pub(super) fn bound(&self, level: usize, [nx, ny]: [usize; 2], below: bool) -> f32 {
         let node = self.first[level] as usize + ny * self.width[level] as usize + nx;
         let word = self.nodes[node];
@@ -119,29 +120,41 @@ impl Bounds {
         4 * (self.heights.len() + self.nodes.len())
     }
 
-    /// Level 0: the four corners of each cell.
-    fn bound_cells(&mut self) {
+    /// Level 1: the points of two by two cells.
+    fn bound_pairs(&mut self) {
         let [cx, cy] = self.cells;
-        let stride = cx + 1;
+        let points = cx + 1;
         let per_step = 1.0 / self.step;
         // Rounded up, and two steps more: for the margin, far below one, and for rounding here.
         let shift = self.reach * per_step + 3.0;
-        let nodes = self.nodes[..cx * cy].par_chunks_mut(cx);
+        let width = self.width[1] as usize;
+        let heights = &self.heights;
+        let nodes = self.nodes[..width * cy.div_ceil(2)].par_chunks_mut(width);
         nodes.enumerate().for_each(|(row, nodes)| {
-            let lines = &self.heights[row * stride..(row + 2) * stride];
-            let (near, far) = lines.split_at(stride);
-            let corners = near.windows(2).zip(far.windows(2));
-            for (node, (a, b)) in nodes.iter_mut().zip(corners) {
-                let high = greater(greater(a[0], a[1]), greater(b[0], b[1]));
-                let low = -greater(greater(-a[0], -a[1]), greater(-b[0], -b[1]));
-                let above = (shift + high * per_step) as i32 as u32;
-                let below = (shift - low * per_step) as i32 as u32;
+            let [a, b, c] = [0, 1, 2].map(|i| {
+                let start = (2 * row + i).min(cy) * points;
+                &heights[start..start + points]
+            });
+            let extremes = |i: usize| {
+                let high = greater(greater(a[i], b[i]), c[i]);
+                let low = greater(greater(-a[i], -b[i]), -c[i]);
+                [high, low]
+            };
+            let mut first = extremes(0);
+            for (column, node) in nodes.iter_mut().enumerate() {
+                let second = extremes(2 * column + 1);
+                let third = extremes((2 * column + 2).min(cx));
+                let [above, below] = [0, 1].map(|side| {
+                    let bound = greater(greater(first[side], second[side]), third[side]);
+                    (shift + bound * per_step) as i32 as u32
+                });
                 *node = above | below << 16;
+                first = third;
             }
         });
     }
 
-    /// A level above 0, from the nodes of the level below it, `[nx, ny]` of them.
+    /// A level above 1, from the nodes of the level below it, `[nx, ny]` of them.
     fn bound_level(&mut self, level: usize, [nx, ny]: [usize; 2]) {
         let width = self.width[level] as usize;
         let (finer, coarser) = self.nodes.split_at_mut(self.first[level] as usize);

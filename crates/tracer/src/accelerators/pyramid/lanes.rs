@@ -1,6 +1,6 @@
 //! What the wide search asks of an instruction set: a few operations on lanes of f32 and i32.
 
-use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 /// Most lanes of any instruction set.
 pub(super) const MOST_LANES: usize = 16;
@@ -11,6 +11,10 @@ pub(super) trait Floats:
 {
     /// Lane by lane the smaller one.
     fn min(self, other: Self) -> Self;
+    /// Lane by lane `self * factor + other`, rounded once.
+    fn times_plus(self, factor: Self, other: Self) -> Self;
+    /// Lane by lane `self - a * b`, rounded once.
+    fn minus_times(self, a: Self, b: Self) -> Self;
     /// Lane by lane `self / other`.
     fn over(self, other: Self) -> Self;
     /// Lane by lane the largest integer that is not larger.
@@ -33,7 +37,7 @@ pub(super) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
 
 /// Lanes of yes or no.
 pub(super) trait Mask:
-    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
+    Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
     /// One bit a lane, the first lane lowest.
     fn bits(self) -> u32;
@@ -53,6 +57,8 @@ pub(super) trait Lanes: Copy {
     fn less(self, a: Self::F, b: Self::F) -> Self::M;
     /// Whether `a < b`.
     fn less_i(self, a: Self::I, b: Self::I) -> Self::M;
+    /// Whether `index` is one of `0` to `count - 1`.
+    fn within(self, index: Self::I, count: i32) -> Self::M;
     /// Whether `a == b`.
     fn equal_i(self, a: Self::I, b: Self::I) -> Self::M;
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F;

@@ -22,6 +22,7 @@ mod wide;
 mod x86;
 
 use std::cell::Cell;
+use std::iter;
 
 use self::bounds::Bounds;
 use self::rays::{Answer, Rays};
@@ -70,6 +71,23 @@ impl Pyramid {
     }
 }
 
+/// Answers that the heights of a cell are asked for ahead of their use.
+const AHEAD: usize = 16;
+
+/// Asks for the heights of a cell, where the machine takes such requests.
+fn fetch(surface: &Surface, [ix, iy]: [u32; 2]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let field = surface.field();
+        let [_, stride] = field.shape();
+        let corner = iy as usize * stride + ix as usize;
+        x86::prefetch(field.heights(), corner);
+        x86::prefetch(field.heights(), corner + stride);
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (surface, ix, iy);
+}
+
 thread_local! {
     /// Memory for rays that each thread uses again and again.
     static RAYS: Cell<Rays> = Cell::default();
@@ -103,7 +121,12 @@ impl Accelerator<Surface> for Pyramid {
         wide::search(&self.bounds, &mut rays, self.instructions);
         hits.clear();
         hits.resize(queries.len(), None);
-        for (place, answer) in rays.answers.iter() {
+        let later = rays.answers.iter().skip(AHEAD).map(|(_, answer)| answer);
+        let later = later.map(Answer::cell).chain(iter::repeat(None));
+        for ((place, answer), later) in rays.answers.iter().zip(later) {
+            if let Some(cell) = later {
+                fetch(surface, cell);
+            }
             let query = &queries[place];
             hits[place] = match answer {
                 Answer::Nothing => None,

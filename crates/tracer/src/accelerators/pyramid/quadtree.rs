@@ -41,13 +41,6 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
         if closest.is_some_and(|hit| hit.t < enter) {
             continue;
         }
-        // The lowest signed height that the ray has over the footprint.
-        let q = medium.sign();
-        let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
-        let lowest = z + rise * if rise < 0.0 { leave } else { enter };
-        if lowest > f64::from(bounds.bound(level, [nx, ny], medium == Medium::Below)) {
-            continue;
-        }
         if level == 0 {
             let cell = [nx as u32, ny as u32];
             if let Some(hit) = surface.intersect_cell(cell, &ray, medium)
@@ -55,6 +48,13 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
             {
                 closest = Some(hit);
             }
+            continue;
+        }
+        // The lowest signed height that the ray has over the footprint.
+        let q = medium.sign();
+        let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
+        let lowest = z + rise * if rise < 0.0 { leave } else { enter };
+        if lowest > f64::from(bounds.bound(level, [nx, ny], medium == Medium::Below)) {
             continue;
         }
         // The nearest child last, since the last one is taken first.

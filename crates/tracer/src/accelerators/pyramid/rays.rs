@@ -9,8 +9,8 @@ use crate::ray::TileRay;
 use crate::surface::Surface;
 
 /// How far a point of a ray may be from where it should be, in columns a column travelled: the
-/// position `x + t dx` takes `t = (edge - x) / dx` and roundings of x, dx, 1 / dx, the difference,
-/// two products and the sum, six of 2^-24 in all; 2^-21 covers eight. Along the other axis the same
+/// position `x + t dx` takes `t = edge / dx - x / dx` and roundings of x, dx, 1 / dx, and of two or
+/// three products and sums, six of 2^-24 in all; 2^-21 covers eight. Along the other axis the same
 /// error of x counts `dy / dx` times: what that can do is which edge comes first, and where the ray is
 /// when it leaves through an edge that it runs along; `Exit::tied` and `Exit::late` see to those.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
@@ -29,6 +29,16 @@ pub(super) enum Answer {
     Cell([u32; 2]),
     /// Rounding may have changed the answer.
     Doubtful,
+}
+
+impl Answer {
+    /// The cell that is met.
+    pub(super) const fn cell(self) -> Option<[u32; 2]> {
+        match self {
+            Self::Inside(cell, _) | Self::Cell(cell) => Some(cell),
+            Self::Nothing | Self::Doubtful => None,
+        }
+    }
 }
 
 /// Which facet of a cell is met, in the words of an answer.

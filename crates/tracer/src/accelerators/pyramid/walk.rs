@@ -1,4 +1,5 @@
-//! One ray through the pyramid in f32, from node to node: what `wide.rs` does in every lane.
+//! One ray through the pyramid in f32, from node to node: what `wide.rs` does in every lane, but for
+//! products and sums, which lanes round together and portable code one after the other.
 //!
 //! The ray goes down a level where it may come under the bound of its node, on to the next node
 //! where it cannot, and up a level where it passes from one parent to the next. In a cell, its height
@@ -46,22 +47,27 @@ fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let mut level = if high {
         Bounds::FIRST_LEVEL.min(bounds.top as i32)
     } else {
-        Bounds::IN_CELL
+        0
     };
     let mut cell = ray.cell;
     let mut t = 0.0;
     loop {
-        let exit = leave(ray, cell, level.max(0));
-        if level == Bounds::IN_CELL {
+        let exit = leave(ray, cell, level);
+        if level == 0 {
             match look(bounds, ray, cell, t, &exit) {
                 Look::Met(code) => return Code::met(cell, code),
                 Look::Doubtful => return Code::DOUBTFUL,
-                Look::Clear => level = 0,
+                Look::Clear => {}
             }
         } else {
             let node = cell.map(|i| (i >> level) as usize);
-            let leaving = exit.t * ray.dz - exit.late * ray.dz.abs();
-            let lowest = ray.z + least(t * ray.dz, leaving);
+            // A rising ray is lowest where it enters, a falling one where it leaves.
+            let lowest_at = if ray.dz > 0.0 {
+                least(t, exit.t - exit.late)
+            } else {
+                exit.t + exit.late
+            };
+            let lowest = ray.z + lowest_at * ray.dz;
             if lowest <= bounds.bound(level as usize, node, ray.side < 0.0) {
                 level -= 1;
                 continue;
@@ -165,10 +171,9 @@ fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look
     let on_entry = first_in + t * rate_in;
     let on_diagonal = first_in + t_diagonal * rate_in;
     let on_leaving = first_out + exit.t * rate_out;
-    // What rounding may do to them: that of z, that of x and y times the slopes, and, on the
-    // diagonal and on leaving, that of t times the rate.
-    let steepness = a_in.abs() + b_in.abs() + a_out.abs() + b_out.abs();
-    let margin = bounds.margin + exit.rounding * steepness;
+    // What rounding may do to them: that of z, that of x and y times the slopes of two facets, and, on
+    // the diagonal and on leaving, that of t times the rate.
+    let margin = bounds.margin + exit.rounding * 4.0 * bounds.steepest;
     let on_diagonal_margin = margin + late * rate_in.abs();
     let on_leaving_margin = margin + exit.late * rate_out.abs();
     if on_entry + margin <= 0.0 {

@@ -61,7 +61,7 @@ impl fmt::Display for Instructions {
 }
 
 /// Steps from node to node a look into cells; a ray takes about that many.
-const STEPS: usize = 4;
+const STEPS: usize = 3;
 
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instructions) {
@@ -110,6 +110,18 @@ struct State<L: Lanes> {
     inverse_dx: L::F,
     inverse_dy: L::F,
     side: L::F,
+    /// 1 if x (y) grows along the ray, otherwise 0.
+    ahead_x: L::I,
+    ahead_y: L::I,
+    /// Where it passes the corner's column and row: `-x / dx` and `-y / dy`.
+    corner_x: L::F,
+    corner_y: L::F,
+    /// `1 / |dx|`, `1 / |dy|`, and their sum.
+    slow_x: L::F,
+    slow_y: L::F,
+    slow: L::F,
+    /// How far, in columns, rounding may move it a unit of `t`.
+    drift: L::F,
     /// By how many bits the bound of its medium is shifted in a word.
     half: L::I,
     first_x: L::I,
@@ -124,7 +136,7 @@ struct State<L: Lanes> {
     /// The cell that it is in there.
     ix: L::I,
     iy: L::I,
-    /// The level at which it is looked at.
+    /// The level at which it is looked at; 0 is the cell itself.
     level: L::I,
     /// Whether the ray goes on.
     active: L::M,
@@ -136,7 +148,7 @@ impl<L: Lanes> State<L> {
     /// How fast the heights of the rays above planes of slopes `a` and `b` grow.
     #[inline(always)]
     fn rate(&self, a: L::F, b: L::F) -> L::F {
-        self.dz - a * self.dx - b * self.dy
+        self.dz.minus_times(a, self.dx).minus_times(b, self.dy)
     }
 }
 
@@ -148,9 +160,6 @@ struct Exit<L: Lanes> {
     /// The edges ahead, in cells of the tile.
     edge_x: L::I,
     edge_y: L::I,
-    /// 1 if x (y) grows along the ray, otherwise 0.
-    ahead_x: L::I,
-    ahead_y: L::I,
     /// How far, in columns, rounding may have moved the point.
     rounding: L::F,
     /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
@@ -210,6 +219,14 @@ impl<'b, L: Lanes> Search<'b, L> {
             inverse_dx: zero,
             inverse_dy: zero,
             side: zero,
+            ahead_x: none,
+            ahead_y: none,
+            corner_x: zero,
+            corner_y: zero,
+            slow_x: zero,
+            slow_y: zero,
+            slow: zero,
+            drift: zero,
             half: none,
             first_x: none,
             first_y: none,
@@ -232,7 +249,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         let all = ((1_u64 << L::COUNT) - 1) as u32;
         let idle = all & !state.active.bits();
         let left = rays.len() - *next;
-        if idle.count_ones() as usize * 4 >= L::COUNT && (left > 0 || idle == all) {
+        if idle.count_ones() as usize * 8 >= L::COUNT && (left > 0 || idle == all) {
             self.note_answers(state, &mut rays.answers);
             if left == 0 {
                 return false;
@@ -267,19 +284,28 @@ impl<'b, L: Lanes> Search<'b, L> {
         load!(inverse_dx);
         load!(inverse_dy);
         load!(side);
-        let below = lanes.less(state.side, lanes.splat(0.0));
+        let zero = lanes.splat(0.0);
+        let below = lanes.less(state.side, zero);
         state.half = lanes.select_i(below, lanes.splat_i(16), lanes.splat_i(0));
+        let (none, one) = (lanes.splat_i(0), lanes.splat_i(1));
+        state.ahead_x = lanes.select_i(lanes.less(state.dx, zero), none, one);
+        state.ahead_y = lanes.select_i(lanes.less(state.dy, zero), none, one);
+        state.corner_x = zero - state.x * state.inverse_dx;
+        state.corner_y = zero - state.y * state.inverse_dy;
+        (state.slow_x, state.slow_y) = (state.inverse_dx.abs(), state.inverse_dy.abs());
+        state.slow = state.slow_x + state.slow_y;
+        state.drift = lanes.splat(ROUNDING) * (state.dx.abs() + state.dy.abs());
         state.first_x = lanes.refill_i(mask, &rays.cell_x[from..], state.first_x);
         state.first_y = lanes.refill_i(mask, &rays.cell_y[from..], state.first_y);
         state.place = lanes.refill_i(mask, &rays.place[from..], state.place);
         state.answer = lanes.select_i(mask, lanes.splat_i(Code::DOUBTFUL_WORD), state.answer);
-        state.t = lanes.select(mask, lanes.splat(0.0), state.t);
+        state.t = lanes.select(mask, zero, state.t);
         state.ix = lanes.select_i(mask, state.first_x, state.ix);
         state.iy = lanes.select_i(mask, state.first_y, state.iy);
         // A ray from the highest point is far from everything, one from a facet is not.
         let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
         let first = Bounds::FIRST_LEVEL.min(self.bounds.top as i32);
-        let level = lanes.select_i(high, lanes.splat_i(first), lanes.splat_i(Bounds::IN_CELL));
+        let level = lanes.select_i(high, lanes.splat_i(first), none);
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
         state.occupied = state.active;
@@ -290,40 +316,45 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn exit(&self, state: &State<L>, level: L::I) -> Exit<L> {
         let lanes = self.lanes;
-        let (zero, one) = (lanes.splat_i(0), lanes.splat_i(1));
-        let backward = lanes.splat(0.0);
-        let ahead_x = lanes.select_i(lanes.less(state.dx, backward), zero, one);
-        let ahead_y = lanes.select_i(lanes.less(state.dy, backward), zero, one);
-        let edge_x = (state.ix.shifted_right(level) + ahead_x).shifted_left(level);
-        let edge_y = (state.iy.shifted_right(level) + ahead_y).shifted_left(level);
-        let t_x = (lanes.to_float(edge_x - state.first_x) - state.x) * state.inverse_dx;
-        let t_y = (lanes.to_float(edge_y - state.first_y) - state.y) * state.inverse_dy;
+        let edge_x = (state.ix.shifted_right(level) + state.ahead_x).shifted_left(level);
+        let edge_y = (state.iy.shifted_right(level) + state.ahead_y).shifted_left(level);
+        let t_x = lanes
+            .to_float(edge_x - state.first_x)
+            .times_plus(state.inverse_dx, state.corner_x);
+        let t_y = lanes
+            .to_float(edge_y - state.first_y)
+            .times_plus(state.inverse_dy, state.corner_y);
         let t = t_x.min(t_y);
-        let speed = state.dx.abs() + state.dy.abs();
-        let rounding = lanes.splat(ROUNDING) + lanes.splat(ROUNDING) * (t * speed);
+        let rounding = t.times_plus(state.drift, lanes.splat(ROUNDING));
         let across_x = lanes.less(t_x, t_y);
-        let slow = lanes.select(across_x, state.inverse_dx, state.inverse_dy);
         Exit {
             t,
             across_x,
-            late: (rounding * slow).abs(),
-            tied: lanes.less(
-                (t_x - t_y).abs(),
-                rounding * (state.inverse_dx.abs() + state.inverse_dy.abs()),
-            ),
+            late: rounding * lanes.select(across_x, state.slow_x, state.slow_y),
+            tied: lanes.less((t_x - t_y).abs(), rounding * state.slow),
             edge_x,
             edge_y,
-            ahead_x,
-            ahead_y,
             rounding,
         }
+    }
+
+    /// Which rays are looked at in a cell.
+    #[inline(always)]
+    fn at_cell(&self, state: &State<L>) -> L::M {
+        self.lanes.equal_i(state.level, self.lanes.splat_i(0))
+    }
+
+    /// Which rays rise.
+    #[inline(always)]
+    fn rising(&self, state: &State<L>) -> L::M {
+        self.lanes.less(self.lanes.splat(0.0), state.dz)
     }
 
     /// Looks at nodes above the cells: down a level, or on.
     #[inline(always)]
     fn step(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let walking = state.active & !lanes.equal_i(state.level, lanes.splat_i(Bounds::IN_CELL));
+        let walking = state.active & !self.at_cell(state);
         let exit = self.exit(state, state.level);
         let node = lanes.lookup(&self.first, state.level)
             + lanes
@@ -332,10 +363,14 @@ impl<'b, L: Lanes> Search<'b, L> {
             + state.ix.shifted_right(state.level);
         let word = lanes.gather_i(&self.bounds.nodes, node);
         let steps = word.shifted_right(state.half).and(lanes.splat_i(0xffff));
-        let bound =
-            lanes.splat(self.bounds.lowest) + lanes.splat(self.bounds.step) * lanes.to_float(steps);
-        let leaving = exit.t * state.dz - exit.late * state.dz.abs();
-        let lowest = state.z + (state.t * state.dz).min(leaving);
+        let bound = lanes.to_float(steps).times_plus(
+            lanes.splat(self.bounds.step),
+            lanes.splat(self.bounds.lowest),
+        );
+        // A rising ray is lowest where it enters, a falling one where it leaves.
+        let early = exit.t - exit.late;
+        let at = lanes.select(self.rising(state), state.t.min(early), exit.t + exit.late);
+        let lowest = at.times_plus(state.dz, state.z);
         let clear = lanes.less(bound, lowest);
         let down = walking & !clear;
         state.level = lanes.select_i(down, state.level - lanes.splat_i(1), state.level);
@@ -347,25 +382,23 @@ impl<'b, L: Lanes> Search<'b, L> {
     fn advance(&self, state: &mut State<L>, moving: L::M, exit: &Exit<L>) {
         let lanes = self.lanes;
         let one = lanes.splat_i(1);
-        let x = state.x + exit.t * state.dx;
-        let y = state.y + exit.t * state.dy;
+        let x = exit.t.times_plus(state.dx, state.x);
+        let y = exit.t.times_plus(state.dy, state.y);
         // The coordinate along the edge says which cell comes next.
         let along = lanes.select(exit.across_x, y, x);
         let whole = along.floor();
         let within = along - whole;
-        let unsure = exit.tied
-            | lanes.less(within, exit.rounding)
-            | lanes.less(lanes.splat(1.0) - within, exit.rounding);
+        let unsure = exit.tied | lanes.less(within.min(lanes.splat(1.0) - within), exit.rounding);
         let cell = lanes.to_integer(whole);
         let ix = lanes.select_i(
             exit.across_x,
-            exit.edge_x + exit.ahead_x - one,
+            exit.edge_x + state.ahead_x - one,
             cell + state.first_x,
         );
         let iy = lanes.select_i(
             exit.across_x,
             cell + state.first_y,
-            exit.edge_y + exit.ahead_y - one,
+            exit.edge_y + state.ahead_y - one,
         );
         // Up a level where the edge is also that of the parent.
         let edge = lanes.select_i(exit.across_x, exit.edge_x, exit.edge_y);
@@ -377,15 +410,11 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.ix = lanes.select_i(moving, ix, state.ix);
         state.iy = lanes.select_i(moving, iy, state.iy);
 
-        let [cx, cy] = self.bounds.cells.map(|n| lanes.splat_i(n as i32));
-        let minus_one = lanes.splat_i(-1);
-        let inside = lanes.less_i(minus_one, ix)
-            & lanes.less_i(ix, cx)
-            & lanes.less_i(minus_one, iy)
-            & lanes.less_i(iy, cy);
+        let [cx, cy] = self.bounds.cells.map(|n| n as i32);
+        let inside = lanes.within(ix, cx) & lanes.within(iy, cy);
         let top = lanes.splat(self.bounds.reach + self.bounds.margin);
-        let rising = lanes.less(lanes.splat(0.0), state.dz);
-        let risen = rising & lanes.less(top, state.z + (exit.t - exit.late) * state.dz);
+        let risen = self.rising(state)
+            & lanes.less(top, (exit.t - exit.late).times_plus(state.dz, state.z));
         let left = moving & (risen | !(unsure | inside));
         let doubtful = moving & unsure & !left;
         state.answer = lanes.select_i(left, lanes.splat_i(Code::NOTHING_WORD), state.answer);
@@ -396,9 +425,8 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn look_into_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let at_cell = state.active & lanes.equal_i(state.level, lanes.splat_i(Bounds::IN_CELL));
-        let level = lanes.splat_i(0);
-        let exit = self.exit(state, level);
+        let at_cell = state.active & self.at_cell(state);
+        let exit = self.exit(state, lanes.splat_i(0));
         let stride = self.bounds.cells[0] as i32 + 1;
         let corner = state.iy.times(lanes.splat_i(stride)) + state.ix;
         let heights = &self.bounds.heights;
@@ -411,10 +439,10 @@ impl<'b, L: Lanes> Search<'b, L> {
         let v = state.y - lanes.to_float(state.iy - state.first_y);
         let (w, dw) = (u - v, state.dx - state.dy);
         let zero = lanes.splat(0.0);
-        let (w_in, w_out) = (w + state.t * dw, w + exit.t * dw);
+        let (w_in, w_out) = (state.t.times_plus(dw, w), exit.t.times_plus(dw, w));
         let lower_in = lanes.less(zero, w_in);
         let lower_out = lanes.less(zero, w_out);
-        let crosses = (lower_in & !lower_out) | (!lower_in & lower_out);
+        let crosses = lower_in ^ lower_out;
         let (lower_a, lower_b, upper_a, upper_b) = (h10 - h00, h11 - h10, h11 - h01, h01 - h00);
         let a_in = lanes.select(lower_in, lower_a, upper_a);
         let b_in = lanes.select(lower_in, lower_b, upper_b);
@@ -423,32 +451,37 @@ impl<'b, L: Lanes> Search<'b, L> {
         // Heights above the triangles on entry, on the diagonal, and on leaving.
         let over = state.z - h00;
         let (rate_in, rate_out) = (state.rate(a_in, b_in), state.rate(a_out, b_out));
-        let (first_in, first_out) = (over - a_in * u - b_in * v, over - a_out * u - b_out * v);
+        let (first_in, first_out) = (
+            over.minus_times(a_in, u).minus_times(b_in, v),
+            over.minus_times(a_out, u).minus_times(b_out, v),
+        );
         let across = lanes.splat(-1.0).over(dw);
         let t_diagonal = lanes.select(crosses, w * across, exit.t);
-        let on_entry = first_in + state.t * rate_in;
-        let on_diagonal = first_in + t_diagonal * rate_in;
-        let on_leaving = first_out + exit.t * rate_out;
-        // What rounding may do to them: that of z, that of x and y times the slopes, and, on the
-        // diagonal and on leaving, that of t times the rate.
-        let steepness = a_in.abs() + b_in.abs() + a_out.abs() + b_out.abs();
-        let margin = lanes.splat(self.bounds.margin) + exit.rounding * steepness;
+        let on_entry = state.t.times_plus(rate_in, first_in);
+        let on_diagonal = t_diagonal.times_plus(rate_in, first_in);
+        let on_leaving = exit.t.times_plus(rate_out, first_out);
+        // What rounding may do to them: that of z, that of x and y times the slopes of two facets,
+        // and, on the diagonal and on leaving, that of t times the rate.
+        let slopes = lanes.splat(4.0 * self.bounds.steepest);
+        let margin = exit
+            .rounding
+            .times_plus(slopes, lanes.splat(self.bounds.margin));
         let late = (exit.rounding * across).abs();
         let late = lanes.select(crosses, late + late, exit.late);
-        let on_diagonal_margin = margin + late * rate_in.abs();
+        let on_diagonal_margin = late.times_plus(rate_in.abs(), margin);
 
         let right_side = lanes.less(zero, on_entry + margin);
         let (under_diagonal, over_diagonal) = (
             lanes.less(on_diagonal + on_diagonal_margin, zero),
             lanes.less(on_diagonal_margin, on_diagonal),
         );
-        let on_leaving_margin = margin + exit.late * rate_out.abs();
+        let on_leaving_margin = exit.late.times_plus(rate_out.abs(), margin);
         let (under_leaving, over_leaving) = (
             lanes.less(on_leaving + on_leaving_margin, zero),
             lanes.less(on_leaving_margin, on_leaving),
         );
         let edge = exit.rounding + exit.rounding;
-        let on_edge = lanes.less(w_in.abs(), edge) | lanes.less(w_out.abs(), edge);
+        let on_edge = lanes.less(w_in.abs().min(w_out.abs()), edge);
         let sure = right_side & !on_edge & !exit.tied & at_cell;
         let met = sure & (under_diagonal | (over_diagonal & under_leaving));
         let clear = sure & over_diagonal & over_leaving;
@@ -465,7 +498,6 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.code = lanes.select_i(met, code, state.code);
         let doubtful = at_cell & !(met | clear);
         state.active = state.active & !(met | doubtful);
-        state.level = lanes.select_i(clear, level, state.level);
         self.advance(state, clear, &exit);
     }
 

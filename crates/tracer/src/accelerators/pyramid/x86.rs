@@ -12,7 +12,7 @@
 )]
 
 use std::arch::x86_64::*;
-use std::ops::{Add, BitAnd, BitOr, Mul, Not, Sub};
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 use super::lanes::{Floats, Integers, Lanes, MOST_LANES, Mask, Task};
 
@@ -77,6 +77,7 @@ operator!(Add, add, I8, _mm256_add_epi32);
 operator!(Sub, sub, I8, _mm256_sub_epi32);
 operator!(BitAnd, bitand, M8, _mm256_and_ps);
 operator!(BitOr, bitor, M8, _mm256_or_ps);
+operator!(BitXor, bitxor, M8, _mm256_xor_ps);
 
 impl Not for M8 {
     type Output = Self;
@@ -93,6 +94,16 @@ impl Not for M8 {
 }
 
 impl Floats for F8 {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, other: Self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm256_fmadd_ps(self.0, factor.0, other.0)) }
+    }
+    #[inline(always)]
+    fn minus_times(self, a: Self, b: Self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm256_fnmadd_ps(a.0, b.0, self.0)) }
+    }
     methods! {
         min(other) = _mm256_min_ps;
         over(other) = _mm256_div_ps;
@@ -147,6 +158,14 @@ impl Lanes for Avx2 {
     fn less_i(self, a: I8, b: I8) -> M8 {
         // SAFETY: as above.
         unsafe { M8(_mm256_castsi256_ps(_mm256_cmpgt_epi32(b.0, a.0))) }
+    }
+    #[inline(always)]
+    fn within(self, index: I8, count: i32) -> M8 {
+        // SAFETY: as above.
+        unsafe {
+            let least = _mm256_min_epu32(index.0, _mm256_set1_epi32(count - 1));
+            M8(_mm256_castsi256_ps(_mm256_cmpeq_epi32(least, index.0)))
+        }
     }
     #[inline(always)]
     fn equal_i(self, a: I8, b: I8) -> M8 {
@@ -300,6 +319,22 @@ static NAMED: [u64; 256] = {
     table
 };
 
+/// The entries `at[k]` to `at[k + 3]` of a table, loaded one by one.
+///
+/// # Safety
+/// They must lie within the table.
+#[inline(always)]
+unsafe fn four_entries(table: &[u32], at: &[u32; 16], k: usize) -> __m128i {
+    // SAFETY: the caller's, as above; lanes exist only where the processor has been asked.
+    unsafe {
+        let entry = |k: usize| *table.get_unchecked(at[k] as usize) as i32;
+        let one = _mm_cvtsi32_si128(entry(k));
+        let two = _mm_insert_epi32::<1>(one, entry(k + 1));
+        let three = _mm_insert_epi32::<2>(two, entry(k + 2));
+        _mm_insert_epi32::<3>(three, entry(k + 3))
+    }
+}
+
 /// The index of the last entry of a table.
 #[inline(always)]
 fn last_index(len: usize) -> i32 {
@@ -361,6 +396,14 @@ impl BitOr for M16 {
     }
 }
 
+impl BitXor for M16 {
+    type Output = Self;
+    #[inline(always)]
+    fn bitxor(self, other: Self) -> Self {
+        Self(self.0 ^ other.0)
+    }
+}
+
 impl Not for M16 {
     type Output = Self;
     #[inline(always)]
@@ -370,6 +413,16 @@ impl Not for M16 {
 }
 
 impl Floats for F16 {
+    #[inline(always)]
+    fn times_plus(self, factor: Self, other: Self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm512_fmadd_ps(self.0, factor.0, other.0)) }
+    }
+    #[inline(always)]
+    fn minus_times(self, a: Self, b: Self) -> Self {
+        // SAFETY: lanes exist only where the processor has been asked.
+        unsafe { Self(_mm512_fnmadd_ps(a.0, b.0, self.0)) }
+    }
     methods! {
         min(other) = _mm512_min_ps;
         over(other) = _mm512_div_ps;
@@ -426,6 +479,11 @@ impl Lanes for Avx512 {
         unsafe { M16(_mm512_cmplt_epi32_mask(a.0, b.0)) }
     }
     #[inline(always)]
+    fn within(self, index: I16, count: i32) -> M16 {
+        // SAFETY: as above.
+        unsafe { M16(_mm512_cmplt_epu32_mask(index.0, _mm512_set1_epi32(count))) }
+    }
+    #[inline(always)]
     fn equal_i(self, a: I16, b: I16) -> M16 {
         // SAFETY: as above.
         unsafe { M16(_mm512_cmpeq_epi32_mask(a.0, b.0)) }
@@ -456,7 +514,12 @@ impl Lanes for Avx512 {
         // SAFETY: as above; every index is at most that of the last entry.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            I16(_mm512_i32gather_epi32::<4>(index, table.as_ptr().cast()))
+            let mut at = [0_u32; 16];
+            _mm512_storeu_epi32(at.as_mut_ptr().cast(), index);
+            let four = |k: usize| four_entries(table, &at, k);
+            let eight = |k: usize| _mm256_set_m128i(four(k + 4), four(k));
+            let low = _mm512_castsi256_si512(eight(0));
+            I16(_mm512_inserti64x4::<1>(low, eight(8)))
         }
     }
     #[inline(always)]
@@ -518,4 +581,11 @@ impl Lanes for Avx512 {
             _mm512_storeu_epi32(out.as_mut_ptr(), packed);
         }
     }
+}
+
+/// Asks for the cache line of an entry, which is about to be read.
+#[inline(always)]
+pub(super) fn prefetch<T>(table: &[T], index: usize) {
+    // SAFETY: nothing is read, whatever the address; every x86-64 processor has this instruction.
+    unsafe { _mm_prefetch::<_MM_HINT_T0>(table.as_ptr().wrapping_add(index).cast()) }
 }
