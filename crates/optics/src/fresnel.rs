@@ -30,6 +30,7 @@ pub struct Fresnel {
 /// Total reflection gives `reflected = 1`, `transmitted = 0` exactly. For `eta = 1` nothing is
 /// reflected and `cos_beta = cos_alpha`.
 #[must_use]
+#[inline]
 pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
     let c = cos_alpha;
     let delta = (eta - 1.0) * (eta + 1.0);
@@ -61,13 +62,14 @@ pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
     let p_sum = eta2 * c + g;
     let r_s = -delta / (s_sum * s_sum);
     let r_p = delta * ((eta2 + 1.0) * c * c - 1.0) / (p_sum * p_sum);
-    let t_s = 4.0 * c * g / (s_sum * s_sum);
-    let t_p = 4.0 * eta2 * c * g / (p_sum * p_sum);
+    let reflected = 0.5 * (r_s * r_s + r_p * r_p);
     // The smaller fraction keeps its relative accuracy, and both add to one exactly.
-    let (reflected, transmitted) = (0.5 * (r_s * r_s + r_p * r_p), 0.5 * (t_s + t_p));
-    let (reflected, transmitted) = if reflected < transmitted {
+    let (reflected, transmitted) = if reflected < 0.5 {
         (reflected, 1.0 - reflected)
     } else {
+        let t_s = 4.0 * c * g / (s_sum * s_sum);
+        let t_p = 4.0 * eta2 * c * g / (p_sum * p_sum);
+        let transmitted = 0.5 * (t_s + t_p);
         (1.0 - transmitted, transmitted)
     };
     Fresnel {

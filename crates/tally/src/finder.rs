@@ -1,6 +1,6 @@
 //! Finds bins without inverse trigonometric functions.
 
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use glam::DVec3;
 
@@ -119,13 +119,10 @@ fn rough_azimuth(w: DVec3) -> f64 {
     let polynomial = 0.999_866_0
         + t2 * (-0.330_299_5 + t2 * (0.180_141_0 + t2 * (-0.085_133_0 + t2 * 0.020_835_1)));
     let octant = t * polynomial;
-    let quadrant = if b > a { FRAC_PI_2 - octant } else { octant };
-    let half = if w.x < 0.0 {
-        2.0 * FRAC_PI_2 - quadrant
-    } else {
-        quadrant
-    };
-    if w.y < 0.0 { TAU - half } else { half }
+    // Reflected at the diagonal, at the y axis and at the x axis, by signs: directions come as they like.
+    let quadrant = FRAC_PI_4 - (FRAC_PI_4 - octant).copysign(a - b);
+    let half = FRAC_PI_2 - (FRAC_PI_2 - quadrant).copysign(w.x);
+    PI - (PI - half).copysign(w.y)
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::finder::BinFinder;
 use crate::wedge::{Half, Wedge};
-use crate::{EventPath, Layout, OrderClass, Share, Side};
+use crate::{EventPath, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,7 +91,7 @@ impl Record {
             flux,
             path,
         } = *exit;
-        let layout = self.layout;
+        let layout = &self.layout;
         if !layout.asks(side) {
             self.add_loss(Loss::NotAsked, flux);
             return;
@@ -104,13 +104,8 @@ impl Record {
             Share::Single
         };
 
-        self.values[side.index()] += flux;
         self.values[layout.order(side, path.order() as usize)] += flux;
         self.values[layout.path(side, path)] += flux;
-
-        if share == Share::Multiple {
-            self.values[layout.multiple(side)] += flux;
-        }
 
         let ring = self.finder.ring(side, wo);
         self.values[layout.rings(side, class).start + ring] += flux;
@@ -155,6 +150,7 @@ impl Record {
             }
         }
         for side in Side::BOTH {
+            self.sum_orders(side);
             for i in 0..layout.grid().n_theta() {
                 self.sum_classes(|class| layout.rings(side, class).start + i);
             }
@@ -202,6 +198,15 @@ impl Record {
                 self.values[entries][bins.clone()].fill(of_ring / n_phi as f64);
             }
         }
+    }
+
+    /// Sets the flux of a side, and that of it which was scattered more than once, from its orders.
+    fn sum_orders(&mut self, side: Side) {
+        let order = |order| self.layout.order(side, order);
+        let multiple: f64 = self.values[order(2)..=order(MAX_LISTED_ORDER)].iter().sum();
+        let all = self.values[order(1)] + multiple;
+        self.values[side.index()] = all;
+        self.values[self.layout.multiple(side)] = multiple;
     }
 
     /// Sets the entry of all orders to the sum of those of the classes.

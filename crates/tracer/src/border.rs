@@ -45,17 +45,42 @@ impl Heading {
     /// The direction in the world, unmirrored.
     #[must_use]
     pub fn world_direction(&self) -> DVec3 {
-        let flip = |mirrored: bool| if mirrored { -1.0 } else { 1.0 };
-        let [x, y] = self.mirrored;
-        self.direction * DVec3::new(flip(x), flip(y), 1.0)
+        unmirrored(self.direction, self.mirrored)
+    }
+
+    /// What is asked about the ray in the tile at the origin.
+    #[inline]
+    pub(crate) fn query<G: Geometry>(&self, geometry: &G, medium: Medium) -> Query {
+        let d = self.direction;
+        Query {
+            ray: TileRay {
+                origin: self.origin,
+                direction: DVec3::new(d.x, d.y * geometry.aspect(), d.z),
+            },
+            medium,
+        }
     }
 }
 
-/// How a ray's way through the tiles ends.
+/// The direction in the world of what is `direction` in a tile of which some axes are mirrored.
+#[inline]
+fn unmirrored(direction: DVec3, mirrored: [bool; 2]) -> DVec3 {
+    let [x, y] = mirrored.map(|mirrored| if mirrored { -1.0 } else { 1.0 });
+    direction * DVec3::new(x, y, 1.0)
+}
+
+/// Where a ray comes to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Travel<F> {
     /// It meets the surface: the hit, and the heading with its origin on the facet.
     Met(Hit<F>, Heading),
+    /// It does not.
+    Ended(End),
+}
+
+/// How the way of a ray ends that does not meet the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
     /// It escapes from the surface on the side that it is on.
     Escaped,
     /// It escapes, and needed no search.
@@ -72,257 +97,212 @@ pub enum Travel<F> {
 pub fn travel<G: Geometry>(
     geometry: &G,
     accelerator: &dyn Accelerator<G>,
-    heading: Heading,
+    mut heading: Heading,
     medium: Medium,
 ) -> Travel<G::Facet> {
-    match Search::begin(geometry, heading, medium) {
-        Ok(mut search) => loop {
-            let hit = accelerator.closest_hit(geometry, &search.query());
-            if let Some(end) = search.go_on(geometry, hit) {
-                break end;
-            }
-        },
-        Err(end) => end,
+    if let Some(end) = set_out(geometry, &mut heading, medium) {
+        return Travel::Ended(end);
+    }
+    let mut query = heading.query(geometry, medium);
+    let mut way = Way::new(&heading);
+    loop {
+        if let Some(hit) = accelerator.closest_hit(geometry, &query) {
+            return Travel::Met(hit, way.arrival(geometry, &query, &hit));
+        }
+        if let Some(end) = way.go_on(geometry, &mut query) {
+            return Travel::Ended(end);
+        }
     }
 }
 
-/// Follows many rays; `travel` for each of them, with the searches of all done together.
-///
-/// `ends` is cleared and gets one entry a ray.
-pub fn travel_together<G: Geometry>(
+/// Moves a ray so that the tile at the origin is the first to be searched, or says how its way ends
+/// without a search.
+#[inline]
+pub(crate) fn set_out<G: Geometry>(
     geometry: &G,
-    accelerator: &dyn Accelerator<G>,
-    rays: impl Iterator<Item = (Heading, Medium)>,
-    room: &mut Room<G::Facet>,
-    ends: &mut Vec<Travel<G::Facet>>,
-) {
-    let Room {
-        searches,
-        queries,
-        hits,
-    } = room;
-    ends.clear();
-    searches.clear();
-    for (heading, medium) in rays {
-        match Search::begin(geometry, heading, medium) {
-            Ok(search) => {
-                searches.push((ends.len(), search));
-                ends.push(Travel::Lost);
-            }
-            Err(end) => ends.push(end),
-        }
+    heading: &mut Heading,
+    medium: Medium,
+) -> Option<End> {
+    let Query { ray, .. } = heading.query(geometry, medium);
+    if !(ray.origin.is_finite() && ray.direction.is_finite()) {
+        return Some(End::Lost);
     }
-    while !searches.is_empty() {
-        queries.clear();
-        queries.extend(searches.iter().map(|(_, search)| search.query()));
-        accelerator.closest_hits(geometry, queries, hits);
-        let mut hits = hits.iter();
-        searches.retain_mut(|(index, search)| {
-            let hit = hits.next().copied().flatten();
-            match search.go_on(geometry, hit) {
-                Some(end) => {
-                    ends[*index] = end;
-                    false
-                }
-                None => true,
-            }
-        });
+    if let Some(escape) = geometry.escapes(&ray, medium) {
+        return Some(End::EscapedUnsearched(escape));
+    }
+    let [cx, cy] = geometry.extent();
+    let [low, high] = geometry.z_range();
+    let within = |p: DVec3| {
+        (0.0 <= p.x && p.x < cx) && (0.0 <= p.y && p.y < cy) && (low <= p.z && p.z <= high)
+    };
+    // Nearly all rays are where they are searched.
+    if within(ray.origin) {
+        None
+    } else {
+        enter(geometry, heading, medium)
     }
 }
 
-/// Memory that [`travel_together`] uses again and again.
+/// The same for a ray from beside the tile, from above all heights, or from below them.
+#[inline(never)]
+fn enter<G: Geometry>(geometry: &G, heading: &mut Heading, medium: Medium) -> Option<End> {
+    let ray = heading.query(geometry, medium).ray;
+    let border = geometry.border();
+    if border == Border::Open
+        && let Some(rim) = rim(&ray, geometry.extent())
+        && geometry.is_beyond(rim, medium)
+    {
+        return Some(End::LeftPatch);
+    }
+    let [start, end] = between_heights(geometry, &ray);
+    if start > end {
+        return Some(nothing_met(border, heading.direction, medium));
+    }
+    if border != Border::Open {
+        let entry = ray.at(start);
+        for (axis, size) in geometry.extent().into_iter().enumerate() {
+            let tile = (entry[axis] / size).floor();
+            let image = border == Border::Mirrored && tile.rem_euclid(2.0) == 1.0;
+            heading.origin[axis] = from_tile(tile, image, size, ray.origin[axis]);
+            if image {
+                heading.direction[axis] = -heading.direction[axis];
+                heading.mirrored[axis] = !heading.mirrored[axis];
+            }
+        }
+    }
+    None
+}
+
+/// How the way of a ray ends if no tile has anything in it.
+fn nothing_met(border: Border, direction: DVec3, medium: Medium) -> End {
+    if medium.sign() * direction.z > 0.0 {
+        End::Escaped
+    } else if border == Border::Open {
+        End::LeftPatch
+    } else {
+        End::Lost
+    }
+}
+
+/// The way of a ray from tile to tile, beside the [`Query`] that asks what it meets in the current one.
 #[derive(Debug)]
-pub struct Room<F> {
-    searches: Vec<(usize, Search)>,
-    queries: Vec<Query>,
-    hits: Vec<Option<Hit<F>>>,
+pub(crate) struct Way {
+    /// Unit direction in physical lengths, in the orientation of the current tile.
+    direction: DVec3,
+    /// Which axes of the current tile are mirrored against the world.
+    mirrored: [bool; 2],
+    /// Beyond the first tile: few rays come there.
+    crossing: Option<Box<Crossing>>,
 }
 
-impl<F> Default for Room<F> {
-    fn default() -> Self {
+impl Way {
+    /// The way of a ray that has [`set_out`].
+    #[inline]
+    pub(crate) const fn new(heading: &Heading) -> Self {
         Self {
-            searches: Vec::new(),
-            queries: Vec::new(),
-            hits: Vec::new(),
+            direction: heading.direction,
+            mirrored: heading.mirrored,
+            crossing: None,
         }
     }
-}
 
-/// A ray on its way from tile to tile.
-#[derive(Clone, Copy, Debug)]
-struct Search {
-    tiles: Tiles,
-    query: Query,
-    searched: u32,
-}
+    /// Goes on where nothing is met in the current tile: to the next one, unless the way ends.
+    #[inline(never)]
+    pub(crate) fn go_on<G: Geometry>(&mut self, geometry: &G, query: &mut Query) -> Option<End> {
+        let border = geometry.border();
+        let nothing_met = nothing_met(border, self.direction, query.medium);
+        if border == Border::Open {
+            return Some(nothing_met);
+        }
+        let mut crossing = match &self.crossing {
+            Some(crossing) => **crossing,
+            None => Crossing::begin(geometry, &query.ray),
+        };
+        crossing.searched += 1;
+        if crossing.searched == MOST_TILES {
+            return Some(End::Lost);
+        }
+        let size = geometry.extent();
+        let Some(axis) = crossing.advance(size) else {
+            return Some(nothing_met);
+        };
+        let tile = crossing.tile[axis];
+        let image = border == Border::Mirrored && tile.rem_euclid(2) == 1;
+        let origin = crossing.ray.origin[axis];
+        query.ray.origin[axis] = from_tile(tile as f64, image, size[axis], origin);
+        if border == Border::Mirrored {
+            query.ray.direction[axis] = -query.ray.direction[axis];
+            self.direction[axis] = -self.direction[axis];
+            self.mirrored[axis] = !self.mirrored[axis];
+        }
+        match &mut self.crossing {
+            Some(place) => **place = crossing,
+            None => self.crossing = Some(Box::new(crossing)),
+        }
+        None
+    }
 
-impl Search {
-    /// The search in the first tile, or how the way ends without one.
-    fn begin<G: Geometry>(
+    /// The way, taken from where it was kept.
+    pub(crate) const fn take(&mut self) -> Self {
+        Self {
+            direction: self.direction,
+            mirrored: self.mirrored,
+            crossing: self.crossing.take(),
+        }
+    }
+
+    /// The heading with which a ray comes to what it hits in the current tile.
+    #[inline]
+    pub(crate) fn arrival<G: Geometry>(
+        &self,
         geometry: &G,
-        heading: Heading,
-        medium: Medium,
-    ) -> Result<Self, Travel<G::Facet>> {
-        if !(heading.origin.is_finite() && heading.direction.is_finite()) {
-            return Err(Travel::Lost);
-        }
-        let tiles = Tiles::new(geometry, heading);
-        if let Some(escape) = geometry.escapes(&tiles.ray, medium) {
-            return Err(Travel::EscapedUnsearched(escape));
-        }
-        if tiles.border == Border::Open
-            && let Some(rim) = tiles.rim()
-            && geometry.is_beyond(rim, medium)
-        {
-            return Err(Travel::LeftPatch);
-        }
-        match tiles.current() {
-            Some(ray) => Ok(Self {
-                tiles,
-                query: Query { ray, medium },
-                searched: 0,
-            }),
-            None => Err(tiles.nothing_met(medium)),
+        query: &Query,
+        hit: &Hit<G::Facet>,
+    ) -> Heading {
+        Heading {
+            origin: geometry.snap(hit.facet, query.ray.at(hit.t)),
+            direction: self.direction,
+            mirrored: self.mirrored,
         }
     }
 
-    const fn query(&self) -> Query {
-        self.query
-    }
-
-    /// How the way ends, given what was hit in the current tile, or `None` if it goes on.
-    fn go_on<G: Geometry>(
-        &mut self,
-        geometry: &G,
-        hit: Option<Hit<G::Facet>>,
-    ) -> Option<Travel<G::Facet>> {
-        let Query { ray, medium } = self.query;
-        if let Some(hit) = hit {
-            let heading = Heading {
-                origin: geometry.snap(hit.facet, ray.at(hit.t)),
-                direction: self.tiles.local_direction(),
-                mirrored: self.tiles.mirrored(),
-            };
-            return Some(Travel::Met(hit, heading));
-        }
-        self.searched += 1;
-        if self.searched == MOST_TILES {
-            return Some(Travel::Lost);
-        }
-        self.tiles.advance();
-        match self.tiles.current() {
-            Some(ray) => {
-                self.query.ray = ray;
-                None
-            }
-            None => Some(self.tiles.nothing_met(medium)),
-        }
+    /// The direction in the world, unmirrored.
+    #[inline]
+    pub(crate) fn world_direction(&self) -> DVec3 {
+        unmirrored(self.direction, self.mirrored)
     }
 }
 
-/// The tiles that a ray crosses while it is between the lowest and the highest point.
+/// The tiles that a ray crosses while it is between the lowest and the highest point, counted from
+/// the one in which it began.
 #[derive(Clone, Copy, Debug)]
-struct Tiles {
-    border: Border,
-    size: [f64; 2],
-    heading: Heading,
-    /// The ray in the coordinates of tile (0, 0), continued beyond it.
+struct Crossing {
+    /// The ray in the coordinates of the first tile, continued beyond it.
     ray: TileRay,
     /// The tile that the ray is in.
     tile: [i64; 2],
+    /// Ray parameter at which it enters that tile.
+    entered: f64,
     /// Ray parameter at which it leaves the slab between lowest and highest point.
     end: f64,
-    /// Ray parameter at which it enters the current tile.
-    entered: f64,
-    done: bool,
+    /// Tiles in which nothing was met.
+    searched: u32,
 }
 
-impl Tiles {
-    fn new<G: Geometry>(surface: &G, heading: Heading) -> Self {
-        let size = surface.extent();
-        let d = heading.direction;
-        let direction = DVec3::new(d.x, d.y * surface.aspect(), d.z);
-        let ray = TileRay {
-            origin: heading.origin,
-            direction,
-        };
-
-        // Widen the slab a little: its faces touch the surface.
-        let [low, high] = surface.z_range();
-        let pad = 1e-6 * (1.0 + high - low);
-        let (start, end) = slab(ray.origin.z, d.z, low - pad, high + pad);
-
-        let border = surface.border();
-        let entry = ray.at(start);
-        let tile = match border {
-            Border::Open => [0, 0],
-            Border::Periodic | Border::Mirrored => {
-                [entry.x / size[0], entry.y / size[1]].map(|t| t.floor() as i64)
-            }
-        };
+impl Crossing {
+    fn begin<G: Geometry>(geometry: &G, ray: &TileRay) -> Self {
+        let [entered, end] = between_heights(geometry, ray);
         Self {
-            border,
-            size,
-            heading,
-            ray,
-            tile,
+            ray: *ray,
+            tile: [0, 0],
+            entered,
             end,
-            entered: start,
-            done: start > end,
+            searched: 0,
         }
     }
 
-    /// The ray in the coordinates of the current tile, or `None` behind the last one.
-    fn current(&self) -> Option<TileRay> {
-        if self.done {
-            return None;
-        }
-        let mut ray = self.ray;
-        for (axis, flip) in self.flips().into_iter().enumerate() {
-            let (k, size) = (self.tile[axis] as f64, self.size[axis]);
-            if flip {
-                ray.origin[axis] = (k + 1.0) * size - ray.origin[axis];
-                ray.direction[axis] = -ray.direction[axis];
-            } else {
-                ray.origin[axis] -= k * size;
-            }
-        }
-        Some(ray)
-    }
-
-    /// Where a ray from beside the tile comes over its rim, if it does.
-    fn rim(&self) -> Option<DVec3> {
-        let (o, d) = (self.ray.origin, self.ray.direction);
-        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
-        for axis in 0..2 {
-            if d[axis] != 0.0 {
-                let at = [0.0, self.size[axis]].map(|edge| (edge - o[axis]) / d[axis]);
-                enter = enter.max(at[0].min(at[1]));
-                leave = leave.min(at[0].max(at[1]));
-            } else if !(0.0..=self.size[axis]).contains(&o[axis]) {
-                return None;
-            }
-        }
-        (enter > 0.0 && enter < leave).then(|| self.ray.at(enter))
-    }
-
-    /// How the way ends if no tile has anything in it.
-    fn nothing_met<F>(&self, medium: Medium) -> Travel<F> {
-        if medium.sign() * self.heading.direction.z > 0.0 {
-            Travel::Escaped
-        } else if self.border == Border::Open {
-            Travel::LeftPatch
-        } else {
-            Travel::Lost
-        }
-    }
-
-    /// Goes on to the next tile.
-    fn advance(&mut self) {
-        if self.border == Border::Open {
-            self.done = true;
-            return;
-        }
+    /// Goes on to the next tile and names the axis along which it lies, if there is one before the end.
+    fn advance(&mut self, size: [f64; 2]) -> Option<usize> {
         // The boundary that comes first; a ray that runs along an axis never crosses the other.
         let crossing = |axis: usize| {
             let rate = self.ray.direction[axis];
@@ -330,7 +310,7 @@ impl Tiles {
             if rate == 0.0 {
                 f64::INFINITY
             } else {
-                (k * self.size[axis] - self.ray.origin[axis]) / rate
+                (k * size[axis] - self.ray.origin[axis]) / rate
             }
         };
         let at = [crossing(0), crossing(1)];
@@ -341,45 +321,53 @@ impl Tiles {
         } else {
             -1
         };
-        self.done = at[axis].is_infinite() || self.entered > self.end;
-    }
-
-    /// Axes along which the current tile is the mirror image of the one that the ray came from.
-    fn flips(&self) -> [bool; 2] {
-        self.tile
-            .map(|k| self.border == Border::Mirrored && k.rem_euclid(2) == 1)
-    }
-
-    /// The physical direction in the orientation of the current tile.
-    fn local_direction(&self) -> DVec3 {
-        let mut d = self.heading.direction;
-        for (axis, flip) in self.flips().into_iter().enumerate() {
-            if flip {
-                d[axis] = -d[axis];
-            }
-        }
-        d
-    }
-
-    /// Which axes of the current tile are mirrored against the world.
-    fn mirrored(&self) -> [bool; 2] {
-        let [a, b] = self.flips();
-        [self.heading.mirrored[0] ^ a, self.heading.mirrored[1] ^ b]
+        (at[axis].is_finite() && self.entered <= self.end).then_some(axis)
     }
 }
 
-/// Interval of `t >= 0` in which `z + t * rate` lies in `[low, high]`; empty if start exceeds end.
-fn slab(z: f64, rate: f64, low: f64, high: f64) -> (f64, f64) {
+/// A coordinate in tile number `tile` along its axis, or in that tile's mirror `image`.
+fn from_tile(tile: f64, image: bool, size: f64, p: f64) -> f64 {
+    if image {
+        (tile + 1.0) * size - p
+    } else {
+        p - tile * size
+    }
+}
+
+/// Where a ray from beside the tile comes over its rim, if it does.
+fn rim(ray: &TileRay, size: [f64; 2]) -> Option<DVec3> {
+    let (o, d) = (ray.origin, ray.direction);
+    let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    for axis in 0..2 {
+        if d[axis] != 0.0 {
+            let at = [0.0, size[axis]].map(|edge| (edge - o[axis]) / d[axis]);
+            enter = enter.max(at[0].min(at[1]));
+            leave = leave.min(at[0].max(at[1]));
+        } else if !(0.0..=size[axis]).contains(&o[axis]) {
+            return None;
+        }
+    }
+    (enter > 0.0 && enter < leave).then(|| ray.at(enter))
+}
+
+/// Interval of the ray parameter, from zero, between the lowest and the highest point; empty if the
+/// start exceeds the end.
+fn between_heights<G: Geometry>(geometry: &G, ray: &TileRay) -> [f64; 2] {
+    // Widen the slab a little: its faces touch the surface.
+    let [low, high] = geometry.z_range();
+    let pad = 1e-6 * (1.0 + high - low);
+    let (low, high) = (low - pad, high + pad);
+    let (z, rate) = (ray.origin.z, ray.direction.z);
     if rate == 0.0 {
         let end = if (low..=high).contains(&z) {
             f64::INFINITY
         } else {
             f64::NEG_INFINITY
         };
-        return (0.0, end);
+        return [0.0, end];
     }
     let (a, b) = ((low - z) / rate, (high - z) / rate);
-    (a.min(b).max(0.0), a.max(b))
+    [a.min(b).max(0.0), a.max(b)]
 }
 
 #[cfg(test)]
@@ -571,7 +559,7 @@ mod tests {
             mirrored: [false; 2],
         };
         let journey = travel(&surface, &BruteForce, heading, Medium::Above);
-        assert_eq!(journey, Travel::LeftPatch);
+        assert_eq!(journey, Travel::Ended(End::LeftPatch));
     }
 
     #[test]
@@ -590,7 +578,7 @@ mod tests {
         };
         let [_, high] = surface.z_range();
         let under = travel(&surface, &BruteForce, from(high - 0.3), Medium::Above);
-        assert_eq!(under, Travel::LeftPatch);
+        assert_eq!(under, Travel::Ended(End::LeftPatch));
         let over = travel(&surface, &BruteForce, from(high + 0.015), Medium::Above);
         assert!(matches!(over, Travel::Met(..)), "{over:?}");
     }
@@ -604,6 +592,9 @@ mod tests {
             mirrored: [false; 2],
         };
         let journey = travel(&surface, &BruteForce, heading, Medium::Above);
-        assert_eq!(journey, Travel::EscapedUnsearched(Escape::SteeperThanAll));
+        assert_eq!(
+            journey,
+            Travel::Ended(End::EscapedUnsearched(Escape::SteeperThanAll))
+        );
     }
 }

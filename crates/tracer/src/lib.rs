@@ -16,6 +16,7 @@
 
 mod accelerator;
 mod accelerators;
+mod beam;
 pub mod border;
 mod cell;
 mod geometry;

@@ -1,19 +1,19 @@
 //! Light paths: from interaction to interaction until all flux has left.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
-use asperity_surface::Border;
 use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
-use crate::accelerator::Accelerator;
-use crate::border::{Heading, Room, Travel, travel_together};
+use crate::accelerator::{Accelerator, Query};
+use crate::beam::Beam;
+use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::{Escape, Geometry};
 use crate::morton::morton_square;
-use crate::ray::Medium;
+use crate::ray::{Hit, Medium};
 
 /// What happens where light is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -118,9 +118,9 @@ impl std::ops::AddAssign for Work {
     }
 }
 
-/// Incident rays that are followed together: enough to fill wide searches, few enough for their
-/// paths and the surface around them to stay in cache.
-const TOGETHER: usize = 2048;
+/// Legs that are followed together: enough to fill wide searches, few enough for them and the surface
+/// around them to stay in cache.
+const TOGETHER: usize = 1024;
 
 /// Follows light that falls on a surface.
 pub struct Tracer<'a, G: Geometry> {
@@ -131,15 +131,26 @@ pub struct Tracer<'a, G: Geometry> {
     settings: PathSettings,
 }
 
-/// One stretch of a path that is still to be followed.
+/// What light carries along its path.
 #[derive(Clone, Copy)]
-struct Leg {
-    heading: Heading,
-    medium: Medium,
+struct Light {
     flux: f64,
     path: EventPath,
     /// Cosine and sine of the angle by which what leaves is turned about the vertical.
     turn: DVec2,
+}
+
+/// One stretch of a path that is being followed.
+struct Leg {
+    way: Way,
+    light: Light,
+}
+
+/// Legs that are next to be searched, and what to ask about each.
+#[derive(Default)]
+struct InFlight {
+    queries: Vec<Query>,
+    legs: Vec<Leg>,
 }
 
 /// The state of one batch.
@@ -147,8 +158,9 @@ struct Batch<'r, R> {
     record: Record,
     work: Work,
     rng: &'r mut R,
-    /// What goes on from the legs that have just been followed.
-    onward: Vec<Leg>,
+    next: InFlight,
+    /// How many of the next legs may have another one behind them.
+    lasting: usize,
 }
 
 impl<'a, G: Geometry> Tracer<'a, G> {
@@ -202,79 +214,41 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             record: Record::new(layout, azimuth),
             work: Work::default(),
             rng,
-            onward: Vec::new(),
+            next: InFlight::default(),
+            lasting: 0,
         };
-        let (mut legs, mut ends, mut room) = (Vec::new(), Vec::new(), Room::default());
-        let mut places = morton_square(strata).peekable();
-        while places.peek().is_some() {
-            legs.clear();
-            for place in places.by_ref().take(TOGETHER) {
-                legs.push(self.incident_leg(place, strata, incidence, turned, batch.rng));
+        let beam = Beam::new(self.geometry, self.incident, incidence, turned, strata);
+        let mut places = morton_square(strata);
+        let (mut now, mut hits) = (InFlight::default(), Vec::new());
+        loop {
+            // Legs that end in any case do not count, so that when a ray starts, and which random
+            // numbers it draws, does not depend on whether they are followed; see `set_out_if_asked`.
+            while batch.lasting < TOGETHER
+                && let Some(place) = places.next()
+            {
+                let (heading, turn) = beam.ray(place, batch.rng);
+                let light = Light {
+                    flux: 1.0,
+                    path: EventPath::default(),
+                    turn,
+                };
+                self.set_out(heading, self.incident, light, &mut batch);
                 batch.work.rays += 1;
             }
-            while !legs.is_empty() {
-                let rays = legs.iter().map(|leg: &Leg| (leg.heading, leg.medium));
-                travel_together(self.geometry, self.accelerator, rays, &mut room, &mut ends);
-                for (leg, end) in legs.drain(..).zip(&ends) {
-                    self.arrive(leg, end, &mut batch);
-                }
-                std::mem::swap(&mut legs, &mut batch.onward);
+            std::mem::swap(&mut now, &mut batch.next);
+            batch.lasting = 0;
+            if now.legs.is_empty() {
+                break;
             }
+            self.accelerator
+                .closest_hits(self.geometry, &now.queries, &mut hits);
+            for ((leg, query), hit) in now.legs.iter_mut().zip(&mut now.queries).zip(&hits) {
+                self.arrive(leg, query, hit, &mut batch);
+            }
+            now.legs.clear();
+            now.queries.clear();
         }
         (batch.record.into_fractions(batch.work.rays), batch.work)
-    }
-
-    /// A ray from a random point of the stratum at `[column, row]` of `strata` by `strata`.
-    fn incident_leg<R: Rng>(
-        &self,
-        [column, row]: [u32; 2],
-        strata: u32,
-        incidence: Incidence,
-        turned: bool,
-        rng: &mut R,
-    ) -> Leg {
-        let width = 1.0 / f64::from(strata);
-        let u = (f64::from(column) + rng.random::<f64>()) * width;
-        let v = (f64::from(row) + rng.random::<f64>()) * width;
-        let (light, turn) = if turned {
-            let phi = TAU * rng.random::<f64>();
-            (incidence.at_azimuth(phi), incidence.phi() - phi)
-        } else {
-            (incidence, 0.0)
-        };
-        Leg {
-            heading: self.start(light.wi(), u, v),
-            medium: self.incident,
-            flux: 1.0,
-            path: EventPath::default(),
-            turn: DVec2::from_angle(turn),
-        }
-    }
-
-    /// The ray that would meet the mean plane at the fractions `(u, v)` of a period, started where
-    /// it passes the highest point of the surface (the lowest, if it comes from below).
-    fn start(&self, wi: DVec3, u: f64, v: f64) -> Heading {
-        let surface = self.geometry;
-        let wi = self.turned_upright(wi);
-        // A mirrored tile and its images make a period of two tiles along each axis.
-        let period = match surface.border() {
-            Border::Mirrored => 2.0,
-            Border::Periodic | Border::Open => 1.0,
-        };
-        let [cx, cy] = surface.extent().map(|e| e * period);
-        let [low, high] = surface.z_range();
-        let z = if self.incident == Medium::Above {
-            high
-        } else {
-            low
-        };
-        let t = (z - surface.mean_plane()) / wi.z;
-        let origin = DVec3::new(u * cx + t * wi.x, v * cy + t * wi.y * surface.aspect(), z);
-        Heading {
-            origin,
-            direction: -wi,
-            mirrored: [false; 2],
-        }
     }
 
     /// Between the frame in which the incident medium is +z and that of the height field.
@@ -282,60 +256,125 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         DVec3::new(w.x, w.y, w.z * self.incident.sign())
     }
 
-    /// Books what has left, and lets light that has met the surface go on from there.
-    fn arrive<R: Rng>(&self, leg: Leg, end: &Travel<G::Facet>, batch: &mut Batch<'_, R>) {
-        if let Travel::EscapedUnsearched(escape) = end {
+    /// Lets light go its way, or books it at once if it meets nothing.
+    fn set_out<R: Rng>(
+        &self,
+        mut heading: Heading,
+        medium: Medium,
+        light: Light,
+        batch: &mut Batch<'_, R>,
+    ) {
+        if let Some(end) = set_out(self.geometry, &mut heading, medium) {
+            self.book(end, heading.world_direction(), medium, &light, batch);
+        } else {
+            let way = Way::new(&heading);
+            let query = heading.query(self.geometry, medium);
+            self.push(Leg { way, light }, query, batch);
+        }
+    }
+
+    /// Has a leg searched next.
+    fn push<R>(&self, leg: Leg, query: Query, batch: &mut Batch<'_, R>) {
+        batch.lasting += usize::from(leg.light.path.order() < self.settings.max_order);
+        batch.next.legs.push(leg);
+        batch.next.queries.push(query);
+    }
+
+    /// Lets light go on from what it has met in the current tile, be it nothing.
+    fn arrive<R: Rng>(
+        &self,
+        leg: &mut Leg,
+        query: &mut Query,
+        hit: &Option<Hit<G::Facet>>,
+        batch: &mut Batch<'_, R>,
+    ) {
+        let Leg { way, light } = leg;
+        match hit {
+            Some(_) if light.path.order() >= self.settings.max_order => {
+                batch.work.segments += 1;
+                batch.record.add_loss(Loss::Truncated, light.flux);
+            }
+            Some(hit) => {
+                batch.work.segments += 1;
+                let heading = way.arrival(self.geometry, query, hit);
+                self.interact(&heading, query.medium, light, hit.facet, batch);
+            }
+            None => match way.go_on(self.geometry, query) {
+                Some(end) => {
+                    self.book(end, way.world_direction(), query.medium, light, batch);
+                }
+                None => {
+                    let leg = Leg {
+                        way: way.take(),
+                        light: *light,
+                    };
+                    self.push(leg, *query, batch);
+                }
+            },
+        }
+    }
+
+    /// Books light whose way, in the `direction` given, has ended without meeting the surface.
+    fn book<R>(
+        &self,
+        end: End,
+        direction: DVec3,
+        medium: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, R>,
+    ) {
+        if let End::EscapedUnsearched(escape) = end {
             batch.work.segments_skipped += 1;
-            let nearby = *escape == Escape::SteeperThanNear;
+            let nearby = escape == Escape::SteeperThanNear;
             batch.work.segments_skipped_nearby += u64::from(nearby);
         } else {
             batch.work.segments += 1;
         }
-        match *end {
-            Travel::Escaped | Travel::EscapedUnsearched(_) => {
-                let wo = self.turned_upright(leg.heading.world_direction());
-                let level = leg.turn.rotate(wo.truncate());
+        match end {
+            End::Escaped | End::EscapedUnsearched(_) => {
+                let wo = self.turned_upright(direction);
+                let level = light.turn.rotate(wo.truncate());
                 batch.record.add_exit(&Exit {
-                    side: self.side_of(leg.medium),
+                    side: self.side_of(medium),
                     wo: level.extend(wo.z),
-                    flux: leg.flux,
-                    path: leg.path,
+                    flux: light.flux,
+                    path: light.path,
                 });
             }
-            Travel::LeftPatch => batch.record.add_loss(Loss::LeftPatch, leg.flux),
-            Travel::Lost => batch.record.add_loss(Loss::Lost, leg.flux),
-            Travel::Met(_, _) if leg.path.order() >= self.settings.max_order => {
-                batch.record.add_loss(Loss::Truncated, leg.flux);
-            }
-            Travel::Met(hit, heading) => {
-                let arrived = Leg { heading, ..leg };
-                self.interact(&arrived, hit.facet, batch);
-            }
+            End::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
+            End::Lost => batch.record.add_loss(Loss::Lost, light.flux),
         }
     }
 
     /// Reflects, transmits or absorbs light that has arrived at a facet.
-    fn interact<R: Rng>(&self, leg: &Leg, facet: G::Facet, batch: &mut Batch<'_, R>) {
-        let m = leg.medium.sign() * self.geometry.normal(facet);
-        let wi = -leg.heading.direction;
+    fn interact<R: Rng>(
+        &self,
+        arrived: &Heading,
+        medium: Medium,
+        light: &Light,
+        facet: G::Facet,
+        batch: &mut Batch<'_, R>,
+    ) {
+        let m = medium.sign() * self.geometry.normal(facet);
+        let wi = -arrived.direction;
         let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
-        let (fresnel, eta) = self.fresnel(leg.medium, cos_alpha);
+        let (fresnel, eta) = self.fresnel(medium, cos_alpha);
 
         let onward = |event: Event, share: f64| {
             let (direction, medium) = match event {
-                Event::Reflection => (reflect(wi, m), leg.medium),
-                Event::Transmission => (refract(wi, m, eta, fresnel.cos_beta), leg.medium.other()),
+                Event::Reflection => (reflect(wi, m), medium),
+                Event::Transmission => (refract(wi, m, eta, fresnel.cos_beta), medium.other()),
             };
-            Leg {
-                heading: Heading {
-                    direction,
-                    ..leg.heading
-                },
-                medium,
-                flux: leg.flux * share,
-                path: leg.path.then(event),
-                turn: leg.turn,
-            }
+            let heading = Heading {
+                direction,
+                ..*arrived
+            };
+            let light = Light {
+                flux: light.flux * share,
+                path: light.path.then(event),
+                turn: light.turn,
+            };
+            (heading, medium, light)
         };
         let transmits = self.material.transmitting_index().is_some();
         if transmits && self.settings.branching == Branching::Pick {
@@ -344,22 +383,23 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             } else {
                 Event::Transmission
             };
-            self.push_if_asked(onward(event, 1.0), batch);
+            let (heading, medium, light) = onward(event, 1.0);
+            self.set_out_if_asked(heading, medium, light, batch);
             return;
         }
         if transmits {
             if fresnel.transmitted > 0.0 {
-                let leg = onward(Event::Transmission, fresnel.transmitted);
-                self.push_or_end(leg, batch);
+                let (heading, medium, light) = onward(Event::Transmission, fresnel.transmitted);
+                self.set_out_or_end(heading, medium, light, batch);
             }
         } else {
             batch
                 .record
-                .add_loss(Loss::Absorbed, leg.flux * fresnel.transmitted);
+                .add_loss(Loss::Absorbed, light.flux * fresnel.transmitted);
         }
         if fresnel.reflected > 0.0 {
-            let leg = onward(Event::Reflection, fresnel.reflected);
-            self.push_or_end(leg, batch);
+            let (heading, medium, light) = onward(Event::Reflection, fresnel.reflected);
+            self.set_out_or_end(heading, medium, light, batch);
         }
     }
 
@@ -377,34 +417,46 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Russian roulette: a weak branch goes on with a probability proportional to its flux, and then
     /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
-    fn push_or_end<R: Rng>(&self, mut leg: Leg, batch: &mut Batch<'_, R>) {
+    fn set_out_or_end<R: Rng>(
+        &self,
+        heading: Heading,
+        medium: Medium,
+        mut light: Light,
+        batch: &mut Batch<'_, R>,
+    ) {
         let threshold = self.settings.roulette_below;
-        if leg.flux < threshold {
-            let survives = batch.rng.random::<f64>() * threshold < leg.flux;
+        if light.flux < threshold {
+            let survives = batch.rng.random::<f64>() * threshold < light.flux;
             let kept = if survives { threshold } else { 0.0 };
-            batch.record.add_loss(Loss::Truncated, leg.flux - kept);
+            batch.record.add_loss(Loss::Truncated, light.flux - kept);
             if !survives {
                 return;
             }
-            leg.flux = kept;
+            light.flux = kept;
         }
-        self.push_if_asked(leg, batch);
+        self.set_out_if_asked(heading, medium, light, batch);
     }
 
-    /// Pushes a branch that goes on, unless it can end only where nobody asks.
+    /// Lets a branch set out, unless it can end only where nobody asks.
     ///
     /// A branch that has reached the highest order has no interaction left: it escapes on the side
     /// of its medium, or is truncated. If that side is not asked for, its flux is booked as such at
     /// once. A branch of lower order is always followed, since it may come back. This is decided
     /// after all random numbers of a branch are drawn, and one of the highest order draws no more, so
     /// what is recorded of a side does not depend on whether the other is asked for.
-    fn push_if_asked<R>(&self, leg: Leg, batch: &mut Batch<'_, R>) {
-        let last = leg.path.order() >= self.settings.max_order;
-        if last && !batch.record.asks(self.side_of(leg.medium)) {
-            batch.record.add_loss(Loss::NotAsked, leg.flux);
+    fn set_out_if_asked<R: Rng>(
+        &self,
+        heading: Heading,
+        medium: Medium,
+        light: Light,
+        batch: &mut Batch<'_, R>,
+    ) {
+        let last = light.path.order() >= self.settings.max_order;
+        if last && !batch.record.asks(self.side_of(medium)) {
+            batch.record.add_loss(Loss::NotAsked, light.flux);
             batch.work.branches_not_asked += 1;
         } else {
-            batch.onward.push(leg);
+            self.set_out(heading, medium, light, batch);
         }
     }
 

@@ -25,20 +25,13 @@ impl Support {
     const NONE: Self = Self([f64::NEG_INFINITY; DIRECTIONS]);
 
     /// An upper bound of the steepest rise in the direction and by the length of `u`.
+    #[inline]
     pub(crate) fn rise(&self, u: DVec2) -> f64 {
         let (x, y) = (u.x.abs(), u.y.abs());
-        let axis = match (x >= y, u.x < 0.0, u.y < 0.0) {
-            (true, false, _) => 0,
-            (true, true, _) => 4,
-            (false, _, false) => 2,
-            (false, _, true) => 6,
-        };
-        let diagonal = match (u.x < 0.0, u.y < 0.0) {
-            (false, false) => 1,
-            (true, false) => 3,
-            (true, true) => 5,
-            (false, true) => 7,
-        };
+        // Without branches, since directions come as they like.
+        let (left, down) = (usize::from(u.x < 0.0), usize::from(u.y < 0.0));
+        let axis = if x >= y { 4 * left } else { 2 + 4 * down };
+        let diagonal = 1 + 2 * (left ^ down) + 4 * down;
         (x - y).abs() * self.0[axis] + x.min(y) * self.0[diagonal]
     }
 
@@ -91,20 +84,10 @@ pub(crate) struct Steepness {
 /// Blocks of one size.
 #[derive(Clone, Debug)]
 struct Level {
-    /// Cells along a block's side.
-    side: usize,
-    columns: usize,
+    /// Columns and rows of blocks.
+    size: [u32; 2],
     /// For each block, that of itself and of the eight around it, beyond the border too.
     around: Vec<Support>,
-}
-
-impl Level {
-    /// The bound around a point of the tile.
-    fn around(&self, place: DVec2) -> &Support {
-        let rows = self.around.len() / self.columns;
-        let block = |p: f64, count: usize| (p as usize / self.side).min(count - 1);
-        &self.around[block(place.y, rows) * self.columns + block(place.x, self.columns)]
-    }
 }
 
 impl Steepness {
@@ -130,8 +113,7 @@ impl Steepness {
         let mut levels = Vec::new();
         loop {
             levels.push(Level {
-                side,
-                columns: size[0],
+                size: size.map(|n| n as u32),
                 around: with_neighbours(&blocks, size, [cx, cy].map(|n| n % side == 0), border),
             });
             if size == [1, 1] {
@@ -158,16 +140,27 @@ impl Steepness {
 
     /// Whether a ray of horizontal direction `u` that rises by `rise` a unit of `t` is steeper than
     /// every facet.
+    #[inline]
     pub(crate) fn is_below_all(&self, u: DVec2, rise: f64) -> bool {
         rise > self.all.rise(u)
     }
 
     /// Whether such a ray, from `(x, y)` in the tile, is steeper than every facet that it passes
     /// before it has gone on by `t`.
+    #[inline]
     pub(crate) fn is_below_near(&self, place: DVec2, u: DVec2, rise: f64, t: f64) -> bool {
         let reach = t * u.x.abs().max(u.y.abs());
-        let level = self.levels.iter().find(|level| level.side as f64 >= reach);
-        level.is_some_and(|level| rise > level.around(place).rise(u))
+        // Blocks of 16 * 2^level cells a side, the smallest that are longer than the reach.
+        let level = u32::BITS - (reach as u32 / SMALLEST as u32).leading_zeros();
+        let Some(Level { size, around }) = self.levels.get(level as usize) else {
+            return false;
+        };
+        let block = |p: f64, count: u32| {
+            let number = (p as u32 / SMALLEST as u32) >> level;
+            number.min(count - 1) as usize
+        };
+        let around = &around[block(place.y, size[1]) * size[0] as usize + block(place.x, size[0])];
+        rise > around.rise(u)
     }
 }
 

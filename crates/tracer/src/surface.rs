@@ -36,6 +36,10 @@ pub struct Surface {
     scale: Scale,
     size: Size,
     mean: f64,
+    /// Cells of the tile, `[columns, rows]`.
+    extent: [f64; 2],
+    /// `dx / dy`.
+    aspect: f64,
     steepness: Steepness,
 }
 
@@ -77,7 +81,10 @@ impl Surface {
             row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
             row.push(scale.z(field.height(field.cells()[0], iy)));
         });
+        let [dx, dy] = field.spacing();
         Self {
+            extent: field.cells().map(|n| n as f64),
+            aspect: dx / dy,
             field,
             scale,
             size: Size {
@@ -206,20 +213,23 @@ impl Surface {
 impl Geometry for Surface {
     type Facet = Facet;
 
+    #[inline]
     fn border(&self) -> Border {
         self.field.border()
     }
 
+    #[inline]
     fn extent(&self) -> [f64; 2] {
-        self.cells().map(|n| n as f64)
+        self.extent
     }
 
     /// `dx / dy`.
+    #[inline]
     fn aspect(&self) -> f64 {
-        let [dx, dy] = self.field.spacing();
-        dx / dy
+        self.aspect
     }
 
+    #[inline]
     fn z_range(&self) -> [f64; 2] {
         [-self.size.reach, self.size.reach]
     }
@@ -248,6 +258,7 @@ impl Geometry for Surface {
         }
     }
 
+    #[inline]
     fn normal(&self, facet: Facet) -> DVec3 {
         let cell = self.cell([facet.ix, facet.iy]);
         let [_, per_column, per_row] = cell.plane(facet.triangle);
@@ -272,6 +283,7 @@ impl Geometry for Surface {
     /// The point of a facet's plane above or below `(p.x, p.y)`, moved into the facet's cell.
     ///
     /// Rounding may have put `p` slightly beside the cell or the plane; the result lies on both.
+    #[inline]
     fn snap(&self, facet: Facet, p: DVec3) -> DVec3 {
         let (ix, iy) = (f64::from(facet.ix), f64::from(facet.iy));
         let cell = self.cell([facet.ix, facet.iy]);
@@ -300,6 +312,7 @@ impl Geometry for Surface {
         medium.sign() * (p.z - self.snap(facet, p).z) < 0.0
     }
 
+    #[inline]
     fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
         let q = medium.sign();
         let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());

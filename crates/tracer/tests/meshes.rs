@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
-use asperity_tracer::border::{Heading, Travel, travel};
+use asperity_tracer::border::{End, Heading, Travel, travel};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, Geometry, Medium, MeshBvh, MeshSurface,
     MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
@@ -335,7 +335,7 @@ fn no_ray_slips_through_where_facets_meet() {
             };
             match travel(&mesh, &bvh, heading, medium) {
                 Travel::Met(..) => met += 1,
-                Travel::Escaped | Travel::EscapedUnsearched(_) => {
+                Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
                     assert!(medium.sign() * direction.z > 0.0, "{heading:?} {medium:?}");
                 }
                 other => panic!("{other:?} {heading:?} {medium:?}"),

@@ -4,7 +4,7 @@
 
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tracer::border::{Heading, Travel, travel};
+use asperity_tracer::border::{End, Heading, Travel, travel};
 use asperity_tracer::{Accelerator, Branching, Facet, Geometry, Medium, Surface, TileRay};
 use glam::DVec3;
 use rand::RngExt;
@@ -189,12 +189,12 @@ pub(crate) fn walk(
         let end = scheme.follow(surface, &leg);
         watch(surface, &ground, light, &leg, &end, &mut account);
         match end {
-            Travel::Escaped | Travel::EscapedUnsearched(_) => {
+            Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
                 let side = usize::from(leg.medium != light.incident);
                 account.leave(side, leg.order, leg.flux);
             }
-            Travel::LeftPatch => account.left_patch += leg.flux,
-            Travel::Lost => {
+            Travel::Ended(End::LeftPatch) => account.left_patch += leg.flux,
+            Travel::Ended(End::Lost) => {
                 account.lost += leg.flux;
                 account.lost_segments += 1;
                 account
@@ -328,7 +328,7 @@ fn watch(
             }
             hit.t
         }
-        Travel::Escaped | Travel::EscapedUnsearched(_) => {
+        Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
             let up = leg.heading.world_direction().z * light.incident.sign() > 0.0;
             if up != leg.transmissions.is_multiple_of(2) || q * d.z <= 0.0 {
                 account.fault(leg, "exit to the wrong side");
@@ -336,7 +336,7 @@ fn watch(
             }
             ((q * surface.z_range()[1] - ray.origin.z) / d.z).max(0.0)
         }
-        Travel::LeftPatch | Travel::Lost => return,
+        Travel::Ended(End::LeftPatch | End::Lost) => return,
     };
     // All of a short segment, both ends of a long one.
     let speed = ray.direction.x.abs() + ray.direction.y.abs();
