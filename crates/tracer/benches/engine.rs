@@ -14,7 +14,7 @@
 )]
 
 use std::hint::black_box;
-use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
@@ -94,11 +94,11 @@ fn build(surface: &Surface, kind: AcceleratorKind, instructions: Option<Instruct
     }
 }
 
-/// Segments a second on the segments of real light paths, which are recorded first.
+/// Segments a second in real light paths: of the searches alone, and with all that belongs to paths.
 fn segments(n: usize, s: f64) {
     let surface = Surface::new(synthesis(n, s).draw(1, 0).unwrap());
     let cells = (n * n) as f64;
-    let built: Vec<(String, f64, Boxed)> = contenders(n)
+    let built: Vec<(String, f64, Timed)> = contenders(n)
         .into_iter()
         .map(|(name, kind, instructions)| {
             // Once is enough for a mesh, whose hierarchy takes seconds.
@@ -111,66 +111,47 @@ fn segments(n: usize, s: f64) {
             let times = (0..turns)
                 .map(|_| time(|| accelerator = Some(build(&surface, kind, instructions))));
             let seconds = median(times.collect());
-            (name, seconds, accelerator.unwrap())
+            (name, seconds, Timed::new(accelerator.unwrap()))
         })
         .collect();
-    let recorded = THETAS.map(|theta| record(&surface, theta));
 
     let mut searched = vec![[const { Vec::new() }; 2]; built.len()];
     let mut traced = searched.clone();
+    let mut work = [Work::default(); 2];
     for _ in 0..turns(n) {
         for (i, (_, _, accelerator)) in built.iter().enumerate() {
             for (j, theta) in THETAS.into_iter().enumerate() {
-                let (batches, _) = &recorded[j];
-                let mut hits = Vec::new();
-                searched[i][j].push(time(|| {
-                    for queries in batches {
-                        accelerator.closest_hits(&surface, queries, &mut hits);
-                        black_box(&hits);
-                    }
-                }));
-                traced[i][j].push(time(|| {
-                    black_box(paths(&surface, &**accelerator, theta, STRATA));
-                }));
+                accelerator.seconds.set(0.0);
+                let seconds = time(|| work[j] = paths(&surface, accelerator, theta, STRATA));
+                searched[i][j].push(accelerator.seconds.get());
+                traced[i][j].push(seconds);
             }
         }
     }
 
-    let skipped: Vec<String> = recorded
-        .iter()
-        .map(|(_, work)| {
-            let all = work.segments + work.segments_skipped;
-            format!("{:.0} %", 100.0 * work.segments_skipped as f64 / all as f64)
-        })
-        .collect();
+    let all = |j: usize| work[j].segments + work[j].segments_skipped;
+    let skipped = [0, 1].map(|j| 100.0 * work[j].segments_skipped as f64 / all(j) as f64);
     println!(
-        "N = {n}, s = {s}; million segments a second at theta 30 / 70 deg ({} of them skipped)",
-        skipped.join(" / ")
+        "N = {n}, s = {s}; million segments a second at theta 30 / 70 deg ({:.0} % / {:.0} % of them skipped)",
+        skipped[0], skipped[1]
     );
     println!(
         "| accelerator       | build ms | bytes a cell | searched        | times first   | in whole paths  |"
     );
     println!("|---|---|---|---|---|---|");
-    let rate = |i: usize, j: usize| {
-        let count: usize = recorded[j].0.iter().map(Vec::len).sum();
-        count as f64 / median(searched[i][j].clone()) * 1e-6
-    };
-    let first = [rate(0, 0), rate(0, 1)];
+    let rate = |i: usize, j: usize| work[j].segments as f64 / median(searched[i][j].clone()) * 1e-6;
+    let whole = |i: usize, j: usize| all(j) as f64 / median(traced[i][j].clone()) * 1e-6;
     for (i, (name, seconds, accelerator)) in built.iter().enumerate() {
-        let whole = |j: usize| {
-            let work = &recorded[j].1;
-            (work.segments + work.segments_skipped) as f64 / median(traced[i][j].clone()) * 1e-6
-        };
         println!(
             "| {name:17} | {:8.2} | {:12.1} | {:6.2} / {:6.2} | {:5.2} / {:5.2} | {:6.2} / {:6.2} |",
             seconds * 1e3,
             accelerator.bytes() as f64 / cells,
             rate(i, 0),
             rate(i, 1),
-            rate(i, 0) / first[0],
-            rate(i, 1) / first[1],
-            whole(0),
-            whole(1),
+            rate(i, 0) / rate(0, 0),
+            rate(i, 1) / rate(0, 1),
+            whole(i, 0),
+            whole(i, 1),
         );
     }
     println!();
@@ -247,23 +228,35 @@ fn paths(
         .1
 }
 
-/// The queries of all searches of a batch, as they come, and the work done.
-fn record(surface: &Surface, theta: f64) -> (Vec<Vec<Query>>, Work) {
-    let recorder = Recorder {
-        inner: Pyramid::build(surface).unwrap(),
-        batches: Mutex::default(),
-    };
-    let work = paths(surface, &recorder, theta, STRATA);
-    (recorder.batches.into_inner().unwrap(), work)
+/// An accelerator under a watch.
+struct Timed {
+    inner: Boxed,
+    /// Seconds that searching has taken.
+    seconds: Seconds,
 }
 
-/// Keeps the queries that pass through it.
-struct Recorder {
-    inner: Pyramid,
-    batches: Mutex<Vec<Vec<Query>>>,
+/// Seconds as bits, for sharing.
+struct Seconds(AtomicU64);
+
+impl Seconds {
+    fn get(&self) -> f64 {
+        f64::from_bits(self.0.load(Ordering::Relaxed))
+    }
+    fn set(&self, seconds: f64) {
+        self.0.store(seconds.to_bits(), Ordering::Relaxed);
+    }
 }
 
-impl Accelerator<Surface> for Recorder {
+impl Timed {
+    const fn new(inner: Boxed) -> Self {
+        Self {
+            inner,
+            seconds: Seconds(AtomicU64::new(0)),
+        }
+    }
+}
+
+impl Accelerator<Surface> for Timed {
     fn kind(&self) -> AcceleratorKind {
         self.inner.kind()
     }
@@ -279,8 +272,8 @@ impl Accelerator<Surface> for Recorder {
         queries: &[Query],
         hits: &mut Vec<Option<Hit<Facet>>>,
     ) {
-        self.batches.lock().unwrap().push(queries.to_vec());
-        self.inner.closest_hits(surface, queries, hits);
+        let seconds = time(|| self.inner.closest_hits(surface, queries, hits));
+        self.seconds.set(self.seconds.get() + seconds);
     }
 }
 
