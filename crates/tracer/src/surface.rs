@@ -148,6 +148,7 @@ impl Surface {
     }
 
     /// The corners of a cell.
+    #[inline]
     fn cell(&self, [ix, iy]: [u32; 2]) -> Cell {
         let (ix, iy) = (ix as usize, iy as usize);
         let [ny, nx] = self.field.shape();

@@ -22,7 +22,6 @@ mod wide;
 mod x86;
 
 use std::cell::Cell;
-use std::iter;
 
 use self::bounds::Bounds;
 use self::rays::{Answer, Rays};
@@ -68,6 +67,17 @@ impl Pyramid {
             instructions,
             ..self
         }
+    }
+}
+
+impl Pyramid {
+    /// The hit of a ray that is known to meet a facet of a cell. Near an edge, f64 may find that it
+    /// passes the cell by after all.
+    #[cold]
+    fn hit_in_cell(&self, surface: &Surface, cell: [u32; 2], query: &Query) -> Option<Hit<Facet>> {
+        let Query { ray, medium } = query;
+        let hit = surface.intersect_cell(cell, ray, *medium);
+        hit.or_else(|| self.closest_hit(surface, query))
     }
 }
 
@@ -121,26 +131,23 @@ impl Accelerator<Surface> for Pyramid {
         wide::search(&self.bounds, &mut rays, self.instructions);
         hits.clear();
         hits.resize(queries.len(), None);
-        let later = rays.answers.iter().skip(AHEAD).map(|(_, answer)| answer);
-        let later = later.map(Answer::cell).chain(iter::repeat(None));
-        for ((place, answer), later) in rays.answers.iter().zip(later) {
-            if let Some(cell) = later {
+        let answers = &rays.answers;
+        for i in 0..answers.len() {
+            if let Some(cell) = answers.cell(i + AHEAD) {
                 fetch(surface, cell);
             }
+            let (place, answer) = answers.get(i);
             let query = &queries[place];
-            hits[place] = match answer {
-                Answer::Nothing => None,
+            match answer {
+                Answer::Nothing => {}
                 Answer::Inside([ix, iy], triangle) => {
                     let facet = Facet { iy, ix, triangle };
                     let t = surface.crossing(facet, &query.ray);
-                    Some(Hit { t, facet })
+                    hits[place] = Some(Hit { t, facet });
                 }
-                // Near an edge, f64 may find that the ray passes the cell by after all.
-                Answer::Cell(cell) => surface
-                    .intersect_cell(cell, &query.ray, query.medium)
-                    .or_else(|| self.closest_hit(surface, query)),
-                Answer::Doubtful => self.closest_hit(surface, query),
-            };
+                Answer::Cell(cell) => hits[place] = self.hit_in_cell(surface, cell, query),
+                Answer::Doubtful => hits[place] = self.closest_hit(surface, query),
+            }
         }
         RAYS.set(rays);
     }

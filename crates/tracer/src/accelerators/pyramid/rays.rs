@@ -31,16 +31,6 @@ pub(super) enum Answer {
     Doubtful,
 }
 
-impl Answer {
-    /// The cell that is met.
-    pub(super) const fn cell(self) -> Option<[u32; 2]> {
-        match self {
-            Self::Inside(cell, _) | Self::Cell(cell) => Some(cell),
-            Self::Nothing | Self::Doubtful => None,
-        }
-    }
-}
-
 /// Which facet of a cell is met, in the words of an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
@@ -252,21 +242,31 @@ impl Answers {
         ]
     }
 
-    /// Each answer with the place of its ray.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, Answer)> {
-        let words = self.columns.iter().zip(&self.rows);
-        let answers = words.map(|(&column, &row)| {
-            let cell = [column as u32, (row >> 2) as u32];
-            match (column, row & 3) {
-                (Code::NOTHING_WORD, _) => Answer::Nothing,
-                (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
-                (_, 0) => Answer::Inside(cell, Triangle::Lower),
-                (_, 1) => Answer::Inside(cell, Triangle::Upper),
-                _ => Answer::Cell(cell),
-            }
-        });
-        let places = self.places[..self.count].iter();
-        places.map(|&place| place as usize).zip(answers)
+    /// Number of answers.
+    pub(super) const fn len(&self) -> usize {
+        self.count
+    }
+
+    /// The cell that answer number `i` names, if there is such an answer and it names one.
+    #[inline(always)]
+    pub(super) fn cell(&self, i: usize) -> Option<[u32; 2]> {
+        let (column, row) = (*self.columns.get(i)?, *self.rows.get(i)?);
+        (i < self.count && column >= 0).then_some([column as u32, (row >> 2) as u32])
+    }
+
+    /// Answer number `i`, and the place of its ray.
+    #[inline(always)]
+    pub(super) fn get(&self, i: usize) -> (usize, Answer) {
+        let (column, row) = (self.columns[i], self.rows[i]);
+        let cell = [column as u32, (row >> 2) as u32];
+        let answer = match (column, row & 3) {
+            (Code::NOTHING_WORD, _) => Answer::Nothing,
+            (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
+            (_, 0) => Answer::Inside(cell, Triangle::Lower),
+            (_, 1) => Answer::Inside(cell, Triangle::Upper),
+            _ => Answer::Cell(cell),
+        };
+        (self.places[i] as usize, answer)
     }
 }
 
