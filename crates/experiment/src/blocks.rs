@@ -30,8 +30,9 @@ pub(crate) struct Blocks {
     pub(crate) strata: u32,
 }
 
-/// Rays of an ordinary block: enough strata to spread them, few enough to keep every thread busy.
-const ORDINARY_STRATA: u64 = 128;
+/// Strata along a side of an ordinary block: so many that its rays fall near to one another, where the
+/// surface is in cache, few enough to keep every thread busy.
+const ORDINARY_STRATA: u64 = 512;
 
 /// Most blocks of a surface; beyond, blocks grow.
 const MOST_BLOCKS: u64 = 1 << 16;
