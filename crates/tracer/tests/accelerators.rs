@@ -191,6 +191,7 @@ fn blocks_of_any_shape_match_brute_force() {
         (33, 65, 0.3, Border::Open),
         (64, 32, 4.0, Border::Mirrored),
         (2, 97, 2.0, Border::Periodic),
+        (197, 131, 0.5, Border::Periodic),
     ] {
         let surface = rugged(nx, ny, height, 6, border);
         let met = agree_on(&surface, 1_500, 13);
