@@ -47,13 +47,18 @@ impl Handover {
 
     /// The ray in f32 from a point near the tile, or `None` if it passes the tile by.
     pub(super) fn single_precision(&self, ray: &TileRay) -> Option<SingleRay> {
-        let per_unit = ray.direction.length();
-        let along = (self.centre - ray.origin).dot(ray.direction) / (per_unit * per_unit);
-        let start = along - self.radius / per_unit;
-        if along + self.radius / per_unit < 0.0 {
-            return None;
-        }
-        let start = start.max(0.0) - SET_BACK;
+        let to_centre = self.centre - ray.origin;
+        let begin = if to_centre.length_squared() < self.radius * self.radius {
+            0.0
+        } else {
+            let per_unit = ray.direction.length();
+            let along = to_centre.dot(ray.direction) / (per_unit * per_unit);
+            if along + self.radius / per_unit < 0.0 {
+                return None;
+            }
+            (along - self.radius / per_unit).max(0.0)
+        };
+        let start = begin - SET_BACK;
         // Adding zero turns -0 into +0: obvhs takes the sign of a component from `< 0` in one place
         // and from the sign bit in another.
         let direction = ray.direction.as_vec3a() + Vec3A::ZERO;
