@@ -15,7 +15,11 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
     match estimate.se {
         Some(se) if se > 0.0 => {
             let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
-            format!("{:.digits$} +- {se:.digits$}", estimate.mean)
+            let mean = format!("{:.digits$}", estimate.mean);
+            // What rounds to zero has no sign.
+            let is_zero = mean.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+            let mean = mean.strip_prefix('-').filter(|_| is_zero).unwrap_or(&mean);
+            format!("{mean} +- {se:.digits$}")
         }
         Some(_) => format!("{} (exact)", short(estimate.mean)),
         None => format!("{} (no error)", short(estimate.mean)),
@@ -497,6 +501,8 @@ mod tests {
         let estimate = |mean, se| with_error(Estimate { mean, se: Some(se) });
         assert_eq!(estimate(0.024_812_3, 0.000_041_7), "0.024812 +- 0.000042");
         assert_eq!(estimate(0.5, 0.0), "0.5 (exact)");
+        assert_eq!(estimate(-0.000_41, 0.023), "0.000 +- 0.023");
+        assert_eq!(estimate(-0.000_61, 0.023), "-0.001 +- 0.023");
         assert_eq!(
             with_error(Estimate {
                 mean: 0.25,
