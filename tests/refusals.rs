@@ -105,6 +105,12 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         ),
         (trace(&["--roulette", "2"]), "roulette"),
         (trace(&["--max-order", "0"]), "order"),
+        (trace(&["--max-order", "many"]), "no number"),
+        (trace(&["--max-order", "1e10"]), "4294967295"),
+        (
+            vec!["verify", "--accelerator", "flat", "-o", "out"],
+            "take auto",
+        ),
         (trace(&["--in-plane-half-width", "0"]), "half width"),
         (
             trace(&["--side", "left"]),

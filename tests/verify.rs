@@ -176,7 +176,7 @@ fn a_verification_of_one_side_judges_that_side() {
         eta = 1.4
         [run]
         realisations = 10
-        rays = 2e4
+        rays = 5e4
         side = \"transmitted\"
     ";
     fs::write(folder.join("v.toml"), config).unwrap();

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{parse_count, parse_number};
+use asperity_experiment::{parse_count, parse_number, parse_order};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching};
@@ -133,7 +133,7 @@ pub(crate) struct Generate {
     #[arg(long, value_enum, default_value = "gaussian")]
     pub(crate) psd: PsdKind,
     /// Seed
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Which realisation of that seed
     #[arg(long, default_value = "0")]
@@ -261,7 +261,7 @@ pub(crate) struct Trace {
     #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
     pub(crate) rays: u64,
     /// Seed of the rays
-    #[arg(long, default_value = "1")]
+    #[arg(long, default_value = "1", allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Bins of a hemisphere, THETAxPHI
     #[arg(long, default_value = "18x36")]
@@ -279,7 +279,7 @@ pub(crate) struct Trace {
     #[arg(long, value_parser = parse_number, default_value = "0.01", allow_negative_numbers = true)]
     pub(crate) roulette: f64,
     /// Interactions after which a path is truncated
-    #[arg(long, default_value = "1000", allow_negative_numbers = true)]
+    #[arg(long, value_parser = parse_order, default_value = "1000", allow_negative_numbers = true)]
     pub(crate) max_order: u32,
     /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long, default_value = "auto")]
@@ -348,7 +348,7 @@ pub(crate) struct Verify {
     #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
     pub(crate) rays: Option<u64>,
     /// Seed of surfaces and rays
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Bins of a hemisphere, THETAxPHI
     #[arg(long)]
@@ -366,7 +366,7 @@ pub(crate) struct Verify {
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) roulette: Option<f64>,
     /// Interactions after which a path is truncated
-    #[arg(long)]
+    #[arg(long, value_parser = parse_order, allow_negative_numbers = true)]
     pub(crate) max_order: Option<u32>,
     /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long)]

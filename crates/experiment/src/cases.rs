@@ -6,6 +6,7 @@ use asperity_analysis::create_model;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Psd;
 use asperity_tally::Sides;
+use asperity_tracer::AcceleratorKind;
 
 use crate::case::Case;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
@@ -126,6 +127,11 @@ impl VerifyConfig {
                 "alpha is {}; the level of a test lies between 0 and 1",
                 self.compare.alpha
             )));
+        }
+        if self.run.accelerator == AcceleratorKind::Flat {
+            return contradiction(
+                "the accelerator flat is for surfaces without any height, and those drawn here have some; take auto",
+            );
         }
         let mut models = BTreeSet::new();
         for name in &self.compare.models {

@@ -8,7 +8,7 @@ use asperity_tracer::{AcceleratorKind, Branching, Medium, PathSettings, PathSett
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
-use crate::values::{Count, Number, OneOrMany, PerAxis};
+use crate::values::{Count, Number, OneOrMany, PerAxis, order};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -234,6 +234,7 @@ pub struct RunConfig {
     /// Flux below which roulette decides.
     pub roulette: Number,
     /// Interactions after which a path is truncated.
+    #[serde(deserialize_with = "order")]
     pub max_order: u32,
     /// How hits are found.
     pub accelerator: AcceleratorKind,

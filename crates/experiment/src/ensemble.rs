@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
+use asperity_io::available_memory;
 use asperity_surface::Synthesis;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, Medium, Surface, Tracer, Work};
@@ -10,14 +11,17 @@ use rayon::prelude::*;
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::case::Case;
-use crate::limits::{RunError, check_grazing, check_memory, check_results, traced_bytes};
+use crate::limits::{RunError, check_grazing, check_memory, traced_bytes};
 use crate::progress::Progress;
 use crate::summary::Used;
 use crate::trace::FEWEST_BLOCKS;
 use crate::verify::VerifyError;
 
 /// Memory that surfaces traced side by side may take.
-const MEMORY_BUDGET: usize = 4 << 30;
+const MEMORY_BUDGET: u64 = 4 << 30;
+
+/// Blocks of all surfaces of a case, at least, so that few surfaces keep several threads busy.
+const BLOCKS_OF_ALL: u64 = 16;
 
 /// What one surface did with the light of every case.
 struct Realisation {
@@ -81,7 +85,7 @@ impl Group<'_> {
         let fewest = if self.realisations == 1 {
             FEWEST_BLOCKS
         } else {
-            1
+            BLOCKS_OF_ALL.div_ceil(self.realisations)
         };
         Blocks::plan(self.settings.rays.div_ceil(self.realisations), fewest)
     }
@@ -90,7 +94,6 @@ impl Group<'_> {
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
     pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
-        check_results(&self.settings.layout, self.realisations, self.cases.len())?;
         let [ny, nx] = self.synthesis.shape();
         // A surface that is drawn is not flat.
         let accelerator = self.settings.accelerator.on_height_field([nx, ny], false);
@@ -99,7 +102,9 @@ impl Group<'_> {
             .peak_bytes()
             .max(traced_bytes([ny, nx], accelerator));
         check_memory("tracing one surface", bytes)?;
-        let side_by_side = (MEMORY_BUDGET / bytes).clamp(1, rayon::current_num_threads());
+        let available = available_memory().unwrap_or(MEMORY_BUDGET);
+        let fit = MEMORY_BUDGET.min(available) / bytes as u64;
+        let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
         let next = AtomicU64::new(0);
         let mut drawn: Vec<_> = (0..side_by_side)
             .into_par_iter()

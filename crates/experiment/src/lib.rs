@@ -36,7 +36,7 @@ pub use config::{
 };
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};
-pub use number::{parse_count, parse_number};
+pub use number::{parse_count, parse_number, parse_order};
 pub use progress::{Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use summary::{Summary, SummaryWork};

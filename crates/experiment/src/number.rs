@@ -33,6 +33,20 @@ pub fn parse_count(text: &str) -> Result<u64, String> {
     count_from_number(parse_number(&plain)?).map_err(|reason| format!("`{text}` {reason}"))
 }
 
+/// An order of interaction: a count, up to 4294967295.
+///
+/// # Errors
+/// A sentence that says what was found and what is allowed.
+pub fn parse_order(text: &str) -> Result<u32, String> {
+    order_from_count(parse_count(text)?)
+}
+
+/// An order of interaction from a count.
+pub(crate) fn order_from_count(count: u64) -> Result<u32, String> {
+    u32::try_from(count)
+        .map_err(|_| format!("{count} is out of range; an order is {} at most", u32::MAX))
+}
+
 /// A whole number of one or more that was written as a decimal one.
 pub(crate) fn count_from_number(value: f64) -> Result<u64, String> {
     if value.fract() == 0.0 && (1.0..=MOST).contains(&value) {

@@ -4,7 +4,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::config::ConfigError;
-use crate::number::{count_from_number, parse_count, parse_number};
+use crate::number::{count_from_number, order_from_count, parse_count, parse_number};
 
 /// A number, written as one or as a quotient of two in quotes, as in `"1/1.4"`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -75,6 +75,12 @@ impl<'de> Deserialize<'de> for Number {
             .try_into()
             .map_err(D::Error::custom)
     }
+}
+
+/// An order of interaction, written as a count.
+pub(crate) fn order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
+    let Count(count) = Count::deserialize(deserializer)?;
+    order_from_count(count).map_err(D::Error::custom)
 }
 
 impl<'de> Deserialize<'de> for Count {

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
-use crate::limits::RunError;
+use crate::limits::{RunError, check_results};
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
@@ -163,6 +163,9 @@ pub fn verify(
             any_azimuth: config.any_azimuth(),
         })
         .collect();
+
+    let all_cases = groups.iter().map(|group| group.cases.len()).sum();
+    check_results(&settings.layout, realisations, all_cases)?;
 
     let rays = |group: &Group<'_>| group.blocks().rays() * realisations * group.cases.len() as u64;
     progress.begin("tracing", groups.iter().map(rays).sum());

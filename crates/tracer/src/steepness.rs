@@ -357,16 +357,16 @@ mod tests {
 
     #[test]
     fn the_bound_nearby_holds_for_every_facet_within_reach() {
-        for border in [Border::Periodic, Border::Mirrored, Border::Open] {
-            let cells = [90, 70];
+        // Of 90 x 70 cells the last blocks are not whole, of 96 x 64 all are.
+        let tiles = [[90, 70], [96, 64]];
+        let borders = [Border::Periodic, Border::Mirrored, Border::Open];
+        for (cells, border) in tiles.iter().flat_map(|&c| borders.map(|b| (c, b))) {
+            let [nx, ny] = cells.map(|n| n as f64);
             let steepness = Steepness::new(cells, border, 0.0, row(cells));
             let all = gradients(cells);
             for i in 0..300 {
                 let i = f64::from(i);
-                let place = DVec2::new(
-                    90.0 * (i * 0.754_877).fract(),
-                    70.0 * (i * 0.569_840).fract(),
-                );
+                let place = DVec2::new(nx * (i * 0.754_877).fract(), ny * (i * 0.569_840).fract());
                 let u = DVec2::from_angle(i * 2.399_963);
                 let t = 60.0 * (i * 0.381_966).fract();
                 // The steepest facet that the ray passes, found by walking along it.
@@ -382,11 +382,11 @@ mod tests {
                             Some(if p < n { (p, 1.0) } else { (2.0 * n - p, -1.0) })
                         }
                     };
-                    let (Some((x, sx)), Some((y, sy))) = (fold(p.x, 90.0), fold(p.y, 70.0)) else {
+                    let (Some((x, sx)), Some((y, sy))) = (fold(p.x, nx), fold(p.y, ny)) else {
                         continue;
                     };
-                    let cell = [x.min(89.0) as usize, y.min(69.0) as usize];
-                    let first = 2 * (cell[1] * 90 + cell[0]);
+                    let cell = [x.min(nx - 1.0) as usize, y.min(ny - 1.0) as usize];
+                    let first = 2 * (cell[1] * cells[0] + cell[0]);
                     for (_, g) in &all[first..first + 2] {
                         steepest = steepest.max(g[0] * sx * u.x + g[1] * sy * u.y);
                     }

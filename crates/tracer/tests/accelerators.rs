@@ -371,3 +371,89 @@ fn high_levels_of_large_tiles_are_searched_as_well() {
         }
     }
 }
+
+/// Heights are rounded in f32 by more than rays clear the edges here; so are places, far from where
+/// rays start, by more than that over the slope.
+#[test]
+fn rays_that_graze_edges_are_met_where_f64_meets_them_on_tall_and_on_steep_surfaces() {
+    let mut rng = ChaCha8Rng::seed_from_u64(5);
+    let wave = |x: u32| 500.0 * (std::f64::consts::TAU * f64::from(x) / 2048.0).cos();
+    let cliff = |x: u32| if x < 1500 { -20.0 } else { 0.0 };
+    // Where edges are aimed at, from how far, at which angles to +x, and how near.
+    let tall = (
+        "tall",
+        wave as fn(u32) -> f64,
+        0.3,
+        0..2047,
+        0.1..3.0,
+        3.0,
+        1e-4,
+    );
+    let steep = (
+        "steep",
+        cliff as fn(u32) -> f64,
+        5.0,
+        1500..1504,
+        1200.0..1400.0,
+        0.002,
+        1e-3,
+    );
+    for (name, shape, noise, columns, distances, turned, clearance) in [tall, steep] {
+        let heights = (0..8 * 2048)
+            .map(|i| shape(i % 2048) + rng.random_range(-noise..noise))
+            .collect();
+        let surface = Surface::new(HeightField::new(heights, [8, 2048], [1.0; 2]).unwrap());
+        let queries: Vec<Query> = (0..200_000)
+            .map(|i| {
+                // A point of an edge: across y, across x or the diagonal.
+                let (ix, iy) = (rng.random_range(columns.clone()), rng.random_range(0..7));
+                let at = |i: u32, j: u32| {
+                    let (ix, iy) = (ix + i, iy + j);
+                    let z = surface.z(ix as usize, iy as usize);
+                    DVec3::new(f64::from(ix), f64::from(iy), z)
+                };
+                let (a, b) = match i % 3 {
+                    0 => (at(0, 0), at(1, 0)),
+                    1 => (at(0, 0), at(0, 1)),
+                    _ => (at(0, 0), at(1, 1)),
+                };
+                let medium = if rng.random() {
+                    Medium::Above
+                } else {
+                    Medium::Below
+                };
+                let mut point = a.lerp(b, rng.random());
+                point.z += clearance * rng.random_range(-1.0..1.0);
+                let turn: f64 = rng.random_range(-turned..turned);
+                let fall = medium.sign() * rng.random_range(-0.3..0.7) * turned.min(1.0);
+                let direction = DVec3::new(turn.cos(), turn.sin(), -fall).normalize();
+                let origin = point - direction * rng.random_range(distances.clone());
+                let ray = TileRay { origin, direction };
+                Query { ray, medium }
+            })
+            .filter(|query| !surface.is_beyond(query.ray.origin, query.medium))
+            .filter(|query| (0.0..2048.0).contains(&query.ray.origin.x))
+            .filter(|query| (0.0..8.0).contains(&query.ray.origin.y))
+            .collect();
+        assert!(queries.len() > 10_000, "{}", queries.len());
+        let pyramid = Pyramid::build(&surface).unwrap();
+        let one_by_one: Vec<_> = queries
+            .iter()
+            .map(|query| pyramid.closest_hit(&surface, query))
+            .collect();
+        assert!(one_by_one.iter().flatten().count() > queries.len() / 4);
+        for instructions in [
+            Instructions::Portable,
+            Instructions::Avx2,
+            Instructions::Avx512,
+        ] {
+            let pyramid = Pyramid::build(&surface)
+                .unwrap()
+                .with_instructions(instructions);
+            let mut together = Vec::new();
+            pyramid.closest_hits(&surface, &queries, &mut together);
+            let differing = one_by_one.iter().zip(&together).filter(|(a, b)| a != b);
+            assert_eq!(differing.count(), 0, "{instructions}, {name}");
+        }
+    }
+}

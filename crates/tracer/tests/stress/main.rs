@@ -5,7 +5,7 @@
 //! apart ([`ground`]), a second way to follow paths ([`paths`]), and tracers that are known to fail
 //! ([`naive`]), which must be seen to.
 //!
-//! Small under `cargo test`. The whole of it, more than 10^7 segments and a table, in some minutes on two cores:
+//! Small under `cargo test`. The whole of it, some 10^8 segments and a table, in some minutes on two cores:
 //!
 //! ```sh
 //! cargo test --release -p asperity-tracer --test stress -- --ignored --nocapture

@@ -240,7 +240,7 @@ impl Lanes for Avx2 {
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_ps(source.as_ptr());
-            let spread = _mm256_permutevar8x32_ps(next, bytes(RANKS[mask.bits() as usize]));
+            let spread = _mm256_permutevar8x32_ps(next, bytes(self, RANKS[mask.bits() as usize]));
             F8(_mm256_blendv_ps(old.0, spread, mask.0))
         }
     }
@@ -250,7 +250,8 @@ impl Lanes for Avx2 {
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_si256(source.as_ptr().cast());
-            let spread = _mm256_permutevar8x32_epi32(next, bytes(RANKS[mask.bits() as usize]));
+            let spread =
+                _mm256_permutevar8x32_epi32(next, bytes(self, RANKS[mask.bits() as usize]));
             I8(_mm256_blendv_epi8(
                 old.0,
                 spread,
@@ -272,7 +273,8 @@ impl Lanes for Avx2 {
         assert!(out.len() >= MOST_LANES);
         // SAFETY: as above; `out` has room for eight entries.
         unsafe {
-            let packed = _mm256_permutevar8x32_epi32(value.0, bytes(NAMED[mask.bits() as usize]));
+            let packed =
+                _mm256_permutevar8x32_epi32(value.0, bytes(self, NAMED[mask.bits() as usize]));
             _mm256_storeu_si256(out.as_mut_ptr().cast(), packed);
         }
     }
@@ -280,8 +282,8 @@ impl Lanes for Avx2 {
 
 /// Eight lanes from the bytes of a word.
 #[inline(always)]
-fn bytes(word: u64) -> __m256i {
-    // SAFETY: called from lanes of AVX2 alone.
+fn bytes(_: Avx2, word: u64) -> __m256i {
+    // SAFETY: the lanes are the proof that the processor has these instructions.
     unsafe { _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(word as i64)) }
 }
 
