@@ -60,7 +60,7 @@ impl fmt::Display for Instructions {
     }
 }
 
-/// Steps from node to node a look into cells; a ray takes about that many.
+/// Steps from node to node a look into cells: rays take some nine of those and three of these.
 const STEPS: usize = 3;
 
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
@@ -367,7 +367,8 @@ impl<'b, L: Lanes> Search<'b, L> {
             lanes.splat(self.bounds.step),
             lanes.splat(self.bounds.lowest),
         );
-        // A rising ray is lowest where it enters, a falling one where it leaves.
+        // A rising ray is lowest where it enters, a falling one where it leaves. The bound holds all
+        // over the node, so that places within it need no margin; `advance` doubts the nodes themselves.
         let early = exit.t - exit.late;
         let at = lanes.select(self.rising(state), state.t.min(early), exit.t + exit.late);
         let lowest = at.times_plus(state.dz, state.z);
