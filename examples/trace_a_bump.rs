@@ -8,11 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use asperity_experiment::{RaySettings, Silent, energy_table, trace};
+use asperity_experiment::{Estimator, RaySettings, Silent, energy_table, trace};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, Medium, PathSettings};
+use asperity_tracer::{AcceleratorKind, Medium, PathSettings, Sampling};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 64 x 64 samples of 0.1 um, one period of cosines 1 um high.
@@ -30,6 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         layout,
         paths: PathSettings::default(),
         accelerator: AcceleratorKind::Auto,
+        estimator: Estimator::Auto,
+        sampling: Sampling::Stratified,
     };
     let outcome = trace(
         crate_of_eggs,

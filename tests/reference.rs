@@ -11,12 +11,12 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{RaySettings, Silent, VerifyConfig, trace, verify};
+use asperity_experiment::{Estimator, RaySettings, Silent, VerifyConfig, trace, verify};
 use asperity_io::read_height_map;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
-use asperity_tracer::{AcceleratorKind, Medium, PathSettings};
+use asperity_tracer::{AcceleratorKind, Medium, PathSettings, Sampling};
 use serde_json::Value;
 
 fn shared(name: &str) -> Option<PathBuf> {
@@ -132,6 +132,8 @@ fn one_surface_agrees_with_an_independent_tracer() {
             layout,
             paths: PathSettings::default(),
             accelerator: AcceleratorKind::Auto,
+            estimator: Estimator::Plain,
+            sampling: Sampling::Stratified,
         };
         // Reference light travels towards +x: it comes from azimuth 180 deg.
         let incidence = Incidence::from_degrees(theta, 180.0).unwrap();

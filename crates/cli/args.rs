@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{parse_count, parse_number, parse_order};
+use asperity_experiment::{Estimator, parse_count, parse_number, parse_order};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
-use asperity_tracer::{AcceleratorKind, Branching};
+use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use crate::output::say;
@@ -284,6 +284,12 @@ pub(crate) struct Trace {
     /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long, default_value = "auto")]
     pub(crate) accelerator: AcceleratorKind,
+    /// How paths become results: auto, plain or controlled
+    #[arg(long, default_value = "auto")]
+    pub(crate) estimator: Estimator,
+    /// How rays are spread: random, stratified or quasi-random
+    #[arg(long, default_value = "stratified")]
+    pub(crate) sampling: Sampling,
     /// Folder for summary.json, histogram.csv, in_plane.csv and plots
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
@@ -371,6 +377,12 @@ pub(crate) struct Verify {
     /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long)]
     pub(crate) accelerator: Option<AcceleratorKind>,
+    /// How paths become results: auto, plain or controlled
+    #[arg(long)]
+    pub(crate) estimator: Option<Estimator>,
+    /// How rays are spread: random, stratified or quasi-random
+    #[arg(long)]
+    pub(crate) sampling: Option<Sampling>,
     /// Level of the tests of a case
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) alpha: Option<f64>,

@@ -35,6 +35,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         paths: PathSettings::new(branching, command.roulette, command.max_order)
             .map_err(Failure::usage)?,
         accelerator: command.accelerator,
+        estimator: command.estimator,
+        sampling: command.sampling,
     };
     let subject = Subject::of(command, common)?;
     let config = config(command, material, incidence, subject.description);
@@ -224,6 +226,8 @@ fn config(command: &Trace, material: Material, incidence: Incidence, surface: Va
         "roulette": command.roulette,
         "max_order": command.max_order,
         "accelerator": command.accelerator,
+        "estimator": command.estimator,
+        "sampling": command.sampling,
     })
 }
 

@@ -120,6 +120,8 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     run.seed = command.seed.unwrap_or(run.seed);
     run.bins = command.bins.unwrap_or(run.bins);
     run.accelerator = command.accelerator.unwrap_or(run.accelerator);
+    run.estimator = command.estimator.unwrap_or(run.estimator);
+    run.sampling = command.sampling.unwrap_or(run.sampling);
     run.in_plane_half_width = command
         .in_plane_half_width
         .map_or(run.in_plane_half_width, Number);

@@ -2,9 +2,10 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, Geometry, PathSettings, Tracer, Work};
+use asperity_tracer::{AcceleratorKind, Geometry, PathSettings, Sampling, Tracer, Work};
 use rayon::prelude::*;
 
+use crate::estimator::Estimator;
 use crate::progress::Progress;
 use crate::stream::ray_stream;
 
@@ -21,6 +22,10 @@ pub struct RaySettings {
     pub paths: PathSettings,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
+    /// How paths become results.
+    pub estimator: Estimator,
+    /// How rays are spread.
+    pub sampling: Sampling,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.

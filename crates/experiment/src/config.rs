@@ -4,10 +4,13 @@ use asperity_analysis::{DEFAULT_LEVEL, MODEL_NAMES, ModelError};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
-use asperity_tracer::{AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError};
+use asperity_tracer::{
+    AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError, Sampling,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
+use crate::estimator::Estimator;
 use crate::values::{Count, Number, OneOrMany, PerAxis, order};
 
 /// Why a configuration is refused.
@@ -238,6 +241,10 @@ pub struct RunConfig {
     pub max_order: u32,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
+    /// How paths become results.
+    pub estimator: Estimator,
+    /// How rays are spread over the mean plane and over azimuth.
+    pub sampling: Sampling,
 }
 
 impl Default for RunConfig {
@@ -253,6 +260,8 @@ impl Default for RunConfig {
             roulette: Number(PathSettings::DEFAULT_ROULETTE),
             max_order: PathSettings::DEFAULT_MAX_ORDER,
             accelerator: AcceleratorKind::Auto,
+            estimator: Estimator::Auto,
+            sampling: Sampling::Stratified,
         }
     }
 }
@@ -270,6 +279,8 @@ impl RunConfig {
                 .with_sides(self.side),
             paths: PathSettings::new(self.branching, self.roulette.0, self.max_order)?,
             accelerator: self.accelerator,
+            estimator: self.estimator,
+            sampling: self.sampling,
         })
     }
 }

@@ -15,6 +15,7 @@ mod cases;
 mod config;
 mod csv;
 mod ensemble;
+mod estimator;
 mod figures;
 mod limits;
 mod number;
@@ -34,6 +35,7 @@ pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
     OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
 };
+pub use estimator::Estimator;
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};
 pub use number::{parse_count, parse_number, parse_order};

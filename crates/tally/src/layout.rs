@@ -255,6 +255,13 @@ impl Layout {
         start..start + n
     }
 
+    /// Numbers of the two in-plane bins of `side` whose polar angles are those of `ring`.
+    pub(crate) fn in_plane_over(&self, side: Side, ring: usize) -> [usize; 2] {
+        let start = self.in_plane(side, OrderClass::All).start;
+        [Half::Backward, Half::Forward]
+            .map(|half| self.in_plane_entry(side, OrderClass::All, ring, half) - start)
+    }
+
     /// Entry of the in-plane bin over `ring` of `side`, on one half of the plane of incidence.
     pub(crate) fn in_plane_entry(
         &self,

@@ -6,6 +6,7 @@
 //! add up. [`Layout`] says where in the record a quantity stands, and [`BatchStatistics`] turns
 //! independent batches into means and standard errors.
 
+mod control;
 mod events;
 mod finder;
 mod grid;
@@ -15,6 +16,7 @@ mod sides;
 mod statistics;
 mod wedge;
 
+pub use control::{Control, UnshadowedFluxes, VisibleShares};
 pub use events::{Event, EventPath};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 pub use layout::{Layout, LayoutError, MAX_LISTED_ORDER, MAX_LISTED_PATH, OrderClass, Share};

@@ -25,6 +25,7 @@ mod mesh_surface;
 mod morton;
 mod path;
 mod ray;
+mod sampling;
 mod steepness;
 mod surface;
 
@@ -39,4 +40,5 @@ pub use mesh::{MeshError, TriangleMesh};
 pub use mesh_surface::{MeshSurface, MeshSurfaceError, Repairs};
 pub use path::{Branching, PathSettings, PathSettingsError, Tracer, Work};
 pub use ray::{Hit, Medium, TileRay};
+pub use sampling::Sampling;
 pub use surface::{Facet, Surface};

@@ -1,0 +1,142 @@
+//! What is known of light before any of it is traced: the control of an estimate.
+
+use crate::{Event, EventPath, Layout, OrderClass, Share, Side};
+
+/// Mean fluxes of *unshadowed single scattering*: every facet that faces the light is lit and sends its
+/// light away undisturbed, those included that reflect downwards or refract upwards, which are left out.
+///
+/// Flux fractions, not yet weighted by any share; they may add to more than one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnshadowedFluxes {
+    /// Into the bins of the grid, in its order.
+    pub bins: Vec<f64>,
+    /// Into the theta bins of each side, from +z.
+    pub rings: [Vec<f64>; 2],
+    /// Into the in-plane bins of each side.
+    pub in_plane: [Vec<f64>; 2],
+    /// Absorbed at the first interaction.
+    pub absorbed: f64,
+}
+
+/// The shares of unshadowed single scattering that are expected to be visible: the factors with which
+/// it is subtracted from what is traced, and with which its mean is added again.
+///
+/// Any shares leave the mean of an estimate as it is; the true ones make its variance least.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VisibleShares {
+    /// Lit *and* seen, by side and ring of polar angle.
+    pub rings: [Vec<f64>; 2],
+    /// Lit.
+    pub absorbed: f64,
+}
+
+/// Unshadowed single scattering as a control variate: subtracted ray by ray, added as a mean.
+///
+/// Each entry of a record that light of order one can reach has an expectation here, zero elsewhere. An
+/// entry lies in one ring, or is a sum of rings, so that one share a ring serves all of them and sums
+/// stay sums.
+#[derive(Clone, Debug)]
+pub struct Control {
+    shares: VisibleShares,
+    /// By the layout.
+    expected: Vec<f64>,
+}
+
+impl Control {
+    /// The control of records of `layout`: `fluxes`, each weighted with its share.
+    ///
+    /// What goes to a side that is not asked for is booked there, as light that is traced is.
+    ///
+    /// # Panics
+    /// If there are not as many shares or fluxes as the layout has places for.
+    #[must_use]
+    pub fn new(layout: Layout, shares: VisibleShares, fluxes: &UnshadowedFluxes) -> Self {
+        let grid = layout.grid();
+        let n_theta = grid.n_theta();
+        let mut expected = vec![0.0; layout.len()];
+        expected[Layout::ABSORBED] = shares.absorbed * fluxes.absorbed;
+        for side in Side::BOTH {
+            let shares = &shares.rings[side.index()];
+            let rings = &fluxes.rings[side.index()];
+            let in_plane = &fluxes.in_plane[side.index()];
+            assert_eq!(
+                [shares.len(), rings.len(), in_plane.len()],
+                [n_theta, n_theta, layout.in_plane_len()],
+                "rings of another layout"
+            );
+            let of_side: f64 = shares.iter().zip(rings).map(|(s, flux)| s * flux).sum();
+            if !layout.asks(side) {
+                expected[Layout::NOT_ASKED] += of_side;
+                expected[Layout::TRUNCATED] += of_side;
+                continue;
+            }
+            for entry in first_order_totals(&layout, side) {
+                expected[entry] = of_side;
+            }
+            for (ring, share) in shares.iter().enumerate() {
+                for class in [OrderClass::First, OrderClass::All] {
+                    expected[layout.rings(side, class)][ring] = share * rings[ring];
+                    for i in layout.in_plane_over(side, ring) {
+                        expected[layout.in_plane(side, class)][i] = share * in_plane[i];
+                    }
+                }
+                let first = (side.index() * n_theta + ring) * grid.n_phi();
+                for bin in first..first + grid.n_phi() {
+                    for share_of_bin in [Share::Single, Share::Total] {
+                        expected[layout.bins(share_of_bin)][bin] = share * fluxes.bins[bin];
+                    }
+                }
+            }
+        }
+        Self { shares, expected }
+    }
+
+    /// The share of light that leaves on `side` within `ring` of polar angle, counted from +z.
+    #[must_use]
+    pub fn share(&self, side: Side, ring: usize) -> f64 {
+        self.shares.rings[side.index()][ring]
+    }
+
+    /// The share of light that is absorbed.
+    #[must_use]
+    pub const fn absorbed_share(&self) -> f64 {
+        self.shares.absorbed
+    }
+
+    /// What is added to a record, by its layout.
+    #[must_use]
+    pub fn expected(&self) -> &[f64] {
+        &self.expected
+    }
+
+    /// Adds its mean to a record from which the control has been subtracted ray by ray.
+    ///
+    /// The five parts of the budget add to one on average, not in every record. What is missing, or too
+    /// much, is zero on average, and is spread over all entries as the control itself is, so that the
+    /// budget closes and parts still add to their sums.
+    pub fn complete(&self, record: &mut [f64]) {
+        let budget = |values: &[f64]| values[Layout::REFLECTED..=Layout::LOST].iter().sum::<f64>();
+        let known = budget(&self.expected);
+        if known == 0.0 {
+            return;
+        }
+        let missing = 1.0 - (budget(record) + known);
+        let scale = 1.0 + missing / known;
+        for (value, expected) in record.iter_mut().zip(&self.expected) {
+            *value += scale * expected;
+        }
+    }
+}
+
+/// Entries that hold all light of `side` that is scattered once, alone or among others.
+fn first_order_totals(layout: &Layout, side: Side) -> [usize; 3] {
+    let event = match side {
+        Side::Reflected => Event::Reflection,
+        Side::Transmitted => Event::Transmission,
+    };
+    [
+        side.index(),
+        layout.order(side, 1),
+        layout.path(side, EventPath::default().then(event)),
+    ]
+}
