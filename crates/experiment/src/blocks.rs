@@ -1,8 +1,9 @@
 //! How rays are divided into blocks, and how the blocks of one surface are run.
 
-use asperity_optics::Incidence;
-use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, Geometry, PathSettings, Sampling, Tracer, Work};
+use asperity_tally::{Control, Layout};
+use asperity_tracer::{
+    AcceleratorKind, Geometry, Illumination, PathSettings, Sampling, Tracer, Work,
+};
 use rayon::prelude::*;
 
 use crate::estimator::Estimator;
@@ -72,7 +73,8 @@ impl Blocks {
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
 pub(crate) fn run_blocks<G: Geometry>(
     tracer: &Tracer<'_, G>,
-    (incidence, any_azimuth): (Incidence, bool),
+    light: &Illumination,
+    control: Option<&Control>,
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,
@@ -81,20 +83,17 @@ pub(crate) fn run_blocks<G: Geometry>(
 ) -> Work {
     let mut work = Work::default();
     let mut take = |records: Vec<(Vec<f64>, Work)>| {
-        for (values, done) in records {
+        for (mut values, done) in records {
+            if let Some(control) = control {
+                control.complete(&mut values);
+            }
             each(&values);
             work += done;
         }
     };
     let trace = |block: usize| {
         let mut rng = ray_stream(settings.seed, realisation, block as u64);
-        let record = tracer.batch(
-            incidence,
-            any_azimuth,
-            blocks.strata,
-            settings.layout,
-            &mut rng,
-        );
+        let record = tracer.batch(light, blocks.strata, settings.layout, control, &mut rng);
         progress.advance(u64::from(blocks.strata).pow(2));
         record
     };

@@ -6,7 +6,7 @@ use std::time::Instant;
 use asperity_io::available_memory;
 use asperity_surface::Synthesis;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, Surface, Tracer, Work};
+use asperity_tracer::{Geometry, Illumination, Medium, Surface, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
@@ -182,11 +182,12 @@ impl Group<'_> {
             check_grazing(&surface, case.incidence)?;
             let paths = self.settings.paths;
             let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
-            let light = (case.incidence, self.any_azimuth);
+            let light = Illumination::new(case.incidence, self.any_azimuth);
             let mut statistics = BatchStatistics::new(self.settings.layout.len());
             let work = run_blocks(
                 &tracer,
-                light,
+                &light,
+                None,
                 self.settings,
                 index,
                 self.blocks(),

@@ -5,7 +5,7 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
+use asperity_tracer::{Geometry, Illumination, Medium, MeshSurface, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::limits::{
@@ -98,10 +98,19 @@ fn trace_on<G: Geometry>(
     let tracing = Instant::now();
     let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
     let mut statistics = BatchStatistics::new(settings.layout.len());
-    let light = (incidence, false);
-    let work = run_blocks(&tracer, light, settings, 0, blocks, progress, |values| {
-        statistics.push(values);
-    });
+    let light = Illumination::new(incidence, false);
+    let work = run_blocks(
+        &tracer,
+        &light,
+        None,
+        settings,
+        0,
+        blocks,
+        progress,
+        |values| {
+            statistics.push(values);
+        },
+    );
     progress.end();
     let outcome = TraceOutcome {
         statistics,
