@@ -94,10 +94,10 @@ impl<'c> Record<'c> {
         self.layout.asks(side)
     }
 
-    /// Whether there is a control, so that what is not seen counts too.
+    /// The control, which makes what is not seen count too.
     #[must_use]
-    pub const fn is_controlled(&self) -> bool {
-        self.control.is_some()
+    pub const fn control(&self) -> Option<&'c Control> {
+        self.control
     }
 
     /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the

@@ -424,12 +424,31 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 }
                 let at = arrival();
                 self.interact(&at, query.medium, light, batch);
-                if light.path.order() == 0 && batch.record.is_controlled() {
-                    let behind = query.medium.other();
-                    self.set_out(at.heading, behind, *light, Errand::Shadow, batch);
-                }
+                self.look_into_shadow(at, query.medium.other(), light, batch);
             }
         }
+    }
+
+    /// Goes on behind the first facet that light has met, where that is of interest.
+    fn look_into_shadow<R: Rng>(
+        &self,
+        at: Arrival<G::Facet>,
+        behind: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(control) = batch.record.control() else {
+            return;
+        };
+        let probability = control.shadow_probability();
+        if light.path.order() > 0 || probability < 1.0 && batch.rng.random::<f64>() >= probability {
+            return;
+        }
+        let line = Light {
+            flux: light.flux / probability,
+            ..*light
+        };
+        self.set_out(at.heading, behind, line, Errand::Shadow, batch);
     }
 
     /// Books a leg whose way, in the `direction` given, has ended without meeting the surface.
@@ -467,7 +486,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        if light.path.order() == 1 && batch.record.is_controlled() {
+        if light.path.order() == 1 && batch.record.control().is_some() {
             let exit = self.exit(direction, medium, light);
             batch.record.add_unseen(&exit);
         }
@@ -475,7 +494,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Takes note that a facet that faces the light is not lit.
     fn unlit<R>(&self, at: &Arrival<G::Facet>, light: &Light, batch: &mut Batch<'_, G::Facet, R>) {
-        if !batch.record.is_controlled() {
+        if batch.record.control().is_none() {
             return;
         }
         let scattered = self.scattered(at, self.incident);
@@ -546,7 +565,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         let threshold = self.settings.roulette_below;
-        let cancels = light.path.order() == 1 && batch.record.is_controlled();
+        let cancels = light.path.order() == 1 && batch.record.control().is_some();
         if light.flux < threshold && !cancels {
             let survives = batch.rng.random::<f64>() * threshold < light.flux;
             let kept = if survives { threshold } else { 0.0 };

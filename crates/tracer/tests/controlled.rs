@@ -29,6 +29,7 @@ struct Setting {
     phi_deg: f64,
     branching: Branching,
     sides: Sides,
+    shadow_probability: f64,
 }
 
 impl Setting {
@@ -42,6 +43,7 @@ impl Setting {
             phi_deg: 20.0,
             branching: Branching::Split,
             sides: Sides::Both,
+            shadow_probability: 1.0,
         }
     }
 
@@ -74,7 +76,8 @@ impl Setting {
             ],
             absorbed: 0.7,
         };
-        Control::new(self.layout(), shares, &unshadowed_fluxes(&both, &record))
+        let fluxes = unshadowed_fluxes(&both, &record);
+        Control::new(self.layout(), shares, &fluxes).looking_into_shadow(self.shadow_probability)
     }
 
     fn run(&self, starts: Starts, control: Option<&Control>, seed: u64) -> BatchStatistics {
@@ -177,6 +180,10 @@ fn settings() -> Vec<Setting> {
     list.push(Setting {
         branching: Branching::Pick,
         ..Setting::new("picked", of(1.0), glass, 50.0)
+    });
+    list.push(Setting {
+        shadow_probability: 0.3,
+        ..Setting::new("a look into few shadows", of(0.7), glass, 65.0)
     });
     list.push(Setting {
         sides: Sides::Transmitted,
