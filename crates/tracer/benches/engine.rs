@@ -22,7 +22,7 @@ use asperity_surface::{Psd, Synthesis};
 use asperity_tally::Layout;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, Facet, Geometry, Hit, Instructions, Medium, PathSettings,
-    Pyramid, Query, Surface, Tracer, Work,
+    Pyramid, Query, Sampling, Surface, Tracer, Work,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -224,7 +224,14 @@ fn paths(
     let tracer = Tracer::new(surface, accelerator, glass, Medium::Above, settings);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     tracer
-        .batch(incidence, false, strata, Layout::default(), &mut rng)
+        .batch(
+            incidence,
+            false,
+            Sampling::Stratified,
+            strata,
+            Layout::default(),
+            &mut rng,
+        )
         .1
 }
 

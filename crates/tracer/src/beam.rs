@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use asperity_optics::Incidence;
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
-use rand::{Rng, RngExt};
 
 use crate::border::Heading;
 use crate::geometry::Geometry;
@@ -18,10 +17,6 @@ use crate::ray::Medium;
 pub(crate) struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
-    /// Whether each ray comes from an azimuth of its own.
-    any_azimuth: bool,
-    /// Strata along either side of the period.
-    strata: u32,
     /// Period of the surface along x and y, tile coordinates.
     period: [f64; 2],
     aspect: f64,
@@ -32,13 +27,7 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    pub(crate) fn new<G: Geometry>(
-        surface: &G,
-        incident: Medium,
-        incidence: Incidence,
-        any_azimuth: bool,
-        strata: u32,
-    ) -> Self {
+    pub(crate) fn new<G: Geometry>(surface: &G, incident: Medium, incidence: Incidence) -> Self {
         let wi = incidence.wi() * DVec3::new(1.0, 1.0, incident.sign());
         // A mirrored tile and its images make a period of two tiles along each axis.
         let tiles = match surface.border() {
@@ -52,8 +41,6 @@ impl Beam {
         };
         Self {
             wi,
-            any_azimuth,
-            strata,
             period: surface.extent().map(|e| e * tiles),
             aspect: surface.aspect(),
             z,
@@ -61,17 +48,11 @@ impl Beam {
         }
     }
 
-    /// A ray that would meet the mean plane in a random point of the stratum at `[column, row]`, and
-    /// the rotation about the vertical, cosine and sine, that turns its azimuth back.
-    pub(crate) fn ray<R: Rng>(&self, [column, row]: [u32; 2], rng: &mut R) -> (Heading, DVec2) {
-        let width = 1.0 / f64::from(self.strata);
-        let u = (f64::from(column) + rng.random::<f64>()) * width;
-        let v = (f64::from(row) + rng.random::<f64>()) * width;
-        let turned = if self.any_azimuth {
-            DVec2::from_angle(TAU * rng.random::<f64>())
-        } else {
-            DVec2::X
-        };
+    /// A ray that would meet the mean plane at `u`, `v`, shares of the period, and comes from the
+    /// azimuth of the beam and a share `azimuth` of a full turn; and the rotation about the vertical,
+    /// cosine and sine, that turns its azimuth back.
+    pub(crate) fn ray(&self, [u, v, azimuth]: [f64; 3]) -> (Heading, DVec2) {
+        let turned = DVec2::from_angle(TAU * azimuth);
         let wi = turned.rotate(self.wi.truncate()).extend(self.wi.z);
         let [cx, cy] = self.period;
         let heading = Heading {

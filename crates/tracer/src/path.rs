@@ -12,8 +12,8 @@ use crate::accelerator::{Accelerator, Query};
 use crate::beam::Beam;
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::{Escape, Geometry};
-use crate::morton::morton_square;
 use crate::ray::{Hit, Medium};
+use crate::sampling::{Sampling, Starts};
 
 /// What happens where light is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -184,20 +184,25 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Traces one batch of `strata * strata` rays, one from each stratum of the mean plane.
+    /// Traces one batch of `strata * strata` rays, which `sampling` spreads over the mean plane and,
+    /// where it is free, over azimuth.
     ///
     /// Light comes from `incidence`; with `any_azimuth` each ray comes from an azimuth of its own,
-    /// uniformly drawn, and what leaves is turned back so that its azimuths are as if the light had
+    /// uniform over all, and what leaves is turned back so that its azimuths are as if the light had
     /// come from that of `incidence`; of vertical light all azimuths are one, none is drawn, and what
     /// leaves is spread evenly over azimuth ([`Azimuth::Free`]). Returns flux fractions by `layout`, and the work done.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
     /// accelerators give the same result.
+    ///
+    /// # Panics
+    /// If `sampling` is quasi-random and `strata` is not a [`Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         incidence: Incidence,
         any_azimuth: bool,
+        sampling: Sampling,
         strata: u32,
         layout: Layout,
         rng: &mut R,
@@ -209,7 +214,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         } else {
             Azimuth::From(incidence.phi() + PI)
         };
-        let turned = any_azimuth && !free;
+        let mut starts = Starts::new(sampling, strata, any_azimuth && !free, rng);
         let mut batch = Batch {
             record: Record::new(layout, azimuth),
             work: Work::default(),
@@ -217,16 +222,15 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             next: InFlight::default(),
             lasting: 0,
         };
-        let beam = Beam::new(self.geometry, self.incident, incidence, turned, strata);
-        let mut places = morton_square(strata);
+        let beam = Beam::new(self.geometry, self.incident, incidence);
         let (mut now, mut hits) = (InFlight::default(), Vec::new());
         loop {
             // Legs that end in any case do not count, so that when a ray starts, and which random
             // numbers it draws, does not depend on whether they are followed; see `set_out_if_asked`.
             while batch.lasting < TOGETHER
-                && let Some(place) = places.next()
+                && let Some(start) = starts.draw(batch.rng)
             {
-                let (heading, turn) = beam.ray(place, batch.rng);
+                let (heading, turn) = beam.ray(start);
                 let light = Light {
                     flux: 1.0,
                     path: EventPath::default(),
