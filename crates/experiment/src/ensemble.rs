@@ -87,7 +87,11 @@ impl Group<'_> {
         } else {
             BLOCKS_OF_ALL.div_ceil(self.realisations)
         };
-        Blocks::plan(self.settings.rays.div_ceil(self.realisations), fewest)
+        Blocks::plan(
+            self.settings.rays.div_ceil(self.realisations),
+            fewest,
+            self.settings.sampling,
+        )
     }
 
     /// Draws every surface once and traces all cases on it.

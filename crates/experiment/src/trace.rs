@@ -85,7 +85,7 @@ fn trace_on<G: Geometry>(
     progress: &dyn Progress,
 ) -> Result<(TraceOutcome, G), RunError> {
     let began = Instant::now();
-    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
+    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS, settings.sampling);
     check_results(&settings.layout, 1, 1)?;
     progress.begin("building", 1);
     let geometry = build();

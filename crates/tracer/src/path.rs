@@ -12,9 +12,9 @@ use crate::accelerator::{Accelerator, Query};
 use crate::beam::Beam;
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::{Escape, Geometry};
-use crate::morton::morton_square;
 use crate::path_settings::{Branching, PathSettings};
 use crate::ray::{Hit, Medium};
+use crate::sampling::{Places, Sampling};
 use crate::scatter::{Branch, Scattered, scatter};
 
 /// What was done, counted.
@@ -76,6 +76,8 @@ pub struct Illumination {
     /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
     /// ([`Azimuth::Free`]).
     pub any_azimuth: bool,
+    /// How they are spread over the mean plane and, where it is free, over azimuth.
+    pub sampling: Sampling,
     /// Where paths start.
     pub starts: Starts,
 }
@@ -87,6 +89,7 @@ impl Illumination {
         Self {
             incidence,
             any_azimuth,
+            sampling: Sampling::Stratified,
             starts: Starts::FromAbove,
         }
     }
@@ -185,7 +188,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Traces one batch of `strata * strata` rays, one from each stratum of the mean plane.
+    /// Traces one batch of `strata * strata` rays.
     ///
     /// Returns flux fractions by `layout`, and the work done; under a `control`, the fractions that it
     /// leaves, which [`Control::complete`] turns into flux fractions.
@@ -193,6 +196,9 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
     /// accelerators give the same result.
+    ///
+    /// # Panics
+    /// If the sampling is quasi-random and `strata` is not a [`Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         illumination: &Illumination,
@@ -210,6 +216,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Azimuth::From(incidence.phi() + PI)
         };
         let turned = illumination.any_azimuth && !free;
+        let mut places = Places::new(illumination.sampling, strata, turned, rng);
         let mut batch = Batch {
             record: Record::new(layout, azimuth).under(control),
             work: Work::default(),
@@ -218,22 +225,14 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             lasting: 0,
         };
         let beam = Beam::new(self.geometry, self.incident, incidence);
-        let mut places = morton_square(strata);
         let (mut now, mut hits) = (InFlight::new(), Vec::new());
         loop {
             // Legs that end in any case do not count, so that when a ray starts, and which random
             // numbers it draws, does not depend on whether they are followed; see `set_out_if_asked`.
             while batch.lasting < TOGETHER
-                && let Some([column, row]) = places.next()
+                && let Some([u, v, azimuth]) = places.draw(batch.rng)
             {
-                let width = 1.0 / f64::from(strata);
-                let u = (f64::from(column) + batch.rng.random::<f64>()) * width;
-                let v = (f64::from(row) + batch.rng.random::<f64>()) * width;
-                let turn = if turned {
-                    DVec2::from_angle(TAU * batch.rng.random::<f64>())
-                } else {
-                    DVec2::X
-                };
+                let turn = DVec2::from_angle(TAU * azimuth);
                 self.start(&beam, illumination.starts, [u, v], turn, &mut batch);
                 batch.work.rays += 1;
             }
