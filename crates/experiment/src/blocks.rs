@@ -81,8 +81,7 @@ impl Blocks {
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
 pub(crate) fn run_blocks<G: Geometry>(
     tracer: &Tracer<'_, G>,
-    light: &Illumination,
-    control: Option<&Control>,
+    (light, control): (&Illumination, Option<&Control>),
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,

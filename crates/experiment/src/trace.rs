@@ -5,12 +5,13 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Illumination, Medium, MeshSurface, Surface, Tracer};
+use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
 };
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::{SummaryWork, Used};
 
@@ -98,11 +99,11 @@ fn trace_on<G: Geometry>(
     let tracing = Instant::now();
     let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
     let mut statistics = BatchStatistics::new(settings.layout.len());
-    let light = Illumination::new(incidence, false);
+    let method = Method::PLAIN;
+    let light = method.illumination(incidence, false, settings);
     let work = run_blocks(
         &tracer,
-        &light,
-        None,
+        (&light, method.control.as_ref()),
         settings,
         0,
         blocks,
@@ -120,7 +121,7 @@ fn trace_on<G: Geometry>(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, Used::of(&*accelerator))
+            ..SummaryWork::new(work, Used::of(&*accelerator), &method, settings.sampling)
         },
         field: None,
     };

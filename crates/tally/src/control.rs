@@ -96,6 +96,17 @@ impl Control {
         }
     }
 
+    /// The same control with all shares, and so all that is added, times `factor`.
+    #[must_use]
+    pub fn weakened(mut self, factor: f64) -> Self {
+        let rings = self.shares.rings.iter_mut().flatten();
+        rings
+            .chain([&mut self.shares.absorbed])
+            .chain(&mut self.expected)
+            .for_each(|value| *value *= factor);
+        self
+    }
+
     /// The same control, which looks for facets in the shadow of the one that light meets with
     /// `probability` alone, and then counts them so many times more.
     ///
