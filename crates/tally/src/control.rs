@@ -82,9 +82,11 @@ impl Control {
                     }
                 }
                 let first = (side.index() * n_theta + ring) * grid.n_phi();
-                for bin in first..first + grid.n_phi() {
-                    for share_of_bin in [Share::Single, Share::Total] {
-                        expected[layout.bins(share_of_bin)][bin] = share * fluxes.bins[bin];
+                let bins = first..first + grid.n_phi();
+                for share_of_bin in [Share::Single, Share::Total] {
+                    let entries = &mut expected[layout.bins(share_of_bin)][bins.clone()];
+                    for (entry, flux) in entries.iter_mut().zip(&fluxes.bins[bins.clone()]) {
+                        *entry = share * flux;
                     }
                 }
             }
