@@ -150,6 +150,18 @@ impl Control {
         &self.expected
     }
 
+    /// Errors that no estimate of `rays` rays under this control should fall below, by the layout: one
+    /// ray in each entry that the control knows of. Where no ray was seen to deviate from it, the next
+    /// one might.
+    #[must_use]
+    pub fn least_errors(&self, rays: u64) -> Vec<f64> {
+        let one_ray = 1.0 / rays as f64;
+        self.expected
+            .iter()
+            .map(|&expected| if expected == 0.0 { 0.0 } else { one_ray })
+            .collect()
+    }
+
     /// Adds its mean to a record from which the control has been subtracted ray by ray.
     ///
     /// The five parts of the budget add to one on average, not in every record. What is missing, or too
