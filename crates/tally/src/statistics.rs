@@ -81,6 +81,13 @@ impl BatchStatistics {
         &self.mean
     }
 
+    /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number with
+    /// fewer than two batches.
+    pub fn error_squares(&self) -> impl Iterator<Item = f64> {
+        let n = self.batches as f64;
+        self.squares.iter().map(move |s| s / (n * (n - 1.0)))
+    }
+
     /// Mean and standard error of quantity `i`.
     #[must_use]
     pub fn estimate(&self, i: usize) -> Estimate {
