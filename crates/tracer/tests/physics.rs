@@ -128,6 +128,50 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
     }
 }
 
+/// However rays are spread, light goes the same ways; the more evenly, the less what is found scatters.
+/// Variances over 400 batches are known to 7 %; here, where a facet sees one ray, the one is lower by a
+/// half than random rays, and the other by a half again.
+#[test]
+fn samplings_agree_and_even_ones_scatter_less() {
+    let surface = Surface::new(waves(32, 2.0, 8));
+    let bvh = MeshBvh::build(&surface).unwrap();
+    let layout = Layout::default();
+    let settings = exhaustive();
+    let tracer = Tracer::new(&surface, &bvh, glass(), Medium::Above, settings);
+    let incidence = Incidence::from_degrees(50.0, 20.0).unwrap();
+    let found = [
+        Sampling::Random,
+        Sampling::Stratified,
+        Sampling::QuasiRandom,
+    ]
+    .map(|sampling| {
+        let mut statistics = BatchStatistics::new(layout.len());
+        for block in 0..400 {
+            let mut rng = ChaCha8Rng::seed_from_u64(6);
+            rng.set_stream(block);
+            let (values, work) = tracer.batch(incidence, true, sampling, 32, layout, &mut rng);
+            assert_eq!(work.rays, 1024);
+            assert!((values[..=Layout::LOST].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            statistics.push(&values);
+        }
+        statistics
+    });
+    let [random, stratified, quasi_random] = &found;
+    let once = layout.order(Side::Reflected, 1);
+    for i in [Layout::REFLECTED, Layout::TRANSMITTED, once] {
+        let reference = random.estimate(i);
+        let variances = [stratified, quasi_random].map(|other| {
+            let estimate = other.estimate(i);
+            let z = z_score(estimate, reference.mean, reference.se.unwrap());
+            let variance = (estimate.se.unwrap() / reference.se.unwrap()).powi(2);
+            println!("entry {i}: z = {z:.2}, {variance:.2} of the variance");
+            assert!(z.abs() < 4.0, "entry {i}: z = {z}");
+            variance
+        });
+        assert!(variances[0] < 1.0 && variances[1] < variances[0]);
+    }
+}
+
 #[test]
 fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     let surface = Surface::new(waves(32, 1.5, 8));
