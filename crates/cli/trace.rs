@@ -53,9 +53,10 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         Shape::Mesh(mesh) => trace_mesh(mesh, material, incidence, medium, &settings, &bar),
     };
     let outcome = outcome.map_err(|error| match error {
-        RunError::Build(BuildError::NeedsHeightField { .. } | BuildError::NotFlat) => {
-            Failure::usage(error)
-        }
+        RunError::Build(BuildError::NeedsHeightField { .. } | BuildError::NotFlat)
+        | RunError::OpenControl
+        | RunError::MeshControl
+        | RunError::Model(_) => Failure::usage(error),
         _ => Failure::failed(error),
     })?;
     let statistics = &outcome.statistics;

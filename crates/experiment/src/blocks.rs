@@ -44,7 +44,7 @@ const ORDINARY_STRATA: u64 = 512;
 const MOST_BLOCKS: u64 = 1 << 16;
 
 /// Memory for the records of blocks that are run side by side, and of those run before.
-const RECORD_BUDGET: usize = 1 << 28;
+pub(crate) const RECORD_BUDGET: usize = 1 << 28;
 
 /// Blocks a thread that are run side by side, if their records fit: at the end threads wait for the
 /// last block, on average for half of one.

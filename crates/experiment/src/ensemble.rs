@@ -207,7 +207,7 @@ impl Group<'_> {
             let mut statistics = BatchStatistics::new(self.settings.layout.len());
             let work = run_blocks(
                 &tracer,
-                (&light, method.control.as_ref()),
+                (&light, method.control()),
                 self.settings,
                 index,
                 self.blocks(),

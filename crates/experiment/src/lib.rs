@@ -16,6 +16,7 @@ mod config;
 mod csv;
 mod ensemble;
 mod estimator;
+mod facet_control;
 mod figures;
 mod limits;
 mod method;
@@ -39,6 +40,7 @@ pub use config::{
 pub use estimator::Estimator;
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};
+pub use method::ControlMean;
 pub use number::{parse_count, parse_number, parse_order};
 pub use progress::{Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};

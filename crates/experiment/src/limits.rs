@@ -1,5 +1,6 @@
 //! What fits into memory, and what light can be followed: checked before the work begins.
 
+use asperity_analysis::ModelError;
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
@@ -41,6 +42,19 @@ pub enum RunError {
         /// GiB available.
         available: f64,
     },
+    /// A control of light on an open patch.
+    #[error(
+        "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
+    )]
+    OpenControl,
+    /// A control of light on a mesh.
+    #[error(
+        "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
+    )]
+    MeshControl,
+    /// A control of light that passes undeviated.
+    #[error(transparent)]
+    Model(#[from] ModelError),
     /// Light so flat that it would cross too many tiles.
     #[error(
         "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",

@@ -4,6 +4,7 @@ use asperity_analysis::{ModelError, SlopeCovariance, control};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{BatchStatistics, Control, Layout};
 use asperity_tracer::{Illumination, Starts};
+use serde::Serialize;
 
 use crate::blocks::RaySettings;
 use crate::estimator::Estimator;
@@ -12,7 +13,18 @@ use crate::estimator::Estimator;
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
-    pub(crate) control: Option<Control>,
+    pub(crate) control: Option<(Control, ControlMean)>,
+}
+
+/// Where the mean of a control comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ControlMean {
+    /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,
+    /// of unshadowed single scattering.
+    GaussianSlopes,
+    /// The sum over the facets of the one surface that is traced: it removes noise of rays alone.
+    FacetsOfSurface,
 }
 
 /// Variance of the weights of points on a surface up to which they are taken: beyond, rays from above
@@ -41,7 +53,12 @@ impl Method {
             return Ok(Self::PLAIN);
         }
         match control(slopes, material, incidence, layout) {
-            Ok(control) => Ok(Self::with_control(estimator, control, slopes, incidence)),
+            Ok(control) => {
+                let mean = ControlMean::GaussianSlopes;
+                Ok(Self::with_control(
+                    estimator, control, mean, slopes, incidence,
+                ))
+            }
             // Light that goes straight on through equal indices has no density to integrate.
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => Ok(Self::PLAIN),
             Err(error) => Err(error),
@@ -52,6 +69,7 @@ impl Method {
     pub(crate) fn with_control(
         estimator: Estimator,
         control: Control,
+        mean: ControlMean,
         slopes: &SlopeCovariance,
         incidence: Incidence,
     ) -> Self {
@@ -71,11 +89,12 @@ impl Method {
             } else {
                 Starts::FromAbove
             },
-            control: Some(
+            control: Some((
                 control
                     .weakened(worth.weight)
                     .looking_into_shadow(worth.looks),
-            ),
+                mean,
+            )),
         }
     }
 
@@ -94,6 +113,16 @@ impl Method {
         }
     }
 
+    /// The control, if there is one.
+    pub(crate) fn control(&self) -> Option<&Control> {
+        self.control.as_ref().map(|(control, _)| control)
+    }
+
+    /// Where its mean comes from.
+    pub(crate) fn control_mean(&self) -> Option<ControlMean> {
+        self.control.as_ref().map(|(_, mean)| *mean)
+    }
+
     /// The name of the estimator that this is.
     pub(crate) const fn estimator(&self) -> Estimator {
         match self.control {
@@ -109,7 +138,7 @@ pub(crate) fn with_least_errors(
     statistics: BatchStatistics,
     rays: u64,
 ) -> BatchStatistics {
-    match &method.control {
+    match method.control() {
         Some(control) => statistics.with_least_errors(control.least_errors(rays)),
         None => statistics,
     }

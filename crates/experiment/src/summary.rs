@@ -7,7 +7,7 @@ use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, 
 use serde::Serialize;
 
 use crate::estimator::Estimator;
-use crate::method::Method;
+use crate::method::{ControlMean, Method};
 
 /// What was done, and how long it took.
 #[derive(Clone, Debug, Serialize)]
@@ -30,6 +30,8 @@ pub struct SummaryWork {
     pub instructions: Option<String>,
     /// Estimator used.
     pub estimator: Estimator,
+    /// Where the mean of its control comes from; `None` without one.
+    pub control: Option<ControlMean>,
     /// Where its paths start.
     pub starts: Starts,
     /// How they are spread.
@@ -74,6 +76,7 @@ impl SummaryWork {
             accelerator: used.accelerator,
             instructions: used.instructions,
             estimator: method.estimator(),
+            control: method.control_mean(),
             starts: method.starts,
             sampling,
             generate_seconds: 0.0,

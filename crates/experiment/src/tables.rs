@@ -7,6 +7,7 @@ use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Side};
 use asperity_tracer::PathSettings;
 
 use crate::case::short;
+use crate::method::ControlMean;
 use crate::summary::SummaryWork;
 use crate::verify::{CaseOutcome, ModelOutcome, VerifyOutcome};
 
@@ -100,8 +101,13 @@ pub fn work_line(work: &SummaryWork) -> String {
         Some(name) => format!(" ({name})"),
         None => String::new(),
     };
+    let estimator = match work.control {
+        None => "plain",
+        Some(ControlMean::GaussianSlopes) => "controlled",
+        Some(ControlMean::FacetsOfSurface) => "controlled by the facets of this surface",
+    };
     format!(
-        "{} rays, {} segments searched and {} skipped, accelerator {}{}, {:.1} s on {} threads",
+        "{} rays, {estimator}, {} segments searched and {} skipped, accelerator {}{}, {:.1} s on {} threads",
         work.rays,
         work.segments,
         work.segments_skipped,

@@ -8,10 +8,11 @@ use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::estimator::Estimator;
 use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
 };
-use crate::method::Method;
+use crate::method::{Method, with_least_errors};
 use crate::progress::Progress;
 use crate::summary::{SummaryWork, Used};
 
@@ -49,7 +50,10 @@ pub fn trace(
         traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),
     )?;
     let build = || Surface::new(field);
-    let (outcome, surface) = trace_on(build, material, incidence, incident, settings, progress)?;
+    let method =
+        |surface: &Surface| Method::of_surface(surface, material, incidence, incident, settings);
+    let light = (material, incidence, incident);
+    let (outcome, surface) = trace_on(build, method, light, settings, progress)?;
     Ok(TraceOutcome {
         field: Some(surface.into_field()),
         ..outcome
@@ -72,16 +76,20 @@ pub fn trace_mesh(
         "this mesh with its hierarchy",
         hierarchy_bytes(mesh.facet_count()),
     )?;
+    if settings.estimator == Estimator::Controlled {
+        return Err(RunError::MeshControl);
+    }
     let build = || mesh;
-    Ok(trace_on(build, material, incidence, incident, settings, progress)?.0)
+    let method = |_: &MeshSurface| Ok(Method::PLAIN);
+    let light = (material, incidence, incident);
+    Ok(trace_on(build, method, light, settings, progress)?.0)
 }
 
 /// Traces light on what `build` builds.
 fn trace_on<G: Geometry>(
     build: impl FnOnce() -> G,
-    material: Material,
-    incidence: Incidence,
-    incident: Medium,
+    method: impl FnOnce(&G) -> Result<Method, RunError>,
+    (material, incidence, incident): (Material, Incidence, Medium),
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<(TraceOutcome, G), RunError> {
@@ -92,6 +100,7 @@ fn trace_on<G: Geometry>(
     let geometry = build();
     let accelerator = geometry.accelerator(settings.accelerator)?;
     check_grazing(&geometry, incidence)?;
+    let method = method(&geometry)?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 
@@ -99,11 +108,10 @@ fn trace_on<G: Geometry>(
     let tracing = Instant::now();
     let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
     let mut statistics = BatchStatistics::new(settings.layout.len());
-    let method = Method::PLAIN;
     let light = method.illumination(incidence, false, settings);
     let work = run_blocks(
         &tracer,
-        (&light, method.control.as_ref()),
+        (&light, method.control()),
         settings,
         0,
         blocks,
@@ -113,6 +121,7 @@ fn trace_on<G: Geometry>(
         },
     );
     progress.end();
+    let statistics = with_least_errors(&method, statistics, work.rays);
     let outcome = TraceOutcome {
         statistics,
         work: SummaryWork {

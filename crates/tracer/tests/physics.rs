@@ -13,7 +13,7 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Share, Side, Sides};
 use asperity_tracer::{
     AcceleratorKind, Branching, BruteForce, Geometry, Illumination, Medium, MeshBvh, PathSettings,
-    Surface, Tracer,
+    Sampling, Surface, Tracer,
 };
 use common::{Run, rugged, waves, z_score};
 use glam::DVec3;
@@ -149,7 +149,11 @@ fn samplings_agree_and_even_ones_scatter_less() {
         for block in 0..400 {
             let mut rng = ChaCha8Rng::seed_from_u64(6);
             rng.set_stream(block);
-            let (values, work) = tracer.batch(incidence, true, sampling, 32, layout, &mut rng);
+            let illumination = Illumination {
+                sampling,
+                ..Illumination::new(incidence, true)
+            };
+            let (values, work) = tracer.batch(&illumination, 32, layout, None, &mut rng);
             assert_eq!(work.rays, 1024);
             assert!((values[..=Layout::LOST].iter().sum::<f64>() - 1.0).abs() < 1e-12);
             statistics.push(&values);
