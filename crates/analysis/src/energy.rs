@@ -6,12 +6,13 @@
 //! (a line), where total reflection sets in, and where the light leaves horizontally (a circle).
 
 use asperity_optics::{reflect, refract};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use crate::kinematics::{reflecting_facet, refracting_facet};
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use crate::slopes::SlopeCovariance;
 
 /// Flux fractions that a model sends into the two hemispheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -22,7 +23,8 @@ pub struct HemisphericalEnergy {
     pub transmitted: f64,
 }
 
-/// Slopes end at this multiple of `2 / s`: the density there is `exp(-42)` of its peak.
+/// Slopes end at this multiple of their deviation times the root of two: the density there is `exp(-42)`
+/// of its peak.
 const LARGEST_SLOPE: f64 = 6.5;
 
 /// The flux fractions that `model` sends into the two hemispheres, to about 1e-10 of their value.
@@ -41,26 +43,45 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
     }
 }
 
-/// `int f |cos theta_o| / chi cos^3(theta_m) dp dq`, refracting with the index `refracted` if given.
+/// The flux fraction of one side, refracting with the index `refracted` if given.
 fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 {
+    let edges = Edges::new(model, wi, refracted);
+    over_facing_normals(&model.slopes(), wi, &edges, |m| {
+        per_normal(model, wi, m, refracted)
+    })
+}
+
+/// `int f(m) dOmega_m` over the normals of the facets that face `wi`, as `int f cos^3(theta_m) dp dq`,
+/// to about 1e-11 of its value; `f` falls with the density of slopes.
+pub(crate) fn over_facing_normals(
+    slopes: &SlopeCovariance,
+    wi: DVec3,
+    edges: &Edges,
+    per_normal: impl Fn(DVec3) -> f64,
+) -> f64 {
     if wi.z <= 0.0 {
         return 0.0;
     }
-    let edges = Edges::new(model, wi, refracted);
     let sin_i = wi.x.hypot(wi.y);
     let along = if sin_i > 0.0 {
-        DVec3::new(wi.x / sin_i, wi.y / sin_i, 0.0)
+        wi.truncate() / sin_i
     } else {
-        DVec3::X
+        DVec2::X
     };
-    let across = DVec3::Z.cross(along);
-    let largest = 2.0 * LARGEST_SLOPE / model.smoothness();
+    let across = along.perp();
+    // p is Gaussian, and so is q at given p, about a line.
+    let variance = slopes.variance_along(along);
+    let unit = (2.0 * variance).sqrt();
+    let covariance = across.dot(slopes.times(along));
+    let incline = covariance / variance;
+    let unit_across = (2.0 / slopes.inverse_form(across, across)).sqrt();
+    let largest = LARGEST_SLOPE * unit;
     let facing = if sin_i > 0.0 { -wi.z / sin_i } else { -largest };
 
     let mut outer = Breaks::new(facing.max(-largest), largest);
     outer.add_root(facing);
     for t in [-2.5, 0.0, 2.5] {
-        outer.add_smooth(2.0 * t / model.smoothness());
+        outer.add_smooth(t * unit);
     }
     for p in edges.along() {
         outer.add_root(p);
@@ -80,10 +101,11 @@ fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 
     let mut inner = Breaks::default();
     let mut largest_row = 0.0_f64;
     integrate(&outer, tolerance, &mut Pieces::default(), |p| {
-        inner.reset(-largest, largest);
-        inner.add_smooth(0.0);
-        for t in [-2.5, 2.5] {
-            inner.add_smooth(2.0 * t / model.smoothness());
+        let centre = incline * p;
+        let reach = LARGEST_SLOPE * unit_across;
+        inner.reset(centre - reach, centre + reach);
+        for t in [-2.5, 0.0, 2.5] {
+            inner.add_smooth(centre + t * unit_across);
         }
         for q in edges.across(p) {
             inner.add_root(q);
@@ -96,8 +118,8 @@ fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 
             ..inner_tolerance
         };
         let row = integrate(&inner, tolerance, &mut inner_pieces, |q| {
-            let m = (p * along + q * across + DVec3::Z).normalize();
-            per_normal(model, wi, m, refracted) * m.z.powi(3)
+            let m = (p * along + q * across).extend(1.0).normalize();
+            per_normal(m) * m.z.powi(3)
         });
         largest_row = largest_row.max(row);
         row
@@ -134,7 +156,7 @@ fn per_normal(model: &dyn BsdfModel, wi: DVec3, m: DVec3, refracted: Option<f64>
 }
 
 /// Where the integrand has edges: conics symmetric in `q`.
-struct Edges {
+pub(crate) struct Edges {
     sin_i: f64,
     cos_i: f64,
     /// `1 - eta^2` where total reflection is possible.
@@ -145,6 +167,16 @@ struct Edges {
 }
 
 impl Edges {
+    /// Those of an integrand that has none but the line where facets turn away.
+    pub(crate) fn none(wi: DVec3) -> Self {
+        Self {
+            sin_i: wi.x.hypot(wi.y),
+            cos_i: wi.z,
+            delta: None,
+            horizontal: None,
+        }
+    }
+
     fn new(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> Self {
         let delta = model
             .material()

@@ -3,8 +3,8 @@
 use asperity_optics::Material;
 use glam::DVec3;
 
-use crate::beckmann::normal_density;
 use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::slopes::SlopeCovariance;
 
 /// The BSDF in 1/sr of Gaussian facets that all see the light and are all seen:
 /// `cos(alpha) F D(m) chi / (cos(theta_i) |cos(theta_o)|)`, with `F` reflected or transmitted by the
@@ -12,7 +12,12 @@ use crate::kinematics::{reflecting_facet, refracting_facet};
 ///
 /// # Source
 /// Xu and Sun 2008, Eq. 25 without its visibilities; Walter et al. 2007, Eqs. 20 and 21 without G.
-pub(crate) fn unmasked_bsdf(material: &Material, smoothness: f64, wi: DVec3, wo: DVec3) -> f64 {
+pub(crate) fn unmasked_bsdf(
+    material: &Material,
+    slopes: &SlopeCovariance,
+    wi: DVec3,
+    wo: DVec3,
+) -> f64 {
     if wi.z <= 0.0 || wo.z == 0.0 {
         return 0.0;
     }
@@ -27,7 +32,7 @@ pub(crate) fn unmasked_bsdf(material: &Material, smoothness: f64, wi: DVec3, wo:
     let Some(facet) = facet else {
         return 0.0;
     };
-    let d = normal_density(facet.m, smoothness);
+    let d = slopes.normal_density(facet.m);
     if d == 0.0 {
         return 0.0;
     }

@@ -3,30 +3,32 @@
 //! The integral over a bin is nested: azimuth within polar angle. Where the integrand has a narrow
 //! lobe or an edge is known beforehand, so no bin is judged by a few samples that may miss both:
 //!
-//! - Light that comes at `theta_i` and leaves at `theta`, `psi` from the forward azimuth, meets a
-//!   facet along `h = wi + eta wo` (`eta = 1` for reflection), whose squared slope is
-//!   `((sin theta_i - eta sin theta)^2 + 4 eta sin theta_i sin theta sin^2(psi / 2)) / h_z^2`. At
-//!   given `theta` the lobe is therefore `exp(-kappa sin^2(psi / 2))` about `psi = 0`, with
-//!   `kappa = s^2 eta sin theta_i sin theta / h_z^2`.
-//! - Its extent in `theta` is that of the directions into which facets tilted within the plane of
-//!   incidence send the light.
+//! - The density of slopes falls as `exp(-E)`, and the valleys of `E` along azimuth and polar angle are
+//!   known: see [`Lobe`]. For isotropic slopes `E` grows with `sin^2(psi / 2)` about `psi = 0`, the
+//!   forward azimuth, by `kappa = 2 eta sin theta_i sin theta / (variance h_z^2)`.
+//! - The extent of the lobe in `theta` is that of the directions into which facets tilted within the
+//!   plane of incidence send the light, or, of slopes that are correlated, those facets that are the
+//!   likeliest at their tilt. Where slopes are not isotropic, the lobe may also leave the range
+//!   through an end in azimuth; its valleys along both ends are marked too.
 //! - Refraction ends, and total reflection sets in with a square root, on circles
 //!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use asperity_optics::{from_spherical, polar_angle, reflect, refract};
+use asperity_optics::{Material, from_spherical, polar_angle, reflect, refract};
 use asperity_tally::{HemisphereGrid, Side, Sides};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::lobe::{Lobe, NEGLIGIBLE};
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use crate::slopes::SlopeCovariance;
 
 /// Error allowed in the flux of one range.
 const FLUX_ERROR: f64 = 1e-12;
 
-/// Facet slopes in units of `2 / s` whose images bound the first subdivisions; the slope density
+/// Facet slopes in units of their deviation times the root of two whose images bound the first subdivisions; the slope density
 /// falls as `exp(-t^2)`.
 const LOBE_SLOPES: [f64; 5] = [-5.0, -2.0, 0.0, 2.0, 5.0];
 
@@ -45,7 +47,19 @@ pub(crate) fn bin_fluxes_of(
     grid: &HemisphereGrid,
     sides: Sides,
 ) -> Vec<f64> {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    fluxes_into_bins(&Scattering::of(model, &bsdf), wi, grid, sides)
+}
+
+/// Flux fractions into the bins of `grid`, to about 1e-12, and zero on sides that are not asked for.
+pub(crate) fn fluxes_into_bins(
+    scattering: &Scattering<'_>,
+    wi: DVec3,
+    grid: &HemisphereGrid,
+    sides: Sides,
+) -> Vec<f64> {
     let n_phi = grid.n_phi();
+    let isotropic = scattering.slopes.is_isotropic();
     let vertical = wi.x == 0.0 && wi.y == 0.0;
     let mirror = mirror_sum(wi, n_phi);
     let mut fluxes = vec![0.0; grid.len()];
@@ -55,12 +69,12 @@ pub(crate) fn bin_fluxes_of(
             .par_chunks_exact_mut(n_phi)
             .enumerate()
             .for_each(|(ring, fluxes)| {
-                let Some(mut range) = FluxIntegral::new(model, wi, side) else {
+                let Some(mut range) = FluxIntegral::new(scattering, wi, side) else {
                     return;
                 };
                 for sector in 0..n_phi {
                     // Another bin of the ring that holds the same by symmetry, if it came before.
-                    let twin = if !model.is_isotropic() {
+                    let twin = if !isotropic {
                         None
                     } else if vertical && sector > 0 {
                         Some(0)
@@ -95,12 +109,19 @@ pub fn flux_into(
     theta: [f64; 2],
     phi: [f64; 2],
 ) -> f64 {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    let theta = within_side(side, theta);
+    FluxIntegral::new(&Scattering::of(model, &bsdf), wi, side)
+        .map_or(0.0, |mut range| range.over(theta, phi))
+}
+
+/// The part of a range of polar angles that lies on `side`.
+fn within_side(side: Side, theta: [f64; 2]) -> [f64; 2] {
     let (lowest, highest) = match side {
         Side::Reflected => (0.0, FRAC_PI_2),
         Side::Transmitted => (FRAC_PI_2, PI),
     };
-    let theta = [theta[0].max(lowest), theta[1].min(highest)];
-    FluxIntegral::new(model, wi, side).map_or(0.0, |mut range| range.over(theta, phi))
+    [theta[0].max(lowest), theta[1].min(highest)]
 }
 
 /// Sum of the sectors that mirror each other at the plane of incidence, modulo their number, if
@@ -114,9 +135,36 @@ fn mirror_sum(wi: DVec3, n_phi: usize) -> Option<usize> {
         .then(|| (nearest as usize + 2 * n_phi - 1) % n_phi)
 }
 
+/// What is integrated, and what is known of it beforehand.
+#[derive(Clone, Copy)]
+pub(crate) struct Scattering<'a> {
+    pub(crate) slopes: SlopeCovariance,
+    pub(crate) material: Material,
+    /// Of `wi` and `wo`, in 1/sr; as isotropic as the slopes are, and negligible where they are rare.
+    pub(crate) bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
+    /// Error allowed in the flux of one range, absolute and as a share.
+    pub(crate) error: [f64; 2],
+}
+
+impl<'a> Scattering<'a> {
+    /// That of a model, whose `bsdf` this must be.
+    fn of(model: &dyn BsdfModel, bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync)) -> Self {
+        Self {
+            slopes: model.slopes(),
+            material: model.material(),
+            bsdf,
+            error: Self::EXACT,
+        }
+    }
+
+    /// The error of fluxes that are to be exact.
+    pub(crate) const EXACT: [f64; 2] = [FLUX_ERROR, 1e-11];
+}
+
 /// What integrals for one direction of light and one side share.
-struct FluxIntegral<'a> {
-    model: &'a dyn BsdfModel,
+pub(crate) struct FluxIntegral<'a> {
+    scattering: Scattering<'a>,
+    shape: Lobe,
     wi: DVec3,
     sin_i: f64,
     cos_i: f64,
@@ -134,9 +182,12 @@ struct FluxIntegral<'a> {
 }
 
 impl<'a> FluxIntegral<'a> {
-    /// `None` where the model sends nothing.
-    fn new(model: &'a dyn BsdfModel, wi: DVec3, side: Side) -> Option<Self> {
-        let index = model.material().transmitting_index();
+    /// `None` where nothing is sent.
+    pub(crate) fn new(scattering: &Scattering<'a>, wi: DVec3, side: Side) -> Option<Self> {
+        let Scattering {
+            slopes, material, ..
+        } = *scattering;
+        let index = material.transmitting_index();
         if wi.z <= 0.0 || (side == Side::Transmitted && index.is_none()) {
             return None;
         }
@@ -153,14 +204,15 @@ impl<'a> FluxIntegral<'a> {
             _ => None,
         };
         let along = if sin_i > 0.0 {
-            DVec3::new(wi.x / sin_i, wi.y / sin_i, 0.0)
+            wi.truncate() / sin_i
         } else {
-            DVec3::X
+            DVec2::X
         };
+        let unit = slopes.times(along) * (2.0 / slopes.variance_along(along)).sqrt();
         let lobe = LOBE_SLOPES
             .iter()
             .filter_map(|t| {
-                let m = (DVec3::Z + 2.0 * t / model.smoothness() * along).normalize();
+                let m = (*t * unit).extend(1.0).normalize();
                 let cos_alpha = wi.dot(m);
                 if cos_alpha <= 0.0 {
                     return None;
@@ -168,7 +220,7 @@ impl<'a> FluxIntegral<'a> {
                 let wo = match side {
                     Side::Reflected => reflect(wi, m),
                     Side::Transmitted => {
-                        let fresnel = model.material().fresnel(cos_alpha.min(1.0));
+                        let fresnel = material.fresnel(cos_alpha.min(1.0));
                         if fresnel.transmitted <= 0.0 {
                             return None;
                         }
@@ -178,12 +230,15 @@ impl<'a> FluxIntegral<'a> {
                 Some(polar_angle(wo))
             })
             .collect();
+        let forward = f64::atan2(-wi.y, -wi.x);
+        let refracted = (side == Side::Transmitted).then_some(eta);
         Some(Self {
-            model,
+            scattering: *scattering,
+            shape: Lobe::new(&slopes, wi, forward, refracted),
             wi,
             sin_i,
             cos_i: wi.z,
-            forward: f64::atan2(-wi.y, -wi.x),
+            forward,
             eta,
             edge,
             lobe,
@@ -193,8 +248,8 @@ impl<'a> FluxIntegral<'a> {
         })
     }
 
-    /// The flux fraction into `theta` by `phi`.
-    fn over(&mut self, theta: [f64; 2], phi: [f64; 2]) -> f64 {
+    /// The flux fraction into `theta`, on the side of the integral, by `phi`.
+    pub(crate) fn over(&mut self, theta: [f64; 2], phi: [f64; 2]) -> f64 {
         if !(theta[1] > theta[0] && phi[1] > phi[0]) {
             return 0.0;
         }
@@ -213,10 +268,16 @@ impl<'a> FluxIntegral<'a> {
                 }
             }
         }
+        if !self.scattering.slopes.is_isotropic() {
+            for psi in psi {
+                self.shape.mark_polar_angles(&mut breaks, theta, psi);
+            }
+        }
         breaks.finish();
+        let [absolute, relative] = self.scattering.error;
         let tolerance = Tolerance {
-            absolute: FLUX_ERROR,
-            relative: 1e-11,
+            absolute,
+            relative,
             max_pieces: 400,
         };
         let mut pieces = std::mem::take(&mut self.outer_pieces);
@@ -230,17 +291,29 @@ impl<'a> FluxIntegral<'a> {
         let (sin_theta, cos_theta) = theta.sin_cos();
         let product = self.sin_i * sin_theta;
         self.inner_breaks.reset(psi[0], psi[1]);
+        let slopes = &self.scattering.slopes;
+        let isotropic = slopes.is_isotropic();
+        let least = if isotropic {
+            self.shape.exponent(theta, 0.0_f64.clamp(psi[0], psi[1]))
+        } else {
+            self.shape.mark_azimuths(&mut self.inner_breaks, theta, psi)
+        };
+        if least > NEGLIGIBLE {
+            return 0.0;
+        }
+        let h_z = self.cos_i + self.eta * cos_theta;
+        let kappa = 2.0 * self.eta * product / (slopes.xx() * h_z * h_z);
         for turn in [-TAU, 0.0, TAU] {
-            self.inner_breaks.add_smooth(turn);
-            let h_z = self.cos_i + self.eta * cos_theta;
-            let kappa = (self.model.smoothness() / h_z).powi(2) * self.eta * product;
-            for t in [2.0, 6.0] {
-                // exp(-kappa sin^2(psi / 2)) has fallen to exp(-t^2).
-                let sin_half = t / kappa.sqrt();
-                if sin_half < 1.0 {
-                    let width = 2.0 * sin_half.asin();
-                    self.inner_breaks.add_smooth(turn - width);
-                    self.inner_breaks.add_smooth(turn + width);
+            if isotropic {
+                self.inner_breaks.add_smooth(turn);
+                for t in [2.0, 6.0] {
+                    // exp(-kappa sin^2(psi / 2)) has fallen to exp(-t^2).
+                    let sin_half = t / kappa.sqrt();
+                    if sin_half < 1.0 {
+                        let width = 2.0 * sin_half.asin();
+                        self.inner_breaks.add_smooth(turn - width);
+                        self.inner_breaks.add_smooth(turn + width);
+                    }
                 }
             }
             if let Some(edge) = self.edge {
@@ -253,18 +326,19 @@ impl<'a> FluxIntegral<'a> {
             }
         }
         self.inner_breaks.finish();
+        let [absolute, relative] = self.scattering.error;
         let tolerance = Tolerance {
-            absolute: 0.1 * FLUX_ERROR,
-            relative: 1e-12,
+            absolute: 0.1 * absolute,
+            relative: 0.1 * relative,
             max_pieces: 200,
         };
-        let (model, wi, forward) = (self.model, self.wi, self.forward);
+        let (bsdf, wi, forward) = (self.scattering.bsdf, self.wi, self.forward);
         let weight = cos_theta.abs() * sin_theta;
         integrate(
             &self.inner_breaks,
             tolerance,
             &mut self.inner_pieces,
-            |psi| weight * model.bsdf(wi, from_spherical(theta, forward + psi)),
+            |psi| weight * bsdf(wi, from_spherical(theta, forward + psi)),
         )
     }
 

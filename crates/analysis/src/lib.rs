@@ -28,25 +28,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod beckmann;
 mod comparison;
+mod control;
 mod energy;
 mod facet_scattering;
 mod family;
 mod flux;
 mod kinematics;
+mod lobe;
 mod model;
 mod quadrature;
 mod registry;
 mod sign_flip;
+mod slopes;
 mod smith;
+mod unshadowed;
 mod verdict;
 mod xu_sun;
 
-pub use beckmann::{normal_density, smith_g1, smith_lambda, smith_lambda_of};
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,
 };
+pub use control::{control, visible_shares};
 pub use energy::{HemisphericalEnergy, hemispherical_energy};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
 pub use flux::{bin_fluxes, flux_into};
@@ -54,6 +57,8 @@ pub use kinematics::{Facet, reflecting_facet, refracting_facet};
 pub use model::{BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope};
 pub use registry::{MODEL_NAMES, create_model};
 pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
+pub use slopes::{SlopeCovariance, SlopeError, smith_lambda};
 pub use smith::{Masking, Smith};
+pub use unshadowed::unshadowed_fluxes;
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};

@@ -6,6 +6,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use crate::flux::bin_fluxes_of;
+use crate::slopes::{SlopeCovariance, SlopeError};
 
 /// The surface interactions that a model accounts for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -54,15 +55,9 @@ pub trait BsdfModel: ScatteringModel {
     /// What the surface is made of.
     fn material(&self) -> Material;
 
-    /// `s = tau / sigma`; facet slopes have variance `2 / s^2` per axis. Quadrature places its
-    /// first subdivisions by it.
-    fn smoothness(&self) -> f64;
-
-    /// Whether turning `wi` and `wo` about z together, and mirroring both at a vertical plane,
-    /// leave the BSDF as it is.
-    fn is_isotropic(&self) -> bool {
-        true
-    }
+    /// How steep its facets are. Quadrature places its first subdivisions by it, and takes a model of
+    /// isotropic slopes for one that looks the same from all azimuths and in a mirror.
+    fn slopes(&self) -> SlopeCovariance;
 }
 
 /// [`ScatteringModel::expected_fluxes`] of a model with a density.
@@ -90,9 +85,9 @@ pub enum ModelError {
         /// The names that exist.
         known: &'static [&'static str],
     },
-    /// The smoothness is zero, negative or not finite.
-    #[error("smoothness is {0}; tau / sigma must be positive and finite")]
-    BadSmoothness(f64),
+    /// No surface has these slopes.
+    #[error(transparent)]
+    Slopes(#[from] SlopeError),
     /// The material is none that exists.
     #[error(transparent)]
     Material(#[from] MaterialError),
@@ -103,11 +98,8 @@ pub enum ModelError {
     MatchedIndices(f64),
 }
 
-/// Checks what every model here needs.
-pub(crate) fn validate(smoothness: f64, material: Material) -> Result<(), ModelError> {
-    if !(smoothness.is_finite() && smoothness > 0.0) {
-        return Err(ModelError::BadSmoothness(smoothness));
-    }
+/// Checks that `material` exists and scatters.
+pub(crate) fn validate(material: Material) -> Result<(), ModelError> {
     match material {
         Material::Dielectric { eta } => {
             Material::dielectric(eta)?;

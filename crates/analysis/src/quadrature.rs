@@ -80,6 +80,12 @@ impl Breaks {
         }
     }
 
+    /// All points, in the order in which they came.
+    #[cfg(test)]
+    pub(crate) fn points(&self) -> impl Iterator<Item = f64> {
+        self.points.iter().map(|point| point.0)
+    }
+
     /// Sorts and merges; must precede integration.
     pub(crate) fn finish(&mut self) {
         self.points.sort_by(|a, b| a.0.total_cmp(&b.0));

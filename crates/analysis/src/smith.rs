@@ -7,11 +7,11 @@ use asperity_optics::Material;
 use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 
-use crate::beckmann::smith_lambda_of;
 use crate::facet_scattering::unmasked_bsdf;
 use crate::model::{
     BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
 };
+use crate::slopes::SlopeCovariance;
 
 /// How shadowing of the light and masking of the view go together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum Masking {
 /// Walter et al. 2007, Eqs. 20 and 21; Heitz et al. 2016 for the height-correlated forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Smith {
-    smoothness: f64,
+    slopes: SlopeCovariance,
     material: Material,
     masking: Masking,
 }
@@ -47,9 +47,10 @@ impl Smith {
     /// [`ModelError`] for a smoothness that is not positive and finite, an impossible material or
     /// equal indices.
     pub fn new(smoothness: f64, material: Material, masking: Masking) -> Result<Self, ModelError> {
-        validate(smoothness, material)?;
+        let slopes = SlopeCovariance::isotropic(smoothness)?;
+        validate(material)?;
         Ok(Self {
-            smoothness,
+            slopes,
             material,
             masking,
         })
@@ -57,12 +58,18 @@ impl Smith {
 
     /// Share of the facets facing both ways that `wi` lights and `wo` sees.
     fn visible_share(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let lambda_i = smith_lambda_of(wi, self.smoothness);
-        let lambda_o = smith_lambda_of(wo, self.smoothness);
-        match self.masking {
-            Masking::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
-            Masking::HeightCorrelated if wo.z > 0.0 => 1.0 / (1.0 + lambda_i + lambda_o),
-            Masking::HeightCorrelated => beta_of_one_plus(lambda_i, lambda_o),
+        self.masking.visible_share(&self.slopes, wi, wo)
+    }
+}
+
+impl Masking {
+    /// Share of the facets of `slopes` facing both ways that `wi` lights and `wo` sees.
+    pub(crate) fn visible_share(self, slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
+        let (lambda_i, lambda_o) = (slopes.lambda(wi), slopes.lambda(wo));
+        match self {
+            Self::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
+            Self::HeightCorrelated if wo.z > 0.0 => 1.0 / (1.0 + lambda_i + lambda_o),
+            Self::HeightCorrelated => beta_of_one_plus(lambda_i, lambda_o),
         }
     }
 }
@@ -118,7 +125,7 @@ impl ScatteringModel for Smith {
 
 impl BsdfModel for Smith {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let unmasked = unmasked_bsdf(&self.material, self.smoothness, wi, wo);
+        let unmasked = unmasked_bsdf(&self.material, &self.slopes, wi, wo);
         // No share of nothing: visibility has no meaning where a direction is none.
         if unmasked == 0.0 {
             0.0
@@ -131,8 +138,8 @@ impl BsdfModel for Smith {
         self.material
     }
 
-    fn smoothness(&self) -> f64 {
-        self.smoothness
+    fn slopes(&self) -> SlopeCovariance {
+        self.slopes
     }
 }
 

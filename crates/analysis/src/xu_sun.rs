@@ -12,6 +12,7 @@ use crate::facet_scattering::unmasked_bsdf;
 use crate::model::{
     BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
 };
+use crate::slopes::SlopeCovariance;
 
 /// The constant of Eq. 24.
 const K0: f64 = 0.7;
@@ -23,6 +24,7 @@ const K0: f64 = 0.7;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XuSun {
     smoothness: f64,
+    slopes: SlopeCovariance,
     material: Material,
 }
 
@@ -36,9 +38,11 @@ impl XuSun {
     /// [`ModelError`] for a smoothness that is not positive and finite, an impossible material or
     /// equal indices.
     pub fn new(smoothness: f64, material: Material) -> Result<Self, ModelError> {
-        validate(smoothness, material)?;
+        let slopes = SlopeCovariance::isotropic(smoothness)?;
+        validate(material)?;
         Ok(Self {
             smoothness,
+            slopes,
             material,
         })
     }
@@ -78,7 +82,7 @@ impl ScatteringModel for XuSun {
 
 impl BsdfModel for XuSun {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let unmasked = unmasked_bsdf(&self.material, self.smoothness, wi, wo);
+        let unmasked = unmasked_bsdf(&self.material, &self.slopes, wi, wo);
         // No share of nothing: visibility has no meaning where a direction is none.
         if unmasked == 0.0 {
             0.0
@@ -93,15 +97,14 @@ impl BsdfModel for XuSun {
         self.material
     }
 
-    fn smoothness(&self) -> f64 {
-        self.smoothness
+    fn slopes(&self) -> SlopeCovariance {
+        self.slopes
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::smith_lambda_of;
     use asperity_optics::from_spherical;
 
     #[test]
@@ -120,7 +123,8 @@ mod tests {
         // V (1 + Lambda) would be one if every lit facet were counted once.
         for (theta, expected) in [(30.0, 0.862_177), (60.0, 0.510), (80.0, 0.0725)] {
             let w = from_spherical(f64::to_radians(theta), 0.0);
-            let kept = xu_sun_visibility(w, 1.0) * (1.0 + smith_lambda_of(w, 1.0));
+            let kept = xu_sun_visibility(w, 1.0)
+                * (1.0 + SlopeCovariance::isotropic(1.0).unwrap().lambda(w));
             assert!((kept - expected).abs() < 5e-4, "{theta} {kept}");
         }
     }

@@ -1,8 +1,9 @@
 //! How rays are divided into blocks, and how the blocks of one surface are run.
 
-use asperity_optics::Incidence;
-use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, Geometry, PathSettings, Sampling, Tracer, Work};
+use asperity_tally::{Control, Layout};
+use asperity_tracer::{
+    AcceleratorKind, Geometry, Illumination, PathSettings, Sampling, Tracer, Work,
+};
 use rayon::prelude::*;
 
 use crate::estimator::Estimator;
@@ -12,7 +13,7 @@ use crate::stream::ray_stream;
 /// Rays: how many, from which random streams, how followed, and what is recorded of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RaySettings {
-    /// Rays in all, at least; rounded up so that every block has one ray a stratum.
+    /// Rays in all, at least; rounded up so that every block has as many as strata.
     pub rays: u64,
     /// Seed of surfaces and rays.
     pub seed: u64,
@@ -51,12 +52,20 @@ const BLOCKS_OF_THREAD: usize = 32;
 
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
-    pub(crate) fn plan(rays: u64, fewest: u64) -> Self {
+    ///
+    /// Quasi-random rays come in smaller blocks, of a size that `sampling` allows.
+    pub(crate) fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
         let count = rays
             .div_ceil(ORDINARY_STRATA.pow(2))
             .clamp(fewest.min(rays), MOST_BLOCKS);
         // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
-        let strata = (rays.div_ceil(count) - 1).isqrt() + 1;
+        let strata = match sampling {
+            Sampling::Random | Sampling::Stratified => (rays.div_ceil(count) - 1).isqrt() + 1,
+            Sampling::QuasiRandom => {
+                let side = rays.div_ceil(count).isqrt();
+                (1 << side.ilog2()).min(Sampling::MOST_QUASI_RANDOM_STRATA.into())
+            }
+        };
         let count = rays.div_ceil(strata * strata).max(fewest.min(rays));
         Self {
             count,
@@ -72,7 +81,7 @@ impl Blocks {
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
 pub(crate) fn run_blocks<G: Geometry>(
     tracer: &Tracer<'_, G>,
-    (incidence, any_azimuth): (Incidence, bool),
+    (light, control): (&Illumination, Option<&Control>),
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,
@@ -81,20 +90,17 @@ pub(crate) fn run_blocks<G: Geometry>(
 ) -> Work {
     let mut work = Work::default();
     let mut take = |records: Vec<(Vec<f64>, Work)>| {
-        for (values, done) in records {
+        for (mut values, done) in records {
+            if let Some(control) = control {
+                control.complete(&mut values);
+            }
             each(&values);
             work += done;
         }
     };
     let trace = |block: usize| {
         let mut rng = ray_stream(settings.seed, realisation, block as u64);
-        let record = tracer.batch(
-            incidence,
-            any_azimuth,
-            blocks.strata,
-            settings.layout,
-            &mut rng,
-        );
+        let record = tracer.batch(light, blocks.strata, settings.layout, control, &mut rng);
         progress.advance(u64::from(blocks.strata).pow(2));
         record
     };
@@ -132,14 +138,35 @@ mod tests {
             10_000_000_000,
         ] {
             for fewest in [1, 64] {
-                let blocks = Blocks::plan(rays, fewest);
+                let blocks = Blocks::plan(rays, fewest, Sampling::Stratified);
                 assert!(blocks.rays() >= rays, "{rays} {blocks:?}");
                 // A square may be 2 strata + 1 larger than the share, in each block.
                 let slack = blocks.count * (2 * u64::from(blocks.strata) + 1);
                 assert!(blocks.rays() - rays <= slack, "{rays} {blocks:?}");
                 assert!(blocks.count <= MOST_BLOCKS);
                 assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
+                assert_eq!(blocks, Blocks::plan(rays, fewest, Sampling::Random));
             }
         }
+    }
+
+    #[test]
+    fn quasi_random_blocks_have_a_power_of_four_rays_and_few_too_many() {
+        for rays in [1, 3, 63, 64, 1000, 1_000_000, 50_000_000, 1_000_000_000_000] {
+            for fewest in [1, 64] {
+                let blocks = Blocks::plan(rays, fewest, Sampling::QuasiRandom);
+                let of_block = u64::from(blocks.strata).pow(2);
+                assert!(Sampling::quasi_random_strata(blocks.strata), "{blocks:?}");
+                assert!(blocks.rays() >= rays, "{rays} {blocks:?}");
+                // One block, or as many rays as blocks, since each has the next whole number.
+                let slack = of_block.max(fewest);
+                assert!(blocks.rays() < rays + slack, "{rays} {blocks:?}");
+                assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
+            }
+        }
+        // 512 x 512 where there are so many
+        let ordinary = Blocks::plan(100 << 18, 64, Sampling::QuasiRandom);
+        let [count, strata] = [100, 512];
+        assert_eq!([ordinary.count, ordinary.strata.into()], [count, strata]);
     }
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::case::Case;
 use crate::limits::{RunError, check_grazing, check_memory, traced_bytes};
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::Used;
 use crate::trace::FEWEST_BLOCKS;
@@ -73,6 +74,8 @@ impl Ensemble {
 pub(crate) struct Group<'a> {
     pub(crate) synthesis: &'a Synthesis,
     pub(crate) cases: &'a [Case],
+    /// How each case is estimated.
+    pub(crate) methods: &'a [Method],
     pub(crate) realisations: u64,
     pub(crate) settings: &'a RaySettings,
     pub(crate) incident: Medium,
@@ -87,7 +90,11 @@ impl Group<'_> {
         } else {
             BLOCKS_OF_ALL.div_ceil(self.realisations)
         };
-        Blocks::plan(self.settings.rays.div_ceil(self.realisations), fewest)
+        Blocks::plan(
+            self.settings.rays.div_ceil(self.realisations),
+            fewest,
+            self.settings.sampling,
+        )
     }
 
     /// Draws every surface once and traces all cases on it.
@@ -178,15 +185,15 @@ impl Group<'_> {
 
         let clock = Instant::now();
         let mut cases = Vec::new();
-        for case in self.cases {
+        for (case, method) in self.cases.iter().zip(self.methods) {
             check_grazing(&surface, case.incidence)?;
             let paths = self.settings.paths;
             let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
-            let light = (case.incidence, self.any_azimuth);
+            let light = method.illumination(case.incidence, self.any_azimuth, self.settings);
             let mut statistics = BatchStatistics::new(self.settings.layout.len());
             let work = run_blocks(
                 &tracer,
-                light,
+                (&light, method.control.as_ref()),
                 self.settings,
                 index,
                 self.blocks(),
@@ -234,10 +241,12 @@ mod tests {
         ";
         let config = VerifyConfig::from_toml(text).unwrap();
         let cases = config.cases().unwrap();
+        let methods = vec![Method::PLAIN; cases.len()];
         let synthesis = Synthesis::new(cases[0].psd, [32, 32], [1.0, 1.0], false).unwrap();
         let group = Group {
             synthesis: &synthesis,
             cases: &cases,
+            methods: &methods,
             realisations: 4,
             settings: &config.run.ray_settings().unwrap(),
             incident: Medium::Above,

@@ -20,6 +20,7 @@ mod ensemble;
 mod estimator;
 mod figures;
 mod limits;
+mod method;
 mod number;
 mod progress;
 mod report;

@@ -3,8 +3,11 @@
 use asperity_tally::{
     BatchStatistics, Estimate, EventPath, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
 };
-use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Work};
+use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
 use serde::Serialize;
+
+use crate::estimator::Estimator;
+use crate::method::Method;
 
 /// What was done, and how long it took.
 #[derive(Clone, Debug, Serialize)]
@@ -26,7 +29,11 @@ pub struct SummaryWork {
     /// Instructions with which it searches, where there is a choice.
     pub instructions: Option<String>,
     /// Estimator used.
-    pub estimator: &'static str,
+    pub estimator: Estimator,
+    /// Where its paths start.
+    pub starts: Starts,
+    /// How they are spread.
+    pub sampling: Sampling,
     /// Seconds spent on drawing surfaces, summed over surfaces.
     pub generate_seconds: f64,
     /// Seconds spent on building accelerators, summed over surfaces.
@@ -56,7 +63,7 @@ impl Used {
 }
 
 impl SummaryWork {
-    pub(crate) fn new(work: Work, used: Used) -> Self {
+    pub(crate) fn new(work: Work, used: Used, method: &Method, sampling: Sampling) -> Self {
         Self {
             realisations: 0,
             rays: work.rays,
@@ -66,7 +73,9 @@ impl SummaryWork {
             branches_not_asked: work.branches_not_asked,
             accelerator: used.accelerator,
             instructions: used.instructions,
-            estimator: "plain",
+            estimator: method.estimator(),
+            starts: method.starts,
+            sampling,
             generate_seconds: 0.0,
             build_seconds: 0.0,
             trace_seconds: 0.0,

@@ -11,6 +11,7 @@ use crate::blocks::{Blocks, RaySettings, run_blocks};
 use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
 };
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::{SummaryWork, Used};
 
@@ -85,7 +86,7 @@ fn trace_on<G: Geometry>(
     progress: &dyn Progress,
 ) -> Result<(TraceOutcome, G), RunError> {
     let began = Instant::now();
-    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS);
+    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS, settings.sampling);
     check_results(&settings.layout, 1, 1)?;
     progress.begin("building", 1);
     let geometry = build();
@@ -98,10 +99,19 @@ fn trace_on<G: Geometry>(
     let tracing = Instant::now();
     let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
     let mut statistics = BatchStatistics::new(settings.layout.len());
-    let light = (incidence, false);
-    let work = run_blocks(&tracer, light, settings, 0, blocks, progress, |values| {
-        statistics.push(values);
-    });
+    let method = Method::PLAIN;
+    let light = method.illumination(incidence, false, settings);
+    let work = run_blocks(
+        &tracer,
+        (&light, method.control.as_ref()),
+        settings,
+        0,
+        blocks,
+        progress,
+        |values| {
+            statistics.push(values);
+        },
+    );
     progress.end();
     let outcome = TraceOutcome {
         statistics,
@@ -111,7 +121,7 @@ fn trace_on<G: Geometry>(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, Used::of(&*accelerator))
+            ..SummaryWork::new(work, Used::of(&*accelerator), &method, settings.sampling)
         },
         field: None,
     };

@@ -4,17 +4,20 @@ use std::time::Instant;
 
 use asperity_analysis::{
     BsdfModel, Comparison, ComparisonError, Grouping, HemisphericalEnergy, ModelError, Scope,
-    Verdict, compare, create_model, flux_into, hemispherical_energy, sidak_level, verdicts,
+    SlopeCovariance, SlopeError, Verdict, compare, create_model, flux_into, hemispherical_energy,
+    sidak_level, verdicts,
 };
 use asperity_surface::{HeightField, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
 use asperity_tracer::Medium;
 use rayon::prelude::*;
 
+use crate::blocks::RaySettings;
 use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
 use crate::limits::{RunError, check_results};
+use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
@@ -35,6 +38,9 @@ pub enum VerifyError {
     /// The rays cannot be traced.
     #[error(transparent)]
     Run(#[from] RunError),
+    /// The slopes of the surfaces have no density.
+    #[error(transparent)]
+    Slopes(#[from] SlopeError),
     /// A model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -152,11 +158,17 @@ pub fn verify(
     let realisations = config.run.realisations.0;
     // All recipes are checked before the first is run.
     let recipes = config.recipes()?;
+    let methods = recipes
+        .iter()
+        .map(|(_, cases)| methods(config, &settings, cases))
+        .collect::<Result<Vec<_>, _>>()?;
     let groups: Vec<Group<'_>> = recipes
         .iter()
-        .map(|(synthesis, cases)| Group {
+        .zip(&methods)
+        .map(|((synthesis, cases), methods)| Group {
             synthesis,
             cases,
+            methods,
             realisations,
             settings: &settings,
             incident: Medium::from(config.light.from),
@@ -179,8 +191,9 @@ pub fn verify(
                 .cases
                 .iter()
                 .copied()
+                .zip(group.methods)
                 .zip(ensembles)
-                .map(|(c, e)| (c, e, share)),
+                .map(|((case, method), ensemble)| (case, method, ensemble, share)),
         );
     }
     progress.end();
@@ -188,8 +201,8 @@ pub fn verify(
     progress.begin("comparing", traced.len() as u64);
     let cases = traced
         .into_par_iter()
-        .map(|(case, ensemble, seconds)| {
-            let outcome = judge(config, &settings.layout, case, &ensemble, seconds);
+        .map(|(case, method, ensemble, seconds)| {
+            let outcome = judge(config, &settings, (case, method), &ensemble, seconds);
             progress.advance(1);
             outcome
         })
@@ -203,14 +216,36 @@ pub fn verify(
     })
 }
 
+/// How each of the cases of one recipe is estimated.
+fn methods(
+    config: &VerifyConfig,
+    settings: &RaySettings,
+    cases: &[Case],
+) -> Result<Vec<Method>, VerifyError> {
+    cases
+        .par_iter()
+        .map(|case| {
+            let slopes = SlopeCovariance::isotropic(case.smoothness)?;
+            Ok(Method::of_ensemble(
+                settings.estimator,
+                &slopes,
+                case.material,
+                case.incidence,
+                &settings.layout,
+            )?)
+        })
+        .collect()
+}
+
 /// Statistics of one case and its comparison with every model.
 fn judge(
     config: &VerifyConfig,
-    layout: &Layout,
-    case: Case,
+    settings: &RaySettings,
+    (case, method): (Case, &Method),
     ensemble: &Ensemble,
     seconds: f64,
 ) -> Result<CaseOutcome, VerifyError> {
+    let layout = &settings.layout;
     // With one surface the scatter between its blocks is all there is.
     let (batches, errors_from) = match &ensemble.blocks_of_one {
         Some(blocks) => (blocks.clone(), "ray blocks"),
@@ -253,7 +288,12 @@ fn judge(
             build_seconds: ensemble.seconds.build,
             trace_seconds: ensemble.seconds.trace,
             seconds,
-            ..SummaryWork::new(ensemble.work, ensemble.used.clone())
+            ..SummaryWork::new(
+                ensemble.work,
+                ensemble.used.clone(),
+                method,
+                settings.sampling,
+            )
         },
     })
 }

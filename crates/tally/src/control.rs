@@ -40,6 +40,7 @@ pub struct Control {
     shares: VisibleShares,
     /// By the layout.
     expected: Vec<f64>,
+    shadow_probability: f64,
 }
 
 impl Control {
@@ -88,7 +89,45 @@ impl Control {
                 }
             }
         }
-        Self { shares, expected }
+        Self {
+            shares,
+            expected,
+            shadow_probability: 1.0,
+        }
+    }
+
+    /// The same control with all shares, and so all that is added, times `factor`.
+    #[must_use]
+    pub fn weakened(mut self, factor: f64) -> Self {
+        let rings = self.shares.rings.iter_mut().flatten();
+        rings
+            .chain([&mut self.shares.absorbed])
+            .chain(&mut self.expected)
+            .for_each(|value| *value *= factor);
+        self
+    }
+
+    /// The same control, which looks for facets in the shadow of the one that light meets with
+    /// `probability` alone, and then counts them so many times more.
+    ///
+    /// # Panics
+    /// Unless `0 < probability <= 1`.
+    #[must_use]
+    pub fn looking_into_shadow(self, probability: f64) -> Self {
+        assert!(
+            probability > 0.0 && probability <= 1.0,
+            "{probability} is no probability to look with"
+        );
+        Self {
+            shadow_probability: probability,
+            ..self
+        }
+    }
+
+    /// The probability of looking for facets in the shadow of the one that light meets.
+    #[must_use]
+    pub const fn shadow_probability(&self) -> f64 {
+        self.shadow_probability
     }
 
     /// The share of light that leaves on `side` within `ring` of polar angle, counted from +z.

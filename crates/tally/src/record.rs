@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::finder::BinFinder;
 use crate::wedge::{Half, Wedge};
-use crate::{EventPath, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
+use crate::{Control, EventPath, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,21 +52,27 @@ pub enum Azimuth {
 }
 
 /// Sums over one batch of rays; entries by [`Layout`].
+///
+/// Under a [`Control`] it holds what is left of them when the control is subtracted: light that is
+/// scattered once, and seen, counts with what its visible share leaves of it, and light that would be
+/// scattered so but is not, with minus that share. [`Control::complete`] adds what is missing.
 #[derive(Clone, Debug)]
-pub struct Record {
+pub struct Record<'c> {
     layout: Layout,
+    control: Option<&'c Control>,
     finder: BinFinder,
     /// `None` where the azimuth is free.
     wedge: Option<Wedge>,
     values: Vec<f64>,
 }
 
-impl Record {
+impl<'c> Record<'c> {
     /// An empty record.
     #[must_use]
     pub fn new(layout: Layout, azimuth: Azimuth) -> Self {
         Self {
             layout,
+            control: None,
             finder: BinFinder::new(layout.grid()),
             wedge: match azimuth {
                 Azimuth::From(forward) => Some(Wedge::new(forward, layout.in_plane_half_width())),
@@ -76,21 +82,73 @@ impl Record {
         }
     }
 
+    /// The same under a control of the same layout, where there is one.
+    #[must_use]
+    pub fn under(self, control: Option<&'c Control>) -> Self {
+        Self { control, ..self }
+    }
+
     /// Whether light that leaves on `side` is recorded.
     #[must_use]
     pub const fn asks(&self, side: Side) -> bool {
         self.layout.asks(side)
     }
 
+    /// The control, which makes what is not seen count too.
+    #[must_use]
+    pub const fn control(&self) -> Option<&'c Control> {
+        self.control
+    }
+
     /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the
     /// flux that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
-        let Exit {
-            side,
-            wo,
-            flux,
-            path,
-        } = *exit;
+        match self.control {
+            Some(control) if exit.path.order() == 1 => {
+                let ring = self.finder.ring(exit.side, exit.wo);
+                let left = 1.0 - control.share(exit.side, ring);
+                self.book(exit, left * exit.flux, ring);
+            }
+            None if !self.layout.asks(exit.side) => self.add_loss(Loss::NotAsked, exit.flux),
+            _ => {
+                let ring = self.finder.ring(exit.side, exit.wo);
+                self.book(exit, exit.flux, ring);
+            }
+        }
+    }
+
+    /// Subtracts, under a control, light that a facet would send away if nothing were in its way, but
+    /// that is not lit or not seen. A direction that leads into the surface is no exit of the control.
+    pub fn add_unseen(&mut self, exit: &Exit) {
+        let away = match exit.side {
+            Side::Reflected => exit.wo.z > 0.0,
+            Side::Transmitted => exit.wo.z < 0.0,
+        };
+        if let (true, Some(control)) = (away, self.control) {
+            let ring = self.finder.ring(exit.side, exit.wo);
+            self.book(exit, -control.share(exit.side, ring) * exit.flux, ring);
+        }
+    }
+
+    /// Adds flux that was absorbed at the first interaction.
+    pub fn add_first_absorbed(&mut self, flux: f64) {
+        let share = self.control.map_or(0.0, Control::absorbed_share);
+        self.add_loss(Loss::Absorbed, (1.0 - share) * flux);
+    }
+
+    /// Subtracts, under a control, flux that a facet would absorb if it were lit.
+    pub fn add_unlit_absorbed(&mut self, flux: f64) {
+        let share = self.control.map_or(0.0, Control::absorbed_share);
+        self.add_loss(Loss::Absorbed, -share * flux);
+    }
+
+    /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
+    fn book(&mut self, exit: &Exit, flux: f64, ring: usize) {
+        let Exit { side, wo, path, .. } = *exit;
+        // What the control has taken off entirely is no ray of the bin either.
+        if flux == 0.0 {
+            return;
+        }
         let layout = &self.layout;
         if !layout.asks(side) {
             self.add_loss(Loss::NotAsked, flux);
@@ -107,7 +165,6 @@ impl Record {
         self.values[layout.order(side, path.order() as usize)] += flux;
         self.values[layout.path(side, path)] += flux;
 
-        let ring = self.finder.ring(side, wo);
         self.values[layout.rings(side, class).start + ring] += flux;
         let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
         let Some(wedge) = &self.wedge else {

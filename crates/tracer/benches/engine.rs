@@ -21,8 +21,8 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Psd, Synthesis};
 use asperity_tally::Layout;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Facet, Geometry, Hit, Instructions, Medium, PathSettings,
-    Pyramid, Query, Surface, Tracer, Work,
+    Accelerator, AcceleratorKind, Facet, Geometry, Hit, Illumination, Instructions, Medium,
+    PathSettings, Pyramid, Query, Surface, Tracer, Work,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -224,7 +224,13 @@ fn paths(
     let tracer = Tracer::new(surface, accelerator, glass, Medium::Above, settings);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     tracer
-        .batch(incidence, false, strata, Layout::default(), &mut rng)
+        .batch(
+            &Illumination::new(incidence, false),
+            strata,
+            Layout::default(),
+            None,
+            &mut rng,
+        )
         .1
 }
 

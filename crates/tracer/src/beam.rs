@@ -1,13 +1,10 @@
 //! Collimated light on its way to a surface: where its rays start.
 
-use std::f64::consts::TAU;
-
 use asperity_optics::Incidence;
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
-use rand::{Rng, RngExt};
 
-use crate::border::Heading;
+use crate::border::{Heading, mirror_image};
 use crate::geometry::Geometry;
 use crate::ray::Medium;
 
@@ -18,10 +15,7 @@ use crate::ray::Medium;
 pub(crate) struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
-    /// Whether each ray comes from an azimuth of its own.
-    any_azimuth: bool,
-    /// Strata along either side of the period.
-    strata: u32,
+    incident: Medium,
     /// Period of the surface along x and y, tile coordinates.
     period: [f64; 2],
     aspect: f64,
@@ -32,13 +26,7 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    pub(crate) fn new<G: Geometry>(
-        surface: &G,
-        incident: Medium,
-        incidence: Incidence,
-        any_azimuth: bool,
-        strata: u32,
-    ) -> Self {
+    pub(crate) fn new<G: Geometry>(surface: &G, incident: Medium, incidence: Incidence) -> Self {
         let wi = incidence.wi() * DVec3::new(1.0, 1.0, incident.sign());
         // A mirrored tile and its images make a period of two tiles along each axis.
         let tiles = match surface.border() {
@@ -52,8 +40,7 @@ impl Beam {
         };
         Self {
             wi,
-            any_azimuth,
-            strata,
+            incident,
             period: surface.extent().map(|e| e * tiles),
             aspect: surface.aspect(),
             z,
@@ -61,20 +48,17 @@ impl Beam {
         }
     }
 
-    /// A ray that would meet the mean plane in a random point of the stratum at `[column, row]`, and
-    /// the rotation about the vertical, cosine and sine, that turns its azimuth back.
-    pub(crate) fn ray<R: Rng>(&self, [column, row]: [u32; 2], rng: &mut R) -> (Heading, DVec2) {
-        let width = 1.0 / f64::from(self.strata);
-        let u = (f64::from(column) + rng.random::<f64>()) * width;
-        let v = (f64::from(row) + rng.random::<f64>()) * width;
-        let turned = if self.any_azimuth {
-            DVec2::from_angle(TAU * rng.random::<f64>())
-        } else {
-            DVec2::X
-        };
-        let wi = turned.rotate(self.wi.truncate()).extend(self.wi.z);
+    /// The direction towards light whose azimuth is turned by the angle of which `turn` holds cosine and
+    /// sine.
+    fn wi(&self, turn: DVec2) -> DVec3 {
+        turn.rotate(self.wi.truncate()).extend(self.wi.z)
+    }
+
+    /// The ray that would meet the mean plane at `[u, v]` of the period.
+    pub(crate) fn ray(&self, [u, v]: [f64; 2], turn: DVec2) -> Heading {
+        let wi = self.wi(turn);
         let [cx, cy] = self.period;
-        let heading = Heading {
+        Heading {
             origin: DVec3::new(
                 u * cx + self.to_mean_plane * wi.x,
                 v * cy + self.to_mean_plane * wi.y * self.aspect,
@@ -82,7 +66,34 @@ impl Beam {
             ),
             direction: -wi,
             mirrored: [false; 2],
-        };
-        (heading, DVec2::new(turned.x, -turned.y))
+        }
+    }
+
+    /// The light that comes to the point of the surface at `[u, v]` of the period if nothing is in its
+    /// way, the facet there, and the flux that falls on it, `max(0, wi . m) / (cos theta_m cos theta_i)`
+    /// of a ray; `None` where the facet looks away from the light.
+    ///
+    /// # Source
+    /// Xu and Sun 2008, the weight of Eq. 26.
+    pub(crate) fn point<G: Geometry>(
+        &self,
+        surface: &G,
+        [u, v]: [f64; 2],
+        turn: DVec2,
+    ) -> Option<(Heading, G::Facet, f64)> {
+        let [cx, cy] = self.period;
+        let heading = mirror_image(
+            surface,
+            Heading {
+                origin: DVec3::new(u * cx, v * cy, 0.0),
+                direction: -self.wi(turn),
+                mirrored: [false; 2],
+            },
+        );
+        let (facet, origin) = surface.over(heading.origin.x, heading.origin.y)?;
+        let m = self.incident.sign() * surface.normal(facet);
+        let facing = -heading.direction.dot(m);
+        let flux = facing / (m.z * self.wi.z);
+        (facing > 0.0).then_some((Heading { origin, ..heading }, facet, flux))
     }
 }

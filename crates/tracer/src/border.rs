@@ -173,6 +173,21 @@ fn enter<G: Geometry>(geometry: &G, heading: &mut Heading, medium: Medium) -> Op
     None
 }
 
+/// The heading of a ray within the first period of a surface, in the orientation of the tile that it is
+/// in there: the tile itself or, for a mirrored border, one of its images.
+pub(crate) fn mirror_image<G: Geometry>(geometry: &G, mut heading: Heading) -> Heading {
+    if geometry.border() == Border::Mirrored {
+        for (axis, size) in geometry.extent().into_iter().enumerate() {
+            if heading.origin[axis] >= size {
+                heading.origin[axis] = 2.0 * size - heading.origin[axis];
+                heading.direction[axis] = -heading.direction[axis];
+                heading.mirrored[axis] = true;
+            }
+        }
+    }
+    heading
+}
+
 /// How the way of a ray ends if no tile has anything in it.
 fn nothing_met(border: Border, direction: DVec3, medium: Medium) -> End {
     if medium.sign() * direction.z > 0.0 {
@@ -240,15 +255,6 @@ impl Way {
             None => self.crossing = Some(Box::new(crossing)),
         }
         None
-    }
-
-    /// The way, taken from where it was kept.
-    pub(crate) const fn take(&mut self) -> Self {
-        Self {
-            direction: self.direction,
-            mirrored: self.mirrored,
-            crossing: self.crossing.take(),
-        }
     }
 
     /// The heading with which a ray comes to what it hits in the current tile.

@@ -47,6 +47,12 @@ pub trait Geometry: Sized + Send + Sync {
     /// The point of a facet nearest to `p`, which lies on it but for rounding.
     fn snap(&self, facet: Self::Facet, p: DVec3) -> DVec3;
 
+    /// The facet over `(x, y)` of the tile, and its point there; `None` where the geometry does not
+    /// have exactly one over every place.
+    fn over(&self, _x: f64, _y: f64) -> Option<(Self::Facet, DVec3)> {
+        None
+    }
+
     /// Ray parameter at which a ray in `medium` passes through `facet` to the other side.
     ///
     /// A ray above passes a facet only against its normal, a ray below only along it.

@@ -1,11 +1,31 @@
-//! Strata in an order that keeps neighbours together.
+//! Places of the plane in an order that keeps neighbours together.
 
 /// `[column, row]` of all places of a square of `side` by `side`, along a Morton (Z) curve.
 pub(crate) fn morton_square(side: u32) -> impl Iterator<Item = [u32; 2]> {
     let padded = u64::from(side.next_power_of_two());
     (0..padded * padded)
-        .map(|code| [even_bits(code), even_bits(code >> 1)])
+        .map(morton_place)
         .filter(move |[column, row]| *column < side && *row < side)
+}
+
+/// `[column, row]` of the place that is number `code` along the curve.
+pub(crate) fn morton_place(code: u64) -> [u32; 2] {
+    [even_bits(code), even_bits(code >> 1)]
+}
+
+/// The number along the curve of the place at `[column, row]`.
+pub(crate) fn morton_code([column, row]: [u32; 2]) -> u64 {
+    at_even_bits(column) | at_even_bits(row) << 1
+}
+
+/// The bits of `x`, moved apart to even places.
+fn at_even_bits(x: u32) -> u64 {
+    let mut code = u64::from(x);
+    code = (code | code << 16) & 0x0000_ffff_0000_ffff;
+    code = (code | code << 8) & 0x00ff_00ff_00ff_00ff;
+    code = (code | code << 4) & 0x0f0f_0f0f_0f0f_0f0f;
+    code = (code | code << 2) & 0x3333_3333_3333_3333;
+    (code | code << 1) & 0x5555_5555_5555_5555
 }
 
 /// The bits of `code` at even places, moved together.
@@ -34,5 +54,15 @@ mod tests {
         }
         let quarter: Vec<_> = morton_square(8).take(16).collect();
         assert!(quarter.iter().all(|[x, y]| *x < 4 && *y < 4));
+    }
+
+    #[test]
+    fn codes_and_places_belong_together() {
+        for (code, place) in (0..).zip(morton_square(16)) {
+            assert_eq!(morton_code(place), code);
+        }
+        for place in [[u32::MAX, 0], [0, u32::MAX], [0x1234_5678, 0x9abc_def0]] {
+            assert_eq!(morton_place(morton_code(place)), place);
+        }
     }
 }

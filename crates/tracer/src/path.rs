@@ -1,97 +1,21 @@
 //! Light paths: from interaction to interaction until all flux has left.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
-use asperity_optics::{Fresnel, Incidence, Material, dielectric, reflect, refract};
-use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_optics::{Incidence, Material};
+use asperity_tally::{Azimuth, Control, Event, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use crate::accelerator::{Accelerator, Query};
 use crate::beam::Beam;
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::{Escape, Geometry};
-use crate::morton::morton_square;
+use crate::path_settings::{Branching, PathSettings};
 use crate::ray::{Hit, Medium};
-
-/// What happens where light is partly reflected and partly transmitted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Branching {
-    /// Both branches are followed, each with its share of the flux.
-    #[default]
-    Split,
-    /// One branch is picked at random, with the probability of its share, and carries all flux.
-    Pick,
-}
-
-/// How paths are followed and ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathSettings {
-    branching: Branching,
-    roulette_below: f64,
-    max_order: u32,
-}
-
-/// Why path settings are refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PathSettingsError {
-    /// The roulette threshold is out of range.
-    #[error(
-        "the roulette threshold is {0}; it must be from 1e-6 to 1, since split paths never end without roulette"
-    )]
-    BadRoulette(f64),
-    /// No interaction is allowed.
-    #[error("the highest order is 0; light must be allowed one interaction at least")]
-    NoInteraction,
-}
-
-impl PathSettings {
-    /// Roulette decides below 1 % of the incident flux.
-    pub const DEFAULT_ROULETTE: f64 = 0.01;
-
-    /// Interactions after which a path is truncated; light on a surface of s = 0.25 rarely has 100.
-    pub const DEFAULT_MAX_ORDER: u32 = 1000;
-
-    /// Settings for tracing.
-    ///
-    /// `roulette_below`: flux, as a fraction of the incident ray's, below which Russian roulette
-    /// decides whether a branch goes on, from `1e-6` to `1`. `max_order`: interactions
-    /// after which a path is ended and counted as truncated.
-    ///
-    /// # Errors
-    /// [`PathSettingsError`] if the threshold is outside `[1e-6, 1]` or the order is zero.
-    pub fn new(
-        branching: Branching,
-        roulette_below: f64,
-        max_order: u32,
-    ) -> Result<Self, PathSettingsError> {
-        if !(1e-6..=1.0).contains(&roulette_below) {
-            return Err(PathSettingsError::BadRoulette(roulette_below));
-        }
-        if max_order == 0 {
-            return Err(PathSettingsError::NoInteraction);
-        }
-        Ok(Self {
-            branching,
-            roulette_below,
-            max_order,
-        })
-    }
-}
-
-impl Default for PathSettings {
-    /// Both branches, with the default roulette and bounce limit.
-    fn default() -> Self {
-        Self {
-            branching: Branching::Split,
-            roulette_below: Self::DEFAULT_ROULETTE,
-            max_order: Self::DEFAULT_MAX_ORDER,
-        }
-    }
-}
+use crate::sampling::{Places, Sampling};
+use crate::scatter::{Branch, Scattered, scatter};
 
 /// What was done, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -108,6 +32,18 @@ pub struct Work {
     pub branches_not_asked: u64,
 }
 
+impl Work {
+    /// Counts a segment that met nothing, by how its way ended.
+    fn count(&mut self, end: End) {
+        if let End::EscapedUnsearched(escape) = end {
+            self.segments_skipped += 1;
+            self.segments_skipped_nearby += u64::from(escape == Escape::SteeperThanNear);
+        } else {
+            self.segments += 1;
+        }
+    }
+}
+
 impl std::ops::AddAssign for Work {
     fn add_assign(&mut self, other: Self) {
         self.rays += other.rays;
@@ -115,6 +51,47 @@ impl std::ops::AddAssign for Work {
         self.segments_skipped += other.segments_skipped;
         self.segments_skipped_nearby += other.segments_skipped_nearby;
         self.branches_not_asked += other.branches_not_asked;
+    }
+}
+
+/// Where the paths of a batch start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Starts {
+    /// Rays come from above, evenly spread over the mean plane, and carry a flux of one.
+    #[default]
+    FromAbove,
+    /// Points of the surface, evenly spread over the mean plane, that turn out to be lit; each carries
+    /// what falls on its facet, `max(0, wi . m) / (cos theta_m cos theta_i)`.
+    OnSurface,
+}
+
+/// Light that falls on a surface, and how its rays are chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Illumination {
+    /// Where it comes from.
+    pub incidence: Incidence,
+    /// Whether each ray comes from an azimuth of its own, uniformly drawn; what leaves is turned back, so
+    /// that its azimuths are as if the light had come from that of `incidence`. Of vertical light all
+    /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
+    /// ([`Azimuth::Free`]).
+    pub any_azimuth: bool,
+    /// How they are spread over the mean plane and, where it is free, over azimuth.
+    pub sampling: Sampling,
+    /// Where paths start.
+    pub starts: Starts,
+}
+
+impl Illumination {
+    /// Rays from above, one in each stratum.
+    #[must_use]
+    pub const fn new(incidence: Incidence, any_azimuth: bool) -> Self {
+        Self {
+            incidence,
+            any_azimuth,
+            sampling: Sampling::Stratified,
+            starts: Starts::FromAbove,
+        }
     }
 }
 
@@ -140,25 +117,52 @@ struct Light {
     turn: DVec2,
 }
 
+/// A facet, and light that comes to it.
+struct Arrival<F> {
+    /// At the facet, in the direction of the light.
+    heading: Heading,
+    facet: F,
+}
+
+/// What a leg is followed for.
+enum Errand<F> {
+    /// Light goes along it.
+    Light,
+    /// It is what lies behind the first facet on the straight line of the light: facets further on that
+    /// face the light are in the shadow of the first.
+    Shadow,
+    /// It goes from a facet towards the light, to see whether that is lit.
+    Sight(Box<Arrival<F>>),
+}
+
 /// One stretch of a path that is being followed.
-struct Leg {
+struct Leg<F> {
     way: Way,
     light: Light,
+    errand: Errand<F>,
 }
 
 /// Legs that are next to be searched, and what to ask about each.
-#[derive(Default)]
-struct InFlight {
+struct InFlight<F> {
     queries: Vec<Query>,
-    legs: Vec<Leg>,
+    legs: Vec<Leg<F>>,
+}
+
+impl<F> InFlight<F> {
+    const fn new() -> Self {
+        Self {
+            queries: Vec::new(),
+            legs: Vec::new(),
+        }
+    }
 }
 
 /// The state of one batch.
-struct Batch<'r, R> {
-    record: Record,
+struct Batch<'r, F, R> {
+    record: Record<'r>,
     work: Work,
     rng: &'r mut R,
-    next: InFlight,
+    next: InFlight<F>,
     /// How many of the next legs may have another one behind them.
     lasting: usize,
 }
@@ -184,55 +188,52 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Traces one batch of `strata * strata` rays, one from each stratum of the mean plane.
+    /// Traces one batch of `strata * strata` rays.
     ///
-    /// Light comes from `incidence`; with `any_azimuth` each ray comes from an azimuth of its own,
-    /// uniformly drawn, and what leaves is turned back so that its azimuths are as if the light had
-    /// come from that of `incidence`; of vertical light all azimuths are one, none is drawn, and what
-    /// leaves is spread evenly over azimuth ([`Azimuth::Free`]). Returns flux fractions by `layout`, and the work done.
+    /// Returns flux fractions by `layout`, and the work done; under a `control`, the fractions that it
+    /// leaves, which [`Control::complete`] turns into flux fractions.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
     /// accelerators give the same result.
+    ///
+    /// # Panics
+    /// If the sampling is quasi-random and `strata` is not a [`Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
-        incidence: Incidence,
-        any_azimuth: bool,
+        illumination: &Illumination,
         strata: u32,
         layout: Layout,
+        control: Option<&Control>,
         rng: &mut R,
     ) -> (Vec<f64>, Work) {
+        let incidence = illumination.incidence;
         // Vertical light has no azimuth to draw.
-        let free = any_azimuth && incidence.is_vertical();
+        let free = illumination.any_azimuth && incidence.is_vertical();
         let azimuth = if free {
             Azimuth::Free
         } else {
             Azimuth::From(incidence.phi() + PI)
         };
-        let turned = any_azimuth && !free;
+        let turned = illumination.any_azimuth && !free;
+        let mut places = Places::new(illumination.sampling, strata, turned, rng);
         let mut batch = Batch {
-            record: Record::new(layout, azimuth),
+            record: Record::new(layout, azimuth).under(control),
             work: Work::default(),
             rng,
-            next: InFlight::default(),
+            next: InFlight::new(),
             lasting: 0,
         };
-        let beam = Beam::new(self.geometry, self.incident, incidence, turned, strata);
-        let mut places = morton_square(strata);
-        let (mut now, mut hits) = (InFlight::default(), Vec::new());
+        let beam = Beam::new(self.geometry, self.incident, incidence);
+        let (mut now, mut hits) = (InFlight::new(), Vec::new());
         loop {
             // Legs that end in any case do not count, so that when a ray starts, and which random
             // numbers it draws, does not depend on whether they are followed; see `set_out_if_asked`.
             while batch.lasting < TOGETHER
-                && let Some(place) = places.next()
+                && let Some([u, v, azimuth]) = places.draw(batch.rng)
             {
-                let (heading, turn) = beam.ray(place, batch.rng);
-                let light = Light {
-                    flux: 1.0,
-                    path: EventPath::default(),
-                    turn,
-                };
-                self.set_out(heading, self.incident, light, &mut batch);
+                let turn = DVec2::from_angle(TAU * azimuth);
+                self.start(&beam, illumination.starts, [u, v], turn, &mut batch);
                 batch.work.rays += 1;
             }
             std::mem::swap(&mut now, &mut batch.next);
@@ -242,13 +243,91 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             }
             self.accelerator
                 .closest_hits(self.geometry, &now.queries, &mut hits);
-            for ((leg, query), hit) in now.legs.iter_mut().zip(&mut now.queries).zip(&hits) {
+            for ((leg, query), hit) in now.legs.drain(..).zip(&mut now.queries).zip(&hits) {
                 self.arrive(leg, query, hit, &mut batch);
             }
-            now.legs.clear();
             now.queries.clear();
         }
         (batch.record.into_fractions(batch.work.rays), batch.work)
+    }
+
+    /// Lets one path of a batch start at `[u, v]` of the period, with the light turned by `turn`.
+    fn start<R: Rng>(
+        &self,
+        beam: &Beam,
+        starts: Starts,
+        place: [f64; 2],
+        turn: DVec2,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let light = |flux| Light {
+            flux,
+            path: EventPath::default(),
+            turn: DVec2::new(turn.x, -turn.y),
+        };
+        match starts {
+            Starts::FromAbove => {
+                let heading = beam.ray(place, turn);
+                self.set_out(heading, self.incident, light(1.0), Errand::Light, batch);
+            }
+            Starts::OnSurface => {
+                let Some((heading, facet, flux)) = beam.point(self.geometry, place, turn) else {
+                    return;
+                };
+                let towards_light = Heading {
+                    direction: -heading.direction,
+                    ..heading
+                };
+                self.look(
+                    towards_light,
+                    light(flux),
+                    Arrival { heading, facet },
+                    batch,
+                );
+            }
+        }
+    }
+
+    /// Looks along `towards_light` whether a facet is lit.
+    fn look<R: Rng>(
+        &self,
+        mut towards_light: Heading,
+        light: Light,
+        at: Arrival<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        // Most facets see the light without a search, and need not be kept.
+        match set_out(self.geometry, &mut towards_light, self.incident) {
+            Some(end) => {
+                batch.work.count(end);
+                self.looked(end, &light, &at, batch);
+            }
+            None => {
+                let way = Way::new(&towards_light);
+                let query = towards_light.query(self.geometry, self.incident);
+                let errand = Errand::Sight(Box::new(at));
+                self.push(Leg { way, light, errand }, query, batch);
+            }
+        }
+    }
+
+    /// What follows where nothing stands between a facet and the light.
+    fn looked<R: Rng>(
+        &self,
+        end: End,
+        light: &Light,
+        at: &Arrival<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        match end {
+            End::Escaped | End::EscapedUnsearched(_) => {
+                self.interact(at, self.incident, light, batch);
+            }
+            End::LeftPatch | End::Lost => {
+                self.unlit(at, light, batch);
+                batch.record.add_loss(Loss::Lost, light.flux);
+            }
+        }
     }
 
     /// Between the frame in which the incident medium is +z and that of the height field.
@@ -256,176 +335,237 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         DVec3::new(w.x, w.y, w.z * self.incident.sign())
     }
 
-    /// Lets light go its way, or books it at once if it meets nothing.
+    /// Light that leaves in the `direction` given, or would.
+    fn exit(&self, direction: DVec3, medium: Medium, light: &Light) -> Exit {
+        let wo = self.turned_upright(direction);
+        let level = light.turn.rotate(wo.truncate());
+        Exit {
+            side: self.side_of(medium),
+            wo: level.extend(wo.z),
+            flux: light.flux,
+            path: light.path,
+        }
+    }
+
+    /// Lets a leg begin, or ends it at once if it meets nothing.
     fn set_out<R: Rng>(
         &self,
         mut heading: Heading,
         medium: Medium,
         light: Light,
-        batch: &mut Batch<'_, R>,
+        errand: Errand<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
         if let Some(end) = set_out(self.geometry, &mut heading, medium) {
-            self.book(end, heading.world_direction(), medium, &light, batch);
+            self.end(
+                end,
+                heading.world_direction(),
+                medium,
+                &light,
+                &errand,
+                batch,
+            );
         } else {
             let way = Way::new(&heading);
             let query = heading.query(self.geometry, medium);
-            self.push(Leg { way, light }, query, batch);
+            self.push(Leg { way, light, errand }, query, batch);
         }
     }
 
     /// Has a leg searched next.
-    fn push<R>(&self, leg: Leg, query: Query, batch: &mut Batch<'_, R>) {
-        batch.lasting += usize::from(leg.light.path.order() < self.settings.max_order);
+    fn push<R>(&self, leg: Leg<G::Facet>, query: Query, batch: &mut Batch<'_, G::Facet, R>) {
+        let last = matches!(leg.errand, Errand::Light)
+            && leg.light.path.order() >= self.settings.max_order;
+        batch.lasting += usize::from(!last);
         batch.next.legs.push(leg);
         batch.next.queries.push(query);
     }
 
-    /// Lets light go on from what it has met in the current tile, be it nothing.
+    /// Goes on from what a leg has met in the current tile, be it nothing.
     fn arrive<R: Rng>(
         &self,
-        leg: &mut Leg,
+        mut leg: Leg<G::Facet>,
         query: &mut Query,
         hit: &Option<Hit<G::Facet>>,
-        batch: &mut Batch<'_, R>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let Leg { way, light } = leg;
-        match hit {
-            Some(_) if light.path.order() >= self.settings.max_order => {
-                batch.work.segments += 1;
-                batch.record.add_loss(Loss::Truncated, light.flux);
-            }
-            Some(hit) => {
-                batch.work.segments += 1;
-                let heading = way.arrival(self.geometry, query, hit);
-                self.interact(&heading, query.medium, light, hit.facet, batch);
-            }
-            None => match way.go_on(self.geometry, query) {
+        let Some(hit) = hit else {
+            match leg.way.go_on(self.geometry, query) {
                 Some(end) => {
-                    self.book(end, way.world_direction(), query.medium, light, batch);
+                    let direction = leg.way.world_direction();
+                    self.end(end, direction, query.medium, &leg.light, &leg.errand, batch);
                 }
-                None => {
-                    let leg = Leg {
-                        way: way.take(),
-                        light: *light,
-                    };
-                    self.push(leg, *query, batch);
+                None => self.push(leg, *query, batch),
+            }
+            return;
+        };
+        batch.work.segments += 1;
+        let light = &leg.light;
+        let arrival = || Arrival {
+            heading: leg.way.arrival(self.geometry, query, hit),
+            facet: hit.facet,
+        };
+        match &leg.errand {
+            Errand::Sight(at) => self.unlit(at, light, batch),
+            Errand::Shadow => {
+                let at = arrival();
+                if query.medium == self.incident {
+                    self.unlit(&at, light, batch);
                 }
-            },
+                let behind = query.medium.other();
+                self.set_out(at.heading, behind, *light, Errand::Shadow, batch);
+            }
+            Errand::Light => {
+                self.unseen(leg.way.world_direction(), query.medium, light, batch);
+                if light.path.order() >= self.settings.max_order {
+                    batch.record.add_loss(Loss::Truncated, light.flux);
+                    return;
+                }
+                let at = arrival();
+                self.interact(&at, query.medium, light, batch);
+                self.look_into_shadow(at, query.medium.other(), light, batch);
+            }
         }
     }
 
-    /// Books light whose way, in the `direction` given, has ended without meeting the surface.
-    fn book<R>(
+    /// Goes on behind the first facet that light has met, where that is of interest.
+    fn look_into_shadow<R: Rng>(
+        &self,
+        at: Arrival<G::Facet>,
+        behind: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(control) = batch.record.control() else {
+            return;
+        };
+        let probability = control.shadow_probability();
+        if light.path.order() > 0 || probability < 1.0 && batch.rng.random::<f64>() >= probability {
+            return;
+        }
+        let line = Light {
+            flux: light.flux / probability,
+            ..*light
+        };
+        self.set_out(at.heading, behind, line, Errand::Shadow, batch);
+    }
+
+    /// Books a leg whose way, in the `direction` given, has ended without meeting the surface.
+    fn end<R: Rng>(
         &self,
         end: End,
         direction: DVec3,
         medium: Medium,
         light: &Light,
-        batch: &mut Batch<'_, R>,
+        errand: &Errand<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        if let End::EscapedUnsearched(escape) = end {
-            batch.work.segments_skipped += 1;
-            let nearby = escape == Escape::SteeperThanNear;
-            batch.work.segments_skipped_nearby += u64::from(nearby);
-        } else {
-            batch.work.segments += 1;
+        batch.work.count(end);
+        match errand {
+            Errand::Light => {}
+            Errand::Shadow => return,
+            Errand::Sight(at) => return self.looked(end, light, at, batch),
         }
         match end {
             End::Escaped | End::EscapedUnsearched(_) => {
-                let wo = self.turned_upright(direction);
-                let level = light.turn.rotate(wo.truncate());
-                batch.record.add_exit(&Exit {
-                    side: self.side_of(medium),
-                    wo: level.extend(wo.z),
-                    flux: light.flux,
-                    path: light.path,
-                });
+                batch.record.add_exit(&self.exit(direction, medium, light));
+                return;
             }
             End::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
             End::Lost => batch.record.add_loss(Loss::Lost, light.flux),
         }
+        self.unseen(direction, medium, light, batch);
+    }
+
+    /// Takes note that light on its way from its first facet does not get away.
+    fn unseen<R>(
+        &self,
+        direction: DVec3,
+        medium: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if light.path.order() == 1 && batch.record.control().is_some() {
+            let exit = self.exit(direction, medium, light);
+            batch.record.add_unseen(&exit);
+        }
+    }
+
+    /// Takes note that a facet that faces the light is not lit.
+    fn unlit<R>(&self, at: &Arrival<G::Facet>, light: &Light, batch: &mut Batch<'_, G::Facet, R>) {
+        if batch.record.control().is_none() {
+            return;
+        }
+        let scattered = self.scattered(at, self.incident);
+        for branch in scattered.branches {
+            if branch.share > 0.0 {
+                let (heading, medium, light) =
+                    onward(at, self.incident, light, &branch, branch.share);
+                let exit = self.exit(heading.world_direction(), medium, &light);
+                batch.record.add_unseen(&exit);
+            }
+        }
+        batch
+            .record
+            .add_unlit_absorbed(light.flux * scattered.absorbed);
+    }
+
+    /// What becomes of light that arrives at a facet through `medium`.
+    fn scattered(&self, at: &Arrival<G::Facet>, medium: Medium) -> Scattered {
+        let m = medium.sign() * self.geometry.normal(at.facet);
+        let wi = -at.heading.direction;
+        scatter(self.material, medium == self.incident, wi, m)
     }
 
     /// Reflects, transmits or absorbs light that has arrived at a facet.
     fn interact<R: Rng>(
         &self,
-        arrived: &Heading,
+        at: &Arrival<G::Facet>,
         medium: Medium,
         light: &Light,
-        facet: G::Facet,
-        batch: &mut Batch<'_, R>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let m = medium.sign() * self.geometry.normal(facet);
-        let wi = -arrived.direction;
-        let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
-        let (fresnel, eta) = self.fresnel(medium, cos_alpha);
-
-        let onward = |event: Event, share: f64| {
-            let (direction, medium) = match event {
-                Event::Reflection => (reflect(wi, m), medium),
-                Event::Transmission => (refract(wi, m, eta, fresnel.cos_beta), medium.other()),
-            };
-            let heading = Heading {
-                direction,
-                ..*arrived
-            };
-            let light = Light {
-                flux: light.flux * share,
-                path: light.path.then(event),
-                turn: light.turn,
-            };
-            (heading, medium, light)
-        };
+        let scattered = self.scattered(at, medium);
         let transmits = self.material.transmitting_index().is_some();
         if transmits && self.settings.branching == Branching::Pick {
-            let event = if batch.rng.random::<f64>() < fresnel.reflected {
-                Event::Reflection
+            let [transmitted, reflected] = &scattered.branches;
+            let picked = if batch.rng.random::<f64>() < reflected.share {
+                reflected
             } else {
-                Event::Transmission
+                transmitted
             };
-            let (heading, medium, light) = onward(event, 1.0);
+            let (heading, medium, light) = onward(at, medium, light, picked, 1.0);
             self.set_out_if_asked(heading, medium, light, batch);
             return;
         }
-        if transmits {
-            if fresnel.transmitted > 0.0 {
-                let (heading, medium, light) = onward(Event::Transmission, fresnel.transmitted);
+        let absorbed = light.flux * scattered.absorbed;
+        if light.path.order() == 0 {
+            batch.record.add_first_absorbed(absorbed);
+        } else {
+            batch.record.add_loss(Loss::Absorbed, absorbed);
+        }
+        for branch in &scattered.branches {
+            if branch.share > 0.0 {
+                let (heading, medium, light) = onward(at, medium, light, branch, branch.share);
                 self.set_out_or_end(heading, medium, light, batch);
             }
-        } else {
-            batch
-                .record
-                .add_loss(Loss::Absorbed, light.flux * fresnel.transmitted);
-        }
-        if fresnel.reflected > 0.0 {
-            let (heading, medium, light) = onward(Event::Reflection, fresnel.reflected);
-            self.set_out_or_end(heading, medium, light, batch);
-        }
-    }
-
-    /// Fresnel terms for light that arrives in `medium`, and the relative index behind the facet.
-    fn fresnel(&self, medium: Medium, cos_alpha: f64) -> (Fresnel, f64) {
-        match self.material.transmitting_index() {
-            Some(eta) if medium != self.incident => {
-                let eta = 1.0 / eta;
-                (dielectric(cos_alpha, eta), eta)
-            }
-            Some(eta) => (dielectric(cos_alpha, eta), eta),
-            None => (self.material.fresnel(cos_alpha), 1.0),
         }
     }
 
     /// Russian roulette: a weak branch goes on with a probability proportional to its flux, and then
     /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
+    ///
+    /// Under a control the first branches are all followed: what cancels must not be left to chance.
     fn set_out_or_end<R: Rng>(
         &self,
         heading: Heading,
         medium: Medium,
         mut light: Light,
-        batch: &mut Batch<'_, R>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
         let threshold = self.settings.roulette_below;
-        if light.flux < threshold {
+        let cancels = light.path.order() == 1 && batch.record.control().is_some();
+        if light.flux < threshold && !cancels {
             let survives = batch.rng.random::<f64>() * threshold < light.flux;
             let kept = if survives { threshold } else { 0.0 };
             batch.record.add_loss(Loss::Truncated, light.flux - kept);
@@ -449,14 +589,15 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         heading: Heading,
         medium: Medium,
         light: Light,
-        batch: &mut Batch<'_, R>,
+        batch: &mut Batch<'_, G::Facet, R>,
     ) {
         let last = light.path.order() >= self.settings.max_order;
         if last && !batch.record.asks(self.side_of(medium)) {
             batch.record.add_loss(Loss::NotAsked, light.flux);
+            self.unseen(heading.world_direction(), medium, &light, batch);
             batch.work.branches_not_asked += 1;
         } else {
-            self.set_out(heading, medium, light, batch);
+            self.set_out(heading, medium, light, Errand::Light, batch);
         }
     }
 
@@ -468,4 +609,28 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Side::Transmitted
         }
     }
+}
+
+/// Light that goes on from a facet along `branch`, with a `share` of its flux.
+fn onward<F>(
+    at: &Arrival<F>,
+    medium: Medium,
+    light: &Light,
+    branch: &Branch,
+    share: f64,
+) -> (Heading, Medium, Light) {
+    let medium = match branch.event {
+        Event::Reflection => medium,
+        Event::Transmission => medium.other(),
+    };
+    let heading = Heading {
+        direction: branch.direction,
+        ..at.heading
+    };
+    let light = Light {
+        flux: light.flux * share,
+        path: light.path.then(branch.event),
+        turn: light.turn,
+    };
+    (heading, medium, light)
 }

@@ -299,18 +299,22 @@ impl Geometry for Surface {
         cell.intersect(facet, ray, medium, &self.size)
     }
 
-    fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
+    fn over(&self, x: f64, y: f64) -> Option<(Facet, DVec3)> {
         let cell = |p: f64, count: usize| (p as usize).min(count - 1) as u32;
         let [cx, cy] = self.cells();
-        let (ix, iy) = (cell(p.x, cx), cell(p.y, cy));
-        let (u, v) = (p.x - f64::from(ix), p.y - f64::from(iy));
-        let triangle = if u > v {
+        let (ix, iy) = (cell(x, cx), cell(y, cy));
+        let triangle = if x - f64::from(ix) > y - f64::from(iy) {
             Triangle::Lower
         } else {
             Triangle::Upper
         };
         let facet = Facet { iy, ix, triangle };
-        medium.sign() * (p.z - self.snap(facet, p).z) < 0.0
+        Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
+    }
+
+    fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
+        self.over(p.x, p.y)
+            .is_some_and(|(_, below)| medium.sign() * (p.z - below.z) < 0.0)
     }
 
     #[inline]

@@ -12,8 +12,8 @@ use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Share, Side, Sides};
 use asperity_tracer::{
-    AcceleratorKind, Branching, BruteForce, Geometry, Medium, MeshBvh, PathSettings, Surface,
-    Tracer,
+    AcceleratorKind, Branching, BruteForce, Geometry, Illumination, Medium, MeshBvh, PathSettings,
+    Surface, Tracer,
 };
 use common::{Run, rugged, waves, z_score};
 use glam::DVec3;
@@ -106,7 +106,13 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
         let expected = dielectric(incidence.theta().cos(), GLASS).reflected;
         for any_azimuth in [false, true] {
             let mut rng = ChaCha8Rng::seed_from_u64(5);
-            let (values, _) = tracer.batch(incidence, any_azimuth, 6, layout, &mut rng);
+            let (values, _) = tracer.batch(
+                &Illumination::new(incidence, any_azimuth),
+                6,
+                layout,
+                None,
+                &mut rng,
+            );
             let (sin_phi, cos_phi) = (incidence.phi() + std::f64::consts::PI).sin_cos();
             let (sin, cos) = incidence.theta().sin_cos();
             let wo = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
@@ -135,7 +141,17 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         for block in 0..400 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(block);
-            statistics.push(&tracer.batch(incidence, true, 24, layout, &mut rng).0);
+            statistics.push(
+                &tracer
+                    .batch(
+                        &Illumination::new(incidence, true),
+                        24,
+                        layout,
+                        None,
+                        &mut rng,
+                    )
+                    .0,
+            );
         }
         statistics
     };
@@ -360,7 +376,13 @@ fn diffuse_light_passes_both_ways_alike() {
                 let theta = sin2.sqrt().asin().to_degrees().min(89.999);
                 let phi = 360.0 * rng.random::<f64>();
                 let incidence = Incidence::from_degrees(theta, phi).unwrap();
-                let (values, _) = tracer.batch(incidence, false, 3, layout, &mut rng);
+                let (values, _) = tracer.batch(
+                    &Illumination::new(incidence, false),
+                    3,
+                    layout,
+                    None,
+                    &mut rng,
+                );
                 sum.iter_mut()
                     .zip(values)
                     .for_each(|(s, v)| *s += v / f64::from(directions));

@@ -8,7 +8,9 @@
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Estimate, Layout};
-use asperity_tracer::{Accelerator, Geometry, Medium, PathSettings, Surface, Tracer, Work};
+use asperity_tracer::{
+    Accelerator, Geometry, Illumination, Medium, PathSettings, Surface, Tracer, Work,
+};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -99,7 +101,13 @@ impl<'a, G: Geometry> Run<'a, G> {
         for block in 0..batches {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(block);
-            let (values, done) = tracer.batch(incidence, false, strata, self.layout, &mut rng);
+            let (values, done) = tracer.batch(
+                &Illumination::new(incidence, false),
+                strata,
+                self.layout,
+                None,
+                &mut rng,
+            );
             statistics.push(&values);
             work += done;
         }

@@ -30,8 +30,8 @@ use asperity_surface::Roughness;
 use asperity_tally::{HemisphereGrid, Layout, Side};
 use asperity_tracer::border::Heading;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Branching, BruteForce, Geometry, Instructions, Medium,
-    PathSettings, Pyramid, Query, Surface, TileRay, Tracer, border,
+    Accelerator, AcceleratorKind, Branching, BruteForce, Geometry, Illumination, Instructions,
+    Medium, PathSettings, Pyramid, Query, Surface, TileRay, Tracer, border,
 };
 use glam::DVec3;
 use naive::{Offset, SkipLast};
@@ -493,7 +493,13 @@ fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
                     case.incident,
                     settings,
                 );
-                let (values, work) = tracer.batch(incidence, true, strata, layout, &mut rng);
+                let (values, work) = tracer.batch(
+                    &Illumination::new(incidence, true),
+                    strata,
+                    layout,
+                    None,
+                    &mut rng,
+                );
                 let segments = work.segments + work.segments_skipped;
                 row.segments += segments;
                 row.lost += u64::from(values[Layout::LOST] != 0.0);
@@ -574,7 +580,13 @@ fn powers_of_two_of_scale_change_no_byte() {
             let values = accelerators(&surface).into_iter().map(|(_, accelerator)| {
                 let tracer = Tracer::new(&surface, &*accelerator, glass, Medium::Above, settings);
                 let mut rng = generator(61, 0);
-                tracer.batch(incidence, false, 10, layout, &mut rng)
+                tracer.batch(
+                    &Illumination::new(incidence, false),
+                    10,
+                    layout,
+                    None,
+                    &mut rng,
+                )
             });
             values.collect::<Vec<_>>()
         };
@@ -721,7 +733,13 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
             let heading = start(&surface, &light, incidence, u, v);
             let account = walk(&surface, &scheme, &light, heading, &mut rng);
             let mut rng = generator(number, ray);
-            let (values, _) = tracer.batch(incidence, false, 1, layout, &mut rng);
+            let (values, _) = tracer.batch(
+                &Illumination::new(incidence, false),
+                1,
+                layout,
+                None,
+                &mut rng,
+            );
             assert_eq!(account.weak, 0);
             assert_same(&values, layout, &account);
         }
@@ -738,7 +756,13 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
                 account.add(&walk(&surface, &scheme, &light, heading, &mut unused));
             }
             let mut rng = generator(number, 100);
-            let (values, work) = tracer.batch(incidence, false, side, layout, &mut rng);
+            let (values, work) = tracer.batch(
+                &Illumination::new(incidence, false),
+                side,
+                layout,
+                None,
+                &mut rng,
+            );
             assert_eq!(account.weak, 0);
             assert_eq!(work.segments + work.segments_skipped, account.segments);
             assert_same(&values, layout, &account);

@@ -1,0 +1,88 @@
+//! Unshadowed single scattering of one surface: the sum over all of its facets.
+
+use std::f64::consts::PI;
+use std::ops::Range;
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::Border;
+use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Record, Side, UnshadowedFluxes};
+use asperity_tally::{OrderClass, Share};
+use glam::DVec3;
+
+use crate::geometry::Geometry;
+use crate::ray::Medium;
+use crate::scatter::scatter;
+
+/// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
+/// `incident` medium if nothing is in its way, before or after: flux fractions by `layout`.
+///
+/// Sums over parts of the facets add up to that over all; [`unshadowed_fluxes`] reads the sum.
+#[must_use]
+pub fn sum_over_facets<G: Geometry>(
+    geometry: &G,
+    material: Material,
+    incidence: Incidence,
+    incident: Medium,
+    layout: Layout,
+    facets: Range<usize>,
+) -> Vec<f64> {
+    let mut record = Record::new(layout, Azimuth::From(incidence.phi() + PI));
+    let [cx, cy] = geometry.extent();
+    let upright = DVec3::new(1.0, 1.0, incident.sign());
+    // A tile of mirrored borders has images in which the light comes from another side.
+    let images: &[[f64; 2]] = match geometry.border() {
+        Border::Mirrored => &[[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]],
+        Border::Periodic | Border::Open => &[[1.0, 1.0]],
+    };
+    let area = images.len() as f64 * cx * cy / geometry.aspect();
+    for index in facets {
+        let corners = geometry.corners(geometry.facet(index));
+        let [a, b, c] = corners.map(|p| DVec3::new(p.x, p.y / geometry.aspect(), p.z));
+        // Its length is the facet's area.
+        let normal = 0.5 * incident.sign() * (b - a).cross(c - a);
+        let Some(m) = normal.try_normalize() else {
+            continue;
+        };
+        for &[x, y] in images {
+            let image = DVec3::new(x, y, 1.0);
+            let wi = incidence.wi() * upright * image;
+            let flux = wi.dot(normal) / (incidence.wi().z * area);
+            if flux <= 0.0 {
+                continue;
+            }
+            let scattered = scatter(material, true, wi, m);
+            record.add_first_absorbed(flux * scattered.absorbed);
+            for branch in scattered.branches {
+                let (side, away) = match branch.event {
+                    Event::Reflection => (Side::Reflected, 1.0),
+                    Event::Transmission => (Side::Transmitted, -1.0),
+                };
+                let wo = branch.direction * upright * image;
+                if branch.share > 0.0 && wo.z * away > 0.0 {
+                    record.add_exit(&Exit {
+                        side,
+                        wo,
+                        flux: flux * branch.share,
+                        path: EventPath::default().then(branch.event),
+                    });
+                }
+            }
+        }
+    }
+    record.into_fractions(1)
+}
+
+/// The parts of a record over all facets that a control is made of.
+///
+/// # Panics
+/// If the record is of another layout.
+#[must_use]
+pub fn unshadowed_fluxes(layout: &Layout, record: &[f64]) -> UnshadowedFluxes {
+    let of = |range: Range<usize>| record[range].to_vec();
+    UnshadowedFluxes {
+        bins: of(layout.bins(Share::Single)),
+        rings: Side::BOTH.map(|side| of(layout.rings(side, OrderClass::First))),
+        in_plane: Side::BOTH.map(|side| of(layout.in_plane(side, OrderClass::First))),
+        absorbed: record[Layout::ABSORBED],
+    }
+}

@@ -1,0 +1,81 @@
+//! How light paths are followed and ended.
+
+use serde::{Deserialize, Serialize};
+
+/// What happens where light is partly reflected and partly transmitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Branching {
+    /// Both branches are followed, each with its share of the flux.
+    #[default]
+    Split,
+    /// One branch is picked at random, with the probability of its share, and carries all flux.
+    Pick,
+}
+
+/// How paths are followed and ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathSettings {
+    pub(crate) branching: Branching,
+    pub(crate) roulette_below: f64,
+    pub(crate) max_order: u32,
+}
+
+/// Why path settings are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathSettingsError {
+    /// The roulette threshold is out of range.
+    #[error(
+        "the roulette threshold is {0}; it must be from 1e-6 to 1, since split paths never end without roulette"
+    )]
+    BadRoulette(f64),
+    /// No interaction is allowed.
+    #[error("the highest order is 0; light must be allowed one interaction at least")]
+    NoInteraction,
+}
+
+impl PathSettings {
+    /// Roulette decides below 1 % of the incident flux.
+    pub const DEFAULT_ROULETTE: f64 = 0.01;
+
+    /// Interactions after which a path is truncated; light on a surface of s = 0.25 rarely has 100.
+    pub const DEFAULT_MAX_ORDER: u32 = 1000;
+
+    /// Settings for tracing.
+    ///
+    /// `roulette_below`: flux, as a fraction of the incident ray's, below which Russian roulette
+    /// decides whether a branch goes on, from `1e-6` to `1`. `max_order`: interactions
+    /// after which a path is ended and counted as truncated.
+    ///
+    /// # Errors
+    /// [`PathSettingsError`] if the threshold is outside `[1e-6, 1]` or the order is zero.
+    pub fn new(
+        branching: Branching,
+        roulette_below: f64,
+        max_order: u32,
+    ) -> Result<Self, PathSettingsError> {
+        if !(1e-6..=1.0).contains(&roulette_below) {
+            return Err(PathSettingsError::BadRoulette(roulette_below));
+        }
+        if max_order == 0 {
+            return Err(PathSettingsError::NoInteraction);
+        }
+        Ok(Self {
+            branching,
+            roulette_below,
+            max_order,
+        })
+    }
+}
+
+impl Default for PathSettings {
+    /// Both branches, with the default roulette and bounce limit.
+    fn default() -> Self {
+        Self {
+            branching: Branching::Split,
+            roulette_below: Self::DEFAULT_ROULETTE,
+            max_order: Self::DEFAULT_MAX_ORDER,
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! What a facet does with light: reflects, transmits and absorbs it.
+
+use asperity_optics::{Material, dielectric, reflect, refract};
+use asperity_tally::Event;
+use glam::DVec3;
+
+/// What becomes of light at a facet, as shares of the flux that arrives.
+pub(crate) struct Scattered {
+    /// Ways on from the facet; those that carry nothing have the share zero and no direction.
+    pub(crate) branches: [Branch; 2],
+    pub(crate) absorbed: f64,
+}
+
+/// One of the ways on from a facet.
+#[derive(Clone, Copy)]
+pub(crate) struct Branch {
+    pub(crate) event: Event,
+    /// Unit direction.
+    pub(crate) direction: DVec3,
+    pub(crate) share: f64,
+}
+
+/// Scatters light from `wi` at a facet of normal `m`, on the side of `wi`.
+///
+/// `entering`: the light comes from the incident medium, to which the indices of `material` are
+/// relative.
+#[inline]
+pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -> Scattered {
+    let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
+    let index = material.transmitting_index();
+    let (fresnel, eta) = match index {
+        Some(eta) => {
+            let eta = if entering { eta } else { 1.0 / eta };
+            (dielectric(cos_alpha, eta), eta)
+        }
+        None => (material.fresnel(cos_alpha), 1.0),
+    };
+    let transmitted = if index.is_some() {
+        fresnel.transmitted
+    } else {
+        0.0
+    };
+    let branch = |event, share: f64, direction: &dyn Fn() -> DVec3| Branch {
+        event,
+        direction: if share > 0.0 {
+            direction()
+        } else {
+            DVec3::ZERO
+        },
+        share,
+    };
+    Scattered {
+        branches: [
+            branch(Event::Transmission, transmitted, &|| {
+                refract(wi, m, eta, fresnel.cos_beta)
+            }),
+            branch(Event::Reflection, fresnel.reflected, &|| reflect(wi, m)),
+        ],
+        absorbed: fresnel.transmitted - transmitted,
+    }
+}
