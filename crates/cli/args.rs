@@ -430,7 +430,7 @@ pub(crate) struct Converge {
     /// Rays a surface, one for all or as many as surfaces: 1e3,1e4
     #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) rays: Vec<u64>,
-    /// Surfaces of a run, one for all or as many as rays: 2,8,32
+    /// Surfaces of a run, one for all or as many as rays: 4,16,64
     #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) surfaces: Vec<u64>,
     /// Runs of each method and effort

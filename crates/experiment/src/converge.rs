@@ -16,9 +16,12 @@
 //!   transmitted light miss one, root mean square over repeats.
 //! - *Seconds* are those by the clock from before the first surface is drawn until the last ray has
 //!   ended: drawing, building and tracing, on all threads. The median over repeats counts. Methods take
-//!   turns, so that a machine that slows down does so for all.
+//!   turns, so that a machine that slows down does so for all. What a control is expected to give is
+//!   integrated once for a case; that takes `setup_seconds`, which are told apart.
 //! - The *slope* is that of a least-squares line through the logarithms of seconds and error; the line
-//!   also gives the seconds to an error, beyond what was measured with a mark.
+//!   also gives the seconds to an error, beyond what was measured with a mark. A line knows nothing of
+//!   what lies beyond: plain rays, which see the mesh alone, come no nearer to the reference than the mesh
+//!   error of what the control takes from the continuous surface.
 //! - The *efficiency* of a method is `err_plain^2 t_plain / (err^2 t)`, the geometric mean over the runs
 //!   of equal effort: how many times longer plain random rays would take to the same error, if errors
 //!   fall as the root of time.
@@ -36,7 +39,7 @@ mod tables;
 
 use std::time::Instant;
 
-use asperity_analysis::{ModelError, create_model, hemispherical_energy, smith_lambda_of};
+use asperity_analysis::{ModelError, SlopeCovariance, create_model, hemispherical_energy};
 use asperity_optics::Material;
 use asperity_surface::Synthesis;
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
@@ -47,6 +50,8 @@ use crate::blocks::RaySettings;
 use crate::case::Case;
 use crate::config::ConfigError;
 use crate::ensemble::{Group, Seconds};
+use crate::estimator::Estimator;
+use crate::method as estimate;
 use crate::progress::Progress;
 use crate::values::{Number, PerAxis};
 use crate::verify::VerifyError;
@@ -148,6 +153,8 @@ pub struct Measurement {
 pub struct MethodOutcome {
     /// The method.
     pub method: Method,
+    /// Seconds spent once, before its runs and not counted in theirs: on the mean of its control.
+    pub setup_seconds: f64,
     /// Its runs, in the order of the efforts.
     pub measurements: Vec<Measurement>,
     /// The line through those that are usable.
@@ -294,12 +301,34 @@ pub fn converge(
     })
 }
 
+/// The covariance of the facet slopes of a case.
+fn slopes(config: &ConvergeConfig, case: &Case) -> Result<SlopeCovariance, ConvergeError> {
+    if case.psd.is_isotropic() {
+        return Ok(SlopeCovariance::isotropic(case.smoothness).map_err(VerifyError::from)?);
+    }
+    // 2 sigma^2 / tau^2 along each principal axis, turned to x and y.
+    let [along, across] = case
+        .psd
+        .correlation_lengths()
+        .map(|tau| 2.0 * (case.psd.sigma() / tau).powi(2));
+    let (sin, cos) = config.surface.azimuth.0.to_radians().sin_cos();
+    Ok(SlopeCovariance::new(
+        along * cos * cos + across * sin * sin,
+        along * sin * sin + across * cos * cos,
+        (along - across) * sin * cos,
+    )
+    .map_err(VerifyError::from)?)
+}
+
 /// One case, ready to be measured.
 struct Stage<'a> {
     plan: &'a Plan,
     case: Case,
+    slopes: SlopeCovariance,
     /// How surfaces are drawn at each spacing.
     recipes: Vec<(PerAxis<Number>, Synthesis)>,
+    /// What each estimator does, and the seconds that it took to know.
+    estimators: Vec<(Estimator, estimate::Method, f64)>,
 }
 
 /// What one run found and took.
@@ -322,11 +351,39 @@ impl<'a> Stage<'a> {
                 recipes.push((method.spacing, config.recipe(&case, method)?));
             }
         }
+        let slopes = slopes(config, &case)?;
+        let mut estimators: Vec<(Estimator, estimate::Method, f64)> = Vec::new();
+        for method in plan.methods.iter().chain([&plan.reference.0]) {
+            let estimator = method.estimator;
+            if estimators.iter().all(|(known, ..)| *known != estimator) {
+                let clock = Instant::now();
+                let (material, incidence) = (case.material, case.incidence);
+                let method = estimate::Method::of_ensemble(
+                    estimator,
+                    &slopes,
+                    material,
+                    incidence,
+                    &plan.layout,
+                )?;
+                estimators.push((estimator, method, clock.elapsed().as_secs_f64()));
+            }
+        }
         Ok(Self {
             plan,
             case,
+            slopes,
             recipes,
+            estimators,
         })
+    }
+
+    /// What an estimator does, and the seconds that it took to know.
+    fn estimator(&self, method: &Method) -> &(Estimator, estimate::Method, f64) {
+        let known = self
+            .estimators
+            .iter()
+            .find(|(e, ..)| *e == method.estimator);
+        known.unwrap_or(&self.estimators[0])
     }
 
     /// Rays of all runs.
@@ -361,6 +418,7 @@ impl<'a> Stage<'a> {
         then(&Group {
             synthesis,
             cases: &[self.case],
+            methods: std::slice::from_ref(&self.estimator(method).1),
             realisations: effort.surfaces,
             settings: &RaySettings {
                 rays: effort.rays * effort.surfaces,
@@ -467,7 +525,8 @@ impl<'a> Stage<'a> {
                 let measurements = plan.efforts.iter().zip(samples);
                 let measurements = measurements
                     .map(|(effort, samples)| Measurement::over(*effort, samples, reference.error));
-                MethodOutcome::new(*method, measurements.collect())
+                let setup_seconds = self.estimator(method).2;
+                MethodOutcome::new(*method, setup_seconds, measurements.collect())
             })
             .collect();
         work.seconds = began.elapsed().as_secs_f64();
@@ -534,7 +593,7 @@ impl<'a> Stage<'a> {
             psd,
         } = &self.case;
         let wi = incidence.wi();
-        if !psd.is_isotropic() || smith_lambda_of(wi, *smoothness) >= NOTHING_HIDDEN {
+        if !psd.is_isotropic() || self.slopes.lambda(wi) >= NOTHING_HIDDEN {
             return Ok(None);
         }
         let model = create_model("smith", *smoothness, *material)?;
@@ -589,11 +648,12 @@ impl Measurement {
 }
 
 impl MethodOutcome {
-    fn new(method: Method, measurements: Vec<Measurement>) -> Self {
+    fn new(method: Method, setup_seconds: f64, measurements: Vec<Measurement>) -> Self {
         let usable = measurements.iter().filter(|m| m.usable);
         let points: Vec<(f64, f64)> = usable.map(|m| (m.seconds, m.error.rms)).collect();
         Self {
             method,
+            setup_seconds,
             fit: Fit::over(&points),
             measurements,
         }
@@ -635,7 +695,6 @@ impl ConvergeWork {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimator::Estimator;
     use crate::progress::Silent;
     use asperity_tracer::{AcceleratorKind, Sampling};
 
@@ -683,7 +742,8 @@ mod tests {
     fn a_point_at_the_reference_bends_no_line() {
         let plain = method(Estimator::Plain, Sampling::Random);
         let points = [(1.0, 2e-2), (4.0, 1e-2), (16.0, 5e-3), (256.0, 1.5e-3)];
-        let outcome = MethodOutcome::new(plain, points.map(|(t, e)| measured(&[t], e)).to_vec());
+        let outcome =
+            MethodOutcome::new(plain, 0.0, points.map(|(t, e)| measured(&[t], e)).to_vec());
         let fit = outcome.fit.unwrap();
         assert_eq!(fit.points, 3);
         assert!((fit.slope + 0.5).abs() < 1e-12);
@@ -719,9 +779,9 @@ mod tests {
             },
             is_exact: false,
             methods: vec![
-                MethodOutcome::new(plain, runs(1.0)),
-                MethodOutcome::new(controlled, runs(0.2)),
-                MethodOutcome::new(elsewhere, runs(0.2)),
+                MethodOutcome::new(plain, 0.0, runs(1.0)),
+                MethodOutcome::new(controlled, 0.0, runs(0.2)),
+                MethodOutcome::new(elsewhere, 0.0, runs(0.2)),
             ],
             work: ConvergeWork::default(),
         };

@@ -73,10 +73,10 @@ impl Default for ConvergenceConfig {
             accelerators: OneOrMany::One(AcceleratorKind::Auto),
             spacings: None,
             rays: OneOrMany::One(Count(16_384)),
-            surfaces: OneOrMany::Many([2, 8, 32].map(Count).to_vec()),
+            surfaces: OneOrMany::Many([4, 16, 64].map(Count).to_vec()),
             repeats: Count(8),
             reference_rays: Count(65_536),
-            reference_surfaces: Count(256),
+            reference_surfaces: Count(512),
             reference_spacing: None,
             seed: 1,
             bins: HemisphereGrid::default(),
@@ -177,6 +177,14 @@ impl ConvergeConfig {
             },
             output: self.output.clone(),
         }
+    }
+
+    /// How far the slope variance of the mesh lies below that of the continuous surface at a spacing, as
+    /// [`VerifyConfig::mesh_slope_deficit`].
+    pub(super) fn mesh_slope_deficit(&self, spacing: PerAxis<Number>) -> f64 {
+        let mut verification = self.as_verification();
+        verification.surface.spacing = spacing;
+        verification.mesh_slope_deficit()
     }
 
     /// Extent of the surfaces along x and y, length units.

@@ -197,6 +197,7 @@ fn method_summary(
         "sampling": of.sampling,
         "accelerator": of.accelerator,
         "spacing": of.spacing,
+        "setup_seconds": method.setup_seconds,
         "measurements": method.measurements,
         "slope": method.fit.map(|fit| fit.slope),
         "slope_se": method.fit.and_then(|fit| fit.slope_se),

@@ -35,8 +35,7 @@ impl Fit {
         let mean_x = logs.iter().map(|(x, _)| x).sum::<f64>() / n;
         let mean_y = logs.iter().map(|(_, y)| y).sum::<f64>() / n;
         let xx: f64 = logs.iter().map(|(x, _)| (x - mean_x).powi(2)).sum();
-        // Also false for no point at all.
-        if !(xx > 0.0) {
+        if points.is_empty() || xx <= 0.0 {
             return None;
         }
         let xy: f64 = logs.iter().map(|(x, y)| (x - mean_x) * (y - mean_y)).sum();

@@ -64,14 +64,36 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
             digits(error)
         );
     }
+    out.push('\n');
+    let mut last = None;
+    for method in case.methods.iter().map(|method| &method.method) {
+        if last.replace(method.spacing) != Some(method.spacing) {
+            let _ = writeln!(
+                out,
+                "at spacing {} the slope variance of the mesh is {:.2} % below that of the continuous surface",
+                method.spacing_text(),
+                100.0 * outcome.config.mesh_slope_deficit(method.spacing),
+            );
+        }
+    }
     let repeats = outcome.config.converge.repeats.0;
     let plural = if repeats == 1 { "" } else { "s" };
     let _ = writeln!(
         out,
-        "\nseconds are medians of {repeats} run{plural} on {} threads, and in brackets the fastest and the slowest\n",
+        "seconds are medians of {repeats} run{plural} on {} threads, and in brackets the fastest and the slowest\n",
         case.work.threads,
     );
     out.push_str(&aligned(&measured(case)));
+    let setup = case.methods.iter().map(|method| method.setup_seconds);
+    let setup = setup.fold(0.0, f64::max);
+    // Plain rays have nothing to prepare; what the clock says of that is no news.
+    if setup > 1e-4 {
+        let _ = writeln!(
+            out,
+            "the mean of the control took {} s, once and not counted above",
+            digits(setup)
+        );
+    }
     if case.work.lost != 0.0 {
         let _ = writeln!(
             out,
