@@ -48,7 +48,7 @@ pub fn control(
 /// The shares of unshadowed single scattering that Smith's height-correlated masking leaves, for every
 /// ring of `layout` on both sides, and the share `G1` of the facets facing the light that it reaches.
 ///
-/// Rounded to three digits or so, the same on all machines and any number of threads. Shares above
+/// Known to three digits or so, and the same on any number of threads. Shares above
 /// 0.97 are one and those below 0.05 zero; rings without light have one.
 ///
 /// # Errors

@@ -327,7 +327,7 @@ mod tests {
             let wi = from_spherical(0.7, 0.4);
             let lobe = Lobe::new(&slopes, wi, 0.4 + PI, refracted);
             for (theta, psi) in [(0.3, 0.2), (0.8, 1.1), (0.5, -2.0)] {
-                let theta = (side - theta as f64).abs();
+                let theta = f64::abs(side - theta);
                 for along_psi in [true, false] {
                     let mut breaks = Breaks::new(-10.0, 10.0);
                     let e = |x: f64| {
@@ -337,13 +337,14 @@ mod tests {
                             lobe.exponent(x, psi)
                         }
                     };
-                    let (range, step) = if along_psi {
+                    let step = 1e-3;
+                    let range = if along_psi {
                         lobe.mark_azimuths(&mut breaks, theta, [-3.0, 3.0]);
-                        ([-3.0, 3.0], 1e-4)
+                        [-3.0, 3.0]
                     } else {
                         let range = if side == 0.0 { [0.0, 1.5] } else { [1.6, 3.1] };
                         lobe.mark_polar_angles(&mut breaks, range, psi);
-                        (range, 1e-4)
+                        range
                     };
                     // Every valley that a walk in small steps finds is marked.
                     let n = ((range[1] - range[0]) / step) as usize;

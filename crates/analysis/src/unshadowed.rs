@@ -73,6 +73,12 @@ fn in_plane(
     (0..layout.in_plane_len())
         .into_par_iter()
         .map(|i| {
+            // Vertical light has no forward side on facets that tilt one way as often as any other.
+            let i = if incidence.is_vertical() && scattering.slopes.is_isotropic() {
+                i.max(layout.in_plane_len() - 1 - i)
+            } else {
+                i
+            };
             let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
             let (azimuth, [near, far]) = if from < 0.0 {
                 (incidence.phi(), [-to, -from])

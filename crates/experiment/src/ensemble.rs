@@ -24,6 +24,9 @@ const MEMORY_BUDGET: u64 = 4 << 30;
 /// Blocks of all surfaces of a case, at least, so that few surfaces keep several threads busy.
 const BLOCKS_OF_ALL: u64 = 16;
 
+/// Blocks of each of several surfaces, at least: their scatter is the error of the rays.
+const FEWEST_BLOCKS_OF_ONE: u64 = 2;
+
 /// What one surface did with the light of every case.
 struct Realisation {
     cases: Vec<OfCase>,
@@ -35,6 +38,8 @@ struct Realisation {
 struct OfCase {
     /// Flux fractions.
     record: Vec<f64>,
+    /// Squares of their standard errors, by the scatter between ray blocks.
+    ray_squares: Vec<f64>,
     /// Their statistics over ray blocks, where there is only one surface.
     blocks: Option<BatchStatistics>,
     work: Work,
@@ -51,6 +56,8 @@ pub(crate) struct Seconds {
 /// The results of one case: a record a surface.
 pub(crate) struct Ensemble {
     pub(crate) records: Vec<Vec<f64>>,
+    /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
+    pub(crate) ray_squares: Vec<f64>,
     /// Statistics over ray blocks, where there is only one surface.
     pub(crate) blocks_of_one: Option<BatchStatistics>,
     pub(crate) work: Work,
@@ -62,6 +69,7 @@ impl Ensemble {
     fn new(used: &Used) -> Self {
         Self {
             records: Vec::new(),
+            ray_squares: Vec::new(),
             blocks_of_one: None,
             work: Work::default(),
             seconds: Seconds::default(),
@@ -88,7 +96,9 @@ impl Group<'_> {
         let fewest = if self.realisations == 1 {
             FEWEST_BLOCKS
         } else {
-            BLOCKS_OF_ALL.div_ceil(self.realisations)
+            BLOCKS_OF_ALL
+                .div_ceil(self.realisations)
+                .max(FEWEST_BLOCKS_OF_ONE)
         };
         Blocks::plan(
             self.settings.rays.div_ceil(self.realisations),
@@ -129,6 +139,10 @@ impl Group<'_> {
             }
             for (ensemble, case) in ensembles.iter_mut().zip(realisation.cases) {
                 ensemble.records.push(case.record);
+                ensemble.ray_squares.resize(case.ray_squares.len(), 0.0);
+                for (sum, square) in ensemble.ray_squares.iter_mut().zip(case.ray_squares) {
+                    *sum += square;
+                }
                 ensemble.blocks_of_one = case.blocks;
                 ensemble.work += case.work;
                 ensemble.seconds.generate += share * realisation.seconds.generate;
@@ -202,6 +216,7 @@ impl Group<'_> {
             );
             cases.push(OfCase {
                 record: statistics.means().to_vec(),
+                ray_squares: statistics.error_squares().collect(),
                 blocks: (self.realisations == 1).then_some(statistics),
                 work,
             });

@@ -97,7 +97,8 @@ pub(crate) fn check_results(
     realisations: u64,
     cases: usize,
 ) -> Result<(), RunError> {
-    let records = (layout.len() * cases) as f64 * (realisations as f64 + 8.0);
+    // A record, and the squares of its errors.
+    let records = (layout.len() * cases) as f64 * (2.0 * realisations as f64 + 8.0);
     let signs = realisations as f64 * 4096.0;
     let gib = 8.0 * (records + signs) / GIB;
     if gib * GIB > RESULT_BUDGET {

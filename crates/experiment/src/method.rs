@@ -2,7 +2,7 @@
 
 use asperity_analysis::{ModelError, SlopeCovariance, control};
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Control, Layout};
+use asperity_tally::{BatchStatistics, Control, Layout};
 use asperity_tracer::{Illumination, Starts};
 
 use crate::blocks::RaySettings;
@@ -40,8 +40,12 @@ impl Method {
         if estimator == Estimator::Plain {
             return Ok(Self::PLAIN);
         }
-        let control = control(slopes, material, incidence, layout)?;
-        Ok(Self::with_control(estimator, control, slopes, incidence))
+        match control(slopes, material, incidence, layout) {
+            Ok(control) => Ok(Self::with_control(estimator, control, slopes, incidence)),
+            // Light that goes straight on through equal indices has no density to integrate.
+            Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => Ok(Self::PLAIN),
+            Err(error) => Err(error),
+        }
     }
 
     /// The method that makes best use of a control, or of none if the choice is free and none pays.
@@ -96,6 +100,18 @@ impl Method {
             Some(_) => Estimator::Controlled,
             None => Estimator::Plain,
         }
+    }
+}
+
+/// Statistics of `rays` rays by a method, with errors that its control leaves room for.
+pub(crate) fn with_least_errors(
+    method: &Method,
+    statistics: BatchStatistics,
+    rays: u64,
+) -> BatchStatistics {
+    match &method.control {
+        Some(control) => statistics.with_least_errors(control.least_errors(rays)),
+        None => statistics,
     }
 }
 

@@ -7,7 +7,7 @@ use asperity_analysis::{
     SlopeCovariance, SlopeError, Verdict, compare, create_model, flux_into, hemispherical_energy,
     sidak_level, verdicts,
 };
-use asperity_surface::{HeightField, Synthesis, SynthesisError};
+use asperity_surface::{HeightField, Psd, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
 use asperity_tracer::Medium;
 use rayon::prelude::*;
@@ -17,7 +17,7 @@ use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
 use crate::limits::{RunError, check_results};
-use crate::method::Method;
+use crate::method::{Method, with_least_errors};
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
 
@@ -160,7 +160,7 @@ pub fn verify(
     let recipes = config.recipes()?;
     let methods = recipes
         .iter()
-        .map(|(_, cases)| methods(config, &settings, cases))
+        .map(|(_, cases)| methods(&settings, cases))
         .collect::<Result<Vec<_>, _>>()?;
     let groups: Vec<Group<'_>> = recipes
         .iter()
@@ -216,16 +216,22 @@ pub fn verify(
     })
 }
 
+/// Slopes of the continuous surface.
+fn slopes(psd: &Psd) -> Result<SlopeCovariance, SlopeError> {
+    let [xx, xy, yy] = psd.slope_covariance();
+    if psd.is_isotropic() {
+        // Whatever the axes, which rounding would tell apart.
+        return SlopeCovariance::new(xx, xx, 0.0);
+    }
+    SlopeCovariance::new(xx, yy, xy)
+}
+
 /// How each of the cases of one recipe is estimated.
-fn methods(
-    config: &VerifyConfig,
-    settings: &RaySettings,
-    cases: &[Case],
-) -> Result<Vec<Method>, VerifyError> {
+fn methods(settings: &RaySettings, cases: &[Case]) -> Result<Vec<Method>, VerifyError> {
     cases
         .par_iter()
         .map(|case| {
-            let slopes = SlopeCovariance::isotropic(case.smoothness)?;
+            let slopes = slopes(&case.psd)?;
             Ok(Method::of_ensemble(
                 settings.estimator,
                 &slopes,
@@ -258,13 +264,14 @@ fn judge(
             (statistics, "surfaces")
         }
     };
+    let batches = with_least_errors(method, batches, ensemble.work.rays);
     let mut models = config
         .compare
         .models
         .par_iter()
         .map(|name| {
             let model = create_model(name, case.smoothness, case.material)?;
-            model_outcome(config, layout, &case, model, ensemble, &batches)
+            model_outcome(config, layout, (&case, method), model, ensemble, &batches)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let level = sidak_level(config.compare.alpha, models.len().max(1));
@@ -301,7 +308,7 @@ fn judge(
 fn model_outcome(
     config: &VerifyConfig,
     layout: &Layout,
-    case: &Case,
+    (case, method): (&Case, &Method),
     model: Box<dyn BsdfModel>,
     ensemble: &Ensemble,
     statistics: &BatchStatistics,
@@ -332,7 +339,12 @@ fn model_outcome(
                     Share::Multiple => multiple[i],
                     Share::Total => single[i] + multiple[i],
                 };
-                found.max(expected[i]) * rays * bins_of_a_value >= ENOUGH_RAYS
+                // Under a control a ray counts only if it deviates from what is expected.
+                let counted = match method.control {
+                    Some(_) => found,
+                    None => found.max(expected[i]),
+                };
+                counted * rays * bins_of_a_value >= ENOUGH_RAYS
             })
             .collect();
         compare(

@@ -3,7 +3,8 @@
 //! A [`HeightField`] holds samples `h[iy][ix]` at `(ix dx, iy dy)` with shape `[ny, nx]`, a length
 //! unit, and what lies beyond its border. [`Synthesis`] draws random ones from a [`Psd`],
 //! [`Roughness`] measures any, [`Form`] removes mean, plane or parabola, and [`RawHeightMap`] with
-//! its [`MissingPolicy`] fills or refuses points that an instrument did not see.
+//! its [`MissingPolicy`] fills or refuses points that an instrument did not see. The same surface on
+//! a finer grid is [`HeightField::refined`].
 //!
 //! # Conventions
 //! Autocorrelation `C(r) = sigma^2 exp(-r^2 / tau^2)`; `tau` is the 1/e length. The other habit,
@@ -38,6 +39,7 @@ mod harmonic;
 mod height_field;
 mod missing;
 mod psd;
+mod refinement;
 mod slopes;
 mod statistics;
 mod synthesis;
@@ -46,6 +48,7 @@ pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{Provenance, Psd, PsdError};
+pub use refinement::{CoarseningError, RefinementError};
 pub use slopes::{SteepestFacet, Triangle};
 pub use statistics::{Compared, Realised, Roughness};
 pub use synthesis::{

@@ -188,6 +188,18 @@ impl Psd {
     /// Slope variances along x and y, `[-C_xx(0), -C_yy(0)]`, of the continuous surface.
     #[must_use]
     pub fn slope_variance(&self) -> [f64; 2] {
+        let [xx, _, yy] = self.slope_covariance();
+        [xx, yy]
+    }
+
+    /// Covariance `[xx, xy, yy]` of the slopes of the continuous surface, dimensionless:
+    /// `[-C_xx(0), -C_xy(0), -C_yy(0)]`. Along a principal axis of correlation length `tau` it is
+    /// `2 sigma^2 / tau^2`.
+    ///
+    /// Of the facets of a mesh it is
+    /// [`Synthesis::facet_slope_covariance`](crate::Synthesis::facet_slope_covariance).
+    #[must_use]
+    pub fn slope_covariance(&self) -> [f64; 3] {
         let Self::Gaussian {
             sigma,
             tau_x,
@@ -199,6 +211,7 @@ impl Psd {
         let along_v = 2.0 * (sigma / tau_y).powi(2);
         [
             along_u * cos * cos + along_v * sin * sin,
+            (along_u - along_v) * sin * cos,
             along_u * sin * sin + along_v * cos * cos,
         ]
     }
@@ -267,23 +280,26 @@ mod tests {
     /// The trapezium rule converges faster than any power for a Gaussian; at 24 correlation lengths
     /// and steps of a quarter of the narrower width only rounding is left.
     #[test]
-    fn density_integrates_to_variance_and_to_slope_variance() {
+    fn density_integrates_to_variance_and_to_slope_covariance() {
         let psd = Psd::anisotropic_gaussian(0.3, 2.0, 0.7, 0.4).unwrap();
         let step = 0.1;
-        let (mut variance, mut slope_x, mut slope_y) = (0.0, 0.0, 0.0);
+        let (mut variance, mut slopes) = (0.0, [0.0; 3]);
         for i in -250..=250 {
             for j in -250..=250 {
                 let (kx, ky) = (f64::from(i) * step, f64::from(j) * step);
                 let power = psd.density(kx, ky) * step * step;
                 variance += power;
-                slope_x += kx * kx * power;
-                slope_y += ky * ky * power;
+                for (sum, square) in slopes.iter_mut().zip([kx * kx, kx * ky, ky * ky]) {
+                    *sum += square * power;
+                }
             }
         }
-        let [expected_x, expected_y] = psd.slope_variance();
         assert!((variance / 0.09 - 1.0).abs() < 1e-12, "{variance}");
-        assert!((slope_x / expected_x - 1.0).abs() < 1e-12, "{slope_x}");
-        assert!((slope_y / expected_y - 1.0).abs() < 1e-12, "{slope_y}");
+        for (sum, expected) in slopes.into_iter().zip(psd.slope_covariance()) {
+            assert!((sum / expected - 1.0).abs() < 1e-12, "{sum}");
+        }
+        let [xx, _, yy] = psd.slope_covariance();
+        assert_eq!(psd.slope_variance(), [xx, yy]);
     }
 
     #[test]

@@ -26,6 +26,7 @@ use crate::height_field::check_grid;
 use crate::{HeightField, HeightFieldError, Provenance, Psd};
 
 mod direct;
+mod facets;
 mod filter;
 mod noise;
 mod spectrum;

@@ -82,9 +82,11 @@ impl Control {
                     }
                 }
                 let first = (side.index() * n_theta + ring) * grid.n_phi();
-                for bin in first..first + grid.n_phi() {
-                    for share_of_bin in [Share::Single, Share::Total] {
-                        expected[layout.bins(share_of_bin)][bin] = share * fluxes.bins[bin];
+                let bins = first..first + grid.n_phi();
+                for share_of_bin in [Share::Single, Share::Total] {
+                    let entries = &mut expected[layout.bins(share_of_bin)][bins.clone()];
+                    for (entry, flux) in entries.iter_mut().zip(&fluxes.bins[bins.clone()]) {
+                        *entry = share * flux;
                     }
                 }
             }
@@ -146,6 +148,18 @@ impl Control {
     #[must_use]
     pub fn expected(&self) -> &[f64] {
         &self.expected
+    }
+
+    /// Errors that no estimate of `rays` rays under this control should fall below, by the layout: one
+    /// ray in each entry that the control knows of. Where no ray was seen to deviate from it, the next
+    /// one might.
+    #[must_use]
+    pub fn least_errors(&self, rays: u64) -> Vec<f64> {
+        let one_ray = 1.0 / rays as f64;
+        self.expected
+            .iter()
+            .map(|&expected| if expected == 0.0 { 0.0 } else { one_ray })
+            .collect()
     }
 
     /// Adds its mean to a record from which the control has been subtracted ray by ray.

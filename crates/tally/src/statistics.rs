@@ -20,6 +20,8 @@ pub struct BatchStatistics {
     batches: u64,
     mean: Vec<f64>,
     squares: Vec<f64>,
+    /// Errors below which none is reported, if any are.
+    least_errors: Vec<f64>,
 }
 
 impl BatchStatistics {
@@ -30,6 +32,7 @@ impl BatchStatistics {
             batches: 0,
             mean: vec![0.0; len],
             squares: vec![0.0; len],
+            least_errors: Vec::new(),
         }
     }
 
@@ -48,6 +51,24 @@ impl BatchStatistics {
         }
     }
 
+    /// The same, which reports no standard error below those given, one a quantity: where rare events
+    /// decide, batches without any scatter not at all, and yet the mean is not exact.
+    ///
+    /// # Panics
+    /// If the number of quantities is another.
+    #[must_use]
+    pub fn with_least_errors(self, least_errors: Vec<f64>) -> Self {
+        assert_eq!(
+            least_errors.len(),
+            self.mean.len(),
+            "errors of another layout"
+        );
+        Self {
+            least_errors,
+            ..self
+        }
+    }
+
     /// Number of batches.
     #[must_use]
     pub const fn batches(&self) -> u64 {
@@ -60,11 +81,23 @@ impl BatchStatistics {
         &self.mean
     }
 
+    /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number with
+    /// fewer than two batches.
+    pub fn error_squares(&self) -> impl Iterator<Item = f64> {
+        let n = self.batches as f64;
+        self.squares.iter().map(move |s| s / (n * (n - 1.0)))
+    }
+
     /// Mean and standard error of quantity `i`.
     #[must_use]
     pub fn estimate(&self, i: usize) -> Estimate {
         let n = self.batches as f64;
-        let se = (self.batches > 1).then(|| (self.squares[i] / (n * (n - 1.0))).sqrt());
+        let se = (self.batches > 1).then(|| {
+            let scatter = (self.squares[i] / (n * (n - 1.0))).sqrt();
+            self.least_errors
+                .get(i)
+                .map_or(scatter, |&least| scatter.max(least))
+        });
         Estimate {
             mean: self.mean[i],
             se,
@@ -93,6 +126,16 @@ mod tests {
                 se: Some(0.0)
             }
         );
+    }
+
+    #[test]
+    fn no_error_is_reported_below_the_least() {
+        let mut statistics = BatchStatistics::new(2);
+        statistics.push(&[1.0, 1.0]);
+        statistics.push(&[1.0, 3.0]);
+        let statistics = statistics.with_least_errors(vec![0.5, 0.5]);
+        assert_eq!(statistics.estimate(0).se, Some(0.5));
+        assert_eq!(statistics.estimate(1).se, Some(1.0));
     }
 
     #[test]
