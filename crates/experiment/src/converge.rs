@@ -54,7 +54,7 @@ use crate::estimator::Estimator;
 use crate::method as estimate;
 use crate::progress::Progress;
 use crate::values::{Number, PerAxis};
-use crate::verify::VerifyError;
+use crate::verify::{VerifyError, slopes};
 
 pub use config::{ConvergeConfig, ConvergenceConfig};
 pub use deviation::RepeatedError;
@@ -301,25 +301,6 @@ pub fn converge(
     })
 }
 
-/// The covariance of the facet slopes of a case.
-fn slopes(config: &ConvergeConfig, case: &Case) -> Result<SlopeCovariance, ConvergeError> {
-    if case.psd.is_isotropic() {
-        return Ok(SlopeCovariance::isotropic(case.smoothness).map_err(VerifyError::from)?);
-    }
-    // 2 sigma^2 / tau^2 along each principal axis, turned to x and y.
-    let [along, across] = case
-        .psd
-        .correlation_lengths()
-        .map(|tau| 2.0 * (case.psd.sigma() / tau).powi(2));
-    let (sin, cos) = config.surface.azimuth.0.to_radians().sin_cos();
-    Ok(SlopeCovariance::new(
-        along * cos * cos + across * sin * sin,
-        along * sin * sin + across * cos * cos,
-        (along - across) * sin * cos,
-    )
-    .map_err(VerifyError::from)?)
-}
-
 /// One case, ready to be measured.
 struct Stage<'a> {
     plan: &'a Plan,
@@ -351,7 +332,7 @@ impl<'a> Stage<'a> {
                 recipes.push((method.spacing, config.recipe(&case, method)?));
             }
         }
-        let slopes = slopes(config, &case)?;
+        let slopes = slopes(&case.psd).map_err(VerifyError::from)?;
         let mut estimators: Vec<(Estimator, estimate::Method, f64)> = Vec::new();
         for method in plan.methods.iter().chain([&plan.reference.0]) {
             let estimator = method.estimator;
