@@ -298,6 +298,10 @@ fn every_example_configuration_is_understood() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|ending| ending == "toml") {
             let text = fs::read_to_string(&path).unwrap();
+            // Those of `converge` are looked at beside its other tests.
+            if text.contains("[converge]") {
+                continue;
+            }
             let config = asperity_experiment::VerifyConfig::from_toml(&text).unwrap();
             config.run.ray_settings().unwrap();
             config.check_surfaces().unwrap();

@@ -72,6 +72,8 @@ pub(crate) enum Command {
     Trace(Box<Trace>),
     /// Trace light on fresh random surfaces and compare with the statistical models
     Verify(Box<Verify>),
+    /// Measure run time against error for estimators, samplings, accelerators and spacings
+    Converge(Box<Converge>),
     /// Evaluate a statistical model
     Model(Model),
 }
@@ -301,10 +303,9 @@ pub(crate) struct Trace {
     pub(crate) json: bool,
 }
 
+/// The surfaces, the material and the light of an ensemble; flags override the file.
 #[derive(Debug, Args)]
-pub(crate) struct Verify {
-    /// Configuration; every key has a default, and flags override the file
-    pub(crate) config: Option<PathBuf>,
+pub(crate) struct Ensemble {
     /// 1/e correlation length, length units
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) tau: Option<f64>,
@@ -347,6 +348,14 @@ pub(crate) struct Verify {
     /// The side that the light comes from
     #[arg(long, value_enum)]
     pub(crate) from: Option<FromArgument>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Verify {
+    /// Configuration; every key has a default, and flags override the file
+    pub(crate) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) ensemble: Ensemble,
     /// Surfaces drawn for each case
     #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
     pub(crate) realisations: Option<u64>,
@@ -396,6 +405,62 @@ pub(crate) struct Verify {
     #[arg(long)]
     pub(crate) no_plots: bool,
     /// Print the comparison as JSON on standard output, instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct Converge {
+    /// Configuration; every key has a default, and flags override the file
+    pub(crate) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) ensemble: Ensemble,
+    /// Estimators, one or several: plain,controlled
+    #[arg(long, value_delimiter = ',', num_args = 1)]
+    pub(crate) estimators: Vec<Estimator>,
+    /// How rays are spread, one or several: random,stratified,quasi-random
+    #[arg(long, value_delimiter = ',', num_args = 1)]
+    pub(crate) samplings: Vec<Sampling>,
+    /// How hits are found, one or several: auto,mesh,tiles,pyramid,brute-force
+    #[arg(long, value_delimiter = ',', num_args = 1)]
+    pub(crate) accelerators: Vec<AcceleratorKind>,
+    /// Length units a sample, one or several, over the same extent: size times spacing
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) spacings: Vec<f64>,
+    /// Rays a surface, one for all or as many as surfaces: 1e3,1e4
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) rays: Vec<u64>,
+    /// Surfaces of a run, one for all or as many as rays: 4,16,64
+    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) surfaces: Vec<u64>,
+    /// Runs of each method and effort
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) repeats: Option<u64>,
+    /// Rays a surface of the reference
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) reference_rays: Option<u64>,
+    /// Surfaces of the reference
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) reference_surfaces: Option<u64>,
+    /// Seed of which those of all runs derive
+    #[arg(long, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Bins of a hemisphere, THETAxPHI
+    #[arg(long)]
+    pub(crate) bins: Option<HemisphereGrid>,
+    /// The side over whose bins errors are taken: both, reflected or transmitted
+    #[arg(long)]
+    pub(crate) side: Option<Sides>,
+    /// Errors to which the seconds are asked: 1e-2,1e-3
+    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
+    pub(crate) errors: Vec<f64>,
+    /// Folder for the results
+    #[arg(long, short, value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Draw no plot
+    #[arg(long)]
+    pub(crate) no_plots: bool,
+    /// Print summary.json on standard output, instead of the tables
     #[arg(long)]
     pub(crate) json: bool,
 }

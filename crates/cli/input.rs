@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
-use asperity_experiment::{Incident, MaterialConfig, MaterialKind, Number, OneOrMany};
+use asperity_experiment::{
+    ConfigError, Count, Incident, LightConfig, MaterialConfig, MaterialKind, Number, OneOrMany,
+    PerAxis, SurfaceConfig,
+};
 use asperity_io::{
-    HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
+    HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, read_text,
+    write_height_map,
 };
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{
@@ -12,7 +16,7 @@ use asperity_surface::{
 };
 use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
-use crate::args::{Common, FromArgument, Interface, Light, MaterialArgument, Reading};
+use crate::args::{Common, Ensemble, FromArgument, Interface, Light, MaterialArgument, Reading};
 use crate::failure::Failure;
 
 /// A surface read from a file, and how many of its points had to be filled.
@@ -248,4 +252,78 @@ pub(crate) fn refuse_surface(error: SynthesisError) -> Failure {
         }
         _ => Failure::usage(error),
     }
+}
+
+/// The configuration in the file, or the default of everything; `command` is who asks.
+pub(crate) fn read_config<T: Default>(
+    path: Option<&Path>,
+    command: &str,
+    from_toml: fn(&str) -> Result<T, ConfigError>,
+) -> Result<T, Failure> {
+    let Some(path) = path else {
+        return Ok(T::default());
+    };
+    if is_mesh(path) {
+        return Err(Failure::usage(format!(
+            "{} names a triangle mesh, but `asperity {command}` draws its own surfaces and takes a configuration; `asperity trace` takes meshes",
+            path.display()
+        )));
+    }
+    let text = read_text(path).map_err(Failure::failed)?;
+    from_toml(&text).map_err(|error| Failure::usage(format!("{}: {error}", path.display())))
+}
+
+/// Puts the values of flags in the place of those of a file.
+pub(crate) fn override_ensemble(
+    (surface, material, light): (&mut SurfaceConfig, &mut MaterialConfig, &mut LightConfig),
+    flags: &Ensemble,
+) -> Result<(), Failure> {
+    if let Some(tau) = flags.tau {
+        surface.tau = Number(tau);
+    }
+    surface.tau_y = flags.tau_y.map(Number).or(surface.tau_y);
+    surface.azimuth = flags.azimuth.map_or(surface.azimuth, Number);
+    if !flags.smoothness.is_empty() {
+        surface.smoothness = Some(one_or_many(&flags.smoothness));
+        surface.sigma = None;
+    }
+    if !flags.sigma.is_empty() {
+        surface.sigma = Some(one_or_many(&flags.sigma));
+        surface.smoothness = None;
+    }
+    if !flags.size.is_empty() {
+        surface.size = PerAxis::Each(per_axis(&flags.size, "--size")?.map(Count));
+    }
+    if !flags.spacing.is_empty() {
+        surface.spacing = PerAxis::Each(per_axis(&flags.spacing, "--spacing")?.map(Number));
+    }
+    surface.insist |= flags.insist;
+
+    if let Some(kind) = flags.material {
+        material.kind = material_kind(kind);
+        // Indices of another material do not carry over.
+        if kind == MaterialArgument::Mirror {
+            material.eta = None;
+        }
+        if material.kind != MaterialKind::Conductor {
+            material.kappa = None;
+        }
+    }
+    if !flags.eta.is_empty() {
+        material.eta = Some(one_or_many(&flags.eta));
+    }
+    if let Some(kappa) = flags.kappa {
+        material.kappa = Some(Number(kappa));
+    }
+
+    if !flags.theta.is_empty() {
+        light.theta = one_or_many(&flags.theta);
+    }
+    if let Some(phi) = flags.phi {
+        light.phi = Number(phi);
+    }
+    if let Some(from) = flags.from {
+        light.from = incident(from);
+    }
+    Ok(())
 }

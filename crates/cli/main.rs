@@ -1,6 +1,7 @@
 //! asperity: light on explicit rough surfaces, against the statistical models.
 
 mod args;
+mod converge;
 mod failure;
 mod generate;
 mod input;
@@ -66,6 +67,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mesh(command) => mesh::run(command, common),
         Command::Trace(command) => trace::run(command, common),
         Command::Verify(command) => verify::run(command, common),
+        Command::Converge(command) => converge::run(command, common),
         Command::Model(command) => model::run(command, common),
     }
 }

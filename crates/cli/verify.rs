@@ -1,32 +1,18 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
 use asperity_experiment::{
-    Count, MaterialKind, Number, PerAxis, VerifyConfig, VerifyError, verify, verify_report,
-    verify_summary, verify_table,
+    Count, Number, VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
 };
-use asperity_io::{check_output_folder, read_text};
+use asperity_io::check_output_folder;
 
-use crate::args::{Common, MaterialArgument, Verify};
+use crate::args::{Common, Verify};
 use crate::failure::Failure;
-use crate::input::{incident, is_mesh, material_kind, one_or_many, per_axis, refuse_surface};
+use crate::input::{override_ensemble, read_config, refuse_surface};
 use crate::output::{print, print_json};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
-    let mut config = match &command.config {
-        Some(path) if is_mesh(path) => {
-            return Err(Failure::usage(format!(
-                "{} names a triangle mesh, but `asperity verify` draws its own surfaces and takes a configuration; `asperity trace` takes meshes",
-                path.display()
-            )));
-        }
-        Some(path) => {
-            let text = read_text(path).map_err(Failure::failed)?;
-            VerifyConfig::from_toml(&text)
-                .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?
-        }
-        None => VerifyConfig::default(),
-    };
+    let mut config = read_config(command.config.as_deref(), "verify", VerifyConfig::from_toml)?;
     override_with_flags(&mut config, command)?;
     let refuse = |error: &dyn std::fmt::Display| match &command.config {
         Some(path) => Failure::usage(format!("{}: {error}", path.display())),
@@ -63,57 +49,8 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
 
 /// Puts the values of flags in the place of those of the file.
 fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<(), Failure> {
-    let surface = &mut config.surface;
-    if let Some(tau) = command.tau {
-        surface.tau = Number(tau);
-    }
-    surface.tau_y = command.tau_y.map(Number).or(surface.tau_y);
-    surface.azimuth = command.azimuth.map_or(surface.azimuth, Number);
-    if !command.smoothness.is_empty() {
-        surface.smoothness = Some(one_or_many(&command.smoothness));
-        surface.sigma = None;
-    }
-    if !command.sigma.is_empty() {
-        surface.sigma = Some(one_or_many(&command.sigma));
-        surface.smoothness = None;
-    }
-    if !command.size.is_empty() {
-        surface.size = PerAxis::Each(per_axis(&command.size, "--size")?.map(Count));
-    }
-    if !command.spacing.is_empty() {
-        surface.spacing = PerAxis::Each(per_axis(&command.spacing, "--spacing")?.map(Number));
-    }
-    surface.insist |= command.insist;
-
-    let material = &mut config.material;
-    if let Some(kind) = command.material {
-        material.kind = material_kind(kind);
-        // Indices of another material do not carry over.
-        if kind == MaterialArgument::Mirror {
-            material.eta = None;
-        }
-        if material.kind != MaterialKind::Conductor {
-            material.kappa = None;
-        }
-    }
-    if !command.eta.is_empty() {
-        material.eta = Some(one_or_many(&command.eta));
-    }
-    if let Some(kappa) = command.kappa {
-        material.kappa = Some(Number(kappa));
-    }
-
-    let light = &mut config.light;
-    if !command.theta.is_empty() {
-        light.theta = one_or_many(&command.theta);
-    }
-    if let Some(phi) = command.phi {
-        light.phi = Number(phi);
-    }
-    if let Some(from) = command.from {
-        light.from = incident(from);
-    }
-
+    let of_all = (&mut config.surface, &mut config.material, &mut config.light);
+    override_ensemble(of_all, &command.ensemble)?;
     let run = &mut config.run;
     run.realisations = command.realisations.map_or(run.realisations, Count);
     run.rays = command.rays.map_or(run.rays, Count);

@@ -7,6 +7,7 @@ use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
 use asperity_tracer::{
     AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError, Sampling,
 };
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
@@ -343,17 +344,22 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        toml::from_str(text).map_err(|error| {
-            let line = error
-                .span()
-                .map(|span| 1 + text[..span.start].matches('\n').count());
-            let reason = error.message().trim().replace('\n', " ");
-            ConfigError::Toml(match line {
-                Some(line) => format!("line {line}: {reason}"),
-                None => reason,
-            })
-        })
+        parse_toml(text)
     }
+}
+
+/// Reads a configuration, or says in one sentence at which line it is none.
+pub(crate) fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, ConfigError> {
+    toml::from_str(text).map_err(|error| {
+        let line = error
+            .span()
+            .map(|span| 1 + text[..span.start].matches('\n').count());
+        let reason = error.message().trim().replace('\n', " ");
+        ConfigError::Toml(match line {
+            Some(line) => format!("line {line}: {reason}"),
+            None => reason,
+        })
+    })
 }
 
 #[cfg(test)]

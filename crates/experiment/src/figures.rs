@@ -99,7 +99,7 @@ pub struct Surroundings<'a> {
 }
 
 /// Writes a figure as SVG and PNG under `name` into each of the folders.
-fn save(folders: &[&Path], name: &str, figure: &Figure) -> Result<(), ReportError> {
+pub(crate) fn save(folders: &[&Path], name: &str, figure: &Figure) -> Result<(), ReportError> {
     let write = |ending: &str, bytes: &[u8]| {
         let file = format!("{name}.{ending}");
         folders

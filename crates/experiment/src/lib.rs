@@ -1,7 +1,8 @@
 //! Experiments: from a typed configuration to results with errors.
 //!
 //! [`trace`] and [`trace_mesh`] send light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
-//! and compares what comes out with statistical models. Threads, seeds and progress live here and
+//! and compares what comes out with statistical models; [`converge()`] measures what the ways of
+//! computing cost, run time against error. Threads, seeds and progress live here and
 //! nowhere else.
 //!
 //! # Random streams
@@ -13,6 +14,7 @@ mod blocks;
 mod case;
 mod cases;
 mod config;
+mod converge;
 mod csv;
 mod ensemble;
 mod estimator;
@@ -36,6 +38,11 @@ pub use cases::check_sides;
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
     OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
+};
+pub use converge::{
+    ConvergeConfig, ConvergeError, ConvergeOutcome, ConvergeWork, ConvergedCase, ConvergenceConfig,
+    Efficiency, Effort, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError,
+    SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
 pub use estimator::Estimator;
 pub use figures::{Light, Surroundings, height_map_figure};

@@ -1,7 +1,7 @@
 //! Numbers as people write them.
 
 /// Largest count: more rays than anybody can trace, and products of counts still fit.
-const MOST: f64 = 1e15;
+pub(crate) const MOST_COUNT: f64 = 1e15;
 
 /// A number, or a quotient of two: `1.4`, `1/1.4`, `2e-3`.
 ///
@@ -49,11 +49,11 @@ pub(crate) fn order_from_count(count: u64) -> Result<u32, String> {
 
 /// A whole number of one or more that was written as a decimal one.
 pub(crate) fn count_from_number(value: f64) -> Result<u64, String> {
-    if value.fract() == 0.0 && (1.0..=MOST).contains(&value) {
+    if value.fract() == 0.0 && (1.0..=MOST_COUNT).contains(&value) {
         Ok(value as u64)
     } else {
         Err(format!(
-            "is out of range; a count is a whole number of 1 or more, up to {MOST:e}, as 1000 or 1e6"
+            "is out of range; a count is a whole number of 1 or more, up to {MOST_COUNT:e}, as 1000 or 1e6"
         ))
     }
 }

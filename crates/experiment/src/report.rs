@@ -17,7 +17,7 @@ use crate::trace::TraceOutcome;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
 /// Every file that a run may leave in its folder; an earlier run's are removed first.
-const FILES: &[&str] = &[
+pub(crate) const FILES: &[&str] = &[
     "summary.json",
     "report.txt",
     "histogram.csv",
@@ -32,6 +32,9 @@ const FILES: &[&str] = &[
     "in_plane_reflected.png",
     "in_plane_transmitted.svg",
     "in_plane_transmitted.png",
+    "convergence.csv",
+    "convergence.svg",
+    "convergence.png",
 ];
 
 /// Why results are not written.

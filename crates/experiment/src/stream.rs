@@ -8,12 +8,25 @@ use rand_chacha::ChaCha8Rng;
 /// The ChaCha key holds a name, the seed and the realisation; the block is the stream number. The
 /// name keeps these streams apart from those that draw surfaces.
 pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng {
+    stream(b"asperity rays v1", [seed, realisation], block)
+}
+
+/// The stream that seeds repeat `repeat` of the run `name` of a convergence measurement under `seed`.
+pub(crate) fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8Rng {
+    // FNV-1a of 64 bits: names are few and need not be kept from anybody.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    stream(b"asperity conv v1", [seed, hash], repeat)
+}
+
+fn stream(name: &[u8; 16], [a, b]: [u64; 2], number: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
-    key[..16].copy_from_slice(b"asperity rays v1");
-    key[16..24].copy_from_slice(&seed.to_le_bytes());
-    key[24..].copy_from_slice(&realisation.to_le_bytes());
+    key[..16].copy_from_slice(name);
+    key[16..24].copy_from_slice(&a.to_le_bytes());
+    key[24..].copy_from_slice(&b.to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(block);
+    rng.set_stream(number);
     rng
 }
 

@@ -307,7 +307,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
 }
 
 /// Rows of cells as lines, in columns as wide as their widest cell.
-fn aligned(rows: &[Vec<String>]) -> String {
+pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter()

@@ -1,5 +1,7 @@
 //! Values of a configuration: numbers, counts, lists and pairs.
 
+use std::str::FromStr;
+
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -81,6 +83,31 @@ impl<'de> Deserialize<'de> for Number {
 pub(crate) fn order<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u32, D::Error> {
     let Count(count) = Count::deserialize(deserializer)?;
     order_from_count(count).map_err(D::Error::custom)
+}
+
+/// One name in quotes or several.
+#[derive(Deserialize)]
+#[serde(untagged, expecting = "expected a name in quotes, or a list of such")]
+enum WrittenNames {
+    One(String),
+    Many(Vec<String>),
+}
+
+/// One of several things known by name, or a list of them.
+pub(crate) fn names<'de, D, T>(deserializer: D) -> Result<OneOrMany<T>, D::Error>
+where
+    D: Deserializer<'de>,
+    T: FromStr<Err = String>,
+{
+    match WrittenNames::deserialize(deserializer)? {
+        WrittenNames::One(name) => name.parse().map(OneOrMany::One),
+        WrittenNames::Many(names) => names
+            .iter()
+            .map(|name| name.parse())
+            .collect::<Result<_, _>>()
+            .map(OneOrMany::Many),
+    }
+    .map_err(D::Error::custom)
 }
 
 impl<'de> Deserialize<'de> for Count {

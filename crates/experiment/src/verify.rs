@@ -217,7 +217,7 @@ pub fn verify(
 }
 
 /// Slopes of the continuous surface.
-fn slopes(psd: &Psd) -> Result<SlopeCovariance, SlopeError> {
+pub(crate) fn slopes(psd: &Psd) -> Result<SlopeCovariance, SlopeError> {
     let [xx, xy, yy] = psd.slope_covariance();
     if psd.is_isotropic() {
         // Whatever the axes, which rounding would tell apart.

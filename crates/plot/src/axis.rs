@@ -117,6 +117,10 @@ impl Axis {
         self.lo
     }
 
+    pub(crate) fn hi(&self) -> f64 {
+        self.hi
+    }
+
     /// Place of `value`, 0 at the low end and 1 at the high end; none for zero and below on a log axis.
     pub(crate) fn fraction(&self, value: f64) -> Option<f64> {
         let t = match self.scale {

@@ -11,6 +11,8 @@ use crate::theme;
 pub(crate) enum Key {
     /// A point, with its error bar if there is one.
     Point { look: Look, bar: bool },
+    /// A point on its fitted line.
+    Fitted(Look),
     /// A line.
     Line(Pen),
     /// A line that ends in an arrow head.
@@ -149,6 +151,10 @@ fn draw_key(scene: &mut Scene, key: Key, (left, y): Xy) {
             if bar {
                 scene.line(&[(middle, y - 8.0), (middle, y + 8.0)], look.bar());
             }
+            scene.marker((middle, y), look.marker, look.colour);
+        }
+        Key::Fitted(look) => {
+            scene.line(&[(left, y), (right, y)], look.curve());
             scene.marker((middle, y), look.marker, look.colour);
         }
         Key::Line(pen) => scene.line(&[(left, y), (right, y)], pen),

@@ -1,4 +1,4 @@
-//! Figures of the project: height maps, polar lobes and in-plane curves.
+//! Figures of the project: height maps, polar lobes, in-plane curves, and errors over run time.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -9,6 +9,7 @@
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
+//! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
 //! Angles are in degrees here (this is the user's edge) and *signed*: measured from the normal of the side on
@@ -44,6 +45,7 @@
 
 mod axis;
 mod error;
+mod error_over_time;
 mod figure;
 mod height_map;
 mod in_plane_curves;
@@ -55,6 +57,7 @@ mod text;
 mod theme;
 
 pub use error::PlotError;
+pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figure::Figure;
 pub use height_map::HeightMapFigure;
 pub use in_plane_curves::InPlaneCurves;

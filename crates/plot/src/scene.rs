@@ -279,27 +279,37 @@ impl Scene {
     /// A filled marker with a hairline of white around it, so that neighbours stay apart.
     pub(crate) fn marker(&mut self, at: Xy, marker: Marker, colour: RGBColor) {
         let r = theme::MARKER_RADIUS;
-        for (radius, colour) in [(r + 0.6, theme::WHITE), (r, colour)] {
-            if marker == Marker::Circle {
+        self.shape(at, marker, r + 0.6, theme::WHITE);
+        self.shape(at, marker, r, colour);
+    }
+
+    /// The outline of a marker, a little larger than a filled one.
+    pub(crate) fn hollow_marker(&mut self, at: Xy, marker: Marker, colour: RGBColor) {
+        let r = theme::MARKER_RADIUS;
+        self.shape(at, marker, r + 0.8, colour);
+        self.shape(at, marker, r - 0.6, theme::WHITE);
+    }
+
+    fn shape(&mut self, at: Xy, marker: Marker, radius: f64, colour: RGBColor) {
+        // Corners of shapes of about equal area.
+        let unit: &[Xy] = match marker {
+            Marker::Circle => {
                 self.items.push(Item::Disc {
                     centre: at,
                     radius,
                     colour,
                 });
-                continue;
+                return;
             }
-            // Corners of shapes of about equal area.
-            let unit: &[Xy] = match marker {
-                Marker::Triangle => &[(0.0, -1.35), (1.17, 0.68), (-1.17, 0.68)],
-                Marker::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
-                _ => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
-            };
-            let corners = unit
-                .iter()
-                .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
-                .collect();
-            self.polygon(corners, colour);
-        }
+            Marker::Triangle => &[(0.0, -1.35), (1.17, 0.68), (-1.17, 0.68)],
+            Marker::Diamond => &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
+            Marker::Square => &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+        };
+        let corners = unit
+            .iter()
+            .map(|(x, y)| (at.0 + radius * x, at.1 + radius * y))
+            .collect();
+        self.polygon(corners, colour);
     }
 
     /// Text from left to right.

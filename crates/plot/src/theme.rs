@@ -32,6 +32,8 @@ pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 pub(crate) const INK: RGBColor = RGBColor(25, 25, 25);
 pub(crate) const MUTED: RGBColor = RGBColor(90, 90, 90);
 pub(crate) const GRID: RGBColor = RGBColor(222, 222, 222);
+/// Slanted guide lines, a little stronger than the grid.
+pub(crate) const FAINT: RGBColor = RGBColor(190, 190, 190);
 
 // Okabe and Ito (2008), "Color universal design": distinct for the common kinds of colour vision. Yellow is
 // left out, it vanishes on white.
@@ -47,6 +49,17 @@ const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
 pub(crate) const POINT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
 /// Colours of models, which are lines.
 pub(crate) const LINE_COLOURS: [RGBColor; 4] = [BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE];
+/// Colours of families of methods.
+pub(crate) const METHOD_COLOURS: [RGBColor; 8] = [
+    BLUE,
+    VERMILLION,
+    BLUISH_GREEN,
+    REDDISH_PURPLE,
+    ORANGE,
+    SKY_BLUE,
+    BLACK,
+    MUTED,
+];
 /// Lengths on and off; as many patterns as make, with [`LINE_COLOURS`], fifteen or more different lines.
 pub(crate) const LINE_DASHES: [&[f64]; 5] = [
     &[],

@@ -1,0 +1,88 @@
+//! `asperity converge`: run time against error.
+
+use asperity_experiment::{
+    ConvergeConfig, ConvergeError, Count, Number, OneOrMany, VerifyError, converge,
+    converge_report, converge_summary, converge_table,
+};
+use asperity_io::check_output_folder;
+
+use crate::args::{Common, Converge};
+use crate::failure::Failure;
+use crate::input::{one_or_many, override_ensemble, read_config, refuse_surface};
+use crate::output::{print, print_json};
+use crate::progress::Bar;
+
+pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
+    let file = command.config.as_deref();
+    let mut config = read_config(file, "converge", ConvergeConfig::from_toml)?;
+    override_with_flags(&mut config, command)?;
+    let refuse = |error: &dyn std::fmt::Display| match file {
+        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
+        None => Failure::usage(error),
+    };
+    // Everything is checked before a ray is traced; the folder is made when there are results.
+    config.check().map_err(|error| match error {
+        ConvergeError::Run(VerifyError::Synthesis(error)) => refuse_surface(error),
+        ConvergeError::Run(VerifyError::Run(error)) => Failure::failed(error),
+        error => refuse(&error),
+    })?;
+    check_output_folder(&command.output).map_err(Failure::failed)?;
+
+    let bar = Bar::new(common);
+    let outcome = converge(&config, &bar).map_err(Failure::failed)?;
+    converge_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
+    common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
+    if command.json {
+        return print_json(&converge_summary(&outcome));
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    print(&format!(
+        "{}results in {}\n",
+        converge_table(&outcome),
+        command.output.display()
+    ))
+}
+
+/// Puts the values of flags in the place of those of the file.
+fn override_with_flags(config: &mut ConvergeConfig, command: &Converge) -> Result<(), Failure> {
+    let of_all = (&mut config.surface, &mut config.material, &mut config.light);
+    override_ensemble(of_all, &command.ensemble)?;
+    let run = &mut config.converge;
+    if !command.estimators.is_empty() {
+        run.estimators = OneOrMany::Many(command.estimators.clone());
+    }
+    if !command.samplings.is_empty() {
+        run.samplings = OneOrMany::Many(command.samplings.clone());
+    }
+    if !command.accelerators.is_empty() {
+        run.accelerators = OneOrMany::Many(command.accelerators.clone());
+    }
+    if !command.spacings.is_empty() {
+        run.spacings = Some(one_or_many(&command.spacings));
+    }
+    if !command.rays.is_empty() {
+        run.rays = counts(&command.rays);
+    }
+    if !command.surfaces.is_empty() {
+        run.surfaces = counts(&command.surfaces);
+    }
+    if !command.errors.is_empty() {
+        run.errors = OneOrMany::Many(command.errors.iter().copied().map(Number).collect());
+    }
+    run.repeats = command.repeats.map_or(run.repeats, Count);
+    run.reference_rays = command.reference_rays.map_or(run.reference_rays, Count);
+    run.reference_surfaces = command
+        .reference_surfaces
+        .map_or(run.reference_surfaces, Count);
+    run.seed = command.seed.unwrap_or(run.seed);
+    run.bins = command.bins.unwrap_or(run.bins);
+    run.side = command.side.unwrap_or(run.side);
+    config.output.plots &= !command.no_plots;
+    Ok(())
+}
+
+fn counts(values: &[u64]) -> OneOrMany<Count> {
+    OneOrMany::Many(values.iter().copied().map(Count).collect())
+}

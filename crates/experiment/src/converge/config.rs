@@ -1,0 +1,469 @@
+//! The configuration of a convergence run: what `asperity converge` reads from a file.
+
+use std::collections::BTreeSet;
+use std::fmt::Display;
+
+use asperity_surface::Synthesis;
+use asperity_tally::{HemisphereGrid, Layout, Sides};
+use asperity_tracer::{AcceleratorKind, Medium, Sampling};
+use serde::{Deserialize, Serialize};
+
+use super::ConvergeError;
+use super::method::{Effort, Method};
+use crate::case::{Case, short};
+use crate::config::{
+    CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
+    SurfaceConfig, VerifyConfig, parse_toml,
+};
+use crate::estimator::Estimator;
+use crate::limits::{check_memory, check_results, traced_bytes};
+use crate::number::MOST_COUNT;
+use crate::values::{Count, Number, OneOrMany, PerAxis, names};
+use crate::verify::VerifyError;
+
+/// `[converge]`: the methods, and how much each of them does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ConvergenceConfig {
+    /// Estimators.
+    #[serde(deserialize_with = "names")]
+    pub estimators: OneOrMany<Estimator>,
+    /// How rays are spread.
+    #[serde(deserialize_with = "names")]
+    pub samplings: OneOrMany<Sampling>,
+    /// How hits are found.
+    #[serde(deserialize_with = "names")]
+    pub accelerators: OneOrMany<AcceleratorKind>,
+    /// Length units a sample, along both axes; that of the surface unless given. The extent of the
+    /// surface stays, and its samples follow.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacings: Option<OneOrMany<Number>>,
+    /// Rays a surface. Goes with `surfaces` value by value; one value holds for all of the other.
+    pub rays: OneOrMany<Count>,
+    /// Surfaces that a run draws.
+    pub surfaces: OneOrMany<Count>,
+    /// Runs of each method and effort, each with surfaces and rays of its own.
+    pub repeats: Count,
+    /// Rays a surface of the reference.
+    pub reference_rays: Count,
+    /// Surfaces of the reference.
+    pub reference_surfaces: Count,
+    /// Spacing of the reference; the finest of `spacings` unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_spacing: Option<Number>,
+    /// Seed of which those of all runs derive.
+    pub seed: u64,
+    /// Bins of a hemisphere, `THETAxPHI`.
+    pub bins: HemisphereGrid,
+    /// The sides over whose bins errors are taken.
+    pub side: Sides,
+    /// Errors to which the seconds are asked.
+    pub errors: OneOrMany<Number>,
+}
+
+impl Default for ConvergenceConfig {
+    fn default() -> Self {
+        Self {
+            estimators: OneOrMany::Many(vec![Estimator::Plain, Estimator::Controlled]),
+            samplings: OneOrMany::Many(vec![
+                Sampling::Random,
+                Sampling::Stratified,
+                Sampling::QuasiRandom,
+            ]),
+            accelerators: OneOrMany::One(AcceleratorKind::Auto),
+            spacings: None,
+            rays: OneOrMany::One(Count(16_384)),
+            surfaces: OneOrMany::Many([4, 16, 64].map(Count).to_vec()),
+            repeats: Count(8),
+            reference_rays: Count(65_536),
+            reference_surfaces: Count(512),
+            reference_spacing: None,
+            seed: 1,
+            bins: HemisphereGrid::default(),
+            side: Sides::Both,
+            errors: OneOrMany::Many([1e-2, 1e-3, 1e-4].map(Number).to_vec()),
+        }
+    }
+}
+
+/// Run time against error: surfaces, material, light and methods. Every key has a default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ConvergeConfig {
+    /// The random surfaces; `size` times `spacing` is their extent at every spacing.
+    pub surface: SurfaceConfig,
+    /// What they are made of.
+    pub material: MaterialConfig,
+    /// Where the light comes from.
+    pub light: LightConfig,
+    /// The methods and their effort.
+    pub converge: ConvergenceConfig,
+    /// What is written.
+    pub output: OutputConfig,
+}
+
+/// A configuration with its lists multiplied out, checked.
+pub(super) struct Plan {
+    pub(super) cases: Vec<Case>,
+    pub(super) methods: Vec<Method>,
+    pub(super) efforts: Vec<Effort>,
+    pub(super) repeats: u64,
+    pub(super) reference: (Method, Effort),
+    pub(super) errors: Vec<f64>,
+    pub(super) layout: Layout,
+    pub(super) sides: Sides,
+    pub(super) incident: Medium,
+    pub(super) any_azimuth: bool,
+    pub(super) seed: u64,
+}
+
+impl ConvergeConfig {
+    /// Reads a configuration from the text of a TOML file.
+    ///
+    /// # Errors
+    /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
+    pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
+        parse_toml(text)
+    }
+
+    /// Checks everything that can be known before a ray is traced: values, grids, memory.
+    ///
+    /// # Errors
+    /// [`ConvergeError`] as from [`crate::converge`].
+    pub fn check(&self) -> Result<(), ConvergeError> {
+        let plan = self.plan()?;
+        let efforts = plan.efforts.iter().chain([&plan.reference.1]);
+        let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
+        check_results(&plan.layout, surfaces, 1).map_err(VerifyError::from)?;
+        for method in plan.methods.iter().chain([&plan.reference.0]) {
+            for case in &plan.cases {
+                let synthesis = self.recipe(case, method)?;
+                let [ny, nx] = synthesis.shape();
+                let accelerator = method.accelerator.on_height_field([nx, ny], false);
+                let bytes = synthesis
+                    .peak_bytes()
+                    .max(traced_bytes([ny, nx], accelerator));
+                check_memory("tracing one surface", bytes).map_err(VerifyError::from)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// How the surfaces of a case are drawn at the spacing of a method.
+    pub(super) fn recipe(&self, case: &Case, method: &Method) -> Result<Synthesis, ConvergeError> {
+        let [dx, dy] = method.spacing.xy().map(|spacing| spacing.0);
+        let shape = self.shape(method.spacing)?;
+        Ok(
+            Synthesis::new(case.psd, shape, [dx, dy], self.surface.insist)
+                .map_err(VerifyError::from)?,
+        )
+    }
+
+    /// The same surfaces, material and light as a verification without models.
+    fn as_verification(&self) -> VerifyConfig {
+        VerifyConfig {
+            surface: self.surface.clone(),
+            material: self.material.clone(),
+            light: self.light.clone(),
+            run: RunConfig {
+                seed: self.converge.seed,
+                bins: self.converge.bins,
+                side: self.converge.side,
+                ..RunConfig::default()
+            },
+            compare: CompareConfig {
+                models: Vec::new(),
+                ..CompareConfig::default()
+            },
+            output: self.output.clone(),
+        }
+    }
+
+    /// How far the slope variance of the mesh lies below that of the continuous surface at a spacing, as
+    /// [`VerifyConfig::mesh_slope_deficit`].
+    pub(super) fn mesh_slope_deficit(&self, spacing: PerAxis<Number>) -> f64 {
+        let mut verification = self.as_verification();
+        verification.surface.spacing = spacing;
+        verification.mesh_slope_deficit()
+    }
+
+    /// Extent of the surfaces along x and y, length units.
+    pub(super) fn extent(&self) -> [f64; 2] {
+        let ([nx, ny], [dx, dy]) = (self.surface.size.xy(), self.surface.spacing.xy());
+        [nx.0 as f64 * dx.0, ny.0 as f64 * dy.0]
+    }
+
+    /// Samples `[ny, nx]` over the extent of the surfaces.
+    pub(super) fn shape(&self, spacing: PerAxis<Number>) -> Result<[usize; 2], ConfigError> {
+        let samples = |extent: f64, spacing: f64| {
+            let samples = extent / spacing;
+            let whole = samples.round();
+            if spacing > 0.0 && whole >= 1.0 && (samples - whole).abs() <= 1e-9 * whole {
+                return Ok(whole as usize);
+            }
+            Err(ConfigError::Contradiction(format!(
+                "spacing {} does not divide the extent {} of the surfaces, size times spacing, into whole samples",
+                short(spacing),
+                short(extent),
+            )))
+        };
+        let ([x, y], [dx, dy]) = (self.extent(), spacing.xy());
+        Ok([samples(y, dy.0)?, samples(x, dx.0)?])
+    }
+
+    /// Multiplies the lists out and checks them.
+    pub(super) fn plan(&self) -> Result<Plan, ConfigError> {
+        let config = &self.converge;
+        let verification = self.as_verification();
+        let spacings: Vec<PerAxis<Number>> = match &config.spacings {
+            Some(list) => {
+                let list = list.values("spacings")?;
+                once("spacings", list.iter().map(|spacing| spacing.0))?;
+                list.into_iter().map(PerAxis::Both).collect()
+            }
+            None => vec![self.surface.spacing],
+        };
+        let estimators = config.estimators.values("estimators")?;
+        let samplings = config.samplings.values("samplings")?;
+        let accelerators = config.accelerators.values("accelerators")?;
+        once("estimators", &estimators)?;
+        once("samplings", &samplings)?;
+        once("accelerators", &accelerators)?;
+        let mut methods = Vec::new();
+        for &spacing in &spacings {
+            self.shape(spacing)?;
+            for &accelerator in &accelerators {
+                check_accelerator(accelerator)?;
+                for &estimator in &estimators {
+                    methods.extend(samplings.iter().map(|&sampling| Method {
+                        estimator,
+                        sampling,
+                        accelerator,
+                        spacing,
+                    }));
+                }
+            }
+        }
+        let errors: Vec<f64> = config
+            .errors
+            .values("errors")?
+            .iter()
+            .map(|e| e.0)
+            .collect();
+        if let Some(bad) = errors.iter().find(|e| !(e.is_finite() && **e > 0.0)) {
+            return Err(ConfigError::Contradiction(format!(
+                "an error of {bad} is asked for in `errors`; relative errors are positive and finite"
+            )));
+        }
+        let reference = Effort {
+            rays: config.reference_rays.0,
+            surfaces: config.reference_surfaces.0,
+        };
+        check_effort(reference)?;
+        if reference.surfaces < 2 {
+            return Err(ConfigError::Contradiction(
+                "reference_surfaces is 1; the error of the reference comes from the scatter between surfaces, so give 2 or more".into(),
+            ));
+        }
+        let finest = spacings
+            .iter()
+            .copied()
+            .reduce(|a, b| if coarsest(b) < coarsest(a) { b } else { a });
+        let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
+        let spacing = spacing.unwrap_or(self.surface.spacing);
+        self.shape(spacing)?;
+        Ok(Plan {
+            cases: verification.cases()?,
+            methods,
+            efforts: efforts(config)?,
+            repeats: config.repeats.0,
+            reference: (
+                Method {
+                    estimator: Estimator::Controlled,
+                    sampling: Sampling::QuasiRandom,
+                    accelerator: AcceleratorKind::Auto,
+                    spacing,
+                },
+                reference,
+            ),
+            errors,
+            layout: verification.run.ray_settings()?.layout,
+            sides: config.side,
+            incident: Medium::from(self.light.from),
+            any_azimuth: verification.any_azimuth(),
+            seed: config.seed,
+        })
+    }
+}
+
+fn coarsest(spacing: PerAxis<Number>) -> f64 {
+    let [dx, dy] = spacing.xy();
+    dx.0.max(dy.0)
+}
+
+/// Rays and surfaces, value by value; one value holds for all of the other.
+fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
+    let rays = config.rays.values("rays")?;
+    let surfaces = config.surfaces.values("surfaces")?;
+    let count = rays.len().max(surfaces.len());
+    if [rays.len(), surfaces.len()]
+        .iter()
+        .any(|&len| len != 1 && len != count)
+    {
+        return Err(ConfigError::Contradiction(format!(
+            "rays has {} values and surfaces {}; they go together value by value, so give as many of both, or one of either",
+            rays.len(),
+            surfaces.len(),
+        )));
+    }
+    let efforts: Vec<Effort> = (0..count)
+        .map(|i| Effort {
+            rays: rays[i % rays.len()].0,
+            surfaces: surfaces[i % surfaces.len()].0,
+        })
+        .collect();
+    efforts.iter().copied().try_for_each(check_effort)?;
+    once(
+        "rays and surfaces",
+        efforts
+            .iter()
+            .map(|e| format!("{} x {}", e.rays, e.surfaces)),
+    )?;
+    Ok(efforts)
+}
+
+fn check_effort(effort: Effort) -> Result<(), ConfigError> {
+    match effort.rays.checked_mul(effort.surfaces) {
+        Some(all) if all as f64 <= MOST_COUNT => Ok(()),
+        _ => Err(ConfigError::Contradiction(format!(
+            "{} rays on each of {} surfaces are more than {MOST_COUNT:e} in all",
+            effort.rays, effort.surfaces
+        ))),
+    }
+}
+
+fn check_accelerator(accelerator: AcceleratorKind) -> Result<(), ConfigError> {
+    if accelerator != AcceleratorKind::Flat {
+        return Ok(());
+    }
+    Err(ConfigError::Contradiction(
+        "the accelerator flat is for surfaces without any height, and those drawn here have some; take auto".into(),
+    ))
+}
+
+/// Refuses a list that names a value twice.
+fn once<T: Display>(list: &str, values: impl IntoIterator<Item = T>) -> Result<(), ConfigError> {
+    let mut seen = BTreeSet::new();
+    for value in values {
+        let value = value.to_string();
+        if seen.contains(&value) {
+            return Err(ConfigError::Contradiction(format!(
+                "{list}: {value} is given twice"
+            )));
+        }
+        seen.insert(value);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(text: &str) -> String {
+        let error = match ConvergeConfig::from_toml(text) {
+            Ok(config) => config.check().unwrap_err().to_string(),
+            Err(error) => error.to_string(),
+        };
+        assert!(!error.contains('\n'), "{error}");
+        error
+    }
+
+    #[test]
+    fn lists_multiply_and_the_extent_stays() {
+        let text = "
+            [surface]
+            size = [512, 256]
+            [converge]
+            estimators = \"plain\"
+            accelerators = [\"tiles\", \"pyramid\"]
+            spacings = [2, 1, 0.5]
+            rays = [100, 1000]
+            surfaces = 4
+        ";
+        let config = ConvergeConfig::from_toml(text).unwrap();
+        let plan = config.plan().unwrap();
+        assert_eq!(plan.methods.len(), 2 * 3 * 3);
+        assert_eq!(plan.efforts.len(), 2);
+        assert!(plan.efforts.iter().all(|effort| effort.surfaces == 4));
+        let shapes: Vec<_> = plan
+            .methods
+            .iter()
+            .map(|m| config.shape(m.spacing).unwrap())
+            .collect();
+        assert_eq!(shapes[0], [128, 256]);
+        assert_eq!(shapes[17], [512, 1024]);
+        // The reference is as fine as the finest.
+        assert_eq!(plan.reference.0.spacing, PerAxis::Both(Number(0.5)));
+    }
+
+    #[test]
+    fn defaults_are_understood() {
+        let config = ConvergeConfig::from_toml("").unwrap();
+        config.check().unwrap();
+        let plan = config.plan().unwrap();
+        assert_eq!((plan.cases.len(), plan.methods.len()), (1, 6));
+    }
+
+    #[test]
+    fn bad_values_get_a_sentence() {
+        for (text, expected) in [
+            (
+                "[converge]\nestimator = \"plain\"",
+                "line 2: unknown field `estimator`",
+            ),
+            ("[converge]\nestimators = \"best\"", "plain and controlled"),
+            ("[converge]\nestimators = []", "empty list"),
+            ("[converge]\nestimators = 3", "name in quotes"),
+            (
+                "[converge]\nsamplings = [\"random\", \"random\"]",
+                "random is given twice",
+            ),
+            ("[converge]\naccelerators = [\"flat\"]", "take auto"),
+            ("[converge]\nspacings = [1, 1]", "1 is given twice"),
+            (
+                "[converge]\nspacings = [3]",
+                "does not divide the extent 512",
+            ),
+            ("[converge]\nspacings = [0]", "does not divide"),
+            ("[converge]\nspacings = [-1]", "does not divide"),
+            ("[converge]\nspacings = [8]", "correlation length"),
+            ("[converge]\nreference_spacing = 5", "does not divide"),
+            (
+                "[converge]\nrays = [10, 100]\nsurfaces = [1, 2, 3]",
+                "rays has 2 values and surfaces 3",
+            ),
+            (
+                "[converge]\nrays = [10, 10]\nsurfaces = 1",
+                "10 x 1 is given twice",
+            ),
+            ("[converge]\nrays = 0", "1 or more"),
+            ("[converge]\nrays = 1e14", "more than 1e15"),
+            ("[converge]\nsurfaces = 1e7", "GiB"),
+            ("[converge]\nrepeats = 0", "1 or more"),
+            ("[converge]\nreference_surfaces = 1", "2 or more"),
+            ("[converge]\nerrors = [0.01, 0]", "positive"),
+            ("[converge]\nbins = \"0x5\"", "bins"),
+            (
+                "[converge]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",
+                "nothing is transmitted",
+            ),
+            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+            ("[run]\nrays = 5", "unknown field `run`"),
+            ("[light]\ntheta = 90", "below 90"),
+        ] {
+            let error = refusal(text);
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,259 @@
+//! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
+
+use std::path::{Path, PathBuf};
+
+use asperity_io::{
+    CsvField as Field, create_output_folder, remove_files, write_bytes, write_csv, write_json,
+};
+use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
+use serde_json::{Value, json};
+
+use super::tables::{case_table, converge_table, method_name};
+use super::{ConvergeOutcome, ConvergedCase, Measurement, MethodOutcome};
+use crate::figures;
+use crate::progress::Progress;
+use crate::report::{FILES, ReportError};
+
+/// Writes what was found into `folder`: the files of every case, in folders of their own where there
+/// are several, report.txt, and, last, summary.json.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be written or a plot drawn.
+pub fn converge_report(
+    folder: &Path,
+    outcome: &ConvergeOutcome,
+    progress: &dyn Progress,
+) -> Result<(), ReportError> {
+    create_output_folder(folder)?;
+    remove_files(folder, FILES)?;
+    progress.begin("writing", outcome.cases.len() as u64);
+    let several = outcome.cases.len() > 1;
+    for case in &outcome.cases {
+        let place = if several {
+            folder.join(case.case.folder())
+        } else {
+            PathBuf::from(folder)
+        };
+        write_case(&place, outcome, case)?;
+        if several {
+            write_json(place.join("summary.json"), &case_summary(outcome, case))?;
+        }
+        progress.advance(1);
+    }
+    if several {
+        write_bytes(
+            folder.join("report.txt"),
+            converge_table(outcome).as_bytes(),
+        )?;
+    }
+    write_json(folder.join("summary.json"), &converge_summary(outcome))?;
+    progress.end();
+    Ok(())
+}
+
+/// Writes all of one case but its summary.
+fn write_case(
+    place: &Path,
+    outcome: &ConvergeOutcome,
+    case: &ConvergedCase,
+) -> Result<(), ReportError> {
+    create_output_folder(place)?;
+    remove_files(place, FILES)?;
+    write_table(place, case)?;
+    write_bytes(
+        place.join("report.txt"),
+        case_table(outcome, case).as_bytes(),
+    )?;
+    // Without any error above zero there is nothing that logarithmic axes could show.
+    let any = case
+        .methods
+        .iter()
+        .flat_map(|m| &m.measurements)
+        .any(|m| m.error.rms > 0.0);
+    if outcome.config.output.plots && any {
+        let figure = figure(outcome, case).draw()?;
+        figures::save(&[place], "convergence", &figure)?;
+    }
+    Ok(())
+}
+
+/// convergence.csv: a row a method and effort.
+fn write_table(place: &Path, case: &ConvergedCase) -> Result<(), ReportError> {
+    let header = [
+        "estimator",
+        "sampling",
+        "accelerator",
+        "spacing",
+        "rays_a_surface",
+        "surfaces",
+        "repeats",
+        "seconds",
+        "seconds_min",
+        "seconds_max",
+        "error",
+        "error_se",
+        "reference_error",
+        "error_exact",
+        "energy_error",
+        "usable",
+    ];
+    let row = |method: &MethodOutcome, m: &Measurement| -> Vec<Field<'static>> {
+        let of = &method.method;
+        let [dx, dy] = of.spacing.xy().map(|spacing| spacing.0);
+        let spacing = if dx == dy {
+            Field::from(dx)
+        } else {
+            of.spacing_text().into()
+        };
+        vec![
+            of.estimator.to_string().into(),
+            of.sampling.to_string().into(),
+            of.accelerator.to_string().into(),
+            spacing,
+            m.rays_a_surface.into(),
+            m.surfaces.into(),
+            m.repeats.into(),
+            m.seconds.into(),
+            m.seconds_min.into(),
+            m.seconds_max.into(),
+            m.error.rms.into(),
+            m.error.se.into(),
+            case.reference.error.into(),
+            m.error_exact.map(|error| error.rms).into(),
+            m.energy_error.into(),
+            u64::from(m.usable).into(),
+        ]
+    };
+    let rows = case
+        .methods
+        .iter()
+        .flat_map(|method| method.measurements.iter().map(move |m| row(method, m)));
+    Ok(write_csv(place.join("convergence.csv"), &header, rows)?)
+}
+
+/// The contents of summary.json: that of the case, or, of several, a list of all with their folders.
+#[must_use]
+pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
+    if let [case] = outcome.cases.as_slice() {
+        return case_summary(outcome, case);
+    }
+    let cases: Vec<Value> = outcome
+        .cases
+        .iter()
+        .map(|case| json!({ "folder": case.case.folder(), "summary": case_summary(outcome, case) }))
+        .collect();
+    json!({
+        "schema": 1,
+        "command": "converge",
+        "version": env!("CARGO_PKG_VERSION"),
+        "seed": outcome.config.converge.seed,
+        "config": outcome.config,
+        "cases": cases,
+        "seconds": outcome.seconds,
+    })
+}
+
+fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Value {
+    let methods: Vec<Value> = case
+        .methods
+        .iter()
+        .map(|method| method_summary(outcome, case, method))
+        .collect();
+    json!({
+        "schema": 1,
+        "command": "converge",
+        "config": { "converge": outcome.config, "case": case.case },
+        "version": env!("CARGO_PKG_VERSION"),
+        "seed": outcome.config.converge.seed,
+        "reference": case.reference,
+        "exact": case.is_exact,
+        "methods": methods,
+        "work": case.work,
+    })
+}
+
+fn method_summary(
+    outcome: &ConvergeOutcome,
+    case: &ConvergedCase,
+    method: &MethodOutcome,
+) -> Value {
+    let of = &method.method;
+    let seconds_to: Vec<Value> = outcome
+        .errors
+        .iter()
+        .map(|&error| {
+            let to = method.fit.and_then(|fit| fit.seconds_to(error));
+            json!({
+                "error": error,
+                "seconds": to.map(|to| to.seconds),
+                "extrapolated": to.map(|to| to.extrapolated),
+                "plain_random_over_this": case.speedup(method, error).map(|gain| gain.seconds),
+            })
+        })
+        .collect();
+    json!({
+        "name": method_name(case, of),
+        "estimator": of.estimator,
+        "sampling": of.sampling,
+        "accelerator": of.accelerator,
+        "spacing": of.spacing,
+        "setup_seconds": method.setup_seconds,
+        "measurements": method.measurements,
+        "slope": method.fit.map(|fit| fit.slope),
+        "slope_se": method.fit.and_then(|fit| fit.slope_se),
+        "error_at_one_second": method.fit.map(|fit| fit.error_at_one_second),
+        "fitted": method.fit.map_or(0, |fit| fit.points),
+        "seconds_to": seconds_to,
+        "efficiency": case.efficiency(method),
+    })
+}
+
+/// Error over seconds of one case.
+fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
+    let parameters = case
+        .case
+        .to_string()
+        .replace("theta", "θᵢ")
+        .replace(" deg", "°");
+    let [x, y] = outcome.config.extent().map(crate::case::short);
+    let repeats = outcome.config.converge.repeats.0;
+    let plural = if repeats == 1 { "" } else { "s" };
+    let threads = case.work.threads;
+    ErrorOverTime {
+        title: format!("Run time against error: {parameters}"),
+        subtitle: format!(
+            "surfaces of {x} × {y}; seconds are medians of {repeats} run{plural} on {threads} threads"
+        ),
+        methods: case
+            .methods
+            .iter()
+            .map(|method| timed(case, method))
+            .collect(),
+        reference_error: Some(case.reference.error),
+    }
+}
+
+fn timed(case: &ConvergedCase, method: &MethodOutcome) -> TimedMethod {
+    let of = &method.method;
+    TimedMethod {
+        name: method_name(case, of),
+        family: format!("{} {} {}", of.estimator, of.accelerator, of.spacing_text()),
+        variant: of.sampling.to_string(),
+        runs: method
+            .measurements
+            .iter()
+            .map(|m| TimedError {
+                seconds: m.seconds,
+                seconds_range: [m.seconds_min, m.seconds_max],
+                error: m.error.rms,
+                se: m.error.se,
+                fitted: m.usable,
+            })
+            .collect(),
+        fit: method.fit.map(|fit| PowerLaw {
+            slope: fit.slope,
+            slope_se: fit.slope_se,
+            error_at_one_second: fit.error_at_one_second,
+        }),
+    }
+}

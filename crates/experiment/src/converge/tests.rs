@@ -1,0 +1,176 @@
+//! Tests of definitions and of whole measurements.
+
+use super::*;
+use crate::progress::Silent;
+use asperity_tracer::{AcceleratorKind, Sampling};
+
+fn method(estimator: Estimator, sampling: Sampling) -> Method {
+    Method {
+        estimator,
+        sampling,
+        accelerator: AcceleratorKind::Auto,
+        spacing: PerAxis::Both(Number(1.0)),
+    }
+}
+
+/// Runs of `seconds` and `error` against a reference of error 1e-3.
+fn measured(seconds: &[f64], error: f64) -> Measurement {
+    let samples: Vec<RunSample> = seconds
+        .iter()
+        .map(|&seconds| RunSample {
+            seconds,
+            rays_a_surface: 64,
+            error,
+            error_exact: None,
+            energy_error: Some(1e-9),
+        })
+        .collect();
+    let effort = Effort {
+        rays: 64,
+        surfaces: 2,
+    };
+    Measurement::over(effort, &samples, 1e-3)
+}
+
+#[test]
+fn seconds_are_medians_and_errors_at_the_reference_are_marked() {
+    let odd = measured(&[5.0, 1.0, 2.0], 3e-3);
+    assert_eq!(
+        (odd.seconds, odd.seconds_min, odd.seconds_max),
+        (2.0, 1.0, 5.0)
+    );
+    assert_eq!(measured(&[4.0, 1.0, 2.0, 8.0], 3e-3).seconds, 3.0);
+    assert!(odd.usable && measured(&[1.0], 2e-3).usable);
+    assert!(!measured(&[1.0], 1.99e-3).usable);
+}
+
+#[test]
+fn a_point_at_the_reference_bends_no_line() {
+    let plain = method(Estimator::Plain, Sampling::Random);
+    let points = [(1.0, 2e-2), (4.0, 1e-2), (16.0, 5e-3), (256.0, 1.5e-3)];
+    let outcome = MethodOutcome::new(plain, 0.0, points.map(|(t, e)| measured(&[t], e)).to_vec());
+    let fit = outcome.fit.unwrap();
+    assert_eq!(fit.points, 3);
+    assert!((fit.slope + 0.5).abs() < 1e-12);
+    assert_eq!(fit.errors, [5e-3, 2e-2]);
+    assert!((fit.seconds_to(1e-3).unwrap().seconds / 400.0 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn gains_are_over_plain_random_rays_on_the_same_grid() {
+    let config = ConvergeConfig::default();
+    let case = config.plan().unwrap().cases[0];
+    let runs = |scale: f64| -> Vec<Measurement> {
+        [(1.0, 4e-2), (4.0, 2e-2)]
+            .map(|(t, e)| measured(&[t], scale * e))
+            .to_vec()
+    };
+    let plain = method(Estimator::Plain, Sampling::Random);
+    let controlled = method(Estimator::Controlled, Sampling::Stratified);
+    let elsewhere = Method {
+        accelerator: AcceleratorKind::Tiles,
+        ..controlled
+    };
+    let outcome = ConvergedCase {
+        case,
+        reference: Reference {
+            method: controlled,
+            size: [512; 2],
+            rays_a_surface: 1,
+            surfaces: 2,
+            error: 1e-3,
+            error_exact: None,
+            seconds: 1.0,
+        },
+        is_exact: false,
+        methods: vec![
+            MethodOutcome::new(plain, 0.0, runs(1.0)),
+            MethodOutcome::new(controlled, 0.0, runs(0.2)),
+            MethodOutcome::new(elsewhere, 0.0, runs(0.2)),
+        ],
+        work: ConvergeWork::default(),
+    };
+    // A fifth of the error is 25 times the efficiency, and the same in seconds at slope -1/2.
+    let gain = |m: usize| outcome.efficiency(&outcome.methods[m]).map(|e| e.ratio);
+    assert!((gain(1).unwrap() - 25.0).abs() < 1e-10 && (gain(0).unwrap() - 1.0).abs() < 1e-12);
+    let speedup = outcome.speedup(&outcome.methods[1], 1e-2).unwrap();
+    assert!((speedup.seconds - 25.0).abs() < 1e-10 && speedup.extrapolated);
+    // Plain random rays were not measured with that accelerator.
+    assert_eq!(gain(2), None);
+    assert_eq!(outcome.speedup(&outcome.methods[2], 1e-2), None);
+}
+
+#[test]
+fn nearly_flat_surfaces_have_an_exact_answer_and_rough_ones_none() {
+    let stage = |text: &str| {
+        let config = ConvergeConfig::from_toml(text).unwrap();
+        let plan = config.plan().unwrap();
+        let exact = Stage::new(&config, &plan, plan.cases[0])
+            .unwrap()
+            .exact_fluxes()
+            .unwrap();
+        exact.map(|fluxes| fluxes.iter().sum::<f64>())
+    };
+    let near = |found: Option<f64>, expected: f64| (found.unwrap() - expected).abs() < 1e-8;
+    assert!(near(
+        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 45"),
+        1.0
+    ));
+    assert!(near(
+        stage("[surface]\nsmoothness = 30\n[material]\nkind = \"mirror\""),
+        1.0
+    ));
+    let gold =
+        "[surface]\nsmoothness = 30\n[material]\nkind = \"conductor\"\neta = 0.21\nkappa = 3.272";
+    assert!((0.9..0.99).contains(&stage(gold).unwrap()));
+    assert_eq!(stage("[surface]\nsmoothness = 3"), None);
+    // Nothing is hidden, but one part in 1e7 is sent down and meets the surface again.
+    assert_eq!(
+        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 60"),
+        None
+    );
+    assert_eq!(
+        stage("[surface]\nsmoothness = 30\n[light]\ntheta = 89"),
+        None
+    );
+}
+
+#[test]
+fn errors_fall_with_rays_and_agree_with_the_exact_answer() {
+    let text = "
+        [surface]
+        smoothness = 40
+        tau = 8
+        size = 64
+        [converge]
+        estimators = \"plain\"
+        samplings = \"random\"
+        rays = 64
+        surfaces = [4, 64]
+        repeats = 16
+        reference_rays = 1024
+        reference_surfaces = 256
+        bins = \"9x18\"
+    ";
+    let config = ConvergeConfig::from_toml(text).unwrap();
+    let outcome = converge(&config, &Silent).unwrap();
+    let case = &outcome.cases[0];
+    let [few, many] = [0, 1].map(|i| &case.methods[0].measurements[i]);
+    assert!(case.is_exact && few.usable && many.usable);
+    // Independent rays, and surfaces that all look alike: 16 times as many have a quarter of the
+    // error, to the standard errors of both (and the error of the reference in the second).
+    let ratio = few.error.rms / many.error.rms;
+    let se = ratio
+        * f64::hypot(
+            few.error.se.unwrap() / few.error.rms,
+            many.error.se.unwrap() / many.error.rms,
+        );
+    println!("{ratio} +- {se}");
+    assert!((ratio - 4.0).abs() < 4.0 * se + 0.2, "{ratio} {se}");
+    // Against the exact answer errors are the same, to what reference and mesh add.
+    let exact = many.error_exact.unwrap().rms;
+    let added = case.reference.error_exact.unwrap();
+    assert!((exact - many.error.rms).abs() <= added, "{exact} {added}");
+    assert!(many.energy_error.unwrap() < 1e-3);
+    assert_eq!(case.work.runs, 33);
+}

@@ -1,0 +1,244 @@
+//! Run time against error: the files, the numbers in them that never change, and refusals.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{files, json, refused, succeed, words};
+
+const CONFIG: &str = "
+    [surface]
+    tau = 4
+    size = 32
+    [converge]
+    samplings = [\"random\", \"stratified\"]
+    accelerators = [\"tiles\", \"pyramid\"]
+    rays = 256
+    surfaces = [2, 8]
+    repeats = 3
+    reference_rays = 1024
+    reference_surfaces = 128
+    bins = \"6x12\"
+    seed = 5
+";
+
+const COLUMNS: [&str; 16] = [
+    "estimator",
+    "sampling",
+    "accelerator",
+    "spacing",
+    "rays_a_surface",
+    "surfaces",
+    "repeats",
+    "seconds",
+    "seconds_min",
+    "seconds_max",
+    "error",
+    "error_se",
+    "reference_error",
+    "error_exact",
+    "energy_error",
+    "usable",
+];
+
+/// Rows of a convergence.csv by the names of its columns.
+fn rows(path: &Path) -> Vec<Vec<String>> {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines();
+    assert_eq!(lines.next().unwrap(), COLUMNS.join(","));
+    lines
+        .map(|line| line.split(',').map(str::to_owned).collect())
+        .collect()
+}
+
+fn column(name: &str) -> usize {
+    COLUMNS.iter().position(|c| *c == name).unwrap()
+}
+
+/// A row without its seconds, and without what `also` names.
+fn lasting(row: &[String], also: &[&str]) -> Vec<String> {
+    let kept = |name: &str| !name.starts_with("seconds") && !also.contains(&name);
+    let named = COLUMNS.iter().zip(row).filter(|(name, _)| kept(name));
+    named.map(|(_, field)| field.clone()).collect()
+}
+
+#[test]
+fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("c.toml"), CONFIG).unwrap();
+    let text = succeed(folder, &words("converge c.toml --threads 1 -o one"));
+    let report = fs::read_to_string(folder.join("one/report.txt")).unwrap();
+    assert_eq!(text, format!("{report}\nresults in one\n"));
+    assert!(report.contains("controlled, stratified, pyramid") && report.contains("s to 1e-3"));
+    assert_eq!(
+        files(&folder.join("one")),
+        [
+            "convergence.csv",
+            "convergence.png",
+            "convergence.svg",
+            "report.txt",
+            "summary.json"
+        ]
+    );
+    let plot = fs::read_to_string(folder.join("one/convergence.svg")).unwrap();
+    assert!(plot.contains("Run time against error: s = 3, n = 1.5, θᵢ = 30°"));
+
+    let quiet = words("converge c.toml --threads 3 --quiet --no-plots -o three");
+    assert_eq!(succeed(folder, &quiet), "");
+    assert!(!folder.join("three/convergence.svg").exists());
+    let [one, three] = ["one", "three"].map(|run| rows(&folder.join(run).join("convergence.csv")));
+    assert_eq!(one.len(), 2 * 2 * 2 * 2);
+    for (a, b) in one.iter().zip(&three) {
+        assert_eq!(lasting(a, &[]), lasting(b, &[]));
+    }
+    // The accelerator changes no result: rows of tiles come before those of the pyramid.
+    let (tiles, pyramid) = one.split_at(8);
+    for (a, b) in tiles.iter().zip(pyramid) {
+        assert_eq!(lasting(a, &["accelerator"]), lasting(b, &["accelerator"]));
+        assert_eq!((a[2].as_str(), b[2].as_str()), ("tiles", "pyramid"));
+    }
+    for row in &one {
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert!(number("seconds_min") > 0.0 && number("seconds_min") <= number("seconds"));
+        assert!(number("seconds") <= number("seconds_max"));
+        assert!(number("error") > 0.0 && number("error_se") > 0.0);
+        let above = number("error") >= 2.0 * number("reference_error");
+        assert_eq!(number("usable"), f64::from(u8::from(above)));
+        assert!(row[column("error_exact")].is_empty());
+        assert!(number("energy_error").abs() < 0.1);
+    }
+    // Another seed, other errors.
+    let other = words("converge c.toml --seed 6 --quiet --no-plots -o other");
+    succeed(folder, &other);
+    let other = rows(&folder.join("other/convergence.csv"));
+    assert!((0..16).all(|i| other[i][column("error")] != one[i][column("error")]));
+}
+
+#[test]
+fn the_summary_holds_slopes_seconds_and_gains() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("c.toml"), CONFIG).unwrap();
+    let line = "converge c.toml --accelerators auto --estimators plain --errors 1e-1,1e-2 --no-plots --json -o out";
+    let summary = json(&succeed(folder, &words(line)));
+    let file = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    assert_eq!(summary, file);
+    assert_eq!(
+        (&summary["schema"], &summary["command"]),
+        (&1.into(), &"converge".into())
+    );
+    assert_eq!(summary["seed"], 5);
+    assert_eq!(summary["config"]["converge"]["surface"]["size"], 32);
+    assert_eq!(summary["reference"]["surfaces"], 128);
+    assert_eq!(summary["work"]["runs"], 1 + 2 * 2 * 3);
+    let methods = summary["methods"].as_array().unwrap();
+    assert_eq!(methods.len(), 2);
+    assert_eq!(methods[0]["name"], "plain, random");
+    assert_eq!(methods[0]["efficiency"]["ratio"], 1.0);
+    for method in methods {
+        assert!(method["slope"].as_f64().unwrap() < 0.0);
+        let to = method["seconds_to"].as_array().unwrap();
+        assert_eq!((to.len(), &to[1]["error"]), (2, &0.01.into()));
+        let seconds = |i: usize| to[i]["seconds"].as_f64().unwrap();
+        assert!(seconds(1) > seconds(0) && to[1]["extrapolated"] == true);
+    }
+    let gain = &methods[0]["seconds_to"][1]["plain_random_over_this"];
+    assert_eq!(gain, 1.0);
+}
+
+#[test]
+fn several_cases_and_spacings_have_their_places() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let line = "converge --smoothness 3,60 --material mirror --tau 4 --size 32 --spacings 1,0.5 \
+                --estimators plain --samplings random --rays 64 --surfaces 2 --repeats 2 \
+                --reference-rays 64 --reference-surfaces 16 --bins 6x12 --side reflected -o out";
+    let line = line.split_whitespace().collect::<Vec<_>>();
+    let text = succeed(folder, &line);
+    assert!(
+        text.contains("spacing 0.5") && text.contains("of 64 x 64"),
+        "{text}"
+    );
+    let out = folder.join("out");
+    assert_eq!(
+        files(&out),
+        [
+            "report.txt",
+            "s3_mirror_theta30",
+            "s60_mirror_theta30",
+            "summary.json"
+        ]
+    );
+    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    assert_eq!(summary["cases"].as_array().unwrap().len(), 2);
+    for (case, exact) in [("s3_mirror_theta30", false), ("s60_mirror_theta30", true)] {
+        assert!(out.join(case).join("convergence.png").exists());
+        let rows = rows(&out.join(case).join("convergence.csv"));
+        let spacings: Vec<&str> = rows.iter().map(|row| row[3].as_str()).collect();
+        assert_eq!(spacings, ["1", "0.5"]);
+        for row in rows {
+            assert_eq!(row[column("error_exact")].is_empty(), !exact, "{case}");
+            // A mirror returns all light.
+            assert!(row[column("energy_error")].parse::<f64>().unwrap() < 1e-3);
+        }
+    }
+    // A new run of one case leaves nothing of the old one beside it.
+    let trace = words("trace --flat --theta 9 --rays 64 --no-plots -o out/s3_mirror_theta30");
+    succeed(folder, &trace);
+    assert!(!out.join("s3_mirror_theta30/convergence.csv").exists());
+}
+
+#[test]
+fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (line, code, expected) in [
+        ("--estimators best", 2, "plain and controlled"),
+        ("--samplings random,random", 2, "given twice"),
+        ("--accelerators flat", 2, "take auto"),
+        ("--spacings 3", 2, "does not divide the extent"),
+        ("--spacings 8", 2, "--insist"),
+        ("--rays 0", 2, "1 or more"),
+        ("--rays 10,100 --surfaces 1,2,3", 2, "value by value"),
+        ("--reference-surfaces 1", 2, "2 or more"),
+        ("--errors 0", 2, "positive"),
+        ("--theta 90", 2, "below 90"),
+        (
+            "--material mirror --side transmitted",
+            2,
+            "nothing is transmitted",
+        ),
+        ("--surfaces 1e8", 1, "GiB"),
+        ("nowhere.toml", 1, "nowhere.toml"),
+    ] {
+        let line = format!("converge {line} -o out");
+        let error = refused(folder, &words(&line), code);
+        assert!(error.contains(expected), "{line}: {error}");
+    }
+    fs::write(folder.join("c.toml"), "[converge]\nestimator = \"plain\"\n").unwrap();
+    let error = refused(folder, &words("converge c.toml -o out"), 2);
+    assert!(
+        error.contains("c.toml") && error.contains("line 2"),
+        "{error}"
+    );
+    fs::write(folder.join("m.ply"), "ply\n").unwrap();
+    let error = refused(folder, &words("converge m.ply -o out"), 2);
+    assert!(error.contains("asperity converge"), "{error}");
+    assert_eq!(files(folder), ["c.toml", "m.ply"]);
+}
+
+#[test]
+fn the_example_is_understood() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/converge.toml");
+    let text = fs::read_to_string(path).unwrap();
+    let config = asperity_experiment::ConvergeConfig::from_toml(&text).unwrap();
+    config.check().unwrap();
+}
