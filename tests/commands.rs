@@ -226,7 +226,8 @@ fn trace_writes_what_it_says() {
 #[test]
 fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
     let (_keep, folder) = with_surface();
-    let fixed = words("trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1");
+    let fixed =
+        words("trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1 --estimator plain");
     succeed(&folder, &[&fixed[..], &["-o", "both"]].concat());
     for (side, other) in [("reflected", "transmitted"), ("transmitted", "reflected")] {
         let text = succeed(
@@ -272,6 +273,28 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
     }
     let mirror = words("--material mirror --side reflected -o mirror");
     succeed(&folder, &[&fixed[..], &mirror[..]].concat());
+}
+
+#[test]
+fn under_a_control_a_side_is_the_same_but_for_rounding_whatever_else_is_asked_for() {
+    let (_keep, folder) = with_surface();
+    let fixed = words("trace h.exr --theta 40 --rays 2e4 --estimator controlled --no-plots");
+    let fluxes = |side: &str| -> Vec<f64> {
+        succeed(
+            &folder,
+            &[&fixed[..], &["--side", side, "-o", side]].concat(),
+        );
+        let table = fs::read_to_string(folder.join(side).join("histogram.csv")).unwrap();
+        let rows = table.lines().filter(|line| line.starts_with("transmitted"));
+        rows.map(|line| line.split(',').nth(6).unwrap().parse().unwrap())
+            .collect()
+    };
+    let (both, one) = (fluxes("both"), fluxes("transmitted"));
+    assert_eq!(both.len(), 18 * 36);
+    // The budget closes by what is missing of one, a sum over all that leaves.
+    for (both, one) in both.iter().zip(&one) {
+        assert!((both - one).abs() < 1e-14, "{both} {one}");
+    }
 }
 
 #[test]
