@@ -108,7 +108,9 @@ pub enum Untested {
         needed: usize,
     },
     /// No bin holds enough rays.
-    #[error("no bin holds enough rays to be tested")]
+    #[error(
+        "no bin holds enough rays to be tested, not counting those that do what is known beforehand"
+    )]
     NoBins,
 }
 

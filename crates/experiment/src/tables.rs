@@ -231,9 +231,6 @@ fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> S
 
 /// Total variation, p value and verdict of every model; `orders` names all light that was recorded.
 fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> String {
-    let number = |value: Option<f64>, digits: usize| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{value:.digits$}"))
-    };
     type Cell<'a> = Box<dyn Fn(&ModelOutcome) -> String + 'a>;
     let rows: [(String, Cell<'_>); 9] = [
         (
@@ -241,10 +238,12 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
             Box::new(|m| m.model.name().to_owned()),
         ),
         (
-            if case.free_azimuth {
-                "bins in rings of 20 rays or more".into()
-            } else {
-                "bins of 20 rays or more".into()
+            match (case.free_azimuth, case.work.control) {
+                (true, None) => "bins in rings of 20 rays or more".into(),
+                (false, None) => "bins of 20 rays or more".into(),
+                // Others cancel exactly.
+                (true, Some(_)) => "bins in rings of 20 deviating rays".into(),
+                (false, Some(_)) => "bins of 20 deviating rays or more".into(),
             },
             Box::new(|m| {
                 m.single
@@ -257,11 +256,16 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
         ),
         (
             "total variation distance".into(),
-            Box::new(move |m| number(Some(m.single.total_variation.observed), 5)),
+            Box::new(|m| distance(m.single.total_variation.observed)),
         ),
         (
             "  that noise alone would cause".into(),
-            Box::new(move |m| number(m.single.total_variation.noise, 5)),
+            Box::new(|m| {
+                m.single
+                    .total_variation
+                    .noise
+                    .map_or_else(|| "-".to_owned(), distance)
+            }),
         ),
         (
             "largest |t|: bins; rings; sides".into(),
@@ -280,7 +284,10 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
         ),
         (
             "p value, sign flips of surfaces".into(),
-            Box::new(move |m| number(m.single.test.as_ref().ok().map(|test| test.p), 4)),
+            Box::new(|m| match &m.single.test {
+                Ok(test) => format!("{:.4}", test.p),
+                Err(_) => "-".to_owned(),
+            }),
         ),
         (
             "most significant deviation".into(),
@@ -292,7 +299,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
         ),
         (
             format!("total variation from {orders}"),
-            Box::new(move |m| number(Some(m.total.total_variation.observed), 5)),
+            Box::new(|m| distance(m.total.total_variation.observed)),
         ),
     ];
     let rows: Vec<Vec<String>> = rows
@@ -304,6 +311,15 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
         })
         .collect();
     aligned(&rows)
+}
+
+/// A total variation distance, to five decimals or, where they would not show it, to two digits.
+fn distance(value: f64) -> String {
+    if value == 0.0 || value >= 1e-3 {
+        format!("{value:.5}")
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 /// Rows of cells as lines, in columns as wide as their widest cell.
@@ -416,19 +432,21 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
             .filter_map(|m| m.single.total_variation.noise_95)
             .fold(0.0, f64::max);
         clauses.push(format!(
-            "{} {} within the error (in total variation, noise alone reaches {seen:.5})",
+            "{} {} within the error (in total variation, noise alone reaches {})",
             list(&holds),
             verb(&holds, "holds", "hold"),
+            distance(seen),
         ));
     }
     for model in &fails {
-        let distance = &model.single.total_variation;
-        let noise = distance.noise.unwrap_or(0.0);
+        let found = &model.single.total_variation;
+        let noise = found.noise.unwrap_or(0.0);
         let place = strongest_deviation(model, layout).unwrap_or_default();
         clauses.push(format!(
-            "{} fails, most clearly in {place} (total variation {:.5}, noise alone {noise:.5})",
+            "{} fails, most clearly in {place} (total variation {}, noise alone {})",
             model.model.name(),
-            distance.observed,
+            distance(found.observed),
+            distance(noise),
         ));
     }
     if !open.is_empty() {
@@ -480,15 +498,13 @@ fn overview(outcome: &VerifyOutcome) -> String {
         let multiple = |side| case.statistics.means()[outcome.layout.multiple(side)];
         let multiple = multiple(Side::Reflected) + multiple(Side::Transmitted);
         for model in &case.models {
-            let distance = &model.single.total_variation;
-            let noise = distance
-                .noise
-                .map_or_else(|| "-".to_owned(), |n| format!("{n:.5}"));
+            let found = &model.single.total_variation;
+            let noise = found.noise.map_or_else(|| "-".to_owned(), distance);
             let test = model.single.test.as_ref();
             rows.push(vec![
                 case.case.to_string(),
                 model.model.name().to_owned(),
-                format!("{:.5} ({noise})", distance.observed),
+                format!("{} ({noise})", distance(found.observed)),
                 test.map_or_else(|_| "-".to_owned(), |test| format!("{:.4}", test.p)),
                 format!("{multiple:.5}"),
                 verdict_word(&model.verdict).to_owned(),
