@@ -135,11 +135,12 @@ impl Method {
 /// Statistics of `rays` rays by a method, with errors that its control leaves room for.
 pub(crate) fn with_least_errors(
     method: &Method,
+    layout: &Layout,
     statistics: BatchStatistics,
     rays: u64,
 ) -> BatchStatistics {
     match method.control() {
-        Some(control) => statistics.with_least_errors(control.least_errors(rays)),
+        Some(control) => statistics.with_least_errors(control.least_errors(layout, rays)),
         None => statistics,
     }
 }

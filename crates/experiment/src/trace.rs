@@ -121,7 +121,7 @@ fn trace_on<G: Geometry>(
         },
     );
     progress.end();
-    let statistics = with_least_errors(&method, statistics, work.rays);
+    let statistics = with_least_errors(&method, &settings.layout, statistics, work.rays);
     let outcome = TraceOutcome {
         statistics,
         work: SummaryWork {

@@ -264,7 +264,7 @@ fn judge(
             (statistics, "surfaces")
         }
     };
-    let batches = with_least_errors(method, batches, ensemble.work.rays);
+    let batches = with_least_errors(method, layout, batches, ensemble.work.rays);
     let mut models = config
         .compare
         .models

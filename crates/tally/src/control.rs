@@ -150,16 +150,24 @@ impl Control {
         &self.expected
     }
 
-    /// Errors that no estimate of `rays` rays under this control should fall below, by the layout: one
-    /// ray in each entry that the control knows of. Where no ray was seen to deviate from it, the next
-    /// one might.
+    /// Errors that no estimate of `rays` rays under this control should fall below, by the layout: in
+    /// each entry that the control knows of, one ray that carries what light carries to that side on
+    /// average. Where no ray was seen to deviate from the control, the next one might.
     #[must_use]
-    pub fn least_errors(&self, rays: u64) -> Vec<f64> {
-        let one_ray = 1.0 / rays as f64;
-        self.expected
-            .iter()
-            .map(|&expected| if expected == 0.0 { 0.0 } else { one_ray })
-            .collect()
+    pub fn least_errors(&self, layout: &Layout, rays: u64) -> Vec<f64> {
+        let budget = Layout::REFLECTED..=Layout::LOST;
+        let known: f64 = self.expected[budget.clone()].iter().sum();
+        let mut least = vec![0.0; layout.len()];
+        for part in budget {
+            // Light carries its share of what it began with.
+            let one_ray = self.expected[part] / known / rays as f64;
+            for entry in entries_of(layout, part) {
+                if self.expected[entry] != 0.0 {
+                    least[entry] = one_ray;
+                }
+            }
+        }
+        least
     }
 
     /// Adds its mean to a record from which the control has been subtracted ray by ray.
@@ -192,4 +200,128 @@ fn first_order_totals(layout: &Layout, side: Side) -> [usize; 3] {
         layout.order(side, 1),
         layout.path(side, EventPath::default().then(event)),
     ]
+}
+
+/// Entries of light of all orders or the first that ends as `part` of the budget says.
+fn entries_of(layout: &Layout, part: usize) -> Vec<usize> {
+    let side = match part {
+        Layout::REFLECTED => Side::Reflected,
+        Layout::TRANSMITTED => Side::Transmitted,
+        Layout::TRUNCATED => return vec![part, Layout::NOT_ASKED],
+        _ => return vec![part],
+    };
+    let grid = layout.grid();
+    let first = side.index() * grid.bins_per_side();
+    let mut entries = first_order_totals(layout, side).to_vec();
+    for class in [OrderClass::First, OrderClass::All] {
+        entries.extend(layout.rings(side, class));
+        entries.extend(layout.in_plane(side, class));
+    }
+    for share in [Share::Single, Share::Total] {
+        let start = layout.bins(share).start + first;
+        entries.extend(start..start + grid.bins_per_side());
+    }
+    entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{HemisphereGrid, Sides};
+
+    fn layout() -> Layout {
+        Layout::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
+    }
+
+    /// A tenth of the light is reflected, half is transmitted, a fifth absorbed, before shares.
+    fn control(layout: Layout) -> Control {
+        let fluxes = UnshadowedFluxes {
+            bins: [vec![0.1 / 6.0; 6], vec![0.5 / 6.0; 6]].concat(),
+            rings: [vec![0.05; 2], vec![0.25; 2]],
+            in_plane: [vec![0.001; 4], vec![0.005; 4]],
+            absorbed: 0.2,
+        };
+        let shares = VisibleShares {
+            rings: [vec![0.5, 0.0], vec![1.0, 0.8]],
+            absorbed: 0.9,
+        };
+        Control::new(layout, shares, &fluxes)
+    }
+
+    #[test]
+    fn expectations_are_weighted_and_add_up() {
+        let control = control(layout());
+        let expected = control.expected();
+        let near = |i: usize, value: f64| (expected[i] - value).abs() < 1e-15;
+        assert!(near(Layout::REFLECTED, 0.025));
+        assert!(near(Layout::TRANSMITTED, 0.45));
+        assert!(near(Layout::ABSORBED, 0.18));
+        for side in Side::BOTH {
+            let of_side = expected[side.index()];
+            for range in [
+                layout().rings(side, OrderClass::First),
+                layout().rings(side, OrderClass::All),
+            ] {
+                assert!((expected[range].iter().sum::<f64>() - of_side).abs() < 1e-15);
+            }
+            assert!(near(layout().order(side, 1), of_side));
+            assert!(near(layout().order(side, 2), 0.0));
+            assert!(near(layout().multiple(side), 0.0));
+        }
+        let multiple = layout().bins(Share::Multiple);
+        assert!(expected[multiple].iter().all(|&flux| flux == 0.0));
+        // In-plane bins count from the side's own normal, rings from +z.
+        let in_plane = &expected[layout().in_plane(Side::Transmitted, OrderClass::All)];
+        assert_eq!(in_plane, [0.005, 0.004, 0.004, 0.005]);
+    }
+
+    #[test]
+    fn what_is_not_asked_for_is_booked_as_such() {
+        let one = control(layout().with_sides(Sides::Reflected));
+        assert!((one.expected()[Layout::NOT_ASKED] - 0.45).abs() < 1e-15);
+        assert!((one.expected()[Layout::TRUNCATED] - 0.45).abs() < 1e-15);
+        assert_eq!(one.expected()[Layout::TRANSMITTED], 0.0);
+    }
+
+    #[test]
+    fn a_completed_record_closes_its_budget_and_keeps_its_sums() {
+        let control = control(layout());
+        let mut record = vec![0.0; layout().len()];
+        // Of what is subtracted ray by ray, this is left.
+        record[Layout::REFLECTED] = 0.07;
+        record[layout().order(Side::Reflected, 1)] = 0.07;
+        control.complete(&mut record);
+        let budget: f64 = record[..=Layout::LOST].iter().sum();
+        assert!((budget - 1.0).abs() < 1e-15);
+        let rings = &record[layout().rings(Side::Transmitted, OrderClass::First)];
+        let sum = rings.iter().sum::<f64>();
+        assert!((sum - record[Layout::TRANSMITTED]).abs() < 1e-15);
+        assert_eq!(
+            record[Layout::REFLECTED],
+            record[layout().order(Side::Reflected, 1)]
+        );
+    }
+
+    #[test]
+    fn least_errors_are_those_of_one_ray_of_the_side() {
+        let least = control(layout()).least_errors(&layout(), 1000);
+        let known = 0.025 + 0.45 + 0.18;
+        let bins = layout().bins(Share::Total);
+        assert!((least[bins.start] - 1e-3 * 0.025 / known).abs() < 1e-18);
+        // A ring of share zero is not controlled.
+        assert_eq!(least[bins.start + 3], 0.0);
+        assert!((least[Layout::TRANSMITTED] - 1e-3 * 0.45 / known).abs() < 1e-18);
+        assert_eq!(least[Layout::LOST], 0.0);
+    }
+
+    #[test]
+    fn a_weaker_control_expects_less_of_everything() {
+        let full = control(layout());
+        let half = control(layout()).weakened(0.5);
+        for (a, b) in full.expected().iter().zip(half.expected()) {
+            assert_eq!(0.5 * a, *b);
+        }
+        assert_eq!(half.share(Side::Transmitted, 0), 0.5);
+        assert_eq!(half.absorbed_share(), 0.45);
+    }
 }
