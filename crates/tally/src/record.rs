@@ -103,18 +103,12 @@ impl<'c> Record<'c> {
     /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the
     /// flux that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
-        match self.control {
-            Some(control) if exit.path.order() == 1 => {
-                let ring = self.finder.ring(exit.side, exit.wo);
-                let left = 1.0 - control.share(exit.side, ring);
-                self.book(exit, left * exit.flux, ring);
-            }
-            None if !self.layout.asks(exit.side) => self.add_loss(Loss::NotAsked, exit.flux),
-            _ => {
-                let ring = self.finder.ring(exit.side, exit.wo);
-                self.book(exit, exit.flux, ring);
-            }
-        }
+        let ring = self.finder.ring(exit.side, exit.wo);
+        let left = match self.control {
+            Some(control) if exit.path.order() == 1 => 1.0 - control.share(exit.side, ring),
+            _ => 1.0,
+        };
+        self.book(exit, left * exit.flux, ring);
     }
 
     /// Subtracts, under a control, light that a facet would send away if nothing were in its way, but
@@ -143,6 +137,7 @@ impl<'c> Record<'c> {
     }
 
     /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
+    #[inline(always)]
     fn book(&mut self, exit: &Exit, flux: f64, ring: usize) {
         let Exit { side, wo, path, .. } = *exit;
         // What the control has taken off entirely is no ray of the bin either.

@@ -117,7 +117,7 @@ pub fn travel<G: Geometry>(
 
 /// Moves a ray so that the tile at the origin is the first to be searched, or says how its way ends
 /// without a search.
-#[inline]
+#[inline(always)]
 pub(crate) fn set_out<G: Geometry>(
     geometry: &G,
     heading: &mut Heading,

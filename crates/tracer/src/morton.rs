@@ -1,11 +1,35 @@
 //! Places of the plane in an order that keeps neighbours together.
 
-/// `[column, row]` of all places of a square of `side` by `side`, along a Morton (Z) curve.
-pub(crate) fn morton_square(side: u32) -> impl Iterator<Item = [u32; 2]> {
-    let padded = u64::from(side.next_power_of_two());
-    (0..padded * padded)
-        .map(morton_place)
-        .filter(move |[column, row]| *column < side && *row < side)
+use std::ops::Range;
+
+/// `[column, row]` of all places of a square, along a Morton (Z) curve.
+pub(crate) struct MortonSquare {
+    side: u32,
+    codes: Range<u64>,
+}
+
+impl MortonSquare {
+    /// A square of `side` by `side`.
+    pub(crate) fn new(side: u32) -> Self {
+        let padded = u64::from(side.next_power_of_two());
+        Self {
+            side,
+            codes: 0..padded * padded,
+        }
+    }
+}
+
+impl Iterator for MortonSquare {
+    type Item = [u32; 2];
+
+    #[inline]
+    fn next(&mut self) -> Option<[u32; 2]> {
+        let side = self.side;
+        self.codes
+            .by_ref()
+            .map(morton_place)
+            .find(|[column, row]| *column < side && *row < side)
+    }
 }
 
 /// `[column, row]` of the place that is number `code` along the curve.
@@ -46,13 +70,13 @@ mod tests {
     #[test]
     fn every_place_comes_once_and_quarters_come_whole() {
         for side in [1, 2, 5, 8, 13] {
-            let mut places: Vec<_> = morton_square(side).collect();
+            let mut places: Vec<_> = MortonSquare::new(side).collect();
             assert_eq!(places.len(), (side * side) as usize);
             places.sort_unstable();
             places.dedup();
             assert_eq!(places.len(), (side * side) as usize);
         }
-        let quarter: Vec<_> = morton_square(8).take(16).collect();
+        let quarter: Vec<_> = MortonSquare::new(8).take(16).collect();
         assert!(quarter.iter().all(|[x, y]| *x < 4 && *y < 4));
     }
 

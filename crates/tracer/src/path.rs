@@ -289,6 +289,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Looks along `towards_light` whether a facet is lit.
+    #[inline(never)]
     fn look<R: Rng>(
         &self,
         mut towards_light: Heading,
@@ -423,12 +424,15 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 }
                 let at = arrival();
                 self.interact(&at, query.medium, light, batch);
-                self.look_into_shadow(at, query.medium.other(), light, batch);
+                if batch.record.control().is_some() {
+                    self.look_into_shadow(at, query.medium.other(), light, batch);
+                }
             }
         }
     }
 
     /// Goes on behind the first facet that light has met, where that is of interest.
+    #[inline(never)]
     fn look_into_shadow<R: Rng>(
         &self,
         at: Arrival<G::Facet>,
@@ -492,6 +496,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Takes note that a facet that faces the light is not lit.
+    #[inline(never)]
     fn unlit<R>(&self, at: &Arrival<G::Facet>, light: &Light, batch: &mut Batch<'_, G::Facet, R>) {
         if batch.record.control().is_none() {
             return;
@@ -511,6 +516,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// What becomes of light that arrives at a facet through `medium`.
+    #[inline(always)]
     fn scattered(&self, at: &Arrival<G::Facet>, medium: Medium) -> Scattered {
         let m = medium.sign() * self.geometry.normal(at.facet);
         let wi = -at.heading.direction;
@@ -518,6 +524,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Reflects, transmits or absorbs light that has arrived at a facet.
+    #[inline]
     fn interact<R: Rng>(
         &self,
         at: &Arrival<G::Facet>,

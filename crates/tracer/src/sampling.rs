@@ -7,7 +7,7 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use self::net::Net;
-use crate::morton::{morton_place, morton_square};
+use crate::morton::{MortonSquare, morton_place};
 
 mod net;
 
@@ -76,7 +76,7 @@ pub(crate) struct Places {
 enum Order {
     Random(Shuffle),
     Stratified {
-        places: Box<dyn Iterator<Item = [u32; 2]> + Send>,
+        places: MortonSquare,
         /// Side of a stratum.
         width: f64,
     },
@@ -98,7 +98,7 @@ impl Places {
         let order = match sampling {
             Sampling::Random => Order::Random(Shuffle::new(u64::from(strata).pow(2))),
             Sampling::Stratified => Order::Stratified {
-                places: Box::new(morton_square(strata)),
+                places: MortonSquare::new(strata),
                 width: 1.0 / f64::from(strata),
             },
             Sampling::QuasiRandom => {
@@ -113,6 +113,7 @@ impl Places {
     }
 
     /// The next start; `None` after the last.
+    #[inline]
     pub(crate) fn draw<R: Rng>(&mut self, rng: &mut R) -> Option<[f64; 3]> {
         let any_azimuth = self.any_azimuth;
         let [u, v] = match &mut self.order {
@@ -212,7 +213,7 @@ mod tests {
     fn stratified_starts_draw_place_and_then_azimuth_as_ever() {
         for any_azimuth in [false, true] {
             let mut rng = ChaCha8Rng::seed_from_u64(7);
-            let plain: Vec<[f64; 3]> = morton_square(5)
+            let plain: Vec<[f64; 3]> = MortonSquare::new(5)
                 .map(|[column, row]| {
                     let u = (f64::from(column) + rng.random::<f64>()) * (1.0 / 5.0);
                     let v = (f64::from(row) + rng.random::<f64>()) * (1.0 / 5.0);
@@ -231,7 +232,9 @@ mod tests {
                 for any_azimuth in [false, true] {
                     let starts = starts_with(sampling, strata, any_azimuth, 3);
                     assert_eq!(starts.len(), (strata * strata) as usize);
-                    for ([u, v, azimuth], place) in starts.into_iter().zip(morton_square(strata)) {
+                    for ([u, v, azimuth], place) in
+                        starts.into_iter().zip(MortonSquare::new(strata))
+                    {
                         let stratum = [u, v].map(|x| (x * f64::from(strata)) as u32);
                         assert_eq!(stratum, place, "{sampling} {strata}");
                         assert_eq!(azimuth != 0.0, any_azimuth);

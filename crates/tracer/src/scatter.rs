@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// What becomes of light at a facet, as shares of the flux that arrives.
 pub(crate) struct Scattered {
-    /// Ways on from the facet; those that carry nothing have the share zero and no direction.
+    /// Ways on from the facet; one that carries nothing has the share zero, and need have no direction.
     pub(crate) branches: [Branch; 2],
     pub(crate) absorbed: f64,
 }
@@ -24,7 +24,7 @@ pub(crate) struct Branch {
 ///
 /// `entering`: the light comes from the incident medium, to which the indices of `material` are
 /// relative.
-#[inline]
+#[inline(always)]
 pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -> Scattered {
     let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
     let index = material.transmitting_index();
@@ -40,21 +40,20 @@ pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -
     } else {
         0.0
     };
-    let branch = |event, share: f64, direction: &dyn Fn() -> DVec3| Branch {
+    let onward = |event, share, direction| Branch {
         event,
-        direction: if share > 0.0 {
-            direction()
-        } else {
-            DVec3::ZERO
-        },
+        direction,
         share,
+    };
+    let behind = if transmitted > 0.0 {
+        refract(wi, m, eta, fresnel.cos_beta)
+    } else {
+        DVec3::ZERO
     };
     Scattered {
         branches: [
-            branch(Event::Transmission, transmitted, &|| {
-                refract(wi, m, eta, fresnel.cos_beta)
-            }),
-            branch(Event::Reflection, fresnel.reflected, &|| reflect(wi, m)),
+            onward(Event::Transmission, transmitted, behind),
+            onward(Event::Reflection, fresnel.reflected, reflect(wi, m)),
         ],
         absorbed: fresnel.transmitted - transmitted,
     }
