@@ -10,6 +10,7 @@
 //! number of threads.
 
 mod blocks;
+mod budget;
 mod case;
 mod cases;
 mod config;
@@ -18,6 +19,7 @@ mod ensemble;
 mod estimator;
 mod figures;
 mod limits;
+mod mesh_error;
 mod method;
 mod number;
 mod progress;
@@ -30,6 +32,7 @@ mod values;
 mod verify;
 
 pub use blocks::RaySettings;
+pub use budget::{ErrorBudget, Errors};
 pub use case::Case;
 pub use cases::check_sides;
 pub use config::{
@@ -43,7 +46,7 @@ pub use number::{parse_count, parse_number, parse_order};
 pub use progress::{Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use summary::{Summary, SummaryWork};
-pub use tables::{energy_table, lost_warning, verify_table, work_line};
+pub use tables::{energy_table, errors_table, lost_warning, verify_table, work_line};
 pub use trace::{TraceOutcome, trace, trace_mesh};
 pub use values::{Count, Number, OneOrMany, PerAxis};
 pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

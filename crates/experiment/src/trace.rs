@@ -3,14 +3,16 @@
 use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::HeightField;
+use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
+use asperity_tracer::{Geometry, Medium, MeshSurface, Tracer};
 
 use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::budget::ErrorBudget;
 use crate::limits::{
-    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
+    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
 };
+use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
 use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::{SummaryWork, Used};
@@ -23,6 +25,8 @@ pub(crate) const FEWEST_BLOCKS: u64 = 64;
 pub struct TraceOutcome {
     /// Flux fractions by the layout of the settings; a batch is a block of rays.
     pub statistics: BatchStatistics,
+    /// The errors of the fluxes by where they come from.
+    pub errors: ErrorBudget,
     /// What was done.
     pub work: SummaryWork,
     /// The surface, given back; of a mesh none.
@@ -32,7 +36,8 @@ pub struct TraceOutcome {
 /// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
 ///
 /// # Errors
-/// [`RunError`] if surface or results are too large, or the light too flat.
+/// [`RunError`] if surface or results are too large, the light too flat, or a surface with an open border
+/// is to be refined.
 pub fn trace(
     field: HeightField,
     material: Material,
@@ -41,22 +46,35 @@ pub fn trace(
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
-    let accelerator = settings
-        .accelerator
-        .on_height_field(field.cells(), field.is_flat());
-    check_memory(
-        "tracing this surface",
-        traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),
-    )?;
-    let build = || Surface::new(field);
-    let (outcome, surface) = trace_on(build, material, incidence, incident, settings, progress)?;
+    if settings.refine && field.border() == Border::Open {
+        return Err(RefinementError::Open.into());
+    }
+    let is_flat = field.is_flat();
+    let bytes = meshes_bytes(
+        field.shape(),
+        settings.accelerator,
+        is_flat,
+        settings.refine,
+    );
+    check_memory("tracing this surface", bytes - size_of_val(field.heights()))?;
+    let len = settings.layout.len();
+    let (spacing, border) = (field.spacing(), field.border());
+    let mesh_errors = |shifts: Option<BatchStatistics>| match shifts {
+        Some(shifts) => MeshErrors::of_refined(Refinement::new(spacing, len, shifts)),
+        None if is_flat => MeshErrors::of_flat(len),
+        None if border == Border::Open => MeshErrors::unknown(len, OPEN),
+        None => MeshErrors::unknown(len, NOT_ASKED),
+    };
+    let light = (material, incidence, incident);
+    let build = || Meshes::new(field, settings.refine);
+    let (outcome, meshes) = trace_on(build, light, settings, mesh_errors, progress)?;
     Ok(TraceOutcome {
-        field: Some(surface.into_field()),
+        field: Some(meshes.into_given()),
         ..outcome
     })
 }
 
-/// [`trace`] on a triangle mesh.
+/// [`trace`] on a triangle mesh, which is never refined.
 ///
 /// # Errors
 /// As [`trace`].
@@ -72,37 +90,57 @@ pub fn trace_mesh(
         "this mesh with its hierarchy",
         hierarchy_bytes(mesh.facet_count()),
     )?;
-    let build = || mesh;
-    Ok(trace_on(build, material, incidence, incident, settings, progress)?.0)
+    let len = settings.layout.len();
+    let light = (material, incidence, incident);
+    let build = || Ok(Meshes::of_one(mesh));
+    let mesh_errors = |_| MeshErrors::unknown(len, TRIANGLES);
+    Ok(trace_on(build, light, settings, mesh_errors, progress)?.0)
 }
 
-/// Traces light on what `build` builds.
+/// Why the error of a mesh is not known.
+const OPEN: &str = "not estimated: a surface with an open border cannot be refined";
+const TRIANGLES: &str = "none: the triangles given are the surface";
+
+/// Traces light on what `build` builds, whose mesh has the errors that follow from what differs between
+/// its meshes.
 fn trace_on<G: Geometry>(
-    build: impl FnOnce() -> G,
-    material: Material,
-    incidence: Incidence,
-    incident: Medium,
+    build: impl FnOnce() -> Result<Meshes<G>, RunError>,
+    (material, incidence, incident): (Material, Incidence, Medium),
     settings: &RaySettings,
+    mesh_errors: impl FnOnce(Option<BatchStatistics>) -> MeshErrors,
     progress: &dyn Progress,
-) -> Result<(TraceOutcome, G), RunError> {
+) -> Result<(TraceOutcome, Meshes<G>), RunError> {
     let began = Instant::now();
     let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS, settings.sampling);
-    check_results(&settings.layout, 1, 1)?;
+    check_results(&settings.layout, 1, 1, settings.refine)?;
     progress.begin("building", 1);
-    let geometry = build();
-    let accelerator = geometry.accelerator(settings.accelerator)?;
-    check_grazing(&geometry, incidence)?;
+    let meshes = build()?;
+    let accelerators = meshes
+        .surfaces
+        .iter()
+        .map(|surface| {
+            check_grazing(surface, incidence)?;
+            Ok(surface.accelerator(settings.accelerator)?)
+        })
+        .collect::<Result<Vec<_>, RunError>>()?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 
     progress.begin("tracing", blocks.rays());
     let tracing = Instant::now();
-    let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
-    let mut statistics = BatchStatistics::new(settings.layout.len());
+    let tracers: Vec<Tracer<'_, G>> = meshes
+        .surfaces
+        .iter()
+        .zip(&accelerators)
+        .map(|(surface, found_by)| {
+            Tracer::new(surface, &**found_by, material, incident, settings.paths)
+        })
+        .collect();
+    let mut statistics = MeshStatistics::new(settings.layout.len(), tracers.len());
     let method = Method::PLAIN;
     let light = method.illumination(incidence, false, settings);
     let work = run_blocks(
-        &tracer,
+        &tracers,
         (&light, method.control.as_ref()),
         settings,
         0,
@@ -113,17 +151,26 @@ fn trace_on<G: Geometry>(
         },
     );
     progress.end();
+    let MeshStatistics { records, shifts } = statistics;
+    let errors = ErrorBudget::of_one(&records, (&method, work.rays), mesh_errors(shifts));
     let outcome = TraceOutcome {
-        statistics,
+        statistics: records,
+        errors,
         work: SummaryWork {
             realisations: 1,
             generate_seconds: 0.0,
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, Used::of(&*accelerator), &method, settings.sampling)
+            ..SummaryWork::new(
+                work,
+                Used::of(&*accelerators[0]),
+                &method,
+                settings.sampling,
+            )
         },
         field: None,
     };
-    Ok((outcome, geometry))
+    drop(accelerators);
+    Ok((outcome, meshes))
 }

@@ -1,0 +1,201 @@
+//! The errors of a result by where they come from: rays, surfaces, mesh.
+
+use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use crate::mesh_error::{MeshErrors, Refinement};
+use crate::method::Method;
+
+/// The errors of one number, flux fractions; `None` where one is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Errors {
+    /// Standard error by the rays on each surface.
+    pub rays: Option<f64>,
+    /// Standard error by the differences between surfaces.
+    pub surfaces: Option<f64>,
+    /// What the mesh adds to the result: a shift with its sign.
+    pub mesh: Option<f64>,
+    /// What the mesh would have added but for the control: a shift with its sign.
+    pub mesh_removed: Option<f64>,
+    /// Root of the sum of the squares of rays, surfaces and mesh, as far as they are known.
+    pub total: Option<f64>,
+}
+
+/// How each error was estimated, a sentence each.
+#[derive(Clone, Debug, Serialize)]
+struct Ways {
+    rays: String,
+    surfaces: String,
+    mesh: String,
+    mesh_removed: String,
+    total: &'static str,
+}
+
+/// The errors of all results of a run, by where they come from.
+#[derive(Clone, Debug)]
+pub struct ErrorBudget {
+    /// Squares, by the layout; not a number where there was no scatter to be seen.
+    rays: Vec<f64>,
+    /// Squares, by the layout, where there were several surfaces.
+    surfaces: Option<Vec<f64>>,
+    mesh: MeshErrors,
+    ways: Ways,
+}
+
+/// Said of rays.
+const BY_BLOCKS: &str = "standard error by the scatter between the ray blocks of each surface";
+
+/// Said of the sum.
+const TOTAL: &str =
+    "root of the sum of the squares of rays, surfaces and mesh, without those that are null";
+
+impl ErrorBudget {
+    /// The errors of the only surface that there is, of which `blocks` are the ray blocks.
+    pub(crate) fn of_one(
+        blocks: &BatchStatistics,
+        (method, rays): (&Method, u64),
+        mesh: MeshErrors,
+    ) -> Self {
+        let none = "none: the result is that of this one surface alone".to_owned();
+        Self::new(
+            blocks.error_squares().collect(),
+            (None, none),
+            (method, rays),
+            mesh,
+        )
+    }
+
+    /// The errors of means over `surfaces`; `ray_squares` are the squares of the errors of each by the
+    /// scatter of its ray blocks, summed.
+    pub(crate) fn of_surfaces(
+        surfaces: &BatchStatistics,
+        ray_squares: &[f64],
+        method_and_rays: (&Method, u64),
+        mesh: MeshErrors,
+    ) -> Self {
+        let n = surfaces.batches() as f64;
+        let of_rays = ray_squares.iter().map(|sum| sum / (n * n)).collect();
+        let way = "standard error by the scatter of the surfaces, less what their rays explain; 0 where these explain all of it".to_owned();
+        let all = surfaces.error_squares().collect();
+        Self::new(of_rays, (Some(all), way), method_and_rays, mesh)
+    }
+
+    /// From squares of errors by rays, and, with how they were found, by surfaces with their rays.
+    fn new(
+        mut rays: Vec<f64>,
+        (all, of_surfaces): (Option<Vec<f64>>, String),
+        (method, count): (&Method, u64),
+        mut mesh: MeshErrors,
+    ) -> Self {
+        let mut of_rays = BY_BLOCKS.to_owned();
+        if let Some(control) = &method.control {
+            for (square, least) in rays.iter_mut().zip(control.least_errors(count)) {
+                *square = square.max(least * least);
+            }
+            of_rays.push_str(", and no less than one ray where the control expects light");
+        }
+        let surfaces = all.map(|all| all.iter().zip(&rays).map(|(a, r)| a - r).collect());
+        let [way, removed] = std::mem::take(&mut mesh.ways);
+        Self {
+            rays,
+            surfaces,
+            mesh,
+            ways: Ways {
+                rays: of_rays,
+                surfaces: of_surfaces,
+                mesh: way,
+                mesh_removed: removed,
+                total: TOTAL,
+            },
+        }
+    }
+
+    /// The errors of entry `i` of the layout.
+    #[must_use]
+    pub fn errors(&self, i: usize) -> Errors {
+        let known = |square: f64| (!square.is_nan()).then(|| square.max(0.0).sqrt());
+        let rays = known(self.rays[i]);
+        let surfaces = self.surfaces.as_ref().and_then(|squares| known(squares[i]));
+        let mesh = self.mesh.remaining[i];
+        Errors {
+            rays,
+            surfaces,
+            mesh,
+            mesh_removed: self.mesh.removed.as_ref().map(|removed| removed[i]),
+            total: rays.map(|rays| {
+                [surfaces, mesh]
+                    .into_iter()
+                    .flatten()
+                    .fold(rays, f64::hypot)
+            }),
+        }
+    }
+
+    /// How the errors by the mesh were estimated, or why not.
+    pub(crate) fn way_of_mesh(&self) -> &str {
+        &self.ways.mesh
+    }
+
+    /// `error_budget` of summary.json.
+    #[must_use]
+    pub fn to_json(&self, layout: &Layout) -> Value {
+        let mut out = Map::new();
+        for (name, entry) in totals(layout) {
+            let errors = entry.map(|i| self.errors(i));
+            out.insert(name.to_owned(), json!(errors));
+        }
+        out.insert("ways".to_owned(), json!(self.ways));
+        if let Some(refinement) = &self.mesh.refinement {
+            out.insert("refinement".to_owned(), refinement_json(refinement, layout));
+        }
+        Value::Object(out)
+    }
+}
+
+/// Totals by name, and where they stand, if they are asked for.
+fn totals(layout: &Layout) -> [(&'static str, Option<usize>); 5] {
+    let [reflected, transmitted] = Side::BOTH;
+    let asked = |side: Side, entry: usize| layout.asks(side).then_some(entry);
+    [
+        ("reflected", asked(reflected, Layout::REFLECTED)),
+        ("transmitted", asked(transmitted, Layout::TRANSMITTED)),
+        ("absorbed", Some(Layout::ABSORBED)),
+        (
+            "multiple_reflected",
+            asked(reflected, layout.multiple(reflected)),
+        ),
+        (
+            "multiple_transmitted",
+            asked(transmitted, layout.multiple(transmitted)),
+        ),
+    ]
+}
+
+/// What meshes of several spacings showed of the totals.
+fn refinement_json(refinement: &Refinement, layout: &Layout) -> Value {
+    let spacing = |factor: f64| refinement.given.map(|d| factor * d);
+    let mut out = Map::new();
+    out.insert(
+        "spacings".to_owned(),
+        json!({
+            "reported": spacing(0.5),
+            "given": spacing(1.0),
+            "coarser": refinement.has_coarser().then(|| spacing(2.0)),
+        }),
+    );
+    for (name, entry) in totals(layout) {
+        let shown = entry.map(|i| {
+            let extrapolated: Result<Estimate, String> = refinement.extrapolated(i);
+            json!({
+                "given_less_reported": refinement.shift(i),
+                "coarser_less_given": refinement.coarser_shift(i),
+                "order": refinement.order(i).ok(),
+                "extrapolated": extrapolated.as_ref().ok(),
+                "why_not_extrapolated": extrapolated.as_ref().err(),
+            })
+        });
+        out.insert(name.to_owned(), json!(shown));
+    }
+    Value::Object(out)
+}
