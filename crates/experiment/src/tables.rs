@@ -91,7 +91,8 @@ pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
         rows.push(row);
     }
     let mut out = aligned(&rows);
-    if budget.errors(Layout::REFLECTED).mesh.is_none() {
+    let unknown = |side: Side| budget.errors(side.index()).mesh.is_none();
+    if layout.sides().any(unknown) {
         let _ = writeln!(out, "  mesh {}", budget.way_of_mesh());
     }
     out
