@@ -348,7 +348,7 @@ fn every_result_says_where_its_error_comes_from() {
             }
             let shift = refinement["reflected"]["given_less_reported"]["mean"].as_f64();
             assert!((shift.unwrap() / 3.0 - of("mesh").unwrap()).abs() < 1e-15);
-            assert!(report.contains("mesh is 0.19 % below"), "{report}");
+            assert!(report.contains("mesh is 0.20 % below"), "{report}");
         }
     }
 }

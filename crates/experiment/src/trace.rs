@@ -119,8 +119,9 @@ fn trace_on<G: Geometry>(
         .surfaces
         .iter()
         .map(|surface| {
+            let accelerator = surface.accelerator(settings.accelerator)?;
             check_grazing(surface, incidence)?;
-            Ok(surface.accelerator(settings.accelerator)?)
+            Ok(accelerator)
         })
         .collect::<Result<Vec<_>, RunError>>()?;
     let build_seconds = began.elapsed().as_secs_f64();
