@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{files, json, succeed, words};
+use support::{files, json, refused, succeed, with_surface, words};
 
 #[test]
 fn verify_judges_every_case_and_says_so() {
@@ -288,6 +288,118 @@ fn verify_with_one_surface_takes_its_errors_from_ray_blocks() {
         text.contains("ray blocks") && text.contains("not resolved"),
         "{text}"
     );
+}
+
+/// Columns of a table by name, as numbers; `None` where a field is empty.
+fn column(table: &str, name: &str) -> Vec<Option<f64>> {
+    let at = |line: &str| line.split(',').position(|field| field == name);
+    let i = at(table.lines().next().unwrap()).unwrap_or_else(|| panic!("no column {name}"));
+    let field = |line: &str| line.split(',').nth(i).unwrap().parse().ok();
+    table.lines().skip(1).map(field).collect()
+}
+
+#[test]
+fn every_result_says_where_its_error_comes_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let fixed = words(
+        "verify --tau 8 --size 64 --smoothness 3 --realisations 6 --rays 2e4 --models none --no-plots --json -o out --estimator",
+    );
+    for (estimator, refine) in [
+        ("plain", false),
+        ("controlled", false),
+        ("controlled", true),
+    ] {
+        let flags = if refine { vec!["--refine"] } else { vec![] };
+        let summary = json(&succeed(
+            folder,
+            &[&fixed[..], &[estimator], &flags].concat(),
+        ));
+        let budget = &summary["error_budget"];
+        let of = |part: &str| budget["reflected"][part].as_f64();
+        assert!(of("rays").unwrap() > 0.0 && of("total") >= of("rays"));
+        // A control leaves nothing of the first order, so that only a finer mesh shows the rest.
+        assert_eq!(of("mesh").is_some(), estimator == "plain" || refine);
+        assert_eq!(of("mesh_removed").is_some(), estimator == "controlled");
+        let way = |part: &str| budget["ways"][part].as_str().unwrap().to_owned();
+        assert!(way("rays").contains("ray blocks") && way("surfaces").contains("0 where"));
+        assert_eq!(way("mesh").contains("--refine"), !refine, "{}", way("mesh"));
+        assert_eq!(budget["refinement"].is_object(), refine);
+        let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
+        for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
+            let table = read(name);
+            let [se, rays, surfaces, mesh] =
+                ["flux_se", "flux_se_rays", "flux_se_surfaces", "flux_mesh"]
+                    .map(|name| column(&table, name));
+            for i in 0..se.len() {
+                let sampled = rays[i].unwrap().hypot(surfaces[i].unwrap());
+                assert!(sampled >= se[i].unwrap() * (1.0 - 1e-12), "{name} {i}");
+            }
+            assert_eq!(mesh.iter().any(Option::is_some), of("mesh").is_some());
+        }
+        let report = read("report.txt");
+        assert!(report.contains("between surfaces"), "{report}");
+        assert_eq!(report.contains("removed)"), estimator == "controlled");
+        if refine {
+            let refinement = &budget["refinement"];
+            let spacings = &refinement["spacings"];
+            for (name, expected) in [("reported", 0.5), ("given", 1.0), ("coarser", 2.0)] {
+                assert_eq!(spacings[name], serde_json::json!([expected, expected]));
+            }
+            let shift = refinement["reflected"]["given_less_reported"]["mean"].as_f64();
+            assert!((shift.unwrap() / 3.0 - of("mesh").unwrap()).abs() < 1e-15);
+            assert!(report.contains("mesh is 0.20 % below"), "{report}");
+        }
+    }
+}
+
+#[test]
+fn finer_meshes_are_asked_for_where_there_are_any() {
+    let (_keep, folder) = with_surface();
+    let light = words("--theta 40 --rays 5e3 --no-plots");
+    let trace = |more: &[&'static str]| [&["trace", "h.exr"], &light[..], more].concat();
+    for border in ["periodic", "mirrored"] {
+        for (threads, out) in [("1", "one"), ("3", "three")] {
+            let more = [
+                "--refine",
+                "--border",
+                border,
+                "--threads",
+                threads,
+                "-o",
+                out,
+            ];
+            let text = succeed(&folder, &trace(&more));
+            assert!(text.contains("between surfaces"), "{text}");
+        }
+        let read = |out: &str, name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+        assert!(read("one", "histogram.csv") == read("three", "histogram.csv"));
+        let [one, three] = ["one", "three"].map(|out| json(&read(out, "summary.json")));
+        assert_eq!(one["error_budget"], three["error_budget"]);
+        let reflected = &one["error_budget"]["reflected"];
+        assert!(reflected["surfaces"].is_null() && reflected["mesh"].is_f64());
+        // The results are those of the finer mesh.
+        succeed(&folder, &trace(&["--border", border, "-o", "given"]));
+        let given = json(&read("given", "summary.json"));
+        let mean = |of: &Value| of["energy"]["reflected"]["mean"].as_f64().unwrap();
+        let mesh = reflected["mesh"].as_f64().unwrap();
+        assert!((mean(&given) - mean(&one) - 3.0 * mesh).abs() < 1e-12);
+        let way = given["error_budget"]["ways"]["mesh"].as_str().unwrap();
+        assert!(
+            way == "not estimated: --refine traces a finer mesh",
+            "{way}"
+        );
+    }
+    let open = refused(&folder, &trace(&["--refine", "--border", "open"]), 2);
+    assert!(
+        open.contains("--refine") && open.contains("open border"),
+        "{open}"
+    );
+    succeed(&folder, &["mesh", "h.exr", "-o", "h.ply"]);
+    let mesh = [&["trace", "h.ply", "--refine"], &light[..]].concat();
+    assert!(refused(&folder, &mesh, 2).contains("triangle mesh"));
+    let flat = [&["trace", "--flat", "--refine"], &light[..]].concat();
+    assert!(refused(&folder, &flat, 2).contains("--refine"));
 }
 
 #[test]

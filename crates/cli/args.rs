@@ -292,6 +292,9 @@ pub(crate) struct Trace {
     /// How rays are spread: random, stratified or quasi-random
     #[arg(long, default_value = "stratified")]
     pub(crate) sampling: Sampling,
+    /// Trace the surface at half the spacing as well and report that; the difference is the error of the mesh
+    #[arg(long, conflicts_with = "flat")]
+    pub(crate) refine: bool,
     /// Folder for summary.json, histogram.csv, in_plane.csv and plots
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
@@ -392,6 +395,9 @@ pub(crate) struct Verify {
     /// How rays are spread: random, stratified or quasi-random
     #[arg(long)]
     pub(crate) sampling: Option<Sampling>,
+    /// Trace every surface at half the spacing as well and report that; the difference is the error of the mesh
+    #[arg(long)]
+    pub(crate) refine: bool,
     /// Level of the tests of a case
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) alpha: Option<f64>,

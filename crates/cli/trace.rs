@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use asperity_experiment::{
-    Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, lost_warning,
-    trace, trace_mesh, trace_report, work_line,
+    Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, errors_table,
+    lost_warning, trace, trace_mesh, trace_report, work_line,
 };
 use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_optics::{Incidence, Material};
-use asperity_surface::{Border, HeightField, Roughness};
+use asperity_surface::{Border, HeightField, RefinementError, Roughness};
 use asperity_tally::Layout;
 use asperity_tracer::{BuildError, Geometry, Medium, MeshSurface, PathSettings};
 use serde_json::{Value, json};
@@ -37,6 +37,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         accelerator: command.accelerator,
         estimator: command.estimator,
         sampling: command.sampling,
+        refine: command.refine,
     };
     let subject = Subject::of(command, common)?;
     let config = config(command, material, incidence, subject.description);
@@ -57,6 +58,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         | RunError::OpenControl
         | RunError::MeshControl
         | RunError::Model(_) => Failure::usage(error),
+        RunError::Refinement(RefinementError::Open) => Failure::usage(format!("--refine: {error}")),
         _ => Failure::failed(error),
     })?;
     let statistics = &outcome.statistics;
@@ -69,6 +71,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         (&layout, statistics),
         outcome.work.clone(),
     )
+    .with_errors(outcome.errors.to_json(&layout))
     .with_warnings(warnings.clone());
     if let Some(folder) = &command.output {
         let light = Light {
@@ -97,10 +100,11 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         return print_json(&summary);
     }
     let mut text = format!(
-        "{name}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}\n",
+        "{name}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
         light_line(material, incidence, command),
         statistics.batches(),
         energy_table(&layout, statistics),
+        errors_table(&layout, &outcome.errors),
         work_line(&outcome.work),
     );
     for warning in &warnings {
@@ -139,6 +143,10 @@ impl Subject {
             return Ok(Self::of_field(command, input, "flat surface".to_owned()));
         };
         match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
+            SurfaceFormat::Mesh(_) if command.refine => Err(Failure::usage(format!(
+                "--refine: {} is a triangle mesh, which says nothing of the surface between its corners; only height maps can be refined",
+                path.display()
+            ))),
             SurfaceFormat::Mesh(_) => {
                 let mesh = read_mesh_surface(path, &command.reading, common)?;
                 Ok(Self::of_mesh(mesh, path))
@@ -229,6 +237,7 @@ fn config(command: &Trace, material: Material, incidence: Incidence, surface: Va
         "accelerator": command.accelerator,
         "estimator": command.estimator,
         "sampling": command.sampling,
+        "refine": command.refine,
     })
 }
 

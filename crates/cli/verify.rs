@@ -66,6 +66,7 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     run.branching = command.branching.map_or(run.branching, Into::into);
     run.roulette = command.roulette.map_or(run.roulette, Number);
     run.max_order = command.max_order.unwrap_or(run.max_order);
+    run.refine |= command.refine;
     let compare = &mut config.compare;
     if let Some(models) = &command.models {
         let none = matches!(models.as_slice(), [one] if one == "none");

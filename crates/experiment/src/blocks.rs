@@ -27,6 +27,16 @@ pub struct RaySettings {
     pub estimator: Estimator,
     /// How rays are spread.
     pub sampling: Sampling,
+    /// Whether every surface is traced at half its spacing as well, whose results are then reported, and
+    /// at twice its spacing, if its cells are even: the differences are the error of the mesh.
+    pub refine: bool,
+}
+
+/// One mesh of a surface with the light that falls on it.
+pub(crate) struct Traced<'a, G: Geometry> {
+    pub(crate) tracer: Tracer<'a, G>,
+    pub(crate) light: Illumination,
+    pub(crate) control: Option<&'a Control>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
@@ -79,9 +89,11 @@ impl Blocks {
 }
 
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
+///
+/// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
+/// and the records follow one another; the work counted is that of the first.
 pub(crate) fn run_blocks<G: Geometry>(
-    tracer: &Tracer<'_, G>,
-    (light, control): (&Illumination, Option<&Control>),
+    meshes: &[Traced<'_, G>],
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,
@@ -91,21 +103,37 @@ pub(crate) fn run_blocks<G: Geometry>(
     let mut work = Work::default();
     let mut take = |records: Vec<(Vec<f64>, Work)>| {
         for (mut values, done) in records {
-            if let Some(control) = control {
-                control.complete(&mut values);
+            let records = values.chunks_exact_mut(settings.layout.len());
+            for (record, mesh) in records.zip(meshes) {
+                if let Some(control) = mesh.control {
+                    control.complete(record);
+                }
             }
             each(&values);
             work += done;
         }
     };
     let trace = |block: usize| {
-        let mut rng = ray_stream(settings.seed, realisation, block as u64);
-        let record = tracer.batch(light, blocks.strata, settings.layout, control, &mut rng);
+        let mut of_first = Work::default();
+        let mut records = Vec::new();
+        for mesh in meshes {
+            let mut rng = ray_stream(settings.seed, realisation, block as u64);
+            let layout = settings.layout;
+            let (record, work) =
+                mesh.tracer
+                    .batch(&mesh.light, blocks.strata, layout, mesh.control, &mut rng);
+            if records.is_empty() {
+                (records, of_first) = (record, work);
+            } else {
+                records.extend(record);
+            }
+        }
         progress.advance(u64::from(blocks.strata).pow(2));
-        record
+        (records, of_first)
     };
     // Waves bound how many records are held at once; those of one are taken while the next is traced.
-    let records = RECORD_BUDGET / (2 * settings.layout.len() * size_of::<f64>());
+    let values = meshes.len() * settings.layout.len();
+    let records = RECORD_BUDGET / (2 * values * size_of::<f64>());
     let wave = records.clamp(1, BLOCKS_OF_THREAD * rayon::current_num_threads());
     let count = blocks.count as usize;
     let mut finished = Vec::new();

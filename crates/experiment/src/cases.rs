@@ -79,9 +79,9 @@ impl VerifyConfig {
         Ok([samples(y)?, samples(x)?])
     }
 
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a
-    /// fraction: `1 - (1 - exp(-x^2)) / x^2`, `x` being the spacing over the correlation length, the
-    /// larger of both axes.
+    /// How far the slope variance of the mesh whose results are reported lies below that of the
+    /// continuous surface, as a fraction: `1 - (1 - exp(-x^2)) / x^2`, `x` being the spacing over the
+    /// correlation length, the larger of both axes.
     #[must_use]
     pub fn mesh_slope_deficit(&self) -> f64 {
         let tau = self
@@ -89,7 +89,8 @@ impl VerifyConfig {
             .tau_y
             .map_or(self.surface.tau.0, |t| t.0.min(self.surface.tau.0));
         let [dx, dy] = self.surface.spacing.xy().map(|s| s.0);
-        let x2 = (dx.max(dy) / tau).powi(2);
+        let finer = if self.run.refine { 0.5 } else { 1.0 };
+        let x2 = (finer * dx.max(dy) / tau).powi(2);
         1.0 + (-x2).exp_m1() / x2
     }
 

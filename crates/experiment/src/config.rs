@@ -246,6 +246,8 @@ pub struct RunConfig {
     pub estimator: Estimator,
     /// How rays are spread over the mean plane and over azimuth.
     pub sampling: Sampling,
+    /// Trace every surface at half the spacing as well, and report that.
+    pub refine: bool,
 }
 
 impl Default for RunConfig {
@@ -263,6 +265,7 @@ impl Default for RunConfig {
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Auto,
             sampling: Sampling::Stratified,
+            refine: false,
         }
     }
 }
@@ -282,6 +285,7 @@ impl RunConfig {
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,
+            refine: self.refine,
         })
     }
 }

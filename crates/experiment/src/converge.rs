@@ -411,6 +411,7 @@ impl<'a> Stage<'a> {
                 accelerator: method.accelerator,
                 estimator: method.estimator,
                 sampling: method.sampling,
+                refine: false,
             },
             incident: self.plan.incident,
             any_azimuth: self.plan.any_azimuth,

@@ -5,18 +5,28 @@ use std::path::Path;
 use asperity_io::{CsvField as Field, WriteError, write_csv};
 use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share};
 
+use crate::budget::ErrorBudget;
 use crate::verify::{CaseOutcome, ModelOutcome};
 
 /// histogram.csv, theta.csv and in_plane.csv.
 pub(crate) fn write_tables(
     folder: &Path,
     layout: &Layout,
-    (statistics, rays): (&BatchStatistics, u64),
+    (statistics, errors, rays): (&BatchStatistics, &ErrorBudget, u64),
     models: &[ModelOutcome],
 ) -> Result<(), WriteError> {
-    write_histogram(folder, layout, statistics, rays)?;
-    write_theta(folder, layout, statistics)?;
-    write_in_plane(folder, layout, statistics, models)
+    write_histogram(folder, layout, (statistics, errors), rays)?;
+    write_theta(folder, layout, (statistics, errors))?;
+    write_in_plane(folder, layout, (statistics, errors), models)
+}
+
+/// Columns that say where the error of `flux` comes from.
+const ERRORS: [&str; 3] = ["flux_se_rays", "flux_se_surfaces", "flux_mesh"];
+
+/// The fields of [`ERRORS`] for an entry of the layout.
+fn errors_of(errors: &ErrorBudget, entry: usize) -> [Field<'static>; 3] {
+    let errors = errors.errors(entry);
+    [errors.rays, errors.surfaces, errors.mesh].map(Field::from)
 }
 
 /// A mean and its error as two fields.
@@ -51,7 +61,7 @@ fn place(grid: &HemisphereGrid, i: usize) -> Vec<Field<'static>> {
 fn write_histogram(
     folder: &Path,
     layout: &Layout,
-    statistics: &BatchStatistics,
+    (statistics, errors): (&BatchStatistics, &ErrorBudget),
     rays: u64,
 ) -> Result<(), WriteError> {
     let mut header = PLACE.to_vec();
@@ -68,6 +78,7 @@ fn write_histogram(
         "flux_multiple",
         "flux_multiple_se",
     ]);
+    header.extend(ERRORS);
     let grid = layout.grid();
     let rows = layout.asked_bins().map(|i| {
         let bin = grid.bin(i);
@@ -90,6 +101,7 @@ fn write_histogram(
         ]);
         row.extend(fields(single));
         row.extend(fields(multiple));
+        row.extend(errors_of(errors, layout.bins(Share::Total).start + i));
         row
     });
     write_csv(folder.join("histogram.csv"), &header, rows)
@@ -116,11 +128,12 @@ fn order_header() -> Vec<String> {
 fn write_theta(
     folder: &Path,
     layout: &Layout,
-    statistics: &BatchStatistics,
+    (statistics, errors): (&BatchStatistics, &ErrorBudget),
 ) -> Result<(), WriteError> {
     let orders = order_header();
     let mut header = vec!["side", "theta_min_deg", "theta_max_deg", "flux", "flux_se"];
     header.extend(orders.iter().map(String::as_str));
+    header.extend(ERRORS);
     let mut rows = Vec::new();
     for side in layout.sides() {
         let edges = layout.grid().theta_edges_deg(side);
@@ -137,6 +150,8 @@ fn write_theta(
                     .iter()
                     .flat_map(|&class| fields(of(class))),
             );
+            let entry = layout.rings(side, OrderClass::All).start + ring;
+            row.extend(errors_of(errors, entry));
             rows.push(row);
         }
     }
@@ -146,7 +161,7 @@ fn write_theta(
 fn write_in_plane(
     folder: &Path,
     layout: &Layout,
-    statistics: &BatchStatistics,
+    (statistics, errors): (&BatchStatistics, &ErrorBudget),
     models: &[ModelOutcome],
 ) -> Result<(), WriteError> {
     let orders = order_header();
@@ -165,6 +180,7 @@ fn write_in_plane(
         "intensity_se",
     ];
     header.extend(orders.iter().chain(&of_models).map(String::as_str));
+    header.extend(ERRORS);
     let mut rows = Vec::new();
     for side in layout.sides() {
         for i in 0..layout.in_plane_len() {
@@ -191,6 +207,8 @@ fn write_in_plane(
                     .iter()
                     .map(|m| Field::from(m.in_plane[side.index()][i] / solid_angle)),
             );
+            let entry = layout.in_plane(side, OrderClass::All).start + i;
+            row.extend(errors_of(errors, entry));
             rows.push(row);
         }
     }

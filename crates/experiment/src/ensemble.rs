@@ -6,12 +6,13 @@ use std::time::Instant;
 use asperity_io::available_memory;
 use asperity_surface::Synthesis;
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, Surface, Tracer, Work};
+use asperity_tracer::{Geometry, Medium, Tracer, Work};
 use rayon::prelude::*;
 
-use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::blocks::{Blocks, RaySettings, Traced, run_blocks};
 use crate::case::Case;
-use crate::limits::{RunError, check_grazing, check_memory, traced_bytes};
+use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
+use crate::mesh_error::{MeshStatistics, Meshes};
 use crate::method::Method;
 use crate::progress::Progress;
 use crate::summary::Used;
@@ -42,6 +43,8 @@ struct OfCase {
     ray_squares: Vec<f64>,
     /// Their statistics over ray blocks, where there is only one surface.
     blocks: Option<BatchStatistics>,
+    /// What differs between its meshes, over ray blocks, where it has several.
+    shifts: Option<BatchStatistics>,
     work: Work,
 }
 
@@ -60,6 +63,8 @@ pub(crate) struct Ensemble {
     pub(crate) ray_squares: Vec<f64>,
     /// Statistics over ray blocks, where there is only one surface.
     pub(crate) blocks_of_one: Option<BatchStatistics>,
+    /// What differs between the meshes of each surface, where it has several.
+    pub(crate) shifts: Vec<BatchStatistics>,
     pub(crate) work: Work,
     pub(crate) seconds: Seconds,
     pub(crate) used: Used,
@@ -71,6 +76,7 @@ impl Ensemble {
             records: Vec::new(),
             ray_squares: Vec::new(),
             blocks_of_one: None,
+            shifts: Vec::new(),
             work: Work::default(),
             seconds: Seconds::default(),
             used: used.clone(),
@@ -111,13 +117,14 @@ impl Group<'_> {
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
     pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
-        let [ny, nx] = self.synthesis.shape();
+        let settings = self.settings;
         // A surface that is drawn is not flat.
-        let accelerator = self.settings.accelerator.on_height_field([nx, ny], false);
-        let bytes = self
-            .synthesis
-            .peak_bytes()
-            .max(traced_bytes([ny, nx], accelerator));
+        let bytes = self.synthesis.peak_bytes().max(meshes_bytes(
+            self.synthesis.shape(),
+            settings.accelerator,
+            false,
+            settings.refine,
+        ));
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes as u64;
@@ -144,6 +151,7 @@ impl Group<'_> {
                     *sum += square;
                 }
                 ensemble.blocks_of_one = case.blocks;
+                ensemble.shifts.extend(case.shifts);
                 ensemble.work += case.work;
                 ensemble.seconds.generate += share * realisation.seconds.generate;
                 ensemble.seconds.build += share * realisation.seconds.build;
@@ -191,39 +199,56 @@ impl Group<'_> {
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        let surface = Surface::new(field);
-        let accelerator = surface
-            .accelerator(self.settings.accelerator)
+        let meshes = Meshes::new(field, self.settings.refine)?;
+        let surfaces = &meshes.surfaces;
+        let accelerators = surfaces
+            .iter()
+            .map(|surface| surface.accelerator(self.settings.accelerator))
+            .collect::<Result<Vec<_>, _>>()
             .map_err(RunError::from)?;
         seconds.build = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let mut cases = Vec::new();
         for (case, method) in self.cases.iter().zip(self.methods) {
-            check_grazing(&surface, case.incidence)?;
-            let paths = self.settings.paths;
-            let tracer = Tracer::new(&surface, &*accelerator, case.material, self.incident, paths);
-            let light = method.illumination(case.incidence, self.any_azimuth, self.settings);
-            let mut statistics = BatchStatistics::new(self.settings.layout.len());
+            let mut traced = Vec::new();
+            for (surface, accelerator) in surfaces.iter().zip(&accelerators) {
+                check_grazing(surface, case.incidence)?;
+                let (light, paths) = (case.incidence, self.settings.paths);
+                traced.push(Traced {
+                    tracer: Tracer::new(
+                        surface,
+                        &**accelerator,
+                        case.material,
+                        self.incident,
+                        paths,
+                    ),
+                    light: method.illumination(light, self.any_azimuth, self.settings),
+                    control: method.control(),
+                });
+            }
+            let mut statistics = MeshStatistics::new(self.settings.layout.len(), traced.len());
             let work = run_blocks(
-                &tracer,
-                (&light, method.control()),
+                &traced,
                 self.settings,
                 index,
                 self.blocks(),
                 progress,
                 |values| statistics.push(values),
             );
+            let MeshStatistics { records, shifts } = statistics;
             cases.push(OfCase {
-                record: statistics.means().to_vec(),
-                ray_squares: statistics.error_squares().collect(),
-                blocks: (self.realisations == 1).then_some(statistics),
+                record: records.means().to_vec(),
+                ray_squares: records.error_squares().collect(),
+                blocks: (self.realisations == 1).then_some(records),
+                shifts,
                 work,
             });
         }
         seconds.trace = clock.elapsed().as_secs_f64();
-        let used = Used::of(&*accelerator);
-        *room = surface.into_field().into_heights();
+        let used = Used::of(&*accelerators[0]);
+        drop(accelerators);
+        *room = meshes.into_given().into_heights();
         Ok(Realisation {
             cases,
             seconds,

@@ -11,6 +11,7 @@
 //! number of threads.
 
 mod blocks;
+mod budget;
 mod case;
 mod cases;
 mod config;
@@ -21,6 +22,7 @@ mod estimator;
 mod facet_control;
 mod figures;
 mod limits;
+mod mesh_error;
 mod method;
 mod number;
 mod progress;
@@ -33,6 +35,7 @@ mod values;
 mod verify;
 
 pub use blocks::RaySettings;
+pub use budget::{ErrorBudget, Errors};
 pub use case::Case;
 pub use cases::check_sides;
 pub use config::{
@@ -52,7 +55,7 @@ pub use number::{parse_count, parse_number, parse_order};
 pub use progress::{Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use summary::{Summary, SummaryWork};
-pub use tables::{energy_table, lost_warning, verify_table, work_line};
+pub use tables::{energy_table, errors_table, lost_warning, verify_table, work_line};
 pub use trace::{TraceOutcome, trace, trace_mesh};
 pub use values::{Count, Number, OneOrMany, PerAxis};
 pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};

@@ -3,6 +3,7 @@
 use asperity_analysis::ModelError;
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
+use asperity_surface::RefinementError;
 use asperity_tally::Layout;
 use asperity_tracer::{AcceleratorKind, BuildError, Geometry, border};
 
@@ -18,6 +19,9 @@ pub enum RunError {
     /// No accelerator for the surface.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// No finer mesh of the surface.
+    #[error(transparent)]
+    Refinement(#[from] RefinementError),
     /// Results too large for memory.
     #[error(
         "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer"
@@ -98,6 +102,26 @@ pub(crate) fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -
     nx.saturating_mul(ny).saturating_mul(heights + beside)
 }
 
+/// Bytes that a height field of `[ny, nx]` samples takes while it is traced, and, if it is refined, with
+/// it a finer and a coarser mesh of it, each with its accelerator.
+pub(crate) fn meshes_bytes(
+    [ny, nx]: [usize; 2],
+    accelerator: AcceleratorKind,
+    is_flat: bool,
+    refine: bool,
+) -> usize {
+    let of_mesh = |[ny, nx]: [usize; 2]| {
+        traced_bytes([ny, nx], accelerator.on_height_field([nx, ny], is_flat))
+    };
+    let given = of_mesh([ny, nx]);
+    if !refine {
+        return given;
+    }
+    let finer = of_mesh([ny.saturating_mul(2), nx.saturating_mul(2)]);
+    let coarser = of_mesh([ny.div_ceil(2), nx.div_ceil(2)]);
+    given.saturating_add(finer).saturating_add(coarser)
+}
+
 /// Bytes that the hierarchy over the triangles of a mesh takes beside the mesh: as over those of a cell,
 /// without their heights.
 pub(crate) const fn hierarchy_bytes(triangles: usize) -> usize {
@@ -110,9 +134,11 @@ pub(crate) fn check_results(
     layout: &Layout,
     realisations: u64,
     cases: usize,
+    refine: bool,
 ) -> Result<(), RunError> {
-    // A record, and the squares of its errors.
-    let records = (layout.len() * cases) as f64 * (2.0 * realisations as f64 + 8.0);
+    // A record, and the squares of its errors; of several meshes, three shifts with theirs.
+    let values = if refine { 8.0 } else { 2.0 };
+    let records = (layout.len() * cases) as f64 * values * (realisations as f64 + 4.0);
     let signs = realisations as f64 * 4096.0;
     let gib = 8.0 * (records + signs) / GIB;
     if gib * GIB > RESULT_BUDGET {
@@ -145,6 +171,15 @@ pub(crate) fn check_grazing<G: Geometry>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_finer_mesh_counts_four_times_and_a_coarser_one_a_quarter() {
+        for kind in [AcceleratorKind::Auto, AcceleratorKind::Mesh] {
+            let [one, all] =
+                [false, true].map(|refine| meshes_bytes([64, 96], kind, false, refine));
+            assert_eq!(4 * all, 21 * one, "{kind}");
+        }
+    }
 
     #[test]
     fn large_surfaces_fit_unless_triangles_are_held() {

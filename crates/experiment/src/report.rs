@@ -67,7 +67,7 @@ pub fn trace_report(
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;
     let tables = || {
-        let fluxes = (&outcome.statistics, outcome.work.rays);
+        let fluxes = (&outcome.statistics, &outcome.errors, outcome.work.rays);
         write_tables(folder, layout, fluxes, &[])
     };
     let draw = |plots: &figures::Surroundings<'_>| {
@@ -160,7 +160,7 @@ fn write_case(
 ) -> Result<(), ReportError> {
     let layout = &outcome.layout;
     let tables = || {
-        let fluxes = (&case.statistics, case.work.rays);
+        let fluxes = (&case.statistics, &case.errors, case.work.rays);
         write_tables(place, layout, fluxes, &case.models)?;
         write_comparison(place, layout, case)?;
         write_bytes(
@@ -219,6 +219,7 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
         (&outcome.layout, &case.statistics),
         case.work.clone(),
     )
+    .with_errors(case.errors.to_json(&outcome.layout))
     .with_comparison(comparison_json(&outcome.layout, case))
     .with_warnings(lost_warning(&case.statistics).into_iter().collect())
 }

@@ -138,6 +138,8 @@ pub struct Summary {
     errors_from: &'static str,
     batches: u64,
     energy: Energy,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error_budget: Option<serde_json::Value>,
     orders: Orders,
     paths: Vec<Path>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -177,6 +179,7 @@ impl Summary {
                 left_patch: at(Layout::LEFT_PATCH),
                 not_asked: at(Layout::NOT_ASKED),
             },
+            error_budget: None,
             orders: Orders {
                 reflected: orders(Side::Reflected),
                 transmitted: orders(Side::Transmitted),
@@ -186,6 +189,13 @@ impl Summary {
             warnings: Vec::new(),
             work,
         }
+    }
+
+    /// With the errors by where they come from: [`ErrorBudget::to_json`](crate::ErrorBudget::to_json).
+    #[must_use]
+    pub fn with_errors(mut self, error_budget: serde_json::Value) -> Self {
+        self.error_budget = Some(error_budget);
+        self
     }
 
     /// With the comparison of a verification.

@@ -6,6 +6,7 @@ use asperity_analysis::{Scope, SignFlipTest, Verdict};
 use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Side};
 use asperity_tracer::PathSettings;
 
+use crate::budget::ErrorBudget;
 use crate::case::short;
 use crate::method::ControlMean;
 use crate::summary::SummaryWork;
@@ -69,6 +70,50 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
         }
     }
     out
+}
+
+/// The errors of the energies by where they come from.
+#[must_use]
+pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
+    let mut rows = vec![
+        ["errors", "rays", "between surfaces", "mesh"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
+    for side in layout.sides() {
+        let errors = budget.errors(side.index());
+        let mut row = vec![side.to_string()];
+        row.extend([errors.rays, errors.surfaces].map(|se| se.map_or("-".to_owned(), two_digits)));
+        let mesh = errors.mesh.map_or("-".to_owned(), with_sign);
+        row.push(match errors.mesh_removed {
+            Some(removed) => format!("{mesh} ({} removed)", with_sign(removed)),
+            None => mesh,
+        });
+        rows.push(row);
+    }
+    let mut out = aligned(&rows);
+    let unknown = |side: Side| budget.errors(side.index()).mesh.is_none();
+    if layout.sides().any(unknown) {
+        let _ = writeln!(out, "  mesh {}", budget.way_of_mesh());
+    }
+    out
+}
+
+/// A shift to two digits.
+fn with_sign(shift: f64) -> String {
+    match shift {
+        0.0 => "0".to_owned(),
+        shift if shift < 0.0 => format!("-{}", two_digits(-shift)),
+        shift => format!("+{}", two_digits(shift)),
+    }
+}
+
+/// A number that is not negative to two digits.
+fn two_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    format!("{:.1e}", value)
 }
 
 /// Names and entries of the budget beside the energies; what went to a side that is not asked for is
@@ -187,6 +232,8 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         ]);
     }
     out.push_str(&aligned(&rows));
+    out.push('\n');
+    out.push_str(&errors_table(&outcome.layout, &case.errors));
     if let Some(warning) = lost_warning(&case.statistics) {
         let _ = writeln!(out, "warning: {warning}");
     }

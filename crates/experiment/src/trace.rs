@@ -3,15 +3,17 @@
 use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
-use asperity_surface::HeightField;
+use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
 
-use crate::blocks::{Blocks, RaySettings, run_blocks};
+use crate::blocks::{Blocks, RaySettings, Traced, run_blocks};
+use crate::budget::ErrorBudget;
 use crate::estimator::Estimator;
 use crate::limits::{
-    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, traced_bytes,
+    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
 };
+use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
 use crate::method::{Method, with_least_errors};
 use crate::progress::Progress;
 use crate::summary::{SummaryWork, Used};
@@ -24,6 +26,8 @@ pub(crate) const FEWEST_BLOCKS: u64 = 64;
 pub struct TraceOutcome {
     /// Flux fractions by the layout of the settings; a batch is a block of rays.
     pub statistics: BatchStatistics,
+    /// The errors of the fluxes by where they come from.
+    pub errors: ErrorBudget,
     /// What was done.
     pub work: SummaryWork,
     /// The surface, given back; of a mesh none.
@@ -33,7 +37,8 @@ pub struct TraceOutcome {
 /// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
 ///
 /// # Errors
-/// [`RunError`] if surface or results are too large, or the light too flat.
+/// [`RunError`] if surface or results are too large, the light too flat, or a surface with an open border
+/// is to be refined.
 pub fn trace(
     field: HeightField,
     material: Material,
@@ -42,25 +47,37 @@ pub fn trace(
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
-    let accelerator = settings
-        .accelerator
-        .on_height_field(field.cells(), field.is_flat());
-    check_memory(
-        "tracing this surface",
-        traced_bytes(field.shape(), accelerator) - size_of_val(field.heights()),
-    )?;
-    let build = || Surface::new(field);
+    if settings.refine && field.border() == Border::Open {
+        return Err(RefinementError::Open.into());
+    }
+    let is_flat = field.is_flat();
+    let bytes = meshes_bytes(
+        field.shape(),
+        settings.accelerator,
+        is_flat,
+        settings.refine,
+    );
+    check_memory("tracing this surface", bytes - size_of_val(field.heights()))?;
+    let len = settings.layout.len();
+    let (spacing, border) = (field.spacing(), field.border());
+    let mesh_errors = |shifts: Option<BatchStatistics>| match shifts {
+        Some(shifts) => MeshErrors::of_refined(Refinement::new(spacing, len, shifts)),
+        None if is_flat => MeshErrors::of_flat(len),
+        None if border == Border::Open => MeshErrors::unknown(len, OPEN),
+        None => MeshErrors::unknown(len, NOT_ASKED),
+    };
+    let light = (material, incidence, incident);
+    let build = || Meshes::new(field, settings.refine);
     let method =
         |surface: &Surface| Method::of_surface(surface, material, incidence, incident, settings);
-    let light = (material, incidence, incident);
-    let (outcome, surface) = trace_on(build, method, light, settings, progress)?;
+    let (outcome, meshes) = trace_on((build, method), light, settings, mesh_errors, progress)?;
     Ok(TraceOutcome {
-        field: Some(surface.into_field()),
+        field: Some(meshes.into_given()),
         ..outcome
     })
 }
 
-/// [`trace`] on a triangle mesh.
+/// [`trace`] on a triangle mesh, which is never refined.
 ///
 /// # Errors
 /// As [`trace`].
@@ -79,60 +96,96 @@ pub fn trace_mesh(
     if settings.estimator == Estimator::Controlled {
         return Err(RunError::MeshControl);
     }
-    let build = || mesh;
-    let method = |_: &MeshSurface| Ok(Method::PLAIN);
+    let len = settings.layout.len();
     let light = (material, incidence, incident);
-    Ok(trace_on(build, method, light, settings, progress)?.0)
+    let build = || Ok(Meshes::of_one(mesh));
+    let mesh_errors = |_| MeshErrors::unknown(len, TRIANGLES);
+    let method = |_: &MeshSurface| Ok(Method::PLAIN);
+    Ok(trace_on((build, method), light, settings, mesh_errors, progress)?.0)
 }
 
-/// Traces light on what `build` builds.
+/// Why the error of a mesh is not known.
+const OPEN: &str = "not estimated: a surface with an open border cannot be refined";
+const TRIANGLES: &str = "none: the triangles given are the surface";
+
+/// Traces light on what `build` builds, whose mesh has the errors that follow from what differs between
+/// its meshes.
 fn trace_on<G: Geometry>(
-    build: impl FnOnce() -> G,
-    method: impl FnOnce(&G) -> Result<Method, RunError>,
+    (build, method): (
+        impl FnOnce() -> Result<Meshes<G>, RunError>,
+        impl Fn(&G) -> Result<Method, RunError>,
+    ),
     (material, incidence, incident): (Material, Incidence, Medium),
     settings: &RaySettings,
+    mesh_errors: impl FnOnce(Option<BatchStatistics>) -> MeshErrors,
     progress: &dyn Progress,
-) -> Result<(TraceOutcome, G), RunError> {
+) -> Result<(TraceOutcome, Meshes<G>), RunError> {
     let began = Instant::now();
     let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS, settings.sampling);
-    check_results(&settings.layout, 1, 1)?;
+    check_results(&settings.layout, 1, 1, settings.refine)?;
     progress.begin("building", 1);
-    let geometry = build();
-    let accelerator = geometry.accelerator(settings.accelerator)?;
-    check_grazing(&geometry, incidence)?;
-    let method = method(&geometry)?;
+    let meshes = build()?;
+    let accelerators = meshes
+        .surfaces
+        .iter()
+        .map(|surface| {
+            let accelerator = surface.accelerator(settings.accelerator)?;
+            check_grazing(surface, incidence)?;
+            Ok(accelerator)
+        })
+        .collect::<Result<Vec<_>, RunError>>()?;
+    let methods = meshes
+        .surfaces
+        .iter()
+        .map(method)
+        .collect::<Result<Vec<_>, _>>()?;
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 
     progress.begin("tracing", blocks.rays());
     let tracing = Instant::now();
-    let tracer = Tracer::new(&geometry, &*accelerator, material, incident, settings.paths);
-    let mut statistics = BatchStatistics::new(settings.layout.len());
-    let light = method.illumination(incidence, false, settings);
-    let work = run_blocks(
-        &tracer,
-        (&light, method.control()),
-        settings,
-        0,
-        blocks,
-        progress,
-        |values| {
-            statistics.push(values);
-        },
-    );
+    let traced: Vec<Traced<'_, G>> = meshes
+        .surfaces
+        .iter()
+        .zip(&accelerators)
+        .zip(&methods)
+        .map(|((surface, found_by), method)| Traced {
+            tracer: Tracer::new(surface, &**found_by, material, incident, settings.paths),
+            light: method.illumination(incidence, false, settings),
+            control: method.control(),
+        })
+        .collect();
+    let mut statistics = MeshStatistics::new(settings.layout.len(), traced.len());
+    let method = &methods[0];
+    let work = run_blocks(&traced, settings, 0, blocks, progress, |values| {
+        statistics.push(values);
+    });
     progress.end();
-    let statistics = with_least_errors(&method, &settings.layout, statistics, work.rays);
+    let MeshStatistics { records, shifts } = statistics;
+    let errors = ErrorBudget::of_one(
+        &records,
+        (method, &settings.layout, work.rays),
+        mesh_errors(shifts),
+    );
+    let records = with_least_errors(method, &settings.layout, records, work.rays);
     let outcome = TraceOutcome {
-        statistics,
+        statistics: records,
+        errors,
         work: SummaryWork {
             realisations: 1,
             generate_seconds: 0.0,
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(work, Used::of(&*accelerator), &method, settings.sampling)
+            ..SummaryWork::new(
+                work,
+                Used::of(&*accelerators[0]),
+                &method,
+                settings.sampling,
+            )
         },
         field: None,
     };
-    Ok((outcome, geometry))
+    drop(accelerators);
+    Ok((outcome, meshes))
 }

@@ -13,10 +13,12 @@ use asperity_tracer::Medium;
 use rayon::prelude::*;
 
 use crate::blocks::RaySettings;
+use crate::budget::ErrorBudget;
 use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::ensemble::{Ensemble, Group};
 use crate::limits::{RunError, check_results};
+use crate::mesh_error::{MeshErrors, Refinement};
 use crate::method::{Method, with_least_errors};
 use crate::progress::Progress;
 use crate::summary::SummaryWork;
@@ -84,6 +86,8 @@ pub struct CaseOutcome {
     pub statistics: BatchStatistics,
     /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
     pub errors_from: &'static str,
+    /// The errors of the fluxes by where they come from.
+    pub errors: ErrorBudget,
     /// Whether what leaves is spread evenly over azimuth: every bin holds its share of its ring.
     pub free_azimuth: bool,
     /// The models.
@@ -177,7 +181,7 @@ pub fn verify(
         .collect();
 
     let all_cases = groups.iter().map(|group| group.cases.len()).sum();
-    check_results(&settings.layout, realisations, all_cases)?;
+    check_results(&settings.layout, realisations, all_cases, settings.refine)?;
 
     let rays = |group: &Group<'_>| group.blocks().rays() * realisations * group.cases.len() as u64;
     progress.begin("tracing", groups.iter().map(rays).sum());
@@ -265,6 +269,7 @@ fn judge(
         }
     };
     let batches = with_least_errors(method, layout, batches, ensemble.work.rays);
+    let errors = errors(config, settings, (&case, method), ensemble, &batches)?;
     let mut models = config
         .compare
         .models
@@ -286,6 +291,7 @@ fn judge(
         case,
         statistics: batches,
         errors_from,
+        errors,
         free_azimuth: config.free_azimuth(&case),
         models,
         level,
@@ -302,6 +308,30 @@ fn judge(
                 settings.sampling,
             )
         },
+    })
+}
+
+/// The errors of one case by where they come from.
+fn errors(
+    config: &VerifyConfig,
+    settings: &RaySettings,
+    (case, method): (&Case, &Method),
+    ensemble: &Ensemble,
+    statistics: &BatchStatistics,
+) -> Result<ErrorBudget, VerifyError> {
+    let layout = &settings.layout;
+    let synthesis = config.recipe(case)?;
+    let mesh = MeshErrors::of_case(
+        &synthesis,
+        (case, method),
+        layout,
+        config.any_azimuth(),
+        Refinement::of_surfaces(synthesis.spacing(), layout.len(), &ensemble.shifts),
+    );
+    let method = (method, layout, ensemble.work.rays);
+    Ok(match ensemble.blocks_of_one {
+        Some(_) => ErrorBudget::of_one(statistics, method, mesh),
+        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method, mesh),
     })
 }
 

@@ -144,6 +144,33 @@ impl Control {
         self.shares.absorbed
     }
 
+    /// The shares of unshadowed single scattering that are subtracted.
+    #[must_use]
+    pub const fn shares(&self) -> &VisibleShares {
+        &self.shares
+    }
+
+    /// What is taken off completed records, on average, where the fluxes of what is traced are `fluxes`
+    /// in place of those that are expected: by how much these move the control, less what
+    /// [`Control::complete`] spreads so that the budget closes. The parts of the budget add to zero.
+    ///
+    /// # Panics
+    /// If there are not as many fluxes as `layout` has places for.
+    #[must_use]
+    pub fn removed(&self, layout: Layout, fluxes: &UnshadowedFluxes) -> Vec<f64> {
+        let mut removed = Self::new(layout, self.shares.clone(), fluxes).expected;
+        let known = budget(&self.expected);
+        let scale = if known == 0.0 {
+            0.0
+        } else {
+            budget(&removed) / known
+        };
+        for (value, expected) in removed.iter_mut().zip(&self.expected) {
+            *value -= scale * expected;
+        }
+        removed
+    }
+
     /// What is added to a record, by its layout.
     #[must_use]
     pub fn expected(&self) -> &[f64] {
@@ -176,7 +203,6 @@ impl Control {
     /// much, is zero on average, and is spread over all entries as the control itself is, so that the
     /// budget closes and parts still add to their sums.
     pub fn complete(&self, record: &mut [f64]) {
-        let budget = |values: &[f64]| values[Layout::REFLECTED..=Layout::LOST].iter().sum::<f64>();
         let known = budget(&self.expected);
         if known == 0.0 {
             return;
@@ -187,6 +213,11 @@ impl Control {
             *value += scale * expected;
         }
     }
+}
+
+/// The five parts of the budget together.
+fn budget(values: &[f64]) -> f64 {
+    values[Layout::REFLECTED..=Layout::LOST].iter().sum()
 }
 
 /// Entries that hold all light of `side` that is scattered once, alone or among others.

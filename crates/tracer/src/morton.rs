@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn codes_and_places_belong_together() {
-        for (code, place) in (0..).zip(morton_square(16)) {
+        for (code, place) in (0..).zip(MortonSquare::new(16)) {
             assert_eq!(morton_code(place), code);
         }
         for place in [[u32::MAX, 0], [0, u32::MAX], [0x1234_5678, 0x9abc_def0]] {

@@ -134,7 +134,7 @@ impl ConvergeConfig {
         let plan = self.plan()?;
         let efforts = plan.efforts.iter().chain([&plan.reference.1]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
-        check_results(&plan.layout, surfaces, 1).map_err(VerifyError::from)?;
+        check_results(&plan.layout, surfaces, 1, false).map_err(VerifyError::from)?;
         for method in plan.methods.iter().chain([&plan.reference.0]) {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
