@@ -320,6 +320,7 @@ fn every_result_says_where_its_error_comes_from() {
         assert!(of("rays").unwrap() > 0.0 && of("total") >= of("rays"));
         // A control leaves nothing of the first order, so that only a finer mesh shows the rest.
         assert_eq!(of("mesh").is_some(), estimator == "plain" || refine);
+        assert_eq!(of("mesh_se").is_some(), refine);
         assert_eq!(of("mesh_removed").is_some(), estimator == "controlled");
         let way = |part: &str| budget["ways"][part].as_str().unwrap().to_owned();
         assert!(way("rays").contains("ray blocks") && way("surfaces").contains("0 where"));

@@ -16,6 +16,8 @@ pub struct Errors {
     pub surfaces: Option<f64>,
     /// What the mesh adds to the result: a shift with its sign.
     pub mesh: Option<f64>,
+    /// Standard error of that, where it was measured.
+    pub mesh_se: Option<f64>,
     /// What the mesh would have added but for the control: a shift with its sign.
     pub mesh_removed: Option<f64>,
     /// Root of the sum of the squares of rays, surfaces and mesh, as far as they are known.
@@ -122,6 +124,11 @@ impl ErrorBudget {
             rays,
             surfaces,
             mesh,
+            mesh_se: self
+                .mesh
+                .refinement
+                .as_ref()
+                .and_then(|refinement| refinement.remaining(i).se),
             mesh_removed: self.mesh.removed.as_ref().map(|removed| removed[i]),
             total: rays.map(|rays| {
                 [surfaces, mesh]

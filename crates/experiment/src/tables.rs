@@ -84,7 +84,10 @@ pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
         let errors = budget.errors(side.index());
         let mut row = vec![side.to_string()];
         row.extend([errors.rays, errors.surfaces].map(|se| se.map_or("-".to_owned(), two_digits)));
-        let mesh = errors.mesh.map_or("-".to_owned(), with_sign);
+        let mut mesh = errors.mesh.map_or("-".to_owned(), with_sign);
+        if let Some(se) = errors.mesh_se {
+            let _ = write!(mesh, " +- {}", two_digits(se));
+        }
         row.push(match errors.mesh_removed {
             Some(removed) => format!("{mesh} ({} removed)", with_sign(removed)),
             None => mesh,
