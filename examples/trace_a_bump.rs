@@ -32,6 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         accelerator: AcceleratorKind::Auto,
         estimator: Estimator::Auto,
         sampling: Sampling::Stratified,
+        target: None,
     };
     let outcome = trace(
         crate_of_eggs,

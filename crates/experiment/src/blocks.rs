@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::estimator::Estimator;
 use crate::progress::Progress;
+use crate::stopping::Target;
 use crate::stream::ray_stream;
 
 /// Rays: how many, from which random streams, how followed, and what is recorded of them.
@@ -27,11 +28,15 @@ pub struct RaySettings {
     pub estimator: Estimator,
     /// How rays are spread.
     pub sampling: Sampling,
+    /// The error to reach, instead of a number of rays.
+    pub target: Option<Target>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Blocks {
+    /// Number of the first.
+    pub(crate) first: u64,
     pub(crate) count: u64,
     pub(crate) strata: u32,
 }
@@ -68,8 +73,18 @@ impl Blocks {
         };
         let count = rays.div_ceil(strata * strata).max(fewest.min(rays));
         Self {
+            first: 0,
             count,
             strata: strata as u32,
+        }
+    }
+
+    /// `count` more of the same.
+    pub(crate) const fn more(self, count: u64) -> Self {
+        Self {
+            first: self.first + self.count,
+            count,
+            ..self
         }
     }
 
@@ -79,6 +94,8 @@ impl Blocks {
 }
 
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
+///
+/// If the run is to stop, those that run side by side are finished, the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
     tracer: &Tracer<'_, G>,
     (light, control): (&Illumination, Option<&Control>),
@@ -99,7 +116,7 @@ pub(crate) fn run_blocks<G: Geometry>(
         }
     };
     let trace = |block: usize| {
-        let mut rng = ray_stream(settings.seed, realisation, block as u64);
+        let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
         let record = tracer.batch(light, blocks.strata, settings.layout, control, &mut rng);
         progress.advance(u64::from(blocks.strata).pow(2));
         record
@@ -110,6 +127,9 @@ pub(crate) fn run_blocks<G: Geometry>(
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
+        if first > 0 && progress.stop().is_some() {
+            break;
+        }
         let last = (first + wave).min(count);
         // One block at a time, so that a thread without work finds any that is left.
         let blocks = (first..last).into_par_iter().with_max_len(1);

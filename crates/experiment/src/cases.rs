@@ -111,6 +111,7 @@ impl VerifyConfig {
 
     fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
+        let settings = self.run.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
         if !isotropic && !self.compare.models.is_empty() {
             return contradiction(
@@ -150,6 +151,9 @@ impl VerifyConfig {
                 )));
             }
             check_sides(self.run.side, case.material)?;
+            if let Some(target) = settings.target {
+                target.check(&settings.layout, case.material)?;
+            }
             for name in &self.compare.models {
                 create_model(name, case.smoothness, case.material)?;
             }

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
 use crate::estimator::Estimator;
-use crate::values::{Count, Number, OneOrMany, PerAxis, order};
+use crate::stopping::{Aim, Target};
+use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -245,6 +246,15 @@ pub struct RunConfig {
     pub estimator: Estimator,
     /// How rays are spread over the mean plane and over azimuth.
     pub sampling: Sampling,
+    /// The error to reach; surfaces and rays are then as many as it takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_error: Option<Number>,
+    /// Whose error it is; that of the bins by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<Aim>,
+    /// Time after which nothing more is begun, in seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_time: Option<Seconds>,
 }
 
 impl Default for RunConfig {
@@ -262,6 +272,9 @@ impl Default for RunConfig {
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Auto,
             sampling: Sampling::Stratified,
+            target_error: None,
+            of: None,
+            max_time: None,
         }
     }
 }
@@ -281,6 +294,7 @@ impl RunConfig {
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,
+            target: Target::new(self.target_error.map(|error| error.0), self.of)?,
         })
     }
 }
@@ -343,7 +357,7 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        toml::from_str(text).map_err(|error| {
+        let config: Self = toml::from_str(text).map_err(|error| {
             let line = error
                 .span()
                 .map(|span| 1 + text[..span.start].matches('\n').count());
@@ -352,7 +366,19 @@ impl VerifyConfig {
                 Some(line) => format!("line {line}: {reason}"),
                 None => reason,
             })
-        })
+        })?;
+        // Both have defaults, so that the file alone says whether they were given.
+        let given = |key: &str| {
+            toml::from_str::<toml::Table>(text)
+                .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
+        };
+        if config.run.target_error.is_some() && (given("realisations") || given("rays")) {
+            return Err(ConfigError::Contradiction(
+                "give either target_error or realisations and rays: with a target error both are as many as it takes"
+                    .to_owned(),
+            ));
+        }
+        Ok(config)
     }
 }
 
