@@ -262,6 +262,30 @@ mod tests {
                 "nothing is transmitted",
             ),
             ("[surface]\ntau_y = 8", "isotropic"),
+            ("[run]\ntarget_error = 0", "target error is 0"),
+            ("[run]\ntarget_error = -1e-3", "target error is -0.001"),
+            ("[run]\ntarget_error = nan", "above 0"),
+            ("[run]\ntarget_error = inf", "above 0"),
+            (
+                "[run]\ntarget_error = 1e-3\nrays = 1e5",
+                "either target_error",
+            ),
+            ("[run]\ntarget_error = 1e-3\nof = \"ring\"", "ring"),
+            ("[run]\nof = \"bins\"", "no target error"),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"transmitted\"\n[material]\nkind = \"mirror\"",
+                "nothing is transmitted",
+            ),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"absorbed\"",
+                "nothing is absorbed",
+            ),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"reflected\"\nside = \"transmitted\"",
+                "not recorded",
+            ),
+            ("[run]\nmax_time = 0", "no time"),
+            ("[run]\nmax_time = \"1d\"", "no time"),
             ("surface = 3", "line 1"),
             ("[surface", "line 1"),
         ] {
