@@ -33,6 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         estimator: Estimator::Auto,
         sampling: Sampling::Stratified,
         refine: false,
+        target: None,
     };
     let outcome = trace(
         crate_of_eggs,

@@ -135,6 +135,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
             estimator: Estimator::Plain,
             sampling: Sampling::Stratified,
             refine: false,
+            target: None,
         };
         // Reference light travels towards +x: it comes from azimuth 180 deg.
         let incidence = Incidence::from_degrees(theta, 180.0).unwrap();

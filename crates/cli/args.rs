@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Estimator, parse_count, parse_number, parse_order};
+use asperity_experiment::{Aim, Estimator, parse_count, parse_number, parse_order, parse_seconds};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
@@ -262,6 +262,15 @@ pub(crate) struct Trace {
     /// Rays in all
     #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
     pub(crate) rays: u64,
+    /// Error to reach, instead of a number of rays
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "ERROR", conflicts_with = "rays")]
+    pub(crate) target_error: Option<f64>,
+    /// Whose error: reflected, transmitted or absorbed, as a flux fraction; bins, rings or in-plane, relative [default: bins]
+    #[arg(long, value_name = "QUANTITY")]
+    pub(crate) of: Option<Aim>,
+    /// Time after which nothing more is begun: seconds, or as 10m or 2h
+    #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]
+    pub(crate) max_time: Option<f64>,
     /// Seed of the rays
     #[arg(long, default_value = "1", allow_negative_numbers = true)]
     pub(crate) seed: u64,
@@ -365,6 +374,15 @@ pub(crate) struct Verify {
     /// Rays for each case, over all its surfaces
     #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
     pub(crate) rays: Option<u64>,
+    /// Error to reach, instead of a number of surfaces and rays
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "ERROR", conflicts_with_all = ["realisations", "rays"])]
+    pub(crate) target_error: Option<f64>,
+    /// Whose error: reflected, transmitted or absorbed, as a flux fraction; bins, rings or in-plane, relative [default: bins]
+    #[arg(long, value_name = "QUANTITY")]
+    pub(crate) of: Option<Aim>,
+    /// Time after which nothing more is begun: seconds, or as 10m or 2h
+    #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]
+    pub(crate) max_time: Option<f64>,
     /// Seed of surfaces and rays
     #[arg(long, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,

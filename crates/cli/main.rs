@@ -6,6 +6,7 @@ mod failure;
 mod generate;
 mod input;
 mod inspect;
+mod interrupt;
 mod mesh;
 mod model;
 mod output;

@@ -1,11 +1,12 @@
-//! The progress bar: on a terminal and nowhere else.
+//! The progress bar: on a terminal and nowhere else. It also passes on interrupts.
 
 use std::sync::Mutex;
 
-use asperity_experiment::Progress;
+use asperity_experiment::{Progress, StoppedBy};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::Common;
+use crate::interrupt;
 
 /// A bar on standard error; hidden on a pipe and by `--quiet`.
 pub(crate) struct Bar {
@@ -40,7 +41,7 @@ impl Progress for Bar {
         };
         let bar = ProgressBar::with_draw_target(Some(total), target);
         if let Ok(style) = ProgressStyle::with_template(
-            "{msg:>10} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left",
+            "{msg:>10} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left  {prefix}",
         ) {
             bar.set_style(style.progress_chars("=> "));
         }
@@ -56,5 +57,17 @@ impl Progress for Bar {
 
     fn end(&self) {
         self.with_bar(ProgressBar::finish_and_clear);
+    }
+
+    fn note(&self, text: &str) {
+        self.with_bar(|bar| bar.set_prefix(text.to_owned()));
+    }
+
+    fn expect(&self, total: u64) {
+        self.with_bar(|bar| bar.set_length(total));
+    }
+
+    fn stop(&self) -> Option<StoppedBy> {
+        interrupt::came().then_some(StoppedBy::Interrupt)
     }
 }

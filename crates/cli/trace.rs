@@ -1,10 +1,11 @@
 //! `asperity trace`: light on one surface.
 
 use std::path::Path;
+use std::time::Duration;
 
 use asperity_experiment::{
-    Light, RaySettings, RunError, Summary, Surroundings, check_sides, energy_table, errors_table,
-    lost_warning, trace, trace_mesh, trace_report, work_line,
+    Deadline, Light, RaySettings, RunError, Stopping, Summary, Surroundings, Target, check_sides,
+    energy_table, errors_table, lost_warning, trace, trace_mesh, trace_report, work_line,
 };
 use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_optics::{Incidence, Material};
@@ -16,7 +17,8 @@ use serde_json::{Value, json};
 use crate::args::{Common, Trace};
 use crate::failure::Failure;
 use crate::input::{Input, incident, name_of, read_mesh_surface, read_surface};
-use crate::output::{print, print_json};
+use crate::interrupt;
+use crate::output::{print, print_json, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
@@ -38,7 +40,11 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         estimator: command.estimator,
         sampling: command.sampling,
         refine: command.refine,
+        target: Target::new(command.target_error, command.of).map_err(Failure::usage)?,
     };
+    if let Some(target) = settings.target {
+        target.check(&layout, material).map_err(Failure::usage)?;
+    }
     let subject = Subject::of(command, common)?;
     let config = config(command, material, incidence, subject.description);
     let (name, mut warnings) = (subject.name, subject.warnings);
@@ -47,6 +53,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     }
 
     let bar = Bar::new(common);
+    interrupt::listen();
+    let time = command.max_time.map(Duration::try_from_secs_f64);
+    let bar = Deadline::new(&bar, time.and_then(Result::ok));
     let medium = Medium::from(incident(command.from));
     let plots = command.output.is_some() && !command.no_plots;
     let outcome = match subject.shape {
@@ -63,6 +72,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     })?;
     let statistics = &outcome.statistics;
     warnings.extend(lost_warning(statistics));
+    let stopping = outcome.stopping.as_ref();
+    warnings.extend(stopping.iter().flat_map(|s| s.warnings.clone()));
     let summary = Summary::new(
         "trace",
         config,
@@ -72,7 +83,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         outcome.work.clone(),
     )
     .with_errors(outcome.errors.to_json(&layout))
-    .with_warnings(warnings.clone());
+    .with_warnings(warnings.clone())
+    .with_stopping(outcome.stopping.clone());
     if let Some(folder) = &command.output {
         let light = Light {
             incidence,
@@ -96,6 +108,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             work.build_seconds, work.trace_seconds
         )
     });
+    if interrupt::came() {
+        say("interrupted; the results so far are written");
+    }
     if command.json {
         return print_json(&summary);
     }
@@ -107,6 +122,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         errors_table(&layout, &outcome.errors),
         work_line(&outcome.work),
     );
+    if let Some(line) = outcome.stopping.as_ref().and_then(Stopping::line) {
+        text.push_str(&format!("{line}\n"));
+    }
     for warning in &warnings {
         text.push_str(&format!("note: {warning}\n"));
     }
@@ -227,7 +245,10 @@ fn config(command: &Trace, material: Material, incidence: Incidence, surface: Va
             "phi_deg": incidence.phi_deg(),
             "from": incident(command.from),
         },
-        "rays": command.rays,
+        "rays": command.target_error.is_none().then_some(command.rays),
+        "target_error": command.target_error,
+        "of": command.of,
+        "max_time": command.max_time,
         "bins": command.bins,
         "in_plane_half_width_deg": command.in_plane_half_width,
         "side": command.side,

@@ -1,14 +1,16 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
 use asperity_experiment::{
-    Count, Number, VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
+    Count, Number, Seconds, VerifyConfig, VerifyError, verify, verify_report, verify_summary,
+    verify_table,
 };
 use asperity_io::check_output_folder;
 
 use crate::args::{Common, Verify};
 use crate::failure::Failure;
 use crate::input::{override_ensemble, read_config, refuse_surface};
-use crate::output::{print, print_json};
+use crate::interrupt;
+use crate::output::{print, print_json, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
@@ -28,12 +30,16 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     check_output_folder(&command.output).map_err(Failure::failed)?;
 
     let bar = Bar::new(common);
+    interrupt::listen();
     let outcome = verify(&config, &bar).map_err(|error| match error {
         VerifyError::Config(_) => refuse(&error),
         _ => Failure::failed(error),
     })?;
     verify_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
+    if interrupt::came() {
+        say("interrupted; the results so far are written");
+    }
     if command.json {
         return print_json(&verify_summary(&outcome));
     }
@@ -52,6 +58,14 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     let of_all = (&mut config.surface, &mut config.material, &mut config.light);
     override_ensemble(of_all, &command.ensemble)?;
     let run = &mut config.run;
+    if command.realisations.is_some() || command.rays.is_some() {
+        // As many as are asked for, and not as a target of the file asks for.
+        run.target_error = None;
+        run.of = None;
+    }
+    run.target_error = command.target_error.map(Number).or(run.target_error);
+    run.of = command.of.or(run.of);
+    run.max_time = command.max_time.map(Seconds).or(run.max_time);
     run.realisations = command.realisations.map_or(run.realisations, Count);
     run.rays = command.rays.map_or(run.rays, Count);
     run.seed = command.seed.unwrap_or(run.seed);

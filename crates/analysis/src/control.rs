@@ -45,6 +45,25 @@ pub fn control(
     Ok(Control::new(*layout, shares, &fluxes))
 }
 
+/// Unshadowed single scattering itself as a control, nothing of it being hidden.
+///
+/// # Errors
+/// [`ModelError`] as of [`unshadowed_fluxes`].
+pub fn unshadowed_control(
+    slopes: &SlopeCovariance,
+    material: Material,
+    incidence: Incidence,
+    layout: &Layout,
+) -> Result<Control, ModelError> {
+    let fluxes = unshadowed_fluxes(slopes, material, incidence, layout)?;
+    let all = vec![1.0; layout.grid().n_theta()];
+    let shares = VisibleShares {
+        rings: [all.clone(), all],
+        absorbed: 1.0,
+    };
+    Ok(Control::new(*layout, shares, &fluxes))
+}
+
 /// The shares of unshadowed single scattering that Smith's height-correlated masking leaves, for every
 /// ring of `layout` on both sides, and the share `G1` of the facets facing the light that it reaches.
 ///

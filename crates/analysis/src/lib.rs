@@ -30,6 +30,7 @@
 
 mod comparison;
 mod control;
+mod deviation;
 mod energy;
 mod facet_scattering;
 mod family;
@@ -49,7 +50,8 @@ mod xu_sun;
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,
 };
-pub use control::{control, visible_shares};
+pub use control::{control, unshadowed_control, visible_shares};
+pub use deviation::deviation_bound;
 pub use energy::{HemisphericalEnergy, hemispherical_energy};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
 pub use flux::{bin_fluxes, flux_into};

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::estimator::Estimator;
 use crate::progress::Progress;
+use crate::stopping::Target;
 use crate::stream::ray_stream;
 
 /// Rays: how many, from which random streams, how followed, and what is recorded of them.
@@ -30,10 +31,12 @@ pub struct RaySettings {
     /// Whether every surface is traced at half its spacing as well, whose results are then reported, and
     /// at twice its spacing, if its cells are even: the differences are the error of the mesh.
     pub refine: bool,
+    /// The error to reach, instead of a number of rays.
+    pub target: Option<Target>,
 }
 
 /// One mesh of a surface with the light that falls on it.
-pub(crate) struct Traced<'a, G: Geometry> {
+pub(crate) struct LitMesh<'a, G: Geometry> {
     pub(crate) tracer: Tracer<'a, G>,
     pub(crate) light: Illumination,
     pub(crate) control: Option<&'a Control>,
@@ -42,6 +45,8 @@ pub(crate) struct Traced<'a, G: Geometry> {
 /// A division of rays into blocks of `strata * strata` rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Blocks {
+    /// Number of the first.
+    pub(crate) first: u64,
     pub(crate) count: u64,
     pub(crate) strata: u32,
 }
@@ -78,8 +83,18 @@ impl Blocks {
         };
         let count = rays.div_ceil(strata * strata).max(fewest.min(rays));
         Self {
+            first: 0,
             count,
             strata: strata as u32,
+        }
+    }
+
+    /// `count` more of the same.
+    pub(crate) const fn more(self, count: u64) -> Self {
+        Self {
+            first: self.first + self.count,
+            count,
+            ..self
         }
     }
 
@@ -92,8 +107,10 @@ impl Blocks {
 ///
 /// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
 /// and the records follow one another; the work counted is that of the first.
+///
+/// If the run is to stop, those that run side by side are finished, the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
-    meshes: &[Traced<'_, G>],
+    meshes: &[LitMesh<'_, G>],
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,
@@ -117,7 +134,7 @@ pub(crate) fn run_blocks<G: Geometry>(
         let mut of_first = Work::default();
         let mut records = Vec::new();
         for mesh in meshes {
-            let mut rng = ray_stream(settings.seed, realisation, block as u64);
+            let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
             let layout = settings.layout;
             let (record, work) =
                 mesh.tracer
@@ -138,6 +155,9 @@ pub(crate) fn run_blocks<G: Geometry>(
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
+        if first > 0 && progress.stop().is_some() {
+            break;
+        }
         let last = (first + wave).min(count);
         // One block at a time, so that a thread without work finds any that is left.
         let blocks = (first..last).into_par_iter().with_max_len(1);

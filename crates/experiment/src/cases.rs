@@ -112,6 +112,7 @@ impl VerifyConfig {
 
     fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
+        let settings = self.run.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
         if !isotropic && !self.compare.models.is_empty() {
             return contradiction(
@@ -151,6 +152,9 @@ impl VerifyConfig {
                 )));
             }
             check_sides(self.run.side, case.material)?;
+            if let Some(target) = settings.target {
+                target.check(&settings.layout, case.material)?;
+            }
             for name in &self.compare.models {
                 create_model(name, case.smoothness, case.material)?;
             }
@@ -259,6 +263,30 @@ mod tests {
                 "nothing is transmitted",
             ),
             ("[surface]\ntau_y = 8", "isotropic"),
+            ("[run]\ntarget_error = 0", "target error is 0"),
+            ("[run]\ntarget_error = -1e-3", "target error is -0.001"),
+            ("[run]\ntarget_error = nan", "above 0"),
+            ("[run]\ntarget_error = inf", "above 0"),
+            (
+                "[run]\ntarget_error = 1e-3\nrays = 1e5",
+                "either target_error",
+            ),
+            ("[run]\ntarget_error = 1e-3\nof = \"ring\"", "ring"),
+            ("[run]\nof = \"bins\"", "no target error"),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"transmitted\"\n[material]\nkind = \"mirror\"",
+                "nothing is transmitted",
+            ),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"absorbed\"",
+                "nothing is absorbed",
+            ),
+            (
+                "[run]\ntarget_error = 1e-3\nof = \"reflected\"\nside = \"transmitted\"",
+                "not recorded",
+            ),
+            ("[run]\nmax_time = 0", "no time"),
+            ("[run]\nmax_time = \"1d\"", "no time"),
             ("surface = 3", "line 1"),
             ("[surface", "line 1"),
         ] {

@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
 use crate::estimator::Estimator;
-use crate::values::{Count, Number, OneOrMany, PerAxis, order};
+use crate::stopping::{Aim, Target};
+use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -248,6 +249,15 @@ pub struct RunConfig {
     pub sampling: Sampling,
     /// Trace every surface at half the spacing as well, and report that.
     pub refine: bool,
+    /// The error to reach; surfaces and rays are then as many as it takes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target_error: Option<Number>,
+    /// Whose error it is; that of the bins by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub of: Option<Aim>,
+    /// Time after which nothing more is begun, in seconds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max_time: Option<Seconds>,
 }
 
 impl Default for RunConfig {
@@ -266,6 +276,9 @@ impl Default for RunConfig {
             estimator: Estimator::Auto,
             sampling: Sampling::Stratified,
             refine: false,
+            target_error: None,
+            of: None,
+            max_time: None,
         }
     }
 }
@@ -286,6 +299,7 @@ impl RunConfig {
             estimator: self.estimator,
             sampling: self.sampling,
             refine: self.refine,
+            target: Target::new(self.target_error.map(|error| error.0), self.of)?,
         })
     }
 }
@@ -348,7 +362,19 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        parse_toml(text)
+        let config: Self = parse_toml(text)?;
+        // Both have defaults, so that the file alone says whether they were given.
+        let given = |key: &str| {
+            toml::from_str::<toml::Table>(text)
+                .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
+        };
+        if config.run.target_error.is_some() && (given("realisations") || given("rays")) {
+            return Err(ConfigError::Contradiction(
+                "give either target_error or realisations and rays: with a target error both are as many as it takes"
+                    .to_owned(),
+            ));
+        }
+        Ok(config)
     }
 }
 

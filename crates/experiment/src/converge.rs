@@ -412,9 +412,11 @@ impl<'a> Stage<'a> {
                 estimator: method.estimator,
                 sampling: method.sampling,
                 refine: false,
+                target: None,
             },
             incident: self.plan.incident,
             any_azimuth: self.plan.any_azimuth,
+            coarsened: false,
         })
     }
 
@@ -427,7 +429,9 @@ impl<'a> Stage<'a> {
         progress: &dyn Progress,
     ) -> Result<Run, ConvergeError> {
         let clock = Instant::now();
-        let ensembles = self.with_group(method, effort, seed, |group| group.run(progress))?;
+        let ensembles = self.with_group(method, effort, seed, |group| {
+            group.run(0..effort.surfaces, progress)
+        })?;
         let seconds = clock.elapsed().as_secs_f64();
         let mut statistics = BatchStatistics::new(self.plan.layout.len());
         let mut run = Run {

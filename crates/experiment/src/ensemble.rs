@@ -1,5 +1,7 @@
 //! Light on many fresh surfaces.
 
+use std::ops::Range;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -9,12 +11,13 @@ use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, Medium, Tracer, Work};
 use rayon::prelude::*;
 
-use crate::blocks::{Blocks, RaySettings, Traced, run_blocks};
+use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
 use crate::case::Case;
 use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
 use crate::mesh_error::{MeshStatistics, Meshes};
 use crate::method::Method;
-use crate::progress::Progress;
+use crate::progress::{Progress, ToTheEnd};
+use crate::stopping::{StoppedBy, ratio};
 use crate::summary::Used;
 use crate::trace::FEWEST_BLOCKS;
 use crate::verify::VerifyError;
@@ -28,11 +31,21 @@ const BLOCKS_OF_ALL: u64 = 16;
 /// Blocks of each of several surfaces, at least: their scatter is the error of the rays.
 const FEWEST_BLOCKS_OF_ONE: u64 = 2;
 
+/// Surfaces after which the error so far is worth to be shown.
+const WORTH_SHOWING: u64 = 4;
+
 /// What one surface did with the light of every case.
 struct Realisation {
     cases: Vec<OfCase>,
     seconds: Seconds,
     used: Used,
+}
+
+/// What is shown of a run while it goes on: the quantity asked for, by case.
+#[derive(Default)]
+struct Watch {
+    surfaces: u64,
+    cases: Vec<BatchStatistics>,
 }
 
 /// What one surface did with the light of one case.
@@ -41,7 +54,7 @@ struct OfCase {
     record: Vec<f64>,
     /// Squares of their standard errors, by the scatter between ray blocks.
     ray_squares: Vec<f64>,
-    /// Their statistics over ray blocks, where there is only one surface.
+    /// Their statistics over ray blocks, of the first surface.
     blocks: Option<BatchStatistics>,
     /// What differs between its meshes, over ray blocks, where it has several.
     shifts: Option<BatchStatistics>,
@@ -61,7 +74,7 @@ pub(crate) struct Ensemble {
     pub(crate) records: Vec<Vec<f64>>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
     pub(crate) ray_squares: Vec<f64>,
-    /// Statistics over ray blocks, where there is only one surface.
+    /// Statistics over ray blocks, where there is only one surface, or of what is known without any.
     pub(crate) blocks_of_one: Option<BatchStatistics>,
     /// What differs between the meshes of each surface, where it has several.
     pub(crate) shifts: Vec<BatchStatistics>,
@@ -71,6 +84,42 @@ pub(crate) struct Ensemble {
 }
 
 impl Ensemble {
+    /// What is known without a ray.
+    pub(crate) fn known(statistics: BatchStatistics) -> Self {
+        Self {
+            records: vec![statistics.means().to_vec()],
+            ray_squares: vec![0.0; statistics.means().len()],
+            blocks_of_one: Some(statistics),
+            ..Self::new(&Used::nothing())
+        }
+    }
+
+    /// With the surfaces of `more` behind those that are there.
+    pub(crate) fn append(&mut self, more: Self) {
+        self.records.extend(more.records);
+        for (sum, square) in self.ray_squares.iter_mut().zip(more.ray_squares) {
+            *sum += square;
+        }
+        self.blocks_of_one = None;
+        self.shifts.extend(more.shifts);
+        self.work += more.work;
+        self.seconds.generate += more.seconds.generate;
+        self.seconds.build += more.seconds.build;
+        self.seconds.trace += more.seconds.trace;
+    }
+
+    /// Statistics of the records, a batch being a surface, or a block of rays where there is only one.
+    pub(crate) fn statistics(&self) -> BatchStatistics {
+        if let Some(blocks) = &self.blocks_of_one {
+            return blocks.clone();
+        }
+        let mut statistics = BatchStatistics::new(self.records.first().map_or(0, Vec::len));
+        self.records
+            .iter()
+            .for_each(|record| statistics.push(record));
+        statistics
+    }
+
     fn new(used: &Used) -> Self {
         Self {
             records: Vec::new(),
@@ -94,6 +143,19 @@ pub(crate) struct Group<'a> {
     pub(crate) settings: &'a RaySettings,
     pub(crate) incident: Medium,
     pub(crate) any_azimuth: bool,
+    /// Whether every second sample alone is traced.
+    pub(crate) coarsened: bool,
+}
+
+/// Memory that one surface takes at its peak.
+pub(crate) fn surface_bytes(synthesis: &Synthesis, settings: &RaySettings) -> usize {
+    // A surface that is drawn is not flat.
+    synthesis.peak_bytes().max(meshes_bytes(
+        synthesis.shape(),
+        settings.accelerator,
+        false,
+        settings.refine,
+    ))
 }
 
 impl Group<'_> {
@@ -113,27 +175,26 @@ impl Group<'_> {
         )
     }
 
-    /// Draws every surface once and traces all cases on it.
+    /// Draws the surfaces of these numbers once and traces all cases on each.
     ///
-    /// Surfaces run side by side as far as memory allows; what comes out does not depend on that.
-    pub(crate) fn run(&self, progress: &dyn Progress) -> Result<Vec<Ensemble>, VerifyError> {
-        let settings = self.settings;
-        // A surface that is drawn is not flat.
-        let bytes = self.synthesis.peak_bytes().max(meshes_bytes(
-            self.synthesis.shape(),
-            settings.accelerator,
-            false,
-            settings.refine,
-        ));
+    /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If
+    /// the run is to stop, those begun are finished, and none may have been begun.
+    pub(crate) fn run(
+        &self,
+        surfaces: Range<u64>,
+        progress: &dyn Progress,
+    ) -> Result<Vec<Ensemble>, VerifyError> {
+        let bytes = surface_bytes(self.synthesis, self.settings);
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
-        let next = AtomicU64::new(0);
+        let next = AtomicU64::new(surfaces.start);
+        let watch = Mutex::new(Watch::default());
         let mut drawn: Vec<_> = (0..side_by_side)
             .into_par_iter()
             .with_max_len(1)
-            .flat_map_iter(|_| self.one_after_the_other(&next, progress))
+            .flat_map_iter(|_| self.one_after_the_other(&next, &surfaces, &watch, progress))
             .collect();
         drawn.sort_unstable_by_key(|(index, _)| *index);
 
@@ -162,24 +223,68 @@ impl Group<'_> {
     }
 
     /// Runs the surface whose turn it is, each in the memory of the one before, until all have had
-    /// theirs or one fails; with the number of each.
+    /// theirs, one fails or the run is to stop; with the number of each.
     fn one_after_the_other(
         &self,
         next: &AtomicU64,
+        surfaces: &Range<u64>,
+        watch: &Mutex<Watch>,
         progress: &dyn Progress,
     ) -> Vec<(u64, Result<Realisation, VerifyError>)> {
         let mut drawn = Vec::new();
         let mut room = Vec::new();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            if index >= self.realisations {
+            // The first surface is traced even if there is no time for it.
+            let over = match progress.stop() {
+                Some(StoppedBy::Interrupt) => true,
+                Some(_) => index > 0,
+                None => false,
+            };
+            if over || index >= surfaces.end {
                 return drawn;
             }
             let realisation = self.one(index, &mut room, progress);
-            if realisation.is_err() {
-                next.store(self.realisations, Ordering::Relaxed);
+            match &realisation {
+                Ok(realisation) => self.watch(watch, realisation, progress),
+                Err(_) => next.store(surfaces.end, Ordering::Relaxed),
             }
             drawn.push((index, realisation));
+        }
+    }
+
+    /// Shows the error so far of the most demanding case, and what it lets expect.
+    ///
+    /// Surfaces come here in any order: nothing but what is shown depends on it.
+    fn watch(&self, watch: &Mutex<Watch>, realisation: &Realisation, progress: &dyn Progress) {
+        let layout = &self.settings.layout;
+        let Some(target) = self.settings.target else {
+            return;
+        };
+        let Ok(mut watch) = watch.lock() else { return };
+        watch.surfaces += 1;
+        let mut worst = 0.0_f64;
+        watch.cases.resize_with(self.cases.len(), || {
+            BatchStatistics::new(target.of().entries(layout).len())
+        });
+        for (seen, case) in watch.cases.iter_mut().zip(&realisation.cases) {
+            let entries = target.of().entries(layout);
+            let values: Vec<f64> = entries.into_iter().map(|i| case.record[i]).collect();
+            seen.push(&values);
+            let squares: f64 = seen.error_squares().sum();
+            let norm = target
+                .of()
+                .norm(seen.means().iter().map(|mean| mean * mean).sum());
+            worst = worst.max(ratio(squares.sqrt(), norm));
+        }
+        if watch.surfaces < WORTH_SHOWING {
+            return;
+        }
+        progress.note(&format!("error {worst:.2e} of {:.2e}", target.error()));
+        let rays = self.blocks().rays() * self.cases.len() as u64;
+        let needed = watch.surfaces as f64 * (worst / target.error()).powi(2);
+        if needed > self.realisations as f64 && needed < 1e15 / rays as f64 {
+            progress.expect((needed * rays as f64) as u64);
         }
     }
 
@@ -196,6 +301,11 @@ impl Group<'_> {
         let field = self
             .synthesis
             .draw_into(self.settings.seed, index, memory)?;
+        let field = if self.coarsened {
+            field.coarsened()?
+        } else {
+            field
+        };
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -209,13 +319,20 @@ impl Group<'_> {
         seconds.build = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
+        // One surface alone may end between its blocks, since its errors come from them.
+        let to_the_end = ToTheEnd(progress);
+        let progress = if self.realisations == 1 {
+            progress
+        } else {
+            &to_the_end
+        };
         let mut cases = Vec::new();
         for (case, method) in self.cases.iter().zip(self.methods) {
             let mut traced = Vec::new();
             for (surface, accelerator) in surfaces.iter().zip(&accelerators) {
                 check_grazing(surface, case.incidence)?;
                 let (light, paths) = (case.incidence, self.settings.paths);
-                traced.push(Traced {
+                traced.push(LitMesh {
                     tracer: Tracer::new(
                         surface,
                         &**accelerator,
@@ -240,7 +357,7 @@ impl Group<'_> {
             cases.push(OfCase {
                 record: records.means().to_vec(),
                 ray_squares: records.error_squares().collect(),
-                blocks: (self.realisations == 1).then_some(records),
+                blocks: (index == 0).then_some(records),
                 shifts,
                 work,
             });
@@ -291,8 +408,9 @@ mod tests {
             settings: &config.run.ray_settings().unwrap(),
             incident: Medium::Above,
             any_azimuth: true,
+            coarsened: false,
         };
-        let ensemble = group.run(&Silent).unwrap().remove(0);
+        let ensemble = group.run(0..4, &Silent).unwrap().remove(0);
         let mut reflected: Vec<f64> = ensemble
             .records
             .iter()

@@ -153,6 +153,13 @@ pub(crate) fn check_results(
     Ok(())
 }
 
+/// Most surfaces whose results fit beside those of all `cases`.
+pub(crate) fn most_realisations(layout: &Layout, cases: usize) -> u64 {
+    let records = (layout.len() * cases) as f64;
+    let left = RESULT_BUDGET / 8.0 - 8.0 * records;
+    (left / (2.0 * records + 4096.0)).max(1.0) as u64
+}
+
 /// Refuses light that would cross more tiles than a ray may.
 pub(crate) fn check_grazing<G: Geometry>(
     surface: &G,

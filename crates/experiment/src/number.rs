@@ -33,6 +33,37 @@ pub fn parse_count(text: &str) -> Result<u64, String> {
     count_from_number(parse_number(&plain)?).map_err(|reason| format!("`{text}` {reason}"))
 }
 
+/// A positive number of seconds, or of minutes or hours: `90`, `90s`, `10m`, `1.5h`.
+///
+/// # Errors
+/// A sentence that says what was found and what is allowed.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    let trimmed = text.trim();
+    let (number, unit) = match trimmed.strip_suffix(['s', 'm', 'h']) {
+        Some(number) if trimmed.ends_with('h') => (number, 3600.0),
+        Some(number) if trimmed.ends_with('m') => (number, 60.0),
+        Some(number) => (number, 1.0),
+        None => (trimmed, 1.0),
+    };
+    parse_number(number)
+        .ok()
+        .and_then(|value| seconds_from_number(value * unit).ok())
+        .ok_or_else(|| {
+            format!("`{text}` is no time above 0; write it in seconds as 90, or as 10m or 2h")
+        })
+}
+
+/// A positive number of seconds.
+pub(crate) fn seconds_from_number(value: f64) -> Result<f64, String> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!(
+            "{value} is no time above 0; write it in seconds as 90, or as \"10m\" or \"2h\""
+        ))
+    }
+}
+
 /// An order of interaction: a count, up to 4294967295.
 ///
 /// # Errors
@@ -69,6 +100,21 @@ mod tests {
         assert_eq!(parse_number(" 2e-3 "), Ok(2e-3));
         for bad in ["", "a", "1/0", "1/", "inf", "nan", "1/2/3"] {
             assert!(parse_number(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        for (text, seconds) in [
+            ("90", 90.0),
+            ("0.5s", 0.5),
+            ("10m", 600.0),
+            ("1.5h", 5400.0),
+        ] {
+            assert_eq!(parse_seconds(text), Ok(seconds));
+        }
+        for bad in ["", "m", "0", "-1", "-2h", "1d", "nan", "inf", "1e308h"] {
+            assert!(parse_seconds(bad).is_err(), "{bad}");
         }
     }
 

@@ -1,6 +1,10 @@
-//! How far a run has come.
+//! How far a run has come, and whether it should go on.
 
-/// Told of a run's progress; called from any thread.
+use std::time::{Duration, Instant};
+
+use crate::stopping::StoppedBy;
+
+/// Told of a run's progress, and asked whether it should go on; called from any thread.
 pub trait Progress: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, stage: &str, total: u64);
@@ -8,6 +12,14 @@ pub trait Progress: Sync {
     fn advance(&self, steps: u64);
     /// The stage is over.
     fn end(&self);
+    /// Something to show beside the steps, until something else is.
+    fn note(&self, _text: &str) {}
+    /// The stage is now expected to take `total` steps.
+    fn expect(&self, _total: u64) {}
+    /// Why the run should end with what is there, if it should; once it should, it stays so.
+    fn stop(&self) -> Option<StoppedBy> {
+        None
+    }
 }
 
 /// Says nothing.
@@ -18,4 +30,59 @@ impl Progress for Silent {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}
+}
+
+/// Ends a run when its time is over.
+pub struct Deadline<'a> {
+    progress: &'a dyn Progress,
+    end: Option<Instant>,
+}
+
+impl<'a> Deadline<'a> {
+    /// From now on for `time`, or without end.
+    #[must_use]
+    pub fn new(progress: &'a dyn Progress, time: Option<Duration>) -> Self {
+        // A time beyond what the clock can hold is without end.
+        let end = time.and_then(|time| Instant::now().checked_add(time));
+        Self { progress, end }
+    }
+}
+
+impl Progress for Deadline<'_> {
+    fn begin(&self, stage: &str, total: u64) {
+        self.progress.begin(stage, total);
+    }
+    fn advance(&self, steps: u64) {
+        self.progress.advance(steps);
+    }
+    fn end(&self) {
+        self.progress.end();
+    }
+    fn note(&self, text: &str) {
+        self.progress.note(text);
+    }
+    fn expect(&self, total: u64) {
+        self.progress.expect(total);
+    }
+    fn stop(&self) -> Option<StoppedBy> {
+        self.progress.stop().or_else(|| {
+            let over = self.end.is_some_and(|end| Instant::now() >= end);
+            over.then_some(StoppedBy::Time)
+        })
+    }
+}
+
+/// Goes on to the end of a surface, whatever happens.
+pub(crate) struct ToTheEnd<'a>(pub(crate) &'a dyn Progress);
+
+impl Progress for ToTheEnd<'_> {
+    fn begin(&self, stage: &str, total: u64) {
+        self.0.begin(stage, total);
+    }
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
+    }
+    fn end(&self) {
+        self.0.end();
+    }
 }

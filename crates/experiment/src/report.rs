@@ -12,7 +12,7 @@ use crate::csv::{write_comparison, write_tables};
 use crate::figures::{self, Light};
 use crate::progress::Progress;
 use crate::summary::Summary;
-use crate::tables::{case_table, conclusion, lost_warning, verdict_word, verify_table};
+use crate::tables::{case_table, conclusion, verdict_word, verify_table, warnings};
 use crate::trace::TraceOutcome;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
@@ -103,9 +103,13 @@ pub fn verify_report(
     let places: Vec<(&CaseOutcome, PathBuf)> = outcome
         .cases
         .iter()
-        .map(|case| match outcome.cases.len() {
-            1 => (case, folder.to_owned()),
-            _ => (case, folder.join(case.case.folder())),
+        .map(|case| {
+            let place = if outcome.several() {
+                folder.join(case.case.folder())
+            } else {
+                folder.to_owned()
+            };
+            (case, place)
         })
         .collect();
     for (_, place) in &places {
@@ -121,10 +125,10 @@ pub fn verify_report(
     };
     let (maps, cases) = rayon::join(|| height_maps(&places, outcome), write_cases);
     maps.and(cases)?;
-    for (case, place) in places.iter().filter(|_| outcome.cases.len() > 1) {
+    for (case, place) in places.iter().filter(|_| outcome.several()) {
         write_json(place.join("summary.json"), &case_summary(outcome, case))?;
     }
-    if outcome.cases.len() > 1 {
+    if outcome.several() {
         remove_files(folder, FILES)?;
         write_bytes(folder.join("report.txt"), verify_table(outcome).as_bytes())?;
     }
@@ -142,10 +146,14 @@ fn height_maps(
     if !outcome.config.output.plots {
         return Ok(());
     }
-    for sharing in places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd) {
+    for sharing in places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd && a.size == b.size) {
         let case = sharing[0].0;
-        let first = outcome.config.first_surface(&case.case).map_err(Box::new)?;
-        let name = format!("First of {} surfaces", case.work.realisations);
+        let config = outcome.config.on_grid(case.size, case.spacing);
+        let first = config.first_surface(&case.case).map_err(Box::new)?;
+        let name = match case.work.realisations {
+            0 => "One such surface".to_owned(),
+            n => format!("First of {n} surfaces"),
+        };
         let folders: Vec<&Path> = sharing.iter().map(|(_, place)| place.as_path()).collect();
         figures::height_map(&folders, &first, &name)?;
     }
@@ -189,7 +197,7 @@ fn write_case(
 #[must_use]
 pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
     let value = |case| serde_json::to_value(case_summary(outcome, case)).unwrap_or(Value::Null);
-    if let [case] = outcome.cases.as_slice() {
+    if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
         return value(case);
     }
     let cases: Vec<Value> = outcome
@@ -202,7 +210,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
         "command": "verify",
         "version": env!("CARGO_PKG_VERSION"),
         "seed": outcome.config.run.seed,
-        "config": outcome.config,
+        "config": config_json(outcome),
         "cases": cases,
         "seconds": outcome.seconds,
     })
@@ -210,7 +218,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 
 /// The summary of one case.
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
-    let config = json!({ "verify": outcome.config, "case": case.case });
+    let config = json!({ "verify": config_json(outcome), "case": case.case });
     Summary::new(
         "verify",
         config,
@@ -221,7 +229,21 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
     )
     .with_errors(case.errors.to_json(&outcome.layout))
     .with_comparison(comparison_json(&outcome.layout, case))
-    .with_warnings(lost_warning(&case.statistics).into_iter().collect())
+    .with_warnings(warnings(outcome, case))
+    .with_stopping(case.stopping.clone())
+    .with_deviation_bound(case.deviation_bound)
+}
+
+/// The configuration; without the numbers of surfaces and rays if they followed from a target.
+fn config_json(outcome: &VerifyOutcome) -> Value {
+    let mut config = json!(outcome.config);
+    if outcome.config.run.target_error.is_some()
+        && let Some(run) = config.get_mut("run").and_then(Value::as_object_mut)
+    {
+        run.remove("realisations");
+        run.remove("rays");
+    }
+    config
 }
 
 /// Verdicts, p values and distances of one case.

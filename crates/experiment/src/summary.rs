@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::estimator::Estimator;
 use crate::method::{ControlMean, Method};
+use crate::stopping::Stopping;
 
 /// What was done, and how long it took.
 #[derive(Clone, Debug, Serialize)]
@@ -60,6 +61,16 @@ impl Used {
         Self {
             accelerator: accelerator.kind(),
             instructions: accelerator.instructions(),
+        }
+    }
+}
+
+impl Used {
+    /// None, since nothing was traced.
+    pub(crate) const fn nothing() -> Self {
+        Self {
+            accelerator: AcceleratorKind::Auto,
+            instructions: None,
         }
     }
 }
@@ -145,6 +156,11 @@ pub struct Summary {
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<serde_json::Value>,
     warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopping: Option<Stopping>,
+    /// What the fluxes are sure not to differ by, where nothing was traced.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    deviation_bound: Option<f64>,
     work: SummaryWork,
 }
 
@@ -187,6 +203,8 @@ impl Summary {
             paths: paths(layout, statistics),
             comparison: None,
             warnings: Vec::new(),
+            stopping: None,
+            deviation_bound: None,
             work,
         }
     }
@@ -202,6 +220,20 @@ impl Summary {
     #[must_use]
     pub fn with_comparison(mut self, comparison: serde_json::Value) -> Self {
         self.comparison = Some(comparison);
+        self
+    }
+
+    /// With how the run came to its end, if that was to be found out.
+    #[must_use]
+    pub fn with_stopping(mut self, stopping: Option<Stopping>) -> Self {
+        self.stopping = stopping;
+        self
+    }
+
+    /// With what was known without tracing, if so.
+    #[must_use]
+    pub fn with_deviation_bound(mut self, bound: Option<f64>) -> Self {
+        self.deviation_bound = bound;
         self
     }
 

@@ -9,6 +9,7 @@ use asperity_tracer::PathSettings;
 use crate::budget::ErrorBudget;
 use crate::case::short;
 use crate::method::ControlMean;
+use crate::stopping::Stopping;
 use crate::summary::SummaryWork;
 use crate::verify::{CaseOutcome, ModelOutcome, VerifyOutcome};
 
@@ -26,6 +27,11 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
         Some(_) => format!("{} (exact)", short(estimate.mean)),
         None => format!("{} (no error)", short(estimate.mean)),
     }
+}
+
+/// An error to three digits, as in `2.31e-5`.
+pub(crate) fn error_in_short(error: f64) -> String {
+    format!("{error:.2e}")
 }
 
 /// What light of the first order is called.
@@ -142,6 +148,20 @@ pub fn lost_warning(statistics: &BatchStatistics) -> Option<String> {
     })
 }
 
+/// What a reader must know of the results of a case.
+pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
+    let mut warnings: Vec<String> = lost_warning(&case.statistics).into_iter().collect();
+    warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
+    let left_out = outcome.left_out.len();
+    if left_out > 0 {
+        let of = outcome.cases.len() + left_out;
+        warnings.push(format!(
+            "interrupted before {left_out} of {of} cases were begun"
+        ));
+    }
+    warnings
+}
+
 /// One line about the effort.
 #[must_use]
 pub fn work_line(work: &SummaryWork) -> String {
@@ -183,27 +203,40 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
 /// The comparison of one case.
 pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     let mut out = String::new();
-    let [nx, ny] = outcome.config.surface.size.xy().map(|n| n.0);
+    let [nx, ny] = case.size;
     let _ = writeln!(out, "{}", case.case);
     let surfaces = case.work.realisations;
     let plural = if surfaces == 1 { "" } else { "s" };
-    let _ = writeln!(
-        out,
-        "{surfaces} surface{plural} of {nx} x {ny}, {} rays; standard errors from {} {}",
-        case.work.rays,
-        case.statistics.batches(),
-        case.errors_from,
-    );
+    let _ = match case.deviation_bound {
+        Some(bound) => writeln!(
+            out,
+            "no surface was traced: these are facets without shadow and masking; no flux differs by more than {bound:.1e}",
+        ),
+        None => writeln!(
+            out,
+            "{surfaces} surface{plural} of {nx} x {ny}, {} rays; standard errors from {} {}",
+            case.work.rays,
+            case.statistics.batches(),
+            case.errors_from,
+        ),
+    };
+    if let Some(line) = case.stopping.as_ref().and_then(Stopping::line) {
+        let _ = writeln!(out, "{line}");
+    }
     let max_order = outcome.config.run.max_order;
     let orders = recorded_orders(max_order);
     if max_order < PathSettings::DEFAULT_MAX_ORDER {
         let _ = writeln!(out, "{orders} alone; light that would go on is truncated");
     }
-    let _ = writeln!(
-        out,
-        "slope variance of the mesh is {:.2} % below that of the continuous surface\n",
-        100.0 * outcome.config.mesh_slope_deficit(),
-    );
+    if case.deviation_bound.is_none() {
+        let config = outcome.config.on_grid(case.size, case.spacing);
+        let _ = writeln!(
+            out,
+            "slope variance of the mesh is {:.2} % below that of the continuous surface",
+            100.0 * config.mesh_slope_deficit(),
+        );
+    }
+    out.push('\n');
 
     let names = || {
         case.models
@@ -237,7 +270,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push_str(&aligned(&rows));
     out.push('\n');
     out.push_str(&errors_table(&outcome.layout, &case.errors));
-    if let Some(warning) = lost_warning(&case.statistics) {
+    for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
     if !case.models.is_empty() {

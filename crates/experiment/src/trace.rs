@@ -5,9 +5,9 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer};
+use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer, Work};
 
-use crate::blocks::{Blocks, RaySettings, Traced, run_blocks};
+use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
 use crate::budget::ErrorBudget;
 use crate::estimator::Estimator;
 use crate::limits::{
@@ -15,7 +15,9 @@ use crate::limits::{
 };
 use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
 use crate::method::{Method, with_least_errors};
+use crate::pilot;
 use crate::progress::Progress;
+use crate::stopping::{StoppedBy, Stopping};
 use crate::summary::{SummaryWork, Used};
 
 /// Blocks that a single surface gets at least, since its errors come from them.
@@ -32,7 +34,19 @@ pub struct TraceOutcome {
     pub work: SummaryWork,
     /// The surface, given back; of a mesh none.
     pub field: Option<HeightField>,
+    /// How the run came to its end, if a target was set or the run was stopped.
+    pub stopping: Option<Stopping>,
 }
+
+/// Rays of a pilot run, which tells how many reach a target: so many blocks of so many strata.
+const PILOT: [u64; 2] = [16, 64];
+
+/// Times that rays are added to those planned, at most, and how many times more than seem needed.
+const MOST_ROUNDS: u32 = 4;
+const MARGIN: f64 = 1.2;
+
+/// Fewest rays of a run with a target, and the most of any run.
+const RAYS: [f64; 2] = [65_536.0, 1e15];
 
 /// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
 ///
@@ -121,7 +135,6 @@ fn trace_on<G: Geometry>(
     progress: &dyn Progress,
 ) -> Result<(TraceOutcome, Meshes<G>), RunError> {
     let began = Instant::now();
-    let blocks = Blocks::plan(settings.rays, FEWEST_BLOCKS, settings.sampling);
     check_results(&settings.layout, 1, 1, settings.refine)?;
     progress.begin("building", 1);
     let meshes = build()?;
@@ -142,25 +155,89 @@ fn trace_on<G: Geometry>(
     let build_seconds = began.elapsed().as_secs_f64();
     progress.end();
 
-    progress.begin("tracing", blocks.rays());
     let tracing = Instant::now();
-    let traced: Vec<Traced<'_, G>> = meshes
+    let lit: Vec<LitMesh<'_, G>> = meshes
         .surfaces
         .iter()
         .zip(&accelerators)
         .zip(&methods)
-        .map(|((surface, found_by), method)| Traced {
+        .map(|((surface, found_by), method)| LitMesh {
             tracer: Tracer::new(surface, &**found_by, material, incident, settings.paths),
             light: method.illumination(incidence, false, settings),
             control: method.control(),
         })
         .collect();
-    let mut statistics = MeshStatistics::new(settings.layout.len(), traced.len());
     let method = &methods[0];
-    let work = run_blocks(&traced, settings, 0, blocks, progress, |values| {
-        statistics.push(values);
-    });
-    progress.end();
+    let len = settings.layout.len();
+    let run = |realisation, blocks: Blocks, statistics: &mut MeshStatistics| {
+        run_blocks(&lit, settings, realisation, blocks, progress, |values| {
+            statistics.push(values);
+        })
+    };
+    let error = |statistics: &BatchStatistics| {
+        let aim = settings.target?.of();
+        aim.error(&settings.layout, statistics)
+    };
+
+    // Rays of a pilot run are none of those of the result.
+    let mut rays = settings.rays;
+    if let Some(target) = settings.target {
+        let [count, strata] = PILOT;
+        let fewest = Blocks::plan(count * strata * strata, count, settings.sampling);
+        progress.begin("planning", fewest.rays());
+        let mut pilot = MeshStatistics::new(len, lit.len());
+        run(pilot::FIRST, fewest, &mut pilot);
+        progress.end();
+        let ratio = error(&pilot.records).unwrap_or(0.0) / target.error();
+        let needed = MARGIN * fewest.rays() as f64 * ratio * ratio;
+        rays = needed.clamp(RAYS[0], RAYS[1]).ceil() as u64;
+    }
+    let planned = Blocks::plan(rays, FEWEST_BLOCKS, settings.sampling);
+    let mut blocks = planned;
+    let mut statistics = MeshStatistics::new(len, lit.len());
+    let mut work = Work::default();
+    let mut rounds = 0;
+    let stopped_by = loop {
+        progress.begin(
+            if rounds == 0 { "tracing" } else { "adding" },
+            blocks.rays(),
+        );
+        let done = run(0, blocks, &mut statistics);
+        progress.end();
+        work += done;
+        if done.rays < blocks.rays() {
+            break progress.stop().unwrap_or(StoppedBy::Interrupt);
+        }
+        let (Some(error), Some(target)) = (error(&statistics.records), settings.target) else {
+            break StoppedBy::Plan;
+        };
+        if error <= target.error() {
+            break StoppedBy::Target;
+        }
+        let ratio = (error / target.error()).powi(2) * MARGIN;
+        let all = (statistics.records.batches() as f64 * ratio)
+            .min(RAYS[1] / planned.rays() as f64 * planned.count as f64);
+        let more = all as u64 - statistics.records.batches().min(all as u64);
+        if rounds == MOST_ROUNDS || more == 0 {
+            break StoppedBy::Plan;
+        }
+        rounds += 1;
+        blocks = blocks.more(more);
+    };
+    let stopping = Stopping {
+        target_error: settings.target.map(|target| target.error()),
+        of: settings.target.map(|target| target.of()),
+        error: error(&statistics.records),
+        mesh_error: None,
+        pilot: None,
+        realisations: 1,
+        rays_per_surface: planned.rays(),
+        size: None,
+        spacing: None,
+        rounds,
+        stopped_by,
+        warnings: Vec::new(),
+    };
     let MeshStatistics { records, shifts } = statistics;
     let errors = ErrorBudget::of_one(
         &records,
@@ -168,6 +245,7 @@ fn trace_on<G: Geometry>(
         mesh_errors(shifts),
     );
     let records = with_least_errors(method, &settings.layout, records, work.rays);
+    let told = settings.target.is_some() || stopped_by != StoppedBy::Plan;
     let outcome = TraceOutcome {
         statistics: records,
         errors,
@@ -177,14 +255,10 @@ fn trace_on<G: Geometry>(
             build_seconds,
             trace_seconds: tracing.elapsed().as_secs_f64(),
             seconds: began.elapsed().as_secs_f64(),
-            ..SummaryWork::new(
-                work,
-                Used::of(&*accelerators[0]),
-                &method,
-                settings.sampling,
-            )
+            ..SummaryWork::new(work, Used::of(&*accelerators[0]), method, settings.sampling)
         },
         field: None,
+        stopping: told.then(|| stopping.with_warning()),
     };
     drop(accelerators);
     Ok((outcome, meshes))

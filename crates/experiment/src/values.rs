@@ -6,7 +6,10 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::config::ConfigError;
-use crate::number::{count_from_number, order_from_count, parse_count, parse_number};
+use crate::number::{
+    count_from_number, order_from_count, parse_count, parse_number, parse_seconds,
+    seconds_from_number,
+};
 
 /// A number, written as one or as a quotient of two in quotes, as in `"1/1.4"`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -17,6 +20,11 @@ pub struct Number(pub f64);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(transparent)]
 pub struct Count(pub u64);
+
+/// A time of more than none in seconds, also written as `"10m"` or `"2h"`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Seconds(pub f64);
 
 /// A value as it stands in the file, before it is checked.
 #[derive(Clone, Debug, Deserialize)]
@@ -68,6 +76,18 @@ impl TryFrom<Written> for Count {
             Written::Text(text) => parse_count(&text),
         }
         .map(Self)
+    }
+}
+
+impl<'de> Deserialize<'de> for Seconds {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match Written::deserialize(deserializer)? {
+            Written::Whole(value) => seconds_from_number(value as f64),
+            Written::Decimal(value) => seconds_from_number(value),
+            Written::Text(text) => parse_seconds(&text),
+        }
+        .map(Self)
+        .map_err(D::Error::custom)
     }
 }
 

@@ -1,31 +1,36 @@
 //! Explicit surfaces against statistical models.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use asperity_analysis::{
     BsdfModel, Comparison, ComparisonError, Grouping, HemisphericalEnergy, ModelError, Scope,
     SlopeCovariance, SlopeError, Verdict, compare, create_model, flux_into, hemispherical_energy,
     sidak_level, verdicts,
 };
-use asperity_surface::{HeightField, Psd, Synthesis, SynthesisError};
+use asperity_surface::{CoarseningError, HeightField, Psd, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
-use asperity_tracer::Medium;
 use rayon::prelude::*;
 
 use crate::blocks::RaySettings;
 use crate::budget::ErrorBudget;
 use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
-use crate::ensemble::{Ensemble, Group};
+use crate::ensemble::Ensemble;
 use crate::limits::{RunError, check_results};
 use crate::mesh_error::{MeshErrors, Refinement};
 use crate::method::{Method, with_least_errors};
-use crate::progress::Progress;
+use crate::progress::{Deadline, Progress};
+use crate::sharing::{Sharing, Traced};
+use crate::stopping::Stopping;
 use crate::summary::SummaryWork;
+use crate::values::{Count, Number, PerAxis};
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
 /// azimuth, a bin stands for its ring, and the rays of the ring count.
 const ENOUGH_RAYS: f64 = 20.0;
+
+/// Why the mesh has no error where nothing was traced.
+const NOTHING_TRACED: &str = "none: nothing was traced, so there was no mesh";
 
 /// Why a verification fails.
 #[derive(Debug, thiserror::Error)]
@@ -46,6 +51,12 @@ pub enum VerifyError {
     /// A model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
+    /// Every second sample makes no surface.
+    #[error(transparent)]
+    Coarsening(#[from] CoarseningError),
+    /// There are no results yet.
+    #[error("interrupted before the first surface was finished; nothing is written")]
+    Interrupted,
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
@@ -94,6 +105,14 @@ pub struct CaseOutcome {
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the models.
     pub level: f64,
+    /// What the fluxes are sure not to differ by, if nothing was traced.
+    pub deviation_bound: Option<f64>,
+    /// Samples of its surfaces along x and y.
+    pub size: [usize; 2],
+    /// Length units a sample along x and y.
+    pub spacing: [f64; 2],
+    /// How the run came to its end, if that was to be found out.
+    pub stopping: Option<Stopping>,
     /// What was done.
     pub work: SummaryWork,
 }
@@ -106,11 +125,28 @@ pub struct VerifyOutcome {
     pub layout: Layout,
     /// The cases, in the order of [`VerifyConfig::cases`].
     pub cases: Vec<CaseOutcome>,
+    /// Those that an interrupt came before.
+    pub left_out: Vec<Case>,
     /// Seconds from beginning to end.
     pub seconds: f64,
 }
 
+impl VerifyOutcome {
+    /// Whether there were several cases to run.
+    pub(crate) fn several(&self) -> bool {
+        self.cases.len() + self.left_out.len() > 1
+    }
+}
+
 impl VerifyConfig {
+    /// The same for surfaces of `size` samples, `spacing` apart, along x and y.
+    pub(crate) fn on_grid(&self, size: [usize; 2], spacing: [f64; 2]) -> Self {
+        let mut config = self.clone();
+        config.surface.size = PerAxis::Each(size.map(|n| Count(n as u64)));
+        config.surface.spacing = PerAxis::Each(spacing.map(Number));
+        config
+    }
+
     /// Checks that the grid can resolve and hold the surfaces.
     ///
     /// # Errors
@@ -158,55 +194,50 @@ pub fn verify(
     progress: &dyn Progress,
 ) -> Result<VerifyOutcome, VerifyError> {
     let began = Instant::now();
+    let time = config.run.max_time.map(|time| time.0);
+    let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
+    let progress: &dyn Progress = &Deadline::new(progress, time);
     let settings = config.run.ray_settings()?;
-    let realisations = config.run.realisations.0;
     // All recipes are checked before the first is run.
     let recipes = config.recipes()?;
-    let methods = recipes
-        .iter()
-        .map(|(_, cases)| methods(&settings, cases))
+    let all_cases = recipes.iter().map(|(_, cases)| cases.len()).sum();
+    let mut sharings = recipes
+        .into_iter()
+        .map(|(synthesis, cases)| Sharing::new(config, settings, synthesis, cases))
         .collect::<Result<Vec<_>, _>>()?;
-    let groups: Vec<Group<'_>> = recipes
-        .iter()
-        .zip(&methods)
-        .map(|((synthesis, cases), methods)| Group {
-            synthesis,
-            cases,
-            methods,
-            realisations,
-            settings: &settings,
-            incident: Medium::from(config.light.from),
-            any_azimuth: config.any_azimuth(),
-        })
-        .collect();
-
-    let all_cases = groups.iter().map(|group| group.cases.len()).sum();
-    check_results(&settings.layout, realisations, all_cases, settings.refine)?;
-
-    let rays = |group: &Group<'_>| group.blocks().rays() * realisations * group.cases.len() as u64;
-    progress.begin("tracing", groups.iter().map(rays).sum());
+    if settings.target.is_some() {
+        let pilots = sharings.iter().map(Sharing::pilot_rays).sum();
+        progress.begin("planning", pilots);
+        for sharing in &mut sharings {
+            sharing.plan(all_cases, progress)?;
+        }
+        progress.end();
+    }
+    let realisations = sharings.iter().map(|s| s.realisations).max();
+    check_results(
+        &settings.layout,
+        realisations.unwrap_or(0),
+        all_cases,
+        settings.refine,
+    )?;
+    progress.begin("tracing", sharings.iter().map(Sharing::rays).sum());
     let mut traced = Vec::new();
-    for group in &groups {
-        let clock = Instant::now();
-        let ensembles = group.run(progress)?;
-        let share = clock.elapsed().as_secs_f64() / group.cases.len() as f64;
-        traced.extend(
-            group
-                .cases
-                .iter()
-                .copied()
-                .zip(group.methods)
-                .zip(ensembles)
-                .map(|((case, method), ensemble)| (case, method, ensemble, share)),
-        );
+    let mut left_out = Vec::new();
+    for sharing in sharings {
+        let (done, missing) = sharing.run(all_cases, progress)?;
+        traced.extend(done);
+        left_out.extend(missing);
     }
     progress.end();
+    if traced.is_empty() {
+        return Err(VerifyError::Interrupted);
+    }
 
     progress.begin("comparing", traced.len() as u64);
     let cases = traced
         .into_par_iter()
-        .map(|(case, method, ensemble, seconds)| {
-            let outcome = judge(config, &settings, (case, method), &ensemble, seconds);
+        .map(|traced| {
+            let outcome = judge(config, &settings, traced);
             progress.advance(1);
             outcome
         })
@@ -216,6 +247,7 @@ pub fn verify(
         config: config.clone(),
         layout: settings.layout,
         cases,
+        left_out,
         seconds: began.elapsed().as_secs_f64(),
     })
 }
@@ -230,53 +262,38 @@ pub(crate) fn slopes(psd: &Psd) -> Result<SlopeCovariance, SlopeError> {
     SlopeCovariance::new(xx, yy, xy)
 }
 
-/// How each of the cases of one recipe is estimated.
-fn methods(settings: &RaySettings, cases: &[Case]) -> Result<Vec<Method>, VerifyError> {
-    cases
-        .par_iter()
-        .map(|case| {
-            let slopes = slopes(&case.psd)?;
-            Ok(Method::of_ensemble(
-                settings.estimator,
-                &slopes,
-                case.material,
-                case.incidence,
-                &settings.layout,
-            )?)
-        })
-        .collect()
-}
-
 /// Statistics of one case and its comparison with every model.
 fn judge(
     config: &VerifyConfig,
     settings: &RaySettings,
-    (case, method): (Case, &Method),
-    ensemble: &Ensemble,
-    seconds: f64,
+    traced: Traced,
 ) -> Result<CaseOutcome, VerifyError> {
     let layout = &settings.layout;
+    let Traced {
+        case,
+        method,
+        ensemble,
+        ..
+    } = &traced;
     // With one surface the scatter between its blocks is all there is.
-    let (batches, errors_from) = match &ensemble.blocks_of_one {
-        Some(blocks) => (blocks.clone(), "ray blocks"),
-        None => {
-            let mut statistics = BatchStatistics::new(layout.len());
-            ensemble
-                .records
-                .iter()
-                .for_each(|record| statistics.push(record));
-            (statistics, "surfaces")
-        }
+    let errors_from = match &ensemble.blocks_of_one {
+        _ if traced.deviation_bound.is_some() => "deviation bound",
+        Some(_) => "ray blocks",
+        None => "surfaces",
     };
-    let batches = with_least_errors(method, layout, batches, ensemble.work.rays);
-    let errors = errors(config, settings, (&case, method), ensemble, &batches)?;
+    let batches = ensemble.statistics();
+    let batches = match traced.deviation_bound {
+        Some(_) => batches,
+        None => with_least_errors(method, layout, batches, ensemble.work.rays),
+    };
+    let errors = errors(config, settings, &traced, &batches)?;
     let mut models = config
         .compare
         .models
         .par_iter()
         .map(|name| {
             let model = create_model(name, case.smoothness, case.material)?;
-            model_outcome(config, layout, (&case, method), model, ensemble, &batches)
+            model_outcome(config, layout, (case, method), model, ensemble, &batches)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let level = sidak_level(config.compare.alpha, models.len().max(1));
@@ -287,20 +304,27 @@ fn judge(
     {
         model.verdict = verdict;
     }
+    let realisations = match traced.deviation_bound {
+        Some(_) => 0,
+        None => ensemble.records.len() as u64,
+    };
     Ok(CaseOutcome {
-        case,
+        case: *case,
         statistics: batches,
         errors_from,
         errors,
-        free_azimuth: config.free_azimuth(&case),
+        free_azimuth: config.free_azimuth(case),
         models,
         level,
+        deviation_bound: traced.deviation_bound,
+        size: traced.size,
+        spacing: traced.spacing,
         work: SummaryWork {
-            realisations: ensemble.records.len() as u64,
+            realisations,
             generate_seconds: ensemble.seconds.generate,
             build_seconds: ensemble.seconds.build,
             trace_seconds: ensemble.seconds.trace,
-            seconds,
+            seconds: traced.seconds,
             ..SummaryWork::new(
                 ensemble.work,
                 ensemble.used.clone(),
@@ -308,6 +332,7 @@ fn judge(
                 settings.sampling,
             )
         },
+        stopping: traced.stopping,
     })
 }
 
@@ -315,12 +340,23 @@ fn judge(
 fn errors(
     config: &VerifyConfig,
     settings: &RaySettings,
-    (case, method): (&Case, &Method),
-    ensemble: &Ensemble,
+    traced: &Traced,
     statistics: &BatchStatistics,
 ) -> Result<ErrorBudget, VerifyError> {
     let layout = &settings.layout;
-    let synthesis = config.recipe(case)?;
+    let Traced {
+        case,
+        method,
+        ensemble,
+        ..
+    } = traced;
+    let method_and_rays = (method, layout, ensemble.work.rays);
+    if traced.deviation_bound.is_some() {
+        let mesh = MeshErrors::unknown(layout.len(), NOTHING_TRACED);
+        return Ok(ErrorBudget::of_one(statistics, method_and_rays, mesh));
+    }
+    let [nx, ny] = traced.size;
+    let synthesis = Synthesis::new(case.psd, [ny, nx], traced.spacing, config.surface.insist)?;
     let mesh = MeshErrors::of_case(
         &synthesis,
         (case, method),
@@ -328,10 +364,9 @@ fn errors(
         config.any_azimuth(),
         Refinement::of_surfaces(synthesis.spacing(), layout.len(), &ensemble.shifts),
     );
-    let method = (method, layout, ensemble.work.rays);
     Ok(match ensemble.blocks_of_one {
-        Some(_) => ErrorBudget::of_one(statistics, method, mesh),
-        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method, mesh),
+        Some(_) => ErrorBudget::of_one(statistics, method_and_rays, mesh),
+        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method_and_rays, mesh),
     })
 }
 

@@ -7,7 +7,8 @@ use serde::Serialize;
 pub struct Estimate {
     /// The mean.
     pub mean: f64,
-    /// Standard error of the mean; `None` where fewer than two batches were seen.
+    /// Standard error of the mean; `None` where fewer than two batches were seen and nothing else is
+    /// known.
     pub se: Option<f64>,
 }
 
@@ -34,6 +35,22 @@ impl BatchStatistics {
             squares: vec![0.0; len],
             least_errors: Vec::new(),
         }
+    }
+
+    /// Means that are known without any batch, with `errors` that they surely do not exceed.
+    ///
+    /// # Panics
+    /// If there are not as many errors as means.
+    #[must_use]
+    pub fn known(mean: Vec<f64>, errors: Vec<f64>) -> Self {
+        let squares = vec![0.0; mean.len()];
+        Self {
+            batches: 0,
+            mean,
+            squares,
+            least_errors: Vec::new(),
+        }
+        .with_least_errors(errors)
     }
 
     /// Adds one batch.
@@ -91,6 +108,12 @@ impl BatchStatistics {
     /// Mean and standard error of quantity `i`.
     #[must_use]
     pub fn estimate(&self, i: usize) -> Estimate {
+        if self.batches == 0 {
+            return Estimate {
+                mean: self.mean[i],
+                se: self.least_errors.get(i).copied(),
+            };
+        }
         let n = self.batches as f64;
         let se = (self.batches > 1).then(|| {
             let scatter = (self.squares[i] / (n * (n - 1.0))).sqrt();
@@ -136,6 +159,17 @@ mod tests {
         let statistics = statistics.with_least_errors(vec![0.5, 0.5]);
         assert_eq!(statistics.estimate(0).se, Some(0.5));
         assert_eq!(statistics.estimate(1).se, Some(1.0));
+    }
+
+    #[test]
+    fn what_is_known_has_its_error_without_a_batch() {
+        let statistics = BatchStatistics::known(vec![0.5], vec![1e-6]);
+        let known = Estimate {
+            mean: 0.5,
+            se: Some(1e-6),
+        };
+        assert_eq!(statistics.estimate(0), known);
+        assert_eq!(statistics.batches(), 0);
     }
 
     #[test]

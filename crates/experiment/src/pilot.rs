@@ -1,0 +1,331 @@
+//! What a pilot run on a few surfaces tells of the effort that an error takes.
+//!
+//! The variance of a result from `N` surfaces of `n` rays each is `(v_s + v_r / n) / N`, with the
+//! variance `v_s` between surfaces and `v_r` of rays on their surface. It takes the time
+//! `N (c_s + n c_r)`, which is least for a given variance at `n = sqrt(v_r c_s / (v_s c_r))`. A pilot run
+//! gives the variances: records of surfaces scatter by `v_s + v_r / n`, ray blocks within them by `v_r`
+//! alone. Strata make rays scatter less than `1 / n` promises, so that plans are rather too long than too
+//! short.
+//!
+//! The surfaces of the pilot run are none of those of the result. Costs are counted, not measured, so
+//! that the same seed plans the same on any machine.
+
+use asperity_surface::Synthesis;
+use asperity_tally::Layout;
+
+use crate::ensemble::Ensemble;
+use crate::stopping::{Aim, PilotFigures, Target, ratio};
+
+/// Number of the first surface of a pilot run; those of results end far before.
+pub(crate) const FIRST: u64 = 1 << 40;
+
+/// Surfaces of a pilot run: their variance is known to a third.
+pub(crate) const SURFACES: u64 = 16;
+
+/// Rays of all of them.
+pub(crate) const RAYS: u64 = SURFACES << 11;
+
+/// Nanoseconds that a cell takes to be drawn and built into the pyramid: processor time of one thread on
+/// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which come
+/// from there as well, fitted to seven runs from `s = 0.5` to 20 within a quarter.
+const CELL_NS: f64 = 8.0;
+
+/// Nanoseconds beside, for each surface and case: streams, records, their sums.
+const SURFACE_NS: f64 = 50_000.0;
+
+/// Nanoseconds that a segment takes to be searched, with what happens at its end.
+const SEGMENT_NS: f64 = 200.0;
+
+/// Nanoseconds that a segment takes of which slopes tell that it meets nothing.
+const SKIPPED_NS: f64 = 20.0;
+
+/// Nanoseconds that a ray takes beside its segments.
+const RAY_NS: f64 = 60.0;
+
+/// Fewest and most rays of a surface: two blocks of eight by eight; beyond the most they cost so much
+/// more than the surface that there is nothing to save.
+const RAYS_OF_SURFACE: [f64; 2] = [128.0, 67_108_864.0];
+
+/// What the rays of a surface should cost at least, of its own cost: where it takes fewer, a few more are
+/// as good as given.
+const LEAST_COST_OF_RAYS: f64 = 0.1;
+
+/// Fewest surfaces of a result: with eight, an error is itself known to a quarter.
+const FEWEST: f64 = 8.0;
+
+/// Variance is planned to lie so far below that of the target, since variances of a pilot run are
+/// uncertain themselves.
+const MARGIN: f64 = 1.25;
+
+/// Variance between surfaces is taken to be at least this part of the scatter of records: below, a pilot
+/// run cannot tell it from none.
+const LEAST_OF_SURFACES: f64 = 0.1;
+
+/// Error of the mesh, of the target.
+const MESH_SHARE: f64 = 1.0 / 3.0;
+
+/// Error of a mesh as part of the difference at twice its spacing, being of second order.
+const MESH_ORDER: f64 = 1.0 / 3.0;
+
+/// What a pilot run found of one case.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Figures {
+    pub(crate) figures: PilotFigures,
+    /// Rays in all below which no error reaches the target, since none is reported below one ray.
+    fewest_rays: f64,
+}
+
+/// How much of a case is traced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Effort {
+    pub(crate) realisations: u64,
+    pub(crate) rays_of_surface: u64,
+}
+
+impl Figures {
+    /// From what the pilot run found on its `surfaces`, and on the same with twice the spacing.
+    ///
+    /// `counted`: how many entries have an error of at least one ray.
+    pub(crate) fn new(
+        target: Target,
+        layout: &Layout,
+        surfaces: &Ensemble,
+        coarse: Option<&Ensemble>,
+        (cells, counted): (usize, usize),
+    ) -> Self {
+        let entries = target.of().entries(layout);
+        let [mut scatter, mut of_rays, mut square] = [0.0; 3];
+        let n = surfaces.records.len() as f64;
+        let rays = surfaces.work.rays as f64 / n;
+        for &i in &entries {
+            let [mean, variance] = mean_and_variance(surfaces.records.iter().map(|r| r[i]));
+            scatter += variance;
+            of_rays += surfaces.ray_squares[i] / n;
+            square += mean * mean;
+        }
+        // The noise of the means adds to their squares.
+        let norm = target.of().norm((square - scatter / n).max(0.5 * square));
+        let of_surfaces = (scatter - of_rays).max(LEAST_OF_SURFACES * scatter);
+        let work = &surfaces.work;
+        let per_ray = |count: u64| count as f64 / work.rays as f64;
+        let relative = |square: f64| ratio(square, norm * norm);
+        Self {
+            figures: PilotFigures {
+                realisations: surfaces.records.len() as u64,
+                rays: work.rays,
+                variance_of_surfaces: relative(of_surfaces),
+                variance_of_rays: relative(of_rays * rays),
+                cost_of_surface_ns: CELL_NS * cells as f64 + SURFACE_NS,
+                cost_of_ray_ns: RAY_NS
+                    + SEGMENT_NS * per_ray(work.segments)
+                    + SKIPPED_NS * per_ray(work.segments_skipped),
+                mesh_difference: coarse
+                    .map(|coarse| ratio(difference(&entries, surfaces, coarse), norm)),
+            },
+            fewest_rays: ratio((counted as f64).sqrt(), norm) / target.error(),
+        }
+    }
+
+    /// The effort that brings the error of a case to `error` in the least time. `surface_cost`: how much
+    /// more a surface costs than in the pilot run; `most`: surfaces that results have room for.
+    fn effort(&self, error: f64, surface_cost: f64, most: u64) -> Effort {
+        let PilotFigures {
+            variance_of_surfaces: v_s,
+            variance_of_rays: v_r,
+            cost_of_surface_ns: c_s,
+            cost_of_ray_ns: c_r,
+            ..
+        } = self.figures;
+        let c_s = c_s * surface_cost;
+        let [fewest_rays, most_rays] = RAYS_OF_SURFACE;
+        let least_rays = (LEAST_COST_OF_RAYS * c_s / c_r).clamp(fewest_rays, most_rays);
+        let best = (v_r * c_s / (v_s * c_r)).sqrt();
+        // Nothing scatters at all: as few as may be.
+        let best = if best.is_nan() { least_rays } else { best };
+        let mut rays = best.clamp(least_rays, most_rays);
+        let wanted = error * error / MARGIN;
+        let surfaces_for = |rays: f64| (v_s + v_r / rays) / wanted;
+        let mut surfaces = surfaces_for(rays).ceil();
+        let bounded = surfaces.clamp(FEWEST.min(most as f64), most as f64);
+        if bounded != surfaces {
+            // With more or fewer surfaces than are best, rays make up for them.
+            surfaces = bounded;
+            let left = surfaces * wanted - v_s;
+            rays = if left > 0.0 { v_r / left } else { most_rays };
+        }
+        rays = rays.max(self.fewest_rays / surfaces);
+        Effort {
+            realisations: surfaces as u64,
+            rays_of_surface: rays.clamp(least_rays, most_rays).ceil() as u64,
+        }
+    }
+
+    /// Error of a mesh whose spacing is `scale` times that of the pilot run.
+    fn mesh_error(&self, scale: f64) -> Option<f64> {
+        let difference = self.figures.mesh_difference?;
+        Some(MESH_ORDER * difference * scale * scale)
+    }
+}
+
+/// The effort that serves all cases that share surfaces: for the rays of the most demanding one, as many
+/// surfaces as all of them need.
+pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Option<Effort> {
+    let cost = 1.0 / (scale * scale);
+    let total = |effort: &Effort| effort.realisations.saturating_mul(effort.rays_of_surface);
+    cases
+        .iter()
+        .map(|figures| figures.effort(error, cost, most))
+        .reduce(|a, b| {
+            let demanding = if total(&b) > total(&a) { b } else { a };
+            Effort {
+                realisations: a.realisations.max(b.realisations),
+                ..demanding
+            }
+        })
+}
+
+/// The coarsest of the spacings `scales` at which the mesh error of every case is small beside the
+/// target, or the finest, with what the mesh adds there and whether that is small.
+pub(crate) fn spacing(
+    cases: &[Figures],
+    target: Target,
+    scales: &[f64],
+) -> (f64, Option<f64>, bool) {
+    let worst = |scale: f64| {
+        let errors: Option<Vec<f64>> = cases.iter().map(|c| c.mesh_error(scale)).collect();
+        errors.map(|errors| errors.into_iter().fold(0.0, f64::max))
+    };
+    let mut chosen = (1.0, worst(1.0), false);
+    if chosen.1.is_none() {
+        return (1.0, None, true);
+    }
+    for &scale in scales {
+        let error = worst(scale);
+        chosen = (
+            scale,
+            error,
+            error.is_some_and(|e| e <= MESH_SHARE * target.error()),
+        );
+        if chosen.2 {
+            break;
+        }
+    }
+    chosen
+}
+
+/// A recipe for the same tile with `scale` times the spacing: 2, 1 or 1/2; none if the grid has no such.
+pub(crate) fn respaced(synthesis: &Synthesis, scale: f64) -> Option<Synthesis> {
+    let [ny, nx] = synthesis.shape();
+    let shape = if scale == 2.0 {
+        (nx % 2 == 0 && ny % 2 == 0).then_some([ny / 2, nx / 2])?
+    } else {
+        [ny.checked_mul(2)?, nx.checked_mul(2)?]
+    };
+    let spacing = synthesis.spacing().map(|d| d * scale);
+    Synthesis::new(*synthesis.psd(), shape, spacing, false).ok()
+}
+
+/// How much the results on the same surfaces with twice the spacing differ: the root of the sum of
+/// squares, to which noise is counted that may hide more.
+fn difference(entries: &[usize], fine: &Ensemble, coarse: &Ensemble) -> f64 {
+    let n = fine.records.len().min(coarse.records.len()) as f64;
+    let [mut squares, mut noise, mut noise_squares] = [0.0; 3];
+    for &i in entries {
+        let pairs = fine.records.iter().zip(&coarse.records);
+        let [mean, variance] = mean_and_variance(pairs.map(|(fine, coarse)| coarse[i] - fine[i]));
+        squares += mean * mean;
+        noise += variance / n;
+        noise_squares += (variance / n).powi(2);
+    }
+    // The sum of squared normal errors scatters by the root of twice the sum of their squared variances.
+    ((squares - noise).max(0.0) + 2.0 * (2.0 * noise_squares).sqrt()).sqrt()
+}
+
+fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    let squares: f64 = values.map(|x| (x - mean).powi(2)).sum();
+    [mean, if n > 1.0 { squares / (n - 1.0) } else { 0.0 }]
+}
+
+/// How many entries of `aim` the control of an estimate knows of, each with an error of one ray at least.
+pub(crate) fn entries_with_least_error(
+    aim: Aim,
+    layout: &Layout,
+    control: Option<&asperity_tally::Control>,
+) -> usize {
+    control.map_or(0, |control| {
+        let expected = control.expected();
+        let entries = aim.entries(layout);
+        entries.into_iter().filter(|&i| expected[i] != 0.0).count()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn figures(v_s: f64, v_r: f64, mesh: Option<f64>) -> Figures {
+        Figures {
+            figures: PilotFigures {
+                realisations: 16,
+                rays: 1,
+                variance_of_surfaces: v_s,
+                variance_of_rays: v_r,
+                cost_of_surface_ns: 1e6,
+                cost_of_ray_ns: 100.0,
+                mesh_difference: mesh,
+            },
+            fewest_rays: 0.0,
+        }
+    }
+
+    #[test]
+    fn no_other_division_reaches_the_error_in_less_time() {
+        let (v_s, v_r) = (1e-4, 1.0);
+        let error = 1e-3;
+        let effort = figures(v_s, v_r, None).effort(error, 1.0, 1 << 20);
+        let n = effort.rays_of_surface as f64;
+        let variance = (v_s + v_r / n) / effort.realisations as f64;
+        assert!(variance <= error * error && variance > 0.7 * error * error);
+        let time = |n: f64| (v_s + v_r / n) * (1e6 + 100.0 * n);
+        assert!(time(n) < time(1.2 * n) && time(n) < time(n / 1.2), "{n}");
+    }
+
+    #[test]
+    fn few_surfaces_get_more_rays_and_many_are_never_more_than_allowed() {
+        let easy = figures(1e-12, 1.0, None).effort(1e-3, 1.0, 1 << 20);
+        assert_eq!(easy.realisations, 8);
+        assert!(
+            (1.2e5..1.7e5).contains(&(easy.rays_of_surface as f64)),
+            "{easy:?}"
+        );
+        let hard = figures(1.0, 1.0, None).effort(1e-3, 1.0, 100);
+        assert_eq!(hard.realisations, 100);
+        let exact = figures(0.0, 0.0, None).effort(1e-3, 1.0, 100);
+        assert_eq!([exact.realisations, exact.rays_of_surface], [8, 1000]);
+    }
+
+    #[test]
+    fn the_coarsest_spacing_is_taken_whose_mesh_is_good_enough() {
+        let target = Target::new(Some(3e-3), None).unwrap().unwrap();
+        let chosen = |difference: f64| {
+            let cases = [
+                figures(1.0, 1.0, Some(difference)),
+                figures(1.0, 1.0, Some(0.0)),
+            ];
+            spacing(&cases, target, &[2.0, 1.0, 0.5])
+        };
+        // 4/3, 1/3 and 1/12 of the difference against a third of the target.
+        assert_eq!(chosen(7e-4).0, 2.0);
+        assert_eq!(chosen(2.9e-3).0, 1.0);
+        assert_eq!(chosen(1.1e-2).0, 0.5);
+        assert_eq!(chosen(1.1e-2).2, true);
+        let hopeless = chosen(1.0);
+        assert_eq!((hopeless.0, hopeless.2), (0.5, false));
+        assert_eq!(
+            spacing(&[figures(1.0, 1.0, None)], target, &[2.0, 1.0]),
+            (1.0, None, true)
+        );
+    }
+}
