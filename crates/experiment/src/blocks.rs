@@ -55,6 +55,9 @@ const RECORD_BUDGET: usize = 1 << 28;
 /// last block, on average for half of one.
 const BLOCKS_OF_THREAD: usize = 32;
 
+/// Blocks of a run that is to stop: from fewer there is no error.
+const BLOCKS_IN_ANY_CASE: usize = 2;
+
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
     ///
@@ -95,7 +98,7 @@ impl Blocks {
 
 /// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
 ///
-/// If the run is to stop, those that run side by side are finished, the first ones in any case.
+/// If the run is to stop, those that are under way are finished, and the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
     tracer: &Tracer<'_, G>,
     (light, control): (&Illumination, Option<&Control>),
@@ -106,8 +109,8 @@ pub(crate) fn run_blocks<G: Geometry>(
     mut each: impl FnMut(&[f64]) + Send,
 ) -> Work {
     let mut work = Work::default();
-    let mut take = |records: Vec<(Vec<f64>, Work)>| {
-        for (mut values, done) in records {
+    let mut take = |records: Vec<Option<(Vec<f64>, Work)>>| {
+        for (mut values, done) in records.into_iter().flatten() {
             if let Some(control) = control {
                 control.complete(&mut values);
             }
@@ -116,10 +119,13 @@ pub(crate) fn run_blocks<G: Geometry>(
         }
     };
     let trace = |block: usize| {
+        if block >= BLOCKS_IN_ANY_CASE && progress.stop().is_some() {
+            return None;
+        }
         let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
         let record = tracer.batch(light, blocks.strata, settings.layout, control, &mut rng);
         progress.advance(u64::from(blocks.strata).pow(2));
-        record
+        Some(record)
     };
     // Waves bound how many records are held at once; those of one are taken while the next is traced.
     let records = RECORD_BUDGET / (2 * settings.layout.len() * size_of::<f64>());
@@ -127,9 +133,6 @@ pub(crate) fn run_blocks<G: Geometry>(
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
-        if first > 0 && progress.stop().is_some() {
-            break;
-        }
         let last = (first + wave).min(count);
         // One block at a time, so that a thread without work finds any that is left.
         let blocks = (first..last).into_par_iter().with_max_len(1);

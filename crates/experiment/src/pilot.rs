@@ -320,7 +320,7 @@ mod tests {
         assert_eq!(chosen(7e-4).0, 2.0);
         assert_eq!(chosen(2.9e-3).0, 1.0);
         assert_eq!(chosen(1.1e-2).0, 0.5);
-        assert_eq!(chosen(1.1e-2).2, true);
+        assert!(chosen(1.1e-2).2);
         let hopeless = chosen(1.0);
         assert_eq!((hopeless.0, hopeless.2), (0.5, false));
         assert_eq!(
