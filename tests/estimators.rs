@@ -5,8 +5,9 @@
 //! large, shares that are subtracted but not added.
 
 #![allow(
+    clippy::unwrap_used,
     clippy::print_stdout,
-    reason = "what is compared is worth reading when it fails"
+    reason = "helpers of tests fail and speak as tests do"
 )]
 
 use asperity_experiment::{Estimator, Silent, VerifyConfig, VerifyOutcome, verify};

@@ -113,7 +113,10 @@ fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
         "verify --tau 8 --size 128 --smoothness 2 --eta 1.4 --theta 0 --realisations 12 --rays 1e5 -o out",
     );
     let text = succeed(folder, &fixed);
-    assert!(text.contains("bins in rings of 20 rays or more"), "{text}");
+    assert!(
+        text.contains("bins in rings of 20 deviating rays"),
+        "{text}"
+    );
     assert!(!text.contains(" phi "), "no azimuth is named: {text}");
     let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
     // Bins of a ring are copies of each other, in what was found and in what is expected.

@@ -65,6 +65,9 @@ pub(crate) const RECORD_BUDGET: usize = 1 << 28;
 /// last block, on average for half of one.
 const BLOCKS_OF_THREAD: usize = 32;
 
+/// Blocks of a run that is to stop: from fewer there is no error.
+const BLOCKS_IN_ANY_CASE: usize = 2;
+
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
     ///
@@ -108,7 +111,7 @@ impl Blocks {
 /// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
 /// and the records follow one another; the work counted is that of the first.
 ///
-/// If the run is to stop, those that run side by side are finished, the first ones in any case.
+/// If the run is to stop, those that are under way are finished, and the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
     meshes: &[LitMesh<'_, G>],
     settings: &RaySettings,
@@ -118,8 +121,8 @@ pub(crate) fn run_blocks<G: Geometry>(
     mut each: impl FnMut(&[f64]) + Send,
 ) -> Work {
     let mut work = Work::default();
-    let mut take = |records: Vec<(Vec<f64>, Work)>| {
-        for (mut values, done) in records {
+    let mut take = |records: Vec<Option<(Vec<f64>, Work)>>| {
+        for (mut values, done) in records.into_iter().flatten() {
             let records = values.chunks_exact_mut(settings.layout.len());
             for (record, mesh) in records.zip(meshes) {
                 if let Some(control) = mesh.control {
@@ -131,6 +134,9 @@ pub(crate) fn run_blocks<G: Geometry>(
         }
     };
     let trace = |block: usize| {
+        if block >= BLOCKS_IN_ANY_CASE && progress.stop().is_some() {
+            return None;
+        }
         let mut of_first = Work::default();
         let mut records = Vec::new();
         for mesh in meshes {
@@ -146,7 +152,7 @@ pub(crate) fn run_blocks<G: Geometry>(
             }
         }
         progress.advance(u64::from(blocks.strata).pow(2));
-        (records, of_first)
+        Some((records, of_first))
     };
     // Waves bound how many records are held at once; those of one are taken while the next is traced.
     let values = meshes.len() * settings.layout.len();
@@ -155,9 +161,6 @@ pub(crate) fn run_blocks<G: Geometry>(
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
-        if first > 0 && progress.stop().is_some() {
-            break;
-        }
         let last = (first + wave).min(count);
         // One block at a time, so that a thread without work finds any that is left.
         let blocks = (first..last).into_par_iter().with_max_len(1);

@@ -1,0 +1,243 @@
+//! Runs that end at an error, at the end of their time or by an interrupt.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{files, json, refused, succeed, with_surface, words};
+
+const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
+
+fn verify<'a>(flags: &'a str, rest: &[&'a str]) -> Vec<&'a str> {
+    [&["verify"], &words(SURFACES)[..], &words(flags), rest].concat()
+}
+
+#[test]
+fn a_target_is_reached_with_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for threads in ["1", "2"] {
+        let run = words("--target-error 1e-2 --of rings --theta 0,40");
+        let rest = ["-o", threads, "--threads", threads];
+        succeed(folder, &[&verify("--seed 3", &rest)[..], &run].concat());
+    }
+    let summary = |threads: &str, case: &str| {
+        let file = folder.join(threads).join(case).join("summary.json");
+        json(&fs::read_to_string(file).unwrap())
+    };
+    for case in ["s2_n1.5_theta0", "s2_n1.5_theta40"] {
+        for name in ["histogram.csv", "report.txt"] {
+            let read = |threads: &str| fs::read(folder.join(threads).join(case).join(name));
+            assert!(read("1").unwrap() == read("2").unwrap(), "{case}/{name}");
+        }
+        let one = summary("1", case);
+        assert_eq!(one["stopping"], summary("2", case)["stopping"]);
+        let stopping = &one["stopping"];
+        assert_eq!(stopping["stopped_by"], "target");
+        assert_eq!(stopping["of"], "rings");
+        assert!(stopping["error"].as_f64().unwrap() <= 1e-2);
+        assert!(stopping["pilot"]["rays"].as_u64().unwrap() > 0);
+        // Numbers that were not asked for do not stand there as if they had been.
+        assert!(one["config"]["verify"]["run"]["rays"].is_null());
+        let report = fs::read_to_string(folder.join("1").join(case).join("report.txt")).unwrap();
+        assert!(report.contains("error of rings"), "{report}");
+    }
+}
+
+#[test]
+fn what_is_known_is_not_traced() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = words("verify --smoothness 100 --target-error 1e-4 --models smith -o out");
+    let text = succeed(folder.path(), &flags);
+    assert!(text.contains("nothing was traced"), "{text}");
+    let summary = json(&fs::read_to_string(folder.path().join("out/summary.json")).unwrap());
+    assert_eq!(summary["work"]["rays"], 0);
+    assert_eq!(summary["stopping"]["stopped_by"], "bound");
+    assert!(summary["deviation_bound"].as_f64().unwrap() < 1e-8);
+    let reflected = &summary["energy"]["reflected"];
+    assert!((reflected["mean"].as_f64().unwrap() - 0.0415).abs() < 1e-4);
+    assert!(reflected["se"].as_f64().unwrap() < 1e-8);
+}
+
+#[test]
+fn when_the_time_is_over_results_are_valid_and_marked() {
+    let (_keep, folder) = with_surface();
+    let text = succeed(
+        &folder,
+        &verify(
+            "--rays 1e9 --realisations 10000",
+            &["-o", "v", "--max-time", "0.2s"],
+        ),
+    );
+    assert!(text.contains("warning: the time was over"), "{text}");
+    let trace = words("trace h.exr --theta 30 --rays 1e10 --max-time 0.2 --no-plots -o t");
+    let text = succeed(&folder, &trace);
+    assert!(text.contains("note: the time was over"), "{text}");
+    for out in ["v", "t"] {
+        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+        assert_eq!(summary["stopping"]["stopped_by"], "time");
+        assert!(summary["warnings"].to_string().contains("time"));
+        let energy = &summary["energy"];
+        let sum: f64 = ["reflected", "transmitted", "absorbed", "truncated", "lost"]
+            .map(|part| energy[part]["mean"].as_f64().unwrap())
+            .iter()
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-9);
+        assert!(energy["reflected"]["se"].as_f64().unwrap() > 0.0);
+        assert!(files(&folder.join(out)).contains(&"histogram.csv".to_owned()));
+    }
+}
+
+#[test]
+fn rays_on_one_surface_are_as_many_as_the_target_takes() {
+    let (_keep, folder) = with_surface();
+    let trace = words("trace h.exr --theta 30 --target-error 3e-3 --of rings --json");
+    let run = |threads: &'static str| {
+        let text = succeed(&folder, &[&trace[..], &["--threads", threads]].concat());
+        json(&text)
+    };
+    let [one, two] = [run("1"), run("2")];
+    assert_eq!(one["stopping"], two["stopping"]);
+    assert_eq!(one["energy"], two["energy"]);
+    let stopping = &one["stopping"];
+    assert_eq!(stopping["stopped_by"], "target");
+    assert!(stopping["error"].as_f64().unwrap() <= 3e-3);
+    assert!(one["config"]["rays"].is_null());
+    // The same rays, asked for by their number.
+    let rays = one["work"]["rays"].to_string();
+    if stopping["rounds"] == 0 {
+        let plain = [&words("trace h.exr --theta 30 --json --rays")[..], &[&rays]].concat();
+        assert_eq!(json(&succeed(&folder, &plain))["energy"], one["energy"]);
+    }
+}
+
+#[test]
+fn bad_targets_and_times_get_a_sentence() {
+    let (_keep, folder) = with_surface();
+    let trace =
+        |flags: &'static str| [&words("trace h.exr --theta 30")[..], &words(flags)].concat();
+    for (flags, expected) in [
+        ("--target-error 0", "target error is 0"),
+        ("--target-error -1", "target error is -1"),
+        ("--target-error nan", "nan"),
+        ("--target-error 1e-3 --of ring", "in-plane"),
+        ("--of bins", "no target error"),
+        (
+            "--target-error 1e-3 --of transmitted --material mirror",
+            "nothing is transmitted",
+        ),
+        ("--target-error 1e-3 --of absorbed", "nothing is absorbed"),
+        (
+            "--target-error 1e-3 --of reflected --side transmitted",
+            "not recorded",
+        ),
+        ("--target-error 1e-3 --rays 1e4", "--rays"),
+        ("--max-time 0", "no time"),
+        ("--max-time -5", "no time"),
+        ("--max-time soon", "no time"),
+    ] {
+        for arguments in [trace(flags), verify(flags, &["-o", "out"])] {
+            let sentence = refused(&folder, &arguments, 2);
+            assert!(sentence.contains(expected), "{flags}: {sentence}");
+        }
+    }
+    let both = verify("--target-error 1e-3 --realisations 9", &["-o", "out"]);
+    assert!(refused(&folder, &both, 2).contains("--realisations"));
+    assert!(!folder.join("out").exists());
+}
+
+#[test]
+fn flags_say_whether_the_target_of_a_file_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = "[surface]\ntau = 8\nsize = 128\n[run]\ntarget_error = 0.05\n[compare]\nmodels = []";
+    fs::write(folder.join("v.toml"), text).unwrap();
+    let work = |flags: &str| {
+        let fixed = words("verify v.toml --no-plots --json -o out");
+        let flags = flags.split_whitespace().collect::<Vec<_>>();
+        json(&succeed(folder, &[&fixed[..], &flags].concat()))
+    };
+    assert_eq!(work("")["stopping"]["target_error"], 0.05);
+    let counted = work("--realisations 3 --rays 3000");
+    assert_eq!(counted["work"]["realisations"], 3);
+    assert!(counted["stopping"].is_null());
+    fs::write(
+        folder.join("v.toml"),
+        format!("{text}\n[output]\nplots = true"),
+    )
+    .unwrap();
+    let text = text.replace("[run]", "[run]\nrays = 1e4");
+    fs::write(folder.join("v.toml"), text).unwrap();
+    let error = refused(folder, &words("verify v.toml -o out"), 2);
+    assert!(
+        error.contains("v.toml") && error.contains("either target_error"),
+        "{error}"
+    );
+}
+
+/// Sends an interrupt to a run that would take hours, as Ctrl-C does, and returns its exit code and what
+/// it said.
+#[cfg(unix)]
+fn interrupted(folder: &Path, arguments: &[&str], times: u32) -> (Option<i32>, String) {
+    use std::process::{Command, Stdio};
+    use std::thread::sleep;
+    use std::time::Duration;
+
+    let program = Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .current_dir(folder)
+        .args(arguments)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap();
+    sleep(Duration::from_millis(700));
+    for _ in 0..times {
+        let id = program.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-INT", &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+        sleep(Duration::from_millis(50));
+    }
+    let output = program.wait_with_output().unwrap();
+    (
+        output.status.code(),
+        String::from_utf8(output.stderr).unwrap(),
+    )
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_writes_the_results_so_far_and_a_second_one_ends_at_once() {
+    let (_keep, folder) = with_surface();
+    let long = verify("--rays 1e9 --realisations 10000", &["-o", "v"]);
+    let trace = words("trace h.exr --theta 30 --rays 1e10 --no-plots -o t");
+    for (out, arguments) in [("v", &long), ("t", &trace)] {
+        let (code, errors) = interrupted(&folder, arguments, 1);
+        assert_eq!(code, Some(0), "{errors}");
+        assert_eq!(errors.lines().count(), 1, "{errors}");
+        assert!(errors.contains("interrupted"), "{errors}");
+        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+        assert_eq!(summary["stopping"]["stopped_by"], "interrupt");
+        assert!(summary["warnings"].to_string().contains("interrupted"));
+        assert!(summary["work"]["rays"].as_u64().unwrap() > 0);
+    }
+    // A surface of 1e12 rays does not end soon.
+    let endless = verify("--rays 1e12 --realisations 2", &["-o", "none"]);
+    let (code, errors) = interrupted(&folder, &endless, 2);
+    assert_eq!(code, Some(130), "{errors}");
+    assert!(
+        errors.is_empty() && !folder.join("none").exists(),
+        "{errors}"
+    );
+}
