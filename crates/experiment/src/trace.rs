@@ -174,9 +174,10 @@ fn trace_on<G: Geometry>(
             statistics.push(values);
         })
     };
-    let error = |statistics: &BatchStatistics| {
-        let aim = settings.target?.of();
-        aim.error(&settings.layout, statistics)
+    let error = |statistics: &BatchStatistics, rays| {
+        let layout = &settings.layout;
+        let statistics = with_least_errors(method, layout, statistics.clone(), rays);
+        settings.target?.of().error(layout, &statistics)
     };
 
     // Rays of a pilot run are none of those of the result.
@@ -188,7 +189,7 @@ fn trace_on<G: Geometry>(
         let mut pilot = MeshStatistics::new(len, lit.len());
         run(pilot::FIRST, fewest, &mut pilot);
         progress.end();
-        let ratio = error(&pilot.records).unwrap_or(0.0) / target.error();
+        let ratio = error(&pilot.records, fewest.rays()).unwrap_or(0.0) / target.error();
         let needed = MARGIN * fewest.rays() as f64 * ratio * ratio;
         rays = needed.clamp(RAYS[0], RAYS[1]).ceil() as u64;
     }
@@ -208,7 +209,7 @@ fn trace_on<G: Geometry>(
         if done.rays < blocks.rays() {
             break progress.stop().unwrap_or(StoppedBy::Interrupt);
         }
-        let (Some(error), Some(target)) = (error(&statistics.records), settings.target) else {
+        let (Some(error), Some(target)) = (error(&statistics.records, work.rays), settings.target) else {
             break StoppedBy::Plan;
         };
         if error <= target.error() {
@@ -227,7 +228,7 @@ fn trace_on<G: Geometry>(
     let stopping = Stopping {
         target_error: settings.target.map(|target| target.error()),
         of: settings.target.map(|target| target.of()),
-        error: error(&statistics.records),
+        error: error(&statistics.records, work.rays),
         mesh_error: None,
         pilot: None,
         realisations: 1,
