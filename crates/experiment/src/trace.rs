@@ -209,7 +209,8 @@ fn trace_on<G: Geometry>(
         if done.rays < blocks.rays() {
             break progress.stop().unwrap_or(StoppedBy::Interrupt);
         }
-        let (Some(error), Some(target)) = (error(&statistics.records, work.rays), settings.target) else {
+        let (Some(error), Some(target)) = (error(&statistics.records, work.rays), settings.target)
+        else {
             break StoppedBy::Plan;
         };
         if error <= target.error() {

@@ -252,6 +252,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Lets one path of a batch start at `[u, v]` of the period, with the light turned by `turn`.
+    #[inline]
     fn start<R: Rng>(
         &self,
         beam: &Beam,
@@ -374,6 +375,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Has a leg searched next.
+    #[inline]
     fn push<R>(&self, leg: Leg<G::Facet>, query: Query, batch: &mut Batch<'_, G::Facet, R>) {
         let last = matches!(leg.errand, Errand::Light)
             && leg.light.path.order() >= self.settings.max_order;
@@ -563,6 +565,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
     ///
     /// Under a control the first branches are all followed: what cancels must not be left to chance.
+    #[inline(always)]
     fn set_out_or_end<R: Rng>(
         &self,
         heading: Heading,
@@ -591,6 +594,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// once. A branch of lower order is always followed, since it may come back. This is decided
     /// after all random numbers of a branch are drawn, and one of the highest order draws no more, so
     /// what is recorded of a side does not depend on whether the other is asked for.
+    #[inline(always)]
     fn set_out_if_asked<R: Rng>(
         &self,
         heading: Heading,

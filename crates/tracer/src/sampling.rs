@@ -119,7 +119,8 @@ impl Places {
         let [u, v] = match &mut self.order {
             Order::Random(shuffle) => shuffle.draw(rng)?,
             Order::Stratified { places, width } => {
-                places.next()?.map(|place| jittered(place, *width, rng))
+                let [column, row] = places.next()?;
+                [jittered(column, *width, rng), jittered(row, *width, rng)]
             }
             Order::QuasiRandom(net) => return net.draw(any_azimuth, rng),
         };
@@ -129,6 +130,7 @@ impl Places {
 }
 
 /// A random number between `index` and `index + 1`, in units of `width`.
+#[inline]
 fn jittered<R: Rng>(index: u32, width: f64, rng: &mut R) -> f64 {
     (f64::from(index) + rng.random::<f64>()) * width
 }

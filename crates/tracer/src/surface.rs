@@ -317,7 +317,7 @@ impl Geometry for Surface {
             .is_some_and(|(_, below)| medium.sign() * (p.z - below.z) < 0.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
         let q = medium.sign();
         let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
