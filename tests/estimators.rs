@@ -146,3 +146,19 @@ fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
         assert!(ratio > least, "{ratio}");
     }
 }
+
+#[test]
+fn one_surface_is_not_mixed_with_the_mean_of_others() {
+    let text = "
+        [surface]
+        size = 128
+        [run]
+        realisations = 1
+        rays = 1e4
+        [compare]
+        models = []
+        ";
+    let estimator = |asked| outcome(text, asked, 1).cases[0].work.estimator;
+    assert_eq!(estimator(Estimator::Auto), Estimator::Plain);
+    assert_eq!(estimator(Estimator::Controlled), Estimator::Controlled);
+}

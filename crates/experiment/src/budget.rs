@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::mesh_error::{MeshErrors, Refinement};
-use crate::method::Method;
+use crate::method::{ControlMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -59,7 +59,13 @@ impl ErrorBudget {
         (method, layout, rays): (&Method, &Layout, u64),
         mesh: MeshErrors,
     ) -> Self {
-        let none = "none: the result is that of this one surface alone".to_owned();
+        let none = match method.control_mean() {
+            Some(ControlMean::GaussianSlopes) => {
+                "not known: one surface tells nothing of others, whose mean its control adds"
+            }
+            _ => "none: the result is that of this one surface alone",
+        }
+        .to_owned();
         Self::new(
             blocks.error_squares().collect(),
             (None, none),

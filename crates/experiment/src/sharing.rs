@@ -10,6 +10,7 @@ use crate::blocks::RaySettings;
 use crate::case::Case;
 use crate::config::VerifyConfig;
 use crate::ensemble::{Ensemble, Group, surface_bytes};
+use crate::estimator::Estimator;
 use crate::known::Known;
 use crate::limits::{check_memory, most_realisations};
 use crate::method::{Method, with_least_errors};
@@ -77,11 +78,17 @@ impl Sharing {
             .filter(|(_, known)| known.is_none())
             .map(|(case, _)| *case)
             .collect();
+        // What one surface does is asked for as it is, without the mean of others.
+        let of_one = config.run.realisations.0 == 1 && settings.target.is_none();
+        let estimator = match settings.estimator {
+            Estimator::Auto if of_one => Estimator::Plain,
+            chosen => chosen,
+        };
         let methods = traced
             .par_iter()
             .map(|case| {
                 Ok(Method::of_ensemble(
-                    settings.estimator,
+                    estimator,
                     &slopes(&case.psd)?,
                     case.material,
                     case.incidence,
