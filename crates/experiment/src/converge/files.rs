@@ -222,7 +222,7 @@ fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
     ErrorOverTime {
         title: format!("Run time against error: {parameters}"),
         subtitle: format!(
-            "surfaces of {x} × {y}; seconds are medians of {repeats} run{plural} on {threads} threads"
+            "surfaces of {x} × {y} length units; seconds are medians of {repeats} run{plural} on {threads} threads"
         ),
         methods: case
             .methods

@@ -43,7 +43,7 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     let _ = writeln!(out, "{}", case.case);
     let _ = writeln!(
         out,
-        "surfaces of {} x {}; the reference is {} of {nx} x {ny} with {} rays each, {} and {}, in {} s",
+        "surfaces of {} x {} length units; the reference is {} of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
         short(x),
         short(y),
         reference.surfaces,
