@@ -9,7 +9,8 @@ use asperity_io::check_output_folder;
 use crate::args::{Common, Converge};
 use crate::failure::Failure;
 use crate::input::{one_or_many, override_ensemble, read_config, refuse_surface};
-use crate::output::{print, print_json};
+use crate::interrupt;
+use crate::output::{print, print_json, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
@@ -29,8 +30,12 @@ pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
     check_output_folder(&command.output).map_err(Failure::failed)?;
 
     let bar = Bar::new(common);
+    interrupt::listen();
     let outcome = converge(&config, &bar).map_err(Failure::failed)?;
     converge_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
+    if interrupt::came() {
+        say("interrupted; the cases that were finished are written");
+    }
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
     if command.json {
         return print_json(&converge_summary(&outcome));

@@ -55,9 +55,6 @@ pub(crate) struct Blocks {
 /// surface is in cache, few enough to keep every thread busy.
 const ORDINARY_STRATA: u64 = 512;
 
-/// Most blocks of a surface; beyond, blocks grow.
-const MOST_BLOCKS: u64 = 1 << 16;
-
 /// Memory for the records of blocks that are run side by side, and of those run before.
 pub(crate) const RECORD_BUDGET: usize = 1 << 28;
 
@@ -73,9 +70,7 @@ impl Blocks {
     ///
     /// Quasi-random rays come in smaller blocks, of a size that `sampling` allows.
     pub(crate) fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
-        let count = rays
-            .div_ceil(ORDINARY_STRATA.pow(2))
-            .clamp(fewest.min(rays), MOST_BLOCKS);
+        let count = rays.div_ceil(ORDINARY_STRATA.pow(2)).max(fewest.min(rays));
         // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
         let strata = match sampling {
             Sampling::Random | Sampling::Stratified => (rays.div_ceil(count) - 1).isqrt() + 1,
@@ -194,7 +189,8 @@ mod tests {
                 // A square may be 2 strata + 1 larger than the share, in each block.
                 let slack = blocks.count * (2 * u64::from(blocks.strata) + 1);
                 assert!(blocks.rays() - rays <= slack, "{rays} {blocks:?}");
-                assert!(blocks.count <= MOST_BLOCKS);
+                // So that a run that is to stop does so soon.
+                assert!(u64::from(blocks.strata) <= ORDINARY_STRATA);
                 assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
                 assert_eq!(blocks, Blocks::plan(rays, fewest, Sampling::Random));
             }

@@ -42,6 +42,8 @@ pub struct ErrorBudget {
     /// Squares, by the layout, where there were several surfaces.
     surfaces: Option<Vec<f64>>,
     mesh: MeshErrors,
+    /// Of what was not traced.
+    bounds: Option<Vec<f64>>,
     ways: Ways,
 }
 
@@ -53,6 +55,25 @@ const TOTAL: &str =
     "root of the sum of the squares of rays, surfaces and mesh, without those that are null";
 
 impl ErrorBudget {
+    /// The errors of what is known without a ray, to within bounds.
+    pub(crate) fn of_bounds(bounds: Vec<f64>) -> Self {
+        let none = || "none: nothing was traced".to_owned();
+        let len = bounds.len();
+        Self {
+            rays: vec![f64::NAN; len],
+            surfaces: None,
+            mesh: MeshErrors::unknown(len, "none: nothing was traced"),
+            bounds: Some(bounds),
+            ways: Ways {
+                rays: none(),
+                surfaces: none(),
+                mesh: none(),
+                mesh_removed: none(),
+                total: "bound on what shadow, masking and multiple scattering can change",
+            },
+        }
+    }
+
     /// The errors of the only surface that there is, of which `blocks` are the ray blocks.
     pub(crate) fn of_one(
         blocks: &BatchStatistics,
@@ -109,6 +130,7 @@ impl ErrorBudget {
             rays,
             surfaces,
             mesh,
+            bounds: None,
             ways: Ways {
                 rays: of_rays,
                 surfaces: of_surfaces,
@@ -136,12 +158,16 @@ impl ErrorBudget {
                 .as_ref()
                 .and_then(|refinement| refinement.remaining(i).se),
             mesh_removed: self.mesh.removed.as_ref().map(|removed| removed[i]),
-            total: rays.map(|rays| {
-                [surfaces, mesh]
-                    .into_iter()
-                    .flatten()
-                    .fold(rays, f64::hypot)
-            }),
+            total: self
+                .bounds
+                .as_ref()
+                .map(|bounds| bounds[i])
+                .or(rays.map(|rays| {
+                    [surfaces, mesh]
+                        .into_iter()
+                        .flatten()
+                        .fold(rays, f64::hypot)
+                })),
         }
     }
 

@@ -82,6 +82,9 @@ const NOTHING_MISSING: f64 = 1e-9;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConvergeError {
+    /// An interrupt came before the first case was finished.
+    #[error("interrupted before a case was finished: there is nothing to write")]
+    Interrupted,
     /// The surfaces or their light cannot be had.
     #[error(transparent)]
     Run(#[from] VerifyError),
@@ -290,10 +293,15 @@ pub fn converge(
     }
     let rays = stages.iter().map(Stage::rays).sum();
     progress.begin("tracing", rays);
-    let cases = stages
-        .iter()
-        .map(|stage| stage.measure(progress))
-        .collect::<Result<_, _>>()?;
+    let mut cases = Vec::new();
+    for stage in &stages {
+        match stage.measure(progress) {
+            Ok(case) => cases.push(case),
+            // The cases that are finished stand for themselves.
+            Err(ConvergeError::Interrupted) if !cases.is_empty() => break,
+            Err(error) => return Err(error),
+        }
+    }
     progress.end();
     Ok(ConvergeOutcome {
         config: config.clone(),
@@ -433,6 +441,9 @@ impl<'a> Stage<'a> {
             group.run(0..effort.surfaces, progress)
         })?;
         let seconds = clock.elapsed().as_secs_f64();
+        if progress.stop().is_some() {
+            return Err(ConvergeError::Interrupted);
+        }
         let mut statistics = BatchStatistics::new(self.plan.layout.len());
         let mut run = Run {
             statistics: BatchStatistics::default(),

@@ -16,7 +16,7 @@ use crate::case::Case;
 use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
 use crate::mesh_error::{MeshStatistics, Meshes};
 use crate::method::Method;
-use crate::progress::{Progress, ToTheEnd};
+use crate::progress::Progress;
 use crate::stopping::{StoppedBy, ratio};
 use crate::summary::Used;
 use crate::trace::FEWEST_BLOCKS;
@@ -37,6 +37,8 @@ const WORTH_SHOWING: u64 = 4;
 /// What one surface did with the light of every case.
 struct Realisation {
     cases: Vec<OfCase>,
+    /// Whether it has had all of its rays.
+    complete: bool,
     seconds: Seconds,
     used: Used,
 }
@@ -178,7 +180,8 @@ impl Group<'_> {
     /// Draws the surfaces of these numbers once and traces all cases on each.
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If
-    /// the run is to stop, those begun are finished, and none may have been begun.
+    /// the run is to stop, those that are complete are returned, or, if none is, what there is of the first,
+    /// if it has begun.
     pub(crate) fn run(
         &self,
         surfaces: Range<u64>,
@@ -197,6 +200,13 @@ impl Group<'_> {
             .flat_map_iter(|_| self.one_after_the_other(&next, &surfaces, &watch, progress))
             .collect();
         drawn.sort_unstable_by_key(|(index, _)| *index);
+        // A surface that a stop cut short counts only if there is no other.
+        let complete = |one: &Result<Realisation, _>| one.as_ref().is_ok_and(|one| one.complete);
+        if drawn.iter().any(|(_, one)| complete(one)) {
+            drawn.retain(|(_, one)| one.is_err() || complete(one));
+        } else {
+            drawn.truncate(1);
+        }
 
         let mut ensembles: Vec<Ensemble> = Vec::new();
         let share = 1.0 / self.cases.len() as f64;
@@ -246,7 +256,8 @@ impl Group<'_> {
             }
             let realisation = self.one(index, &mut room, progress);
             match &realisation {
-                Ok(realisation) => self.watch(watch, realisation, progress),
+                Ok(one) if one.complete => self.watch(watch, one, progress),
+                Ok(_) => {}
                 Err(_) => next.store(surfaces.end, Ordering::Relaxed),
             }
             drawn.push((index, realisation));
@@ -319,13 +330,6 @@ impl Group<'_> {
         seconds.build = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
-        // One surface alone may end between its blocks, since its errors come from them.
-        let to_the_end = ToTheEnd(progress);
-        let progress = if self.realisations == 1 {
-            progress
-        } else {
-            &to_the_end
-        };
         let mut cases = Vec::new();
         for (case, method) in self.cases.iter().zip(self.methods) {
             let mut traced = Vec::new();
@@ -366,8 +370,12 @@ impl Group<'_> {
         let used = Used::of(&*accelerators[0]);
         drop(accelerators);
         *room = meshes.into_given().into_heights();
+        let complete = cases
+            .iter()
+            .all(|case| case.work.rays == self.blocks().rays());
         Ok(Realisation {
             cases,
+            complete,
             seconds,
             used,
         })

@@ -2,6 +2,7 @@
 //! than an error that is good enough.
 
 use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed_control};
+use asperity_optics::Material;
 use asperity_tally::{BatchStatistics, Layout, Share};
 
 use crate::blocks::RaySettings;
@@ -60,6 +61,9 @@ impl Known {
         errors[Layout::LEFT_PATCH] = 0.0;
         if case.material.transmitting_index().is_none() {
             errors[Layout::TRANSMITTED] = 0.0;
+        }
+        if !matches!(case.material, Material::Conductor { .. }) {
+            errors[Layout::ABSORBED] = 0.0;
         }
         for share in [Share::Single, Share::Multiple] {
             errors[layout.hits(share)].fill(0.0);

@@ -80,6 +80,8 @@ pub(crate) struct Figures {
 pub(crate) struct Effort {
     pub(crate) realisations: u64,
     pub(crate) rays_of_surface: u64,
+    /// The error to be expected of it, of the most demanding case.
+    pub(crate) expected: f64,
 }
 
 impl Figures {
@@ -151,12 +153,17 @@ impl Figures {
             // With more or fewer surfaces than are best, rays make up for them.
             surfaces = bounded;
             let left = surfaces * wanted - v_s;
-            rays = if left > 0.0 { v_r / left } else { most_rays };
+            // Where surfaces alone scatter more than that, no number of rays does.
+            if left > 0.0 {
+                rays = v_r / left;
+            }
         }
         rays = rays.max(self.fewest_rays / surfaces);
+        let rays = rays.clamp(least_rays, most_rays);
         Effort {
             realisations: surfaces as u64,
-            rays_of_surface: rays.clamp(least_rays, most_rays).ceil() as u64,
+            rays_of_surface: rays.ceil() as u64,
+            expected: ((v_s + v_r / rays) / surfaces).sqrt(),
         }
     }
 
@@ -179,6 +186,7 @@ pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Opti
             let demanding = if total(&b) > total(&a) { b } else { a };
             Effort {
                 realisations: a.realisations.max(b.realisations),
+                expected: a.expected.max(b.expected),
                 ..demanding
             }
         })
@@ -301,7 +309,10 @@ mod tests {
             "{easy:?}"
         );
         let hard = figures(1.0, 1.0, None).effort(1e-3, 1.0, 100);
+        // A hundred surfaces cannot do it, and rays do not help.
         assert_eq!(hard.realisations, 100);
+        assert!(hard.rays_of_surface < 1_000_000, "{hard:?}");
+        assert!((0.1..0.2).contains(&hard.expected), "{hard:?}");
         let exact = figures(0.0, 0.0, None).effort(1e-3, 1.0, 100);
         assert_eq!([exact.realisations, exact.rays_of_surface], [8, 1000]);
     }

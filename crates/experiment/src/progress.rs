@@ -71,18 +71,3 @@ impl Progress for Deadline<'_> {
         })
     }
 }
-
-/// Goes on to the end of a surface, whatever happens.
-pub(crate) struct ToTheEnd<'a>(pub(crate) &'a dyn Progress);
-
-impl Progress for ToTheEnd<'_> {
-    fn begin(&self, stage: &str, total: u64) {
-        self.0.begin(stage, total);
-    }
-    fn advance(&self, steps: u64) {
-        self.0.advance(steps);
-    }
-    fn end(&self) {
-        self.0.end();
-    }
-}

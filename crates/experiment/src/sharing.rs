@@ -23,6 +23,9 @@ use crate::verify::{VerifyError, slopes};
 /// Times that surfaces are added to those planned, at most.
 const MOST_ROUNDS: u32 = 4;
 
+/// What the mesh may add to an error at its target: a third of it, squared.
+const MESH_ALLOWANCE: f64 = 1.055;
+
 /// Surfaces added are so many times more than the error found asks for.
 const ROUND_MARGIN: f64 = 1.1;
 
@@ -221,6 +224,14 @@ impl Sharing {
         }
         let most = most_realisations(layout, all_cases);
         if let Some(effort) = pilot::plan(&self.figures, target.error(), scale, most) {
+            if effort.expected > target.error() {
+                self.warnings.push(format!(
+                    "the target {} takes more than {} surfaces, the most that results are held of: expect {}",
+                    error_in_short(target.error()),
+                    effort.realisations,
+                    error_in_short(effort.expected)
+                ));
+            }
             self.realisations = effort.realisations;
             self.settings.rays = effort.realisations.saturating_mul(effort.rays_of_surface);
         }
@@ -277,7 +288,13 @@ impl Sharing {
                     break;
                 };
                 if worst <= 1.0 {
-                    ended = StoppedBy::Target;
+                    let mesh = self.mesh_error.unwrap_or(0.0);
+                    let target = self.settings.target.map_or(0.0, |target| target.error());
+                    ended = if (worst * target).hypot(mesh) <= target * MESH_ALLOWANCE {
+                        StoppedBy::Target
+                    } else {
+                        StoppedBy::Mesh
+                    };
                     break;
                 }
                 let needed = (planned as f64 * worst * worst * ROUND_MARGIN).ceil() as u64;

@@ -193,6 +193,8 @@ impl Target {
 pub enum StoppedBy {
     /// The error asked for was reached.
     Target,
+    /// Surfaces and rays are as many as the error asked for takes, but the mesh adds too much to it.
+    Mesh,
     /// All that was planned is done.
     Plan,
     /// Its time was over.
@@ -273,6 +275,10 @@ impl Stopping {
                 )),
                 _ => None,
             },
+            StoppedBy::Mesh => Some(
+                "the target is reached but for the mesh, which no finer spacing tried makes good enough"
+                    .to_owned(),
+            ),
             StoppedBy::Target | StoppedBy::Bound => None,
         });
         self

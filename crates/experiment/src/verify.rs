@@ -29,9 +29,6 @@ use crate::values::{Count, Number, PerAxis};
 /// azimuth, a bin stands for its ring, and the rays of the ring count.
 const ENOUGH_RAYS: f64 = 20.0;
 
-/// Why the mesh has no error where nothing was traced.
-const NOTHING_TRACED: &str = "none: nothing was traced, so there was no mesh";
-
 /// Why a verification fails.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -352,8 +349,10 @@ fn errors(
     } = traced;
     let method_and_rays = (method, layout, ensemble.work.rays);
     if traced.deviation_bound.is_some() {
-        let mesh = MeshErrors::unknown(layout.len(), NOTHING_TRACED);
-        return Ok(ErrorBudget::of_one(statistics, method_and_rays, mesh));
+        let bounds = (0..layout.len())
+            .map(|i| statistics.estimate(i).se.unwrap_or(0.0))
+            .collect();
+        return Ok(ErrorBudget::of_bounds(bounds));
     }
     let [nx, ny] = traced.size;
     let synthesis = Synthesis::new(case.psd, [ny, nx], traced.spacing, config.surface.insist)?;

@@ -179,13 +179,14 @@ impl Control {
 
     /// Errors that no estimate of `rays` rays under this control should fall below, by the layout: in
     /// each entry that the control knows of, one ray that carries what light carries to that side on
-    /// average. Where no ray was seen to deviate from the control, the next one might.
+    /// average, and in a part of the budget no more than in all others together. Where no ray was seen to
+    /// deviate from the control, the next one might.
     #[must_use]
     pub fn least_errors(&self, layout: &Layout, rays: u64) -> Vec<f64> {
         let budget = Layout::REFLECTED..=Layout::LOST;
         let known: f64 = self.expected[budget.clone()].iter().sum();
         let mut least = vec![0.0; layout.len()];
-        for part in budget {
+        for part in budget.clone() {
             // Light carries its share of what it began with.
             let one_ray = self.expected[part] / known / rays as f64;
             for entry in entries_of(layout, part) {
@@ -193,6 +194,12 @@ impl Control {
                     least[entry] = one_ray;
                 }
             }
+        }
+        // Since the budget closes, no part of it is less certain than all others together.
+        let parts: Vec<f64> = least[budget.clone()].to_vec();
+        let all: f64 = parts.iter().sum();
+        for (part, own) in budget.zip(parts) {
+            least[part] = own.min(all - own);
         }
         least
     }
@@ -341,7 +348,10 @@ mod tests {
         assert!((least[bins.start] - 1e-3 * 0.025 / known).abs() < 1e-18);
         // A ring of share zero is not controlled.
         assert_eq!(least[bins.start + 3], 0.0);
-        assert!((least[Layout::TRANSMITTED] - 1e-3 * 0.45 / known).abs() < 1e-18);
+        let order_1 = layout().order(Side::Transmitted, 1);
+        assert!((least[order_1] - 1e-3 * 0.45 / known).abs() < 1e-18);
+        // What is not transmitted is reflected or absorbed.
+        assert!((least[Layout::TRANSMITTED] - 1e-3 * 0.205 / known).abs() < 1e-18);
         assert_eq!(least[Layout::LOST], 0.0);
     }
 

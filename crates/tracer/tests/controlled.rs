@@ -248,6 +248,56 @@ fn controlled_and_plain_means_agree() {
     }
 }
 
+/// The comparison above can fail: a mean that lacks the cosine of the facets, as a sum of their weights over
+/// areas of facets instead of areas beneath them would, is seen at once.
+#[test]
+fn a_mean_without_its_cosine_is_noticed() {
+    let glass = Material::dielectric(1.5).unwrap();
+    let setting = Setting::new(
+        "s = 1",
+        rough(1.0, [1.0, 1.0], Border::Periodic),
+        glass,
+        30.0,
+    );
+    let wrong = {
+        let both = setting.layout().with_sides(Sides::Both);
+        let mut sum = vec![0.0; both.len()];
+        let count = setting.surface.facet_count();
+        for index in 0..count {
+            let facets = index..index + 1;
+            let (surface, wi) = (&setting.surface, setting.incidence());
+            let part = sum_over_facets(surface, glass, wi, Medium::Above, both, facets);
+            let cos_theta_m = surface.normal(surface.facet(index)).z;
+            for (sum, value) in sum.iter_mut().zip(part) {
+                *sum += cos_theta_m * value;
+            }
+        }
+        let n = both.grid().n_theta();
+        let shares = VisibleShares {
+            rings: [vec![0.8; n], vec![0.8; n]],
+            absorbed: 0.8,
+        };
+        Control::new(setting.layout(), shares, &unshadowed_fluxes(&both, &sum))
+    };
+    let plain = setting.run(Starts::FromAbove, None, 1);
+    let controlled = setting.run(Starts::OnSurface, Some(&wrong), 2);
+    let worst = setting
+        .entries()
+        .into_iter()
+        .map(|i| {
+            let (a, b) = (plain.estimate(i), controlled.estimate(i));
+            let se = a.se.unwrap().hypot(b.se.unwrap());
+            if se > 0.0 && a.mean > 1e-3 {
+                (b.mean - a.mean).abs() / se
+            } else {
+                0.0
+            }
+        })
+        .fold(0.0, f64::max);
+    println!("largest |z| {worst:.1}");
+    assert!(worst > 10.0, "{worst}");
+}
+
 #[test]
 fn the_budget_of_every_batch_closes() {
     for setting in settings() {
