@@ -216,6 +216,24 @@ fn interrupted(folder: &Path, arguments: &[&str], times: u32) -> (Option<i32>, S
     )
 }
 
+/// Rays beyond any number that could be traced, on one surface and on each of several: what is there when the
+/// time is over is written, and blocks and surfaces are small enough to end soon.
+#[test]
+fn endless_runs_end_when_their_time_is_over() {
+    let (_keep, folder) = with_surface();
+    let trace = words("trace h.exr --theta 30 --rays 1e13 --max-time 1 --no-plots -o t");
+    let target = words("trace h.exr --theta 30 --target-error 1e-9 --max-time 1 --no-plots -o e");
+    let several = verify("--rays 1e13 --realisations 4 --max-time 1", &["-o", "v"]);
+    for (out, arguments) in [("t", &trace), ("e", &target), ("v", &several)] {
+        succeed(&folder, arguments);
+        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
+        assert_eq!(summary["stopping"]["stopped_by"], "time");
+        let rays = summary["work"]["rays"].as_u64().unwrap();
+        assert!(rays > 0 && rays < 1_000_000_000, "{rays}");
+        assert!(summary["energy"]["transmitted"]["se"].as_f64().unwrap() > 0.0);
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupt_writes_the_results_so_far_and_a_second_one_ends_at_once() {
@@ -232,8 +250,9 @@ fn an_interrupt_writes_the_results_so_far_and_a_second_one_ends_at_once() {
         assert!(summary["warnings"].to_string().contains("interrupted"));
         assert!(summary["work"]["rays"].as_u64().unwrap() > 0);
     }
-    // A surface of 1e12 rays does not end soon.
-    let endless = verify("--rays 1e12 --realisations 2", &["-o", "none"]);
+    // A block of rays that try every facet does not end soon.
+    let endless =
+        words("trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none");
     let (code, errors) = interrupted(&folder, &endless, 2);
     assert_eq!(code, Some(130), "{errors}");
     assert!(

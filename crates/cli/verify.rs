@@ -32,7 +32,7 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = verify(&config, &bar).map_err(|error| match error {
-        VerifyError::Config(_) => refuse(&error),
+        VerifyError::Config(_) | VerifyError::Model(_) => refuse(&error),
         _ => Failure::failed(error),
     })?;
     verify_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;

@@ -156,6 +156,9 @@ pub(crate) fn run_blocks<G: Geometry>(
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
+        if first > 0 && progress.stop().is_some() {
+            break;
+        }
         let last = (first + wave).min(count);
         // One block at a time, so that a thread without work finds any that is left.
         let blocks = (first..last).into_par_iter().with_max_len(1);
