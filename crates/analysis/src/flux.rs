@@ -15,8 +15,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use asperity_optics::{Material, from_spherical, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Side, Sides};
+use asperity_optics::{Incidence, Material, from_spherical, polar_angle, reflect, refract};
+use asperity_tally::{HemisphereGrid, Layout, Side, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -113,6 +113,89 @@ pub fn flux_into(
     let theta = within_side(side, theta);
     FluxIntegral::new(&Scattering::of(model, &bsdf), wi, side)
         .map_or(0.0, |mut range| range.over(theta, phi))
+}
+
+/// Flux fraction that `model` sends to `side` between two signed angles from the normal of that side,
+/// radians, negative where the light comes from, within `half_width` of the plane of incidence.
+///
+/// `from <= to`, both within a quarter of a turn; they may lie on either side of the normal. The plane is
+/// that of the azimuth of `incidence`, also where the light is vertical.
+#[must_use]
+pub fn in_plane_flux(
+    model: &dyn BsdfModel,
+    incidence: Incidence,
+    half_width: f64,
+    side: Side,
+    angles: [f64; 2],
+) -> f64 {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    in_plane_flux_of(
+        &Scattering::of(model, &bsdf),
+        incidence,
+        half_width,
+        side,
+        angles,
+    )
+}
+
+/// [`in_plane_flux`] of any scattering.
+pub(crate) fn in_plane_flux_of(
+    scattering: &Scattering<'_>,
+    incidence: Incidence,
+    half_width: f64,
+    side: Side,
+    [from, to]: [f64; 2],
+) -> f64 {
+    let wedge = |azimuth: f64, [near, far]: [f64; 2]| {
+        if far <= near {
+            return 0.0;
+        }
+        let theta = match side {
+            Side::Reflected => [near, far],
+            Side::Transmitted => [PI - far, PI - near],
+        };
+        let phi = [azimuth - half_width, azimuth + half_width];
+        FluxIntegral::new(scattering, incidence.wi(), side)
+            .map_or(0.0, |mut range| range.over(theta, phi))
+    };
+    let backward = incidence.phi();
+    wedge(backward + PI, [from.max(0.0), to.max(0.0)])
+        + wedge(backward, [(-to).max(0.0), (-from).max(0.0)])
+}
+
+/// Flux fractions that `model` sends into the in-plane bins of `side`.
+pub(crate) fn in_plane_fluxes(
+    model: &dyn BsdfModel,
+    incidence: Incidence,
+    layout: &Layout,
+    side: Side,
+) -> Vec<f64> {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, layout, side)
+}
+
+/// [`in_plane_fluxes`] of any scattering.
+pub(crate) fn in_plane_fluxes_of(
+    scattering: &Scattering<'_>,
+    incidence: Incidence,
+    layout: &Layout,
+    side: Side,
+) -> Vec<f64> {
+    let last = layout.in_plane_len() - 1;
+    (0..=last)
+        .into_par_iter()
+        .map(|i| {
+            // Vertical light has no forward side on facets that tilt one way as often as any other.
+            let i = if incidence.is_vertical() && scattering.slopes.is_isotropic() {
+                i.max(last - i)
+            } else {
+                i
+            };
+            let angles = layout.in_plane_edges_deg(i).map(f64::to_radians);
+            let half_width = layout.in_plane_half_width();
+            in_plane_flux_of(scattering, incidence, half_width, side, angles)
+        })
+        .collect()
 }
 
 /// The part of a range of polar angles that lies on `side`.

@@ -7,15 +7,17 @@
     reason = "helpers of tests fail and report as tests do"
 )]
 
+mod common;
+
 use std::f64::consts::PI;
 
-use asperity_analysis::{
-    SlopeCovariance, create_model, flux_into, hemispherical_energy, xu_sun_visibility,
-};
+use asperity_analysis::{SlopeCovariance, flux_into, hemispherical_energy, xu_sun_visibility};
 use asperity_optics::{Material, from_spherical};
 use asperity_tally::Side;
 use glam::DVec3;
 use serde_json::Value;
+
+use common::closed_form;
 
 const MODELS: [&str; 3] = ["xu-sun", "smith-separable", "smith"];
 
@@ -115,11 +117,11 @@ fn check_spot(spot: &Spot) -> f64 {
     let wi = light(spot.theta_i);
     let mut worst = 0.0_f64;
     for (name, expected) in MODELS.iter().zip(spot.btdf) {
-        let model = create_model(name, spot.s, glass).unwrap();
+        let model = closed_form(name, spot.s, glass);
         worst = worst.max(relative(model.bsdf(wi, down), expected));
     }
     for (name, expected) in MODELS[1..].iter().zip(spot.brdf) {
-        let model = create_model(name, spot.s, glass).unwrap();
+        let model = closed_form(name, spot.s, glass);
         worst = worst.max(relative(model.bsdf(wi, up), expected));
     }
     worst
@@ -139,7 +141,7 @@ fn hemispherical_energies_are_those_of_the_reference() {
     let glass = Material::dielectric(1.4).unwrap();
     for row in &ENERGIES {
         for (i, name) in MODELS.iter().enumerate() {
-            let model = create_model(name, row.s, glass).unwrap();
+            let model = closed_form(name, row.s, glass);
             let energy = hemispherical_energy(model.as_ref(), light(30.0));
             let errors = [
                 relative(energy.transmitted, row.transmitted[i]),
@@ -152,7 +154,7 @@ fn hemispherical_energies_are_those_of_the_reference() {
                 row.s
             );
         }
-        let mirror = create_model("smith", row.s, Material::Mirror).unwrap();
+        let mirror = closed_form("smith", row.s, Material::Mirror);
         let energy = hemispherical_energy(mirror.as_ref(), light(30.0));
         assert!(relative(energy.reflected, row.mirror) < 1e-10);
         assert_eq!(energy.transmitted, 0.0);
@@ -266,7 +268,7 @@ fn ensemble_expectations_agree() {
         ];
         for (name, (t_key, r_key, profile_key)) in MODELS.iter().zip(keys) {
             let glass = Material::dielectric(eta).unwrap();
-            let model = create_model(name, number(case, "s"), glass).unwrap();
+            let model = closed_form(name, number(case, "s"), glass);
             let energy = hemispherical_energy(model.as_ref(), wi);
             // Nine digits are given.
             assert!(relative(energy.transmitted, number(&case["analytic_T1"], t_key)) < 1e-9);
