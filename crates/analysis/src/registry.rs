@@ -4,13 +4,27 @@ use asperity_optics::Material;
 
 use crate::model::{BsdfModel, ModelError, ScatteringModel};
 use crate::slopes::SlopeCovariance;
-use crate::{Masking, Smith, XuSun};
+use crate::{Attenuation, CookTorranceNeumann, Masking, Smith, VCavity, XuSun};
 
 /// The names that [`create_model`] knows.
-pub const MODEL_NAMES: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const MODEL_NAMES: &[&str] = &[
+    XuSun::NAME,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
 
 /// Those of them that have a density at every direction: the names that [`closed_form`] knows.
-pub const CLOSED_FORMS: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const CLOSED_FORMS: &[&str] = &[
+    XuSun::NAME,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
 
 /// The model of that name for a surface of Gaussian facet `slopes` and `material`.
 ///
@@ -36,10 +50,14 @@ pub fn closed_form(
     material: Material,
 ) -> Result<Box<dyn BsdfModel>, ModelError> {
     let smith = |masking| Smith::new(slopes, material, masking);
+    let neumann = |attenuation| CookTorranceNeumann::new(slopes, material, attenuation);
     Ok(match name {
         XuSun::NAME => Box::new(XuSun::new(slopes, material)?),
         Smith::NAME_CORRELATED => Box::new(smith(Masking::HeightCorrelated)?),
         Smith::NAME_SEPARABLE => Box::new(smith(Masking::Separable)?),
+        VCavity::NAME => Box::new(VCavity::new(slopes, material)?),
+        CookTorranceNeumann::NAME_GROOVES => Box::new(neumann(Attenuation::Grooves)?),
+        CookTorranceNeumann::NAME_SMITH => Box::new(neumann(Attenuation::Smith)?),
         _ => {
             return Err(ModelError::Unknown {
                 name: name.to_owned(),
