@@ -37,6 +37,7 @@ mod expectation;
 mod facet_scattering;
 mod family;
 mod flux;
+mod gaussian_normals;
 mod kinematics;
 mod kinks;
 mod lobe;
@@ -51,6 +52,7 @@ mod unshadowed;
 mod v_cavity;
 mod verdict;
 mod xu_sun;
+mod xu_sun_mc;
 
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
@@ -73,3 +75,4 @@ pub use unshadowed::unshadowed_fluxes;
 pub use v_cavity::{VCavity, v_cavity_g1};
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};
+pub use xu_sun_mc::{RayVisibility, XuSunMonteCarlo};

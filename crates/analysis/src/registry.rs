@@ -2,13 +2,16 @@
 
 use asperity_optics::Material;
 
+use crate::RayVisibility;
 use crate::model::{BsdfModel, ModelError, ScatteringModel};
 use crate::slopes::SlopeCovariance;
-use crate::{Attenuation, CookTorranceNeumann, Masking, Smith, VCavity, XuSun};
+use crate::{Attenuation, CookTorranceNeumann, Masking, Smith, VCavity, XuSun, XuSunMonteCarlo};
 
 /// The names that [`create_model`] knows.
 pub const MODEL_NAMES: &[&str] = &[
     XuSun::NAME,
+    XuSunMonteCarlo::NAME,
+    XuSunMonteCarlo::NAME_SMITH,
     Smith::NAME_CORRELATED,
     Smith::NAME_SEPARABLE,
     VCavity::NAME,
@@ -36,7 +39,18 @@ pub fn create_model(
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn ScatteringModel>, ModelError> {
-    closed_form(name, slopes, material).map(|model| model as Box<dyn ScatteringModel>)
+    let xu_sun = |visibility| XuSunMonteCarlo::new(slopes, material, visibility);
+    Ok(match name {
+        XuSunMonteCarlo::NAME => Box::new(xu_sun(RayVisibility::XuSun)?),
+        XuSunMonteCarlo::NAME_SMITH => Box::new(xu_sun(RayVisibility::Smith)?),
+        _ => closed_form(name, slopes, material).map_err(|error| match error {
+            ModelError::Unknown { name, .. } => ModelError::Unknown {
+                name,
+                known: MODEL_NAMES,
+            },
+            error => error,
+        })?,
+    })
 }
 
 /// The model of that name, if it has a density at every direction.
