@@ -37,9 +37,12 @@ mod expectation;
 mod facet_scattering;
 mod family;
 mod flux;
+mod gaussian_normals;
 mod kinematics;
+mod kinks;
 mod lobe;
 mod model;
+mod neumann;
 mod quadrature;
 mod registry;
 mod sign_flip;
@@ -49,6 +52,7 @@ mod unshadowed;
 mod v_cavity;
 mod verdict;
 mod xu_sun;
+mod xu_sun_mc;
 
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
@@ -60,12 +64,15 @@ pub use expectation::{Effort, Expectation, expect};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
 pub use flux::{bin_fluxes, flux_into, in_plane_flux};
 pub use kinematics::{Facet, reflecting_facet, refracting_facet};
+pub use kinks::Kinks;
 pub use model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+pub use neumann::{Attenuation, CookTorranceNeumann};
 pub use registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use slopes::{SlopeCovariance, SlopeError, smith_lambda};
 pub use smith::{Masking, Smith};
 pub use unshadowed::unshadowed_fluxes;
-pub use v_cavity::v_cavity_g1;
+pub use v_cavity::{VCavity, v_cavity_g1};
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};
+pub use xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
