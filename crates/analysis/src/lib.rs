@@ -37,6 +37,7 @@ mod expectation;
 mod facet_scattering;
 mod family;
 mod flux;
+mod heitz;
 mod kinematics;
 mod lobe;
 mod model;
@@ -48,6 +49,7 @@ mod smith;
 mod unshadowed;
 mod v_cavity;
 mod verdict;
+mod visible_normals;
 mod xu_sun;
 
 pub use comparison::{
@@ -59,6 +61,7 @@ pub use energy::{HemisphericalEnergy, hemispherical_energy};
 pub use expectation::{Effort, Expectation, expect};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
 pub use flux::{bin_fluxes, flux_into, in_plane_flux};
+pub use heitz::Heitz;
 pub use kinematics::{Facet, reflecting_facet, refracting_facet};
 pub use model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
 pub use registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};

@@ -4,10 +4,15 @@ use asperity_optics::Material;
 
 use crate::model::{BsdfModel, ModelError, ScatteringModel};
 use crate::slopes::SlopeCovariance;
-use crate::{Masking, Smith, XuSun};
+use crate::{Heitz, Masking, Smith, XuSun};
 
 /// The names that [`create_model`] knows.
-pub const MODEL_NAMES: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const MODEL_NAMES: &[&str] = &[
+    XuSun::NAME,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    Heitz::NAME,
+];
 
 /// Those of them that have a density at every direction: the names that [`closed_form`] knows.
 pub const CLOSED_FORMS: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
@@ -22,7 +27,16 @@ pub fn create_model(
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn ScatteringModel>, ModelError> {
-    closed_form(name, slopes, material).map(|model| model as Box<dyn ScatteringModel>)
+    if !MODEL_NAMES.contains(&name) {
+        return Err(ModelError::Unknown {
+            name: name.to_owned(),
+            known: MODEL_NAMES,
+        });
+    }
+    Ok(match name {
+        Heitz::NAME => Box::new(Heitz::new(slopes, material)?),
+        _ => closed_form(name, slopes, material)?,
+    })
 }
 
 /// The model of that name, if it has a density at every direction.
