@@ -14,7 +14,9 @@
 //! Light scattered once has a closed form, the height-correlated [`Smith`] model; the walk is there for
 //! what is scattered more often, which is rare on smooth surfaces. So at each facet the light that escapes
 //! is booked as an expectation, and the walk goes on with the rest: every ray contributes to all
-//! orders.
+//! orders. At the first facet light goes on both ways, by reflection and by transmission, at others one
+//! way, picked by what is left of it; roulette ends paths that have become weak against their own
+//! beginning.
 //!
 //! # Source
 //! Heitz, Hanika, d'Eon and Dachsbacher 2016, "Multiple-scattering microfacet BSDFs with the Smith model".
@@ -22,12 +24,13 @@
 #[cfg(test)]
 mod analog;
 mod height;
+mod way;
 
-use asperity_optics::{Material, dielectric, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
+use asperity_optics::Material;
+use asperity_tally::{EventPath, Exit, Loss, Record, Side};
 use glam::DVec3;
+use rand::RngExt;
 use rand::distr::Open01;
-use rand::{Rng, RngExt};
 use rand_chacha::ChaCha8Rng;
 
 use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
@@ -35,6 +38,7 @@ use crate::slopes::SlopeCovariance;
 use crate::visible_normals::visible_normal;
 use crate::{Masking, Smith};
 use height::Height;
+use way::{Way, ways_on};
 
 /// Light of all orders on the Smith microsurface of Gaussian slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,13 +48,12 @@ pub struct Heitz {
     material: Material,
 }
 
-/// Interactions after which a path is ended; the share of light that is left then is far below rounding
-/// unless a mirror is all but vertical everywhere.
+/// Interactions after which a path is ended. What is left of it is booked as truncated.
 const MOST_INTERACTIONS: u32 = 1000;
 
-/// Roulette begins where the weight of a path has fallen below this share of that with which it set out
-/// for its second facet.
-const ROULETTE_BELOW: f64 = 0.5;
+/// Roulette begins where the weight of a path has fallen below this share of that with which light sets
+/// out for its second facet: relative, so that it does not matter how rare that is.
+const ROULETTE_BELOW: f64 = 0.25;
 
 impl Heitz {
     /// The name of the model.
@@ -105,44 +108,73 @@ impl ScatteringModel for Heitz {
 
 impl Walk for Heitz {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
-        let mut height = Height::ABOVE_ALL.descended(self.slopes.lambda(wi), open(rng));
-        let mut side = Side::Reflected;
-        let mut w = wi;
-        let mut weight = 1.0;
-        let mut path = EventPath::default();
-        let mut threshold = 0.0;
-        while path.order() < MOST_INTERACTIONS {
-            let m = visible_normal(&self.slopes, w, rng);
-            let (ways, absorbed) = self.ways_on(side, height, w, m);
-            if absorbed > 0.0 {
-                record.add_loss(Loss::Absorbed, weight * absorbed);
+        let first = Arrival {
+            side: Side::Reflected,
+            height: Height::ABOVE_ALL.descended(self.slopes.lambda(wi), rng.sample(Open01)),
+            w: wi,
+            weight: 1.0,
+            path: EventPath::default(),
+        };
+        let ways = self.scatter(&first, rng, record);
+        let threshold = ROULETTE_BELOW * ways.iter().map(|way| way.left).sum::<f64>();
+        for way in ways {
+            self.go_on(&way, way.left, first.path, threshold, rng, record);
+        }
+    }
+}
+
+/// Light that has come to a facet.
+struct Arrival {
+    /// Where the medium that it comes through lies; the frame is the one in which that is +z.
+    side: Side,
+    height: Height,
+    /// Unit direction towards where it comes from.
+    w: DVec3,
+    weight: f64,
+    /// Before this facet.
+    path: EventPath,
+}
+
+impl Heitz {
+    /// Draws the facet, and books what it absorbs and what escapes from it. The light that is left has not
+    /// escaped either way.
+    fn scatter(&self, at: &Arrival, rng: &mut ChaCha8Rng, record: &mut Record<'_>) -> [Way; 2] {
+        let m = visible_normal(&self.slopes, at.w, rng);
+        let (ways, absorbed) = ways_on(&self.slopes, self.material, at, m);
+        if absorbed > 0.0 {
+            record.add_loss(Loss::Absorbed, at.weight * absorbed);
+        }
+        for way in &ways {
+            let flux = at.weight * way.escaping;
+            if flux > 0.0 {
+                record.add_exit(&Exit {
+                    side: way.side,
+                    wo: way.upright_direction(),
+                    flux,
+                    path: at.path.then(way.event),
+                });
             }
-            for way in &ways {
-                let flux = weight * way.share * way.escape;
-                if flux > 0.0 {
-                    record.add_exit(&Exit {
-                        side: way.side,
-                        wo: upright(way.side, way.direction),
-                        flux,
-                        path: path.then(way.event),
-                    });
-                }
-            }
-            let [staying, passing] = ways.each_ref().map(|way| way.share * way.blocked);
-            let left = staying + passing;
-            let picked = if rng.random::<f64>() * left < passing {
-                &ways[1]
-            } else {
-                &ways[0]
-            };
-            weight *= left;
-            // Nothing to speak of, and too little to divide by.
-            if left < f64::MIN_POSITIVE {
+        }
+        ways
+    }
+
+    /// Follows light of that `weight` which goes on one `way` from a facet and does not escape.
+    fn go_on(
+        &self,
+        way: &Way,
+        mut weight: f64,
+        mut path: EventPath,
+        threshold: f64,
+        rng: &mut ChaCha8Rng,
+        record: &mut Record<'_>,
+    ) {
+        let mut way = *way;
+        while path.order() + 1 < MOST_INTERACTIONS {
+            // Too little to be divided by, and too little to matter.
+            if way.left < f64::MIN_POSITIVE {
                 break;
             }
-            if path.order() == 0 {
-                threshold = ROULETTE_BELOW * weight;
-            } else if weight < threshold {
+            if weight < threshold {
                 let survives = rng.random::<f64>() * threshold < weight;
                 let kept = if survives { threshold } else { 0.0 };
                 record.add_loss(Loss::Truncated, weight - kept);
@@ -151,129 +183,23 @@ impl Walk for Heitz {
                 }
                 weight = kept;
             }
-            height = picked.next_height(open(rng));
-            path = path.then(picked.event);
-            side = picked.side;
-            w = -picked.direction;
+            path = path.then(way.event);
+            let at = Arrival {
+                side: way.side,
+                height: way.next_height(rng.sample(Open01)),
+                w: -way.direction,
+                weight,
+                path,
+            };
+            let [reflected, transmitted] = self.scatter(&at, rng, record);
+            let left = reflected.left + transmitted.left;
+            way = if rng.random::<f64>() * left < transmitted.left {
+                transmitted
+            } else {
+                reflected
+            };
+            weight *= left;
         }
         record.add_loss(Loss::Truncated, weight);
-    }
-}
-
-/// A way on from a facet, in a frame whose +z points into the medium that the way leads through.
-#[derive(Clone, Copy)]
-struct Way {
-    event: Event,
-    side: Side,
-    direction: DVec3,
-    /// Share of the flux that arrived.
-    share: f64,
-    height: Height,
-    lambda: f64,
-    /// Probability that it leads away from the surface,
-    escape: f64,
-    /// and that it does not.
-    blocked: f64,
-}
-
-impl Way {
-    fn new(
-        slopes: &SlopeCovariance,
-        event: Event,
-        side: Side,
-        direction: DVec3,
-        share: f64,
-        height: Height,
-    ) -> Self {
-        let lambda = slopes.lambda(direction);
-        let (escape, blocked) = if direction.z > 0.0 {
-            height.escape(lambda)
-        } else {
-            (0.0, 1.0)
-        };
-        Self {
-            event,
-            side,
-            direction,
-            share,
-            height,
-            lambda,
-            escape,
-            blocked,
-        }
-    }
-
-    /// Where light that does not escape meets the next facet.
-    fn next_height(&self, u: f64) -> Height {
-        if self.direction.z > 0.0 {
-            self.height.ascended(self.lambda, self.blocked, u)
-        } else {
-            self.height.descended(self.lambda, u)
-        }
-    }
-}
-
-impl Heitz {
-    /// The ways on by reflection and by transmission for light on `side` that comes from `w` to a facet
-    /// `m`, and the share that is absorbed.
-    fn ways_on(&self, side: Side, height: Height, w: DVec3, m: DVec3) -> ([Way; 2], f64) {
-        let cos_alpha = w.dot(m).clamp(0.0, 1.0);
-        let index = self.material.transmitting_index().map(|eta| match side {
-            Side::Reflected => eta,
-            Side::Transmitted => 1.0 / eta,
-        });
-        let fresnel = match index {
-            Some(eta) => dielectric(cos_alpha, eta),
-            None => self.material.fresnel(cos_alpha),
-        };
-        let reflected = Way::new(
-            &self.slopes,
-            Event::Reflection,
-            side,
-            reflect(w, m),
-            fresnel.reflected,
-            height,
-        );
-        match index {
-            Some(eta) if fresnel.transmitted > 0.0 => {
-                let d = refract(w, m, eta, fresnel.cos_beta);
-                let transmitted = Way::new(
-                    &self.slopes,
-                    Event::Transmission,
-                    behind(side),
-                    DVec3::new(d.x, d.y, -d.z),
-                    fresnel.transmitted,
-                    height.seen_from_behind(),
-                );
-                ([reflected, transmitted], 0.0)
-            }
-            _ => {
-                let nothing = Way {
-                    share: 0.0,
-                    ..reflected
-                };
-                ([reflected, nothing], 1.0 - fresnel.reflected)
-            }
-        }
-    }
-}
-
-/// A uniform number in (0, 1), both ends excluded.
-fn open<R: Rng>(rng: &mut R) -> f64 {
-    rng.sample(Open01)
-}
-
-const fn behind(side: Side) -> Side {
-    match side {
-        Side::Reflected => Side::Transmitted,
-        Side::Transmitted => Side::Reflected,
-    }
-}
-
-/// Between the frame of a side and that in which +z points into the incident medium.
-fn upright(side: Side, w: DVec3) -> DVec3 {
-    match side {
-        Side::Reflected => w,
-        Side::Transmitted => DVec3::new(w.x, w.y, -w.z),
     }
 }

@@ -86,3 +86,91 @@ impl Walk for Analog {
         record.add_loss(Loss::Truncated, 1.0);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::family::{chi_squared_survival, sidak_level, sidak_z_threshold};
+    use crate::heitz::Heitz;
+    use asperity_optics::from_spherical;
+    use asperity_tally::{Azimuth, BatchStatistics, HemisphereGrid, Layout, Share};
+    use rand::SeedableRng;
+
+    const BATCHES: u64 = 200;
+
+    fn layout() -> Layout {
+        Layout::new(
+            HemisphereGrid::new(6, 8).unwrap(),
+            Layout::DEFAULT_HALF_WIDTH,
+        )
+        .unwrap()
+    }
+
+    fn sampled(walk: &dyn Walk, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut statistics = BatchStatistics::new(layout().len());
+        for _ in 0..BATCHES {
+            let mut record = Record::new(layout(), Azimuth::From(0.0));
+            for _ in 0..rays / BATCHES {
+                walk.follow(wi, &mut rng, &mut record);
+            }
+            statistics.push(&record.into_fractions(rays / BATCHES));
+        }
+        statistics
+    }
+
+    /// (slope variances and covariance, material, theta of the light in degrees)
+    fn cases() -> Vec<(SlopeCovariance, Material, f64)> {
+        let isotropic = |s| SlopeCovariance::isotropic(s).unwrap();
+        let turned = SlopeCovariance::new(0.5, 2.0, 0.6).unwrap();
+        let glass = Material::dielectric(1.5).unwrap();
+        vec![
+            (isotropic(3.0), glass, 60.0),
+            (isotropic(0.5), glass, 30.0),
+            (
+                isotropic(1.0),
+                Material::dielectric(1.0 / 1.5).unwrap(),
+                70.0,
+            ),
+            (turned, glass, 50.0),
+            (turned, Material::conductor(0.2, 3.0).unwrap(), 70.0),
+        ]
+    }
+
+    #[test]
+    fn the_quick_walk_agrees_with_the_plain_one() {
+        let cases = cases();
+        let mut z_values = Vec::new();
+        let mut p_values = Vec::new();
+        for (i, &(slopes, material, theta)) in cases.iter().enumerate() {
+            let wi = from_spherical(theta.to_radians(), 0.7);
+            let plain = sampled(&Analog { slopes, material }, wi, 100_000, 11 + i as u64);
+            let quick = Heitz::new(slopes, material).unwrap();
+            let quick = sampled(&quick, wi, 60_000, 31 + i as u64);
+            let layout = layout();
+            let entries = Side::BOTH.into_iter().flat_map(|side| {
+                (1..5)
+                    .map(move |order| layout.order(side, order))
+                    .chain([layout.multiple(side), side.index()])
+            });
+            let z = |i: usize| {
+                let (a, b) = (plain.estimate(i), quick.estimate(i));
+                (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
+            };
+            // The plain walk counts rays: below some 20 of them they are not normally distributed.
+            let enough = |i: &usize| plain.means()[*i] > 20.0 / 100_000.0;
+            z_values.extend(entries.chain([Layout::ABSORBED]).filter(enough).map(z));
+            for share in [Share::Single, Share::Multiple] {
+                let bins: Vec<f64> = layout.bins(share).filter(enough).map(z).collect();
+                let chi_squared = bins.iter().map(|z| z * z).sum();
+                p_values.push(chi_squared_survival(chi_squared, bins.len()));
+            }
+        }
+        println!("z {z_values:.2?}");
+        println!("p {p_values:.4?}");
+        let bound = sidak_z_threshold(1e-3, z_values.len());
+        assert!(z_values.len() > 40 && z_values.iter().all(|z| z.abs() < bound));
+        let level = sidak_level(1e-3, p_values.len());
+        assert!(p_values.iter().all(|&p| p > level), "{level}");
+    }
+}
