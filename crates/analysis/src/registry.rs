@@ -5,7 +5,9 @@ use asperity_optics::Material;
 use crate::RayVisibility;
 use crate::model::{BsdfModel, ModelError, ScatteringModel};
 use crate::slopes::SlopeCovariance;
-use crate::{Attenuation, CookTorranceNeumann, Masking, Smith, VCavity, XuSun, XuSunMonteCarlo};
+use crate::{
+    Attenuation, CookTorranceNeumann, Heitz, Masking, Smith, VCavity, XuSun, XuSunMonteCarlo,
+};
 
 /// The names that [`create_model`] knows.
 pub const MODEL_NAMES: &[&str] = &[
@@ -14,6 +16,7 @@ pub const MODEL_NAMES: &[&str] = &[
     XuSunMonteCarlo::NAME_SMITH,
     Smith::NAME_CORRELATED,
     Smith::NAME_SEPARABLE,
+    Heitz::NAME,
     VCavity::NAME,
     CookTorranceNeumann::NAME_GROOVES,
     CookTorranceNeumann::NAME_SMITH,
@@ -43,6 +46,7 @@ pub fn create_model(
     Ok(match name {
         XuSunMonteCarlo::NAME => Box::new(xu_sun(RayVisibility::XuSun)?),
         XuSunMonteCarlo::NAME_SMITH => Box::new(xu_sun(RayVisibility::Smith)?),
+        Heitz::NAME => Box::new(Heitz::new(slopes, material)?),
         _ => closed_form(name, slopes, material).map_err(|error| match error {
             ModelError::Unknown { name, .. } => ModelError::Unknown {
                 name,
