@@ -20,10 +20,26 @@ use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
 use asperity_tracer::Medium;
 
-fn outcome(text: &str, estimator: Estimator, seed: u64) -> VerifyOutcome {
+/// What is done for each case.
+#[derive(Clone, Copy)]
+struct Effort {
+    surfaces: u64,
+    rays: u64,
+    bins: &'static str,
+}
+
+/// Light on the surfaces that `text` describes, without models.
+fn outcome(text: &str, effort: Effort, estimator: Estimator, seed: u64) -> VerifyOutcome {
     let mut config = VerifyConfig::from_toml(text).unwrap();
-    config.run.estimator = estimator;
-    config.run.seed = seed;
+    config.run = RunConfig {
+        realisations: Count(effort.surfaces),
+        rays: Count(effort.rays),
+        bins: effort.bins.parse().unwrap(),
+        estimator,
+        seed,
+        ..config.run
+    };
+    config.compare.models.clear();
     verify(&config, &Silent).unwrap()
 }
 
@@ -76,9 +92,14 @@ impl Scores {
 }
 
 /// Compares both estimators in every case of a configuration.
-fn compare(text: &str) {
-    let plain = outcome(text, Estimator::Plain, 1);
-    let controlled = outcome(text, Estimator::Controlled, 2);
+fn compare(text: &str, rays: u64) {
+    let effort = Effort {
+        surfaces: 24,
+        rays,
+        bins: "9x12",
+    };
+    let plain = outcome(text, effort, Estimator::Plain, 1);
+    let controlled = outcome(text, effort, Estimator::Controlled, 2);
     let entries = entries(&plain.layout);
     let mut all = Scores(Vec::new());
     for (a, b) in plain.cases.iter().zip(&controlled.cases) {
@@ -111,13 +132,8 @@ fn estimators_agree_over_roughness_index_and_angle() {
         eta = [1.5, \"1/1.5\"]
         [light]
         theta = [0, 30, 60]
-        [run]
-        realisations = 24
-        rays = 1e5
-        bins = \"9x12\"
-        [compare]
-        models = []
         ",
+        100_000,
     );
 }
 
@@ -127,7 +143,7 @@ fn estimators_agree_for_grooves_metals_and_mirrors() {
         "kind = \"conductor\"\neta = 0.2\nkappa = 3.4",
         "kind = \"mirror\"",
     ] {
-        compare(&format!(
+        let text = format!(
             "
             [surface]
             smoothness = [3, 1.5]
@@ -140,14 +156,9 @@ fn estimators_agree_for_grooves_metals_and_mirrors() {
             [light]
             theta = [20, 60]
             phi = 70
-            [run]
-            realisations = 24
-            rays = 5e4
-            bins = \"9x12\"
-            [compare]
-            models = []
             "
-        ));
+        );
+        compare(&text, 50_000);
     }
 }
 
@@ -200,14 +211,13 @@ fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
         [surface]
         smoothness = [6, 3]
         size = 128
-        [run]
-        realisations = 16
-        rays = 1e5
-        bins = \"9x12\"
-        [compare]
-        models = []
         ";
-    let runs = [Estimator::Plain, Estimator::Controlled].map(|e| outcome(text, e, 3));
+    let effort = Effort {
+        surfaces: 16,
+        rays: 100_000,
+        bins: "9x12",
+    };
+    let runs = [Estimator::Plain, Estimator::Controlled].map(|e| outcome(text, effort, e, 3));
     for (number, least) in [500.0, 100.0].into_iter().enumerate() {
         let [plain, controlled] = runs.each_ref().map(|run| {
             let statistics = &run.cases[number].statistics;
@@ -223,16 +233,15 @@ fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
 
 #[test]
 fn one_surface_is_not_mixed_with_the_mean_of_others() {
-    let text = "
-        [surface]
-        size = 128
-        [run]
-        realisations = 1
-        rays = 1e4
-        [compare]
-        models = []
-        ";
-    let estimator = |asked| outcome(text, asked, 1).cases[0].work.estimator;
+    let effort = Effort {
+        surfaces: 1,
+        rays: 10_000,
+        bins: "9x12",
+    };
+    let estimator = |asked| {
+        let outcome = outcome("[surface]\nsize = 128", effort, asked, 1);
+        outcome.cases[0].work.estimator
+    };
     assert_eq!(estimator(Estimator::Auto), Estimator::Plain);
     assert_eq!(estimator(Estimator::Controlled), Estimator::Controlled);
 }
@@ -247,13 +256,13 @@ fn bins_below_zero_are_reported_as_they_are() {
         eta = 1.2
         [light]
         theta = 60
-        [run]
-        realisations = 4
-        rays = 3e3
-        [compare]
-        models = []
         ";
-    let run = outcome(text, Estimator::Controlled, 3);
+    let effort = Effort {
+        surfaces: 4,
+        rays: 3000,
+        bins: "18x36",
+    };
+    let run = outcome(text, effort, Estimator::Controlled, 3);
     let statistics = &run.cases[0].statistics;
     let bins = run.layout.bins(asperity_tally::Share::Total);
     let negative = bins
