@@ -157,7 +157,10 @@ mod tests {
             }
             let surface = Surface::new(field);
             let facets = surface.facet_count();
-            assert!(facets % PARTS != 0 && lost > facets / 10, "{facets} {lost}");
+            assert!(
+                !facets.is_multiple_of(PARTS) && lost > facets / 10,
+                "{facets} {lost}"
+            );
             let record = sum_over_all_facets(&surface, black, incidence, Medium::Above, layout);
             println!("{border:?}: {} against {sum}", record[Layout::ABSORBED]);
             // Some 1e4 weights, each with a few roundings.

@@ -80,7 +80,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// accelerators give the same result.
     ///
     /// # Panics
-    /// If the sampling is quasi-random and `strata` is not a [`Sampling::quasi_random_strata`].
+    /// If the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         illumination: &Illumination,
