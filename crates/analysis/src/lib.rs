@@ -37,10 +37,13 @@ mod expectation;
 mod facet_scattering;
 mod family;
 mod flux;
+mod gaussian_normals;
 mod heitz;
 mod kinematics;
+mod kinks;
 mod lobe;
 mod model;
+mod neumann;
 mod quadrature;
 mod registry;
 mod sign_flip;
@@ -51,6 +54,7 @@ mod v_cavity;
 mod verdict;
 mod visible_normals;
 mod xu_sun;
+mod xu_sun_mc;
 
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
@@ -63,12 +67,15 @@ pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sida
 pub use flux::{bin_fluxes, flux_into, in_plane_flux};
 pub use heitz::Heitz;
 pub use kinematics::{Facet, reflecting_facet, refracting_facet};
+pub use kinks::Kinks;
 pub use model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+pub use neumann::{Attenuation, CookTorranceNeumann};
 pub use registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use slopes::{SlopeCovariance, SlopeError, smith_lambda};
 pub use smith::{Masking, Smith};
 pub use unshadowed::unshadowed_fluxes;
-pub use v_cavity::v_cavity_g1;
+pub use v_cavity::{VCavity, v_cavity_g1};
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};
+pub use xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
