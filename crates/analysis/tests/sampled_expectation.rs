@@ -1,4 +1,4 @@
-//! What a model that follows rays is expected to find: the parts of a record fit together.
+//! What a walk is expected to find: the parts of a record fit together.
 
 #![allow(
     clippy::unwrap_used,
