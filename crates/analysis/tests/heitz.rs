@@ -143,7 +143,7 @@ fn light_scattered_once_has_the_closed_form() {
         let model = Heitz::new(slopes, material).unwrap();
         let density = model.density().unwrap();
         let wi = from_spherical(f64::to_radians(theta), 0.4);
-        let rays = 100_000;
+        let rays = 60_000;
         let (statistics, _) = sampled(&model, layout, rays, 40 + seed as u64, |_| wi);
         let expected = bin_fluxes(density, wi, &grid);
         let (mut chi_squared, mut used) = (0.0, 0);
@@ -280,7 +280,7 @@ fn light_reflected_twice_is_what_integration_over_two_facets_gives() {
 fn exchange(slopes: SlopeCovariance, eta: Option<f64>, layout: Layout) -> Vec<Vec<(f64, f64)>> {
     let grid = layout.grid();
     let of_a_side = grid.bins_per_side();
-    let rays = 24_000;
+    let rays = 20_000;
     // The side that light comes from is the first in its record, and rings are counted from its pole.
     let upside_down = |bin: usize| {
         let (ring, sector) = (bin / grid.n_phi(), bin % grid.n_phi());
@@ -344,6 +344,7 @@ fn multiple_scattering_is_reciprocal() {
         "{} pairs, largest |z| {worst:.2} (bound {bound:.2}), p {p:.3}",
         z_values.len()
     );
+    // Pairs that share rays are not quite independent: p is a rough one.
     assert!(z_values.len() > 150 && worst < bound && p > 1e-3);
 }
 
