@@ -157,7 +157,7 @@ mod tests {
                 let t = (x - low) / (high - low);
                 (0.0..1.0)
                     .contains(&t)
-                    .then(|| (t * self.n as f64) as usize)
+                    .then_some((t * self.n as f64) as usize)
             };
             let (p, q) = (v.dot(self.along), v.dot(self.along.perp()));
             let i = part(p, self.edges[0])?;

@@ -55,7 +55,8 @@ fn every_view_of_a_closed_form_agrees() {
             }
             // A wedge of 0.1 to either side of the plane of incidence holds some of the light, not all.
             let wedge: f64 = record[layout.in_plane(side, OrderClass::All)].iter().sum();
-            assert!(wedge > 0.02 * energy && wedge < energy, "{name} {side}");
+            let some = wedge > 0.02 * energy && wedge < energy;
+            assert!(some || wedge == 0.0 && energy == 0.0, "{name} {side}");
         }
         assert_eq!(record[Layout::ABSORBED], 0.0);
         assert!(expectation.statistics().estimate(0).se == Some(0.0));

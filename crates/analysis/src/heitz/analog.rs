@@ -144,21 +144,29 @@ mod tests {
         let mut p_values = Vec::new();
         for (i, &(slopes, material, theta)) in cases.iter().enumerate() {
             let wi = from_spherical(theta.to_radians(), 0.7);
-            let plain = sampled(&Analog { slopes, material }, wi, 100_000, 11 + i as u64);
+            let plain = sampled(&Analog { slopes, material }, wi, 100_000, 211 + i as u64);
             let quick = Heitz::new(slopes, material).unwrap();
-            let quick = sampled(&quick, wi, 60_000, 31 + i as u64);
+            let quick = sampled(&quick, wi, 60_000, 231 + i as u64);
             let layout = layout();
+            // Each path of two and of three facets; others are too rare.
+            let paths = |side| {
+                layout
+                    .listed_paths()
+                    .filter(|path| matches!(path.order(), 2 | 3))
+                    .map(move |path| layout.path(side, path))
+            };
             let entries = Side::BOTH.into_iter().flat_map(|side| {
                 (1..5)
                     .map(move |order| layout.order(side, order))
                     .chain([layout.multiple(side), side.index()])
+                    .chain(paths(side))
             });
             let z = |i: usize| {
                 let (a, b) = (plain.estimate(i), quick.estimate(i));
                 (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
             };
-            // The plain walk counts rays: below some 20 of them they are not normally distributed.
-            let enough = |i: &usize| plain.means()[*i] > 20.0 / 100_000.0;
+            // The plain walk counts rays: below some 40 of them they are not normally distributed.
+            let enough = |i: &usize| plain.means()[*i] > 40.0 / 100_000.0;
             z_values.extend(entries.chain([Layout::ABSORBED]).filter(enough).map(z));
             for share in [Share::Single, Share::Multiple] {
                 let bins: Vec<f64> = layout.bins(share).filter(enough).map(z).collect();
