@@ -28,7 +28,7 @@
 //!    from and whether it goes up or down.
 //! 5. *Light that Eq. 26 does not account for*: the mean of `W / cos(theta_i)` is not one, but the mean of `V`
 //!    over heights times `1 + Lambda`: for Smith's visibility `1`, for that of Eq. 24 `(1 + Lambda) / (1 + K / ln 2)`,
-//!    which at `s = 1` is 0.818, 0.596 and 0.557 at 30, 60 and 80 degrees. Nothing normalises it, and the rest is
+//!    which at `s = 1` is 0.818, 0.597 and 0.557 at 30, 60 and 80 degrees. Nothing normalises it, and the rest is
 //!    booked nowhere: the budget of `xu-sun-mc` does not close, and what is missing is one less its sum.
 //! 6. *The threshold* has no value in the paper: here 1e-5 of the incident flux of a ray. It is applied to
 //!    `W / cos(theta_i)`, so that it means the same at all angles. The flux ended by it is booked as truncated,
