@@ -87,6 +87,7 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
         compare.models = if none { Vec::new() } else { models.clone() };
     }
     compare.alpha = command.alpha.unwrap_or(compare.alpha);
+    compare.model_rays = command.model_rays.map_or(compare.model_rays, Count);
     config.output.plots &= !command.no_plots;
     Ok(())
 }

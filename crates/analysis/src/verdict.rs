@@ -58,7 +58,7 @@ impl fmt::Display for Verdict {
 /// with probability of at least `1 - level` no model that is right fails. The tests of models on
 /// the same surfaces depend positively on each other, which errs towards holding.
 #[must_use]
-pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
+pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
     let level = sidak_level(level, comparisons.len());
     comparisons
         .iter()
@@ -92,7 +92,7 @@ mod tests {
     fn the_words_are_holds_fails_and_not_resolved() {
         let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
         let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
-        let both = verdicts(&[right, wrong], DEFAULT_LEVEL);
+        let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
         assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
         assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
     }
@@ -107,10 +107,10 @@ mod tests {
         ] {
             let wrong =
                 compare(&surfaces(count), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
-            let verdict = verdicts(&[wrong], DEFAULT_LEVEL)[0].to_string();
+            let verdict = verdicts(&[&wrong], DEFAULT_LEVEL)[0].to_string();
             assert!(verdict.starts_with(text), "{verdict}");
         }
         let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
-        assert_eq!(verdicts(&[wrong], DEFAULT_LEVEL), [Verdict::Fails]);
+        assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Fails]);
     }
 }

@@ -317,7 +317,10 @@ fn a_wrong_model_fails_beside_a_right_one_that_holds() {
     let wrong: Vec<f64> = right.iter().map(|m| 0.6 * m).collect();
     let both = [right, wrong]
         .map(|m| compare(&surfaces, Expected::Exact(&m), &[true; BINS], &coarser(), 1).unwrap());
-    assert_eq!(verdicts(&both, 0.01), [Verdict::Holds, Verdict::Fails]);
+    assert_eq!(
+        verdicts(&[&both[0], &both[1]], 0.01),
+        [Verdict::Holds, Verdict::Fails]
+    );
 }
 
 #[test]

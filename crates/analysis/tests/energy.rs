@@ -4,10 +4,10 @@
 
 mod common;
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use asperity_analysis::{CLOSED_FORMS, bin_fluxes, flux_into, hemispherical_energy};
-use asperity_optics::{Incidence, Material, dielectric};
+use asperity_analysis::{CLOSED_FORMS, bin_fluxes, flux_into, hemispherical_energy, in_plane_flux};
+use asperity_optics::{Incidence, Material, dielectric, from_spherical};
 use asperity_tally::{HemisphereGrid, Side};
 use glam::DVec3;
 
@@ -198,5 +198,53 @@ fn smith_keeps_the_single_transmission_that_xu_sun_loses() {
         let model = closed_form(name, 0.5, glass);
         let energy = hemispherical_energy(model.as_ref(), light(30.0, 0.0));
         assert!((energy.transmitted - expected).abs() < 5e-4, "{name}");
+    }
+}
+
+#[test]
+fn in_plane_fluxes_are_those_of_the_density_on_both_sides_of_the_normal() {
+    let light = Incidence::from_degrees(25.0, 70.0).unwrap();
+    let half_width = f64::to_radians(5.0);
+    let model = closed_form("smith", 1.0, Material::dielectric(1.4).unwrap());
+    let mut compared = 0;
+    for side in Side::BOTH {
+        for i in 0..36 {
+            let [from, to] = [i, i + 1].map(|k| f64::to_radians(5.0 * f64::from(k) - 90.0));
+            let flux = in_plane_flux(model.as_ref(), light, half_width, side, [from, to]);
+            let angle = 0.5 * (from + to);
+            let theta = match side {
+                Side::Reflected => angle.abs(),
+                Side::Transmitted => PI - angle.abs(),
+            };
+            let backward = light.phi();
+            let phi = if angle > 0.0 { backward + PI } else { backward };
+            let wo = from_spherical(theta, phi);
+            let intensity = model.bsdf(light.wi(), wo) * wo.z.abs();
+            let solid_angle = 2.0 * half_width * (from.cos() - to.cos()).abs();
+            let found = flux / solid_angle;
+            // Where the lobe is not steep, its density bends little within a bin.
+            let tolerance = match side {
+                Side::Reflected if angle.abs() < 1.2 => 0.05,
+                Side::Transmitted if intensity > 0.1 && angle.abs() < 0.6 => 0.2,
+                _ => continue,
+            };
+            assert!(
+                (found / intensity - 1.0).abs() < tolerance,
+                "{side} {i}: {found} {intensity}"
+            );
+            compared += 1;
+        }
+    }
+    assert!(compared > 30, "{compared}");
+}
+
+#[test]
+fn an_in_plane_bin_across_the_normal_is_the_sum_of_its_halves() {
+    let light = Incidence::from_degrees(25.0, 70.0).unwrap();
+    let model = closed_form("smith", 2.0, Material::dielectric(1.4).unwrap());
+    for side in Side::BOTH {
+        let flux = |angles| in_plane_flux(model.as_ref(), light, 0.1, side, angles);
+        let halves = flux([-0.2, 0.0]) + flux([0.0, 0.3]);
+        assert!((flux([-0.2, 0.3]) - halves).abs() < 1e-11, "{side}");
     }
 }

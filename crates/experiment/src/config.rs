@@ -1,6 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, MODEL_NAMES, ModelError};
+use asperity_analysis::{DEFAULT_LEVEL, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
@@ -310,15 +310,22 @@ impl RunConfig {
 pub struct CompareConfig {
     /// Names of the models.
     pub models: Vec<String>,
+    /// Rays that a model follows which is evaluated so, over as many batches as there are surfaces.
+    pub model_rays: Count,
     /// Level of the tests of one case: the probability that one of its models is called failing though
     /// it holds. Cases are not corrected for each other.
     pub alpha: f64,
 }
 
+/// The models that are compared unless others are named: the one under examination, the one in wide use, and the
+/// one of all orders.
+const DEFAULT_MODELS: [&str; 3] = [XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+
 impl Default for CompareConfig {
     fn default() -> Self {
         Self {
-            models: MODEL_NAMES.iter().map(|&name| name.to_owned()).collect(),
+            models: DEFAULT_MODELS.map(str::to_owned).to_vec(),
+            model_rays: Count(1_000_000),
             alpha: DEFAULT_LEVEL,
         }
     }

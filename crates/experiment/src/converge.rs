@@ -41,7 +41,9 @@ mod tests;
 
 use std::time::Instant;
 
-use asperity_analysis::{ModelError, SlopeCovariance, create_model, hemispherical_energy};
+use asperity_analysis::{
+    Masking, ModelError, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy,
+};
 use asperity_optics::Material;
 use asperity_surface::Synthesis;
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
@@ -586,28 +588,29 @@ impl<'a> Stage<'a> {
     /// What each bin holds exactly, where every facet is lit and seen and light meets only one.
     fn exact_fluxes(&self) -> Result<Option<Vec<f64>>, ConvergeError> {
         let Case {
-            smoothness,
             material,
             incidence,
             psd,
+            ..
         } = &self.case;
         let wi = incidence.wi();
         if !psd.is_isotropic() || self.slopes.lambda(wi) >= NOTHING_HIDDEN {
             return Ok(None);
         }
-        let model = create_model("smith", *smoothness, *material)?;
+        let of = |material| Smith::new(self.slopes, material, Masking::HeightCorrelated);
+        let model = of(*material)?;
         // What a conductor absorbs is none of the light that facets hide; a mirror in its place tells.
         let lossless = match material {
-            Material::Conductor { .. } => create_model("smith", *smoothness, Material::Mirror)?,
-            _ => create_model("smith", *smoothness, *material)?,
+            Material::Conductor { .. } => of(Material::Mirror)?,
+            _ => model,
         };
-        let energy = hemispherical_energy(lossless.as_ref(), wi);
+        let energy = hemispherical_energy(&lossless, wi);
         if (energy.reflected + energy.transmitted - 1.0).abs() > NOTHING_MISSING {
             return Ok(None);
         }
         let grid = self.plan.layout.grid();
-        let expected = model.expected_fluxes(wi, &grid, self.plan.sides);
-        Ok(Some(expected.flux[self.plan.layout.asked_bins()].to_vec()))
+        let expected = bin_fluxes(&model, wi, &grid);
+        Ok(Some(expected[self.plan.layout.asked_bins()].to_vec()))
     }
 }
 
