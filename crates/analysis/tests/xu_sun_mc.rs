@@ -47,10 +47,20 @@ fn light(theta_deg: f64) -> (Incidence, Azimuth) {
 }
 
 fn followed(model: &dyn ScatteringModel, theta_deg: f64, rays: u64, seed: u64) -> Expectation {
+    in_batches(model, theta_deg, rays, 200, seed)
+}
+
+fn in_batches(
+    model: &dyn ScatteringModel,
+    theta_deg: f64,
+    rays: u64,
+    batches: u64,
+    seed: u64,
+) -> Expectation {
     let (incidence, azimuth) = light(theta_deg);
     let effort = Effort {
         rays,
-        batches: 200,
+        batches,
         seed,
     };
     expect(model, incidence, &layout(), azimuth, effort)
@@ -506,6 +516,30 @@ fn eq_23_is_far_from_the_mean_that_it_stands_for() {
                     .zip(expected)
                     .all(|(a, b)| (a - b).abs() < 6e-7)
             );
+        }
+    }
+}
+
+#[test]
+fn rays_end_on_any_surface() {
+    // Nearly upright facets, nearly none, and slopes at the ends of what numbers hold.
+    for s in [1e-150, 1e-3, 0.05, 1e9] {
+        for material in [
+            Material::Mirror,
+            glass(),
+            Material::dielectric(1.0 / 1.4).unwrap(),
+        ] {
+            for name in BOTH {
+                let model = create_model(name, isotropic(s), material).unwrap();
+                for theta in [0.0, 60.0, 89.99] {
+                    let found = fluxes(&in_batches(model.as_ref(), theta, 10, 2, 2));
+                    assert!(
+                        found.iter().all(|flux| flux.is_finite() && *flux >= 0.0),
+                        "{name} {s} {theta} {found:?}"
+                    );
+                    assert_eq!(found[4], 0.0);
+                }
+            }
         }
     }
 }
