@@ -28,15 +28,19 @@
 //!    from and whether it goes up or down.
 //! 5. *Light that Eq. 26 does not account for*: the mean of `W / cos(theta_i)` is not one, but the mean of `V`
 //!    over heights times `1 + Lambda`: for Smith's visibility `1`, for that of Eq. 24 `(1 + Lambda) / (1 + K / ln 2)`,
-//!    which at `s = 1` is 0.818, 0.596 and 0.557 at 30, 60 and 80 degrees. Nothing normalises it, and the rest is
+//!    which at `s = 1` is 0.818, 0.597 and 0.557 at 30, 60 and 80 degrees. Nothing normalises it, and the rest is
 //!    booked nowhere: the budget of `xu-sun-mc` does not close, and what is missing is one less its sum.
 //! 6. *The threshold* has no value in the paper: here 1e-5 of the incident flux of a ray. It is applied to
 //!    `W / cos(theta_i)`, so that it means the same at all angles. The flux ended by it is booked as truncated,
-//!    and so is that of rays which meet the surface more than 4096 times.
+//!    and so is that of rays still on their way when all those that one incident ray has split into have hit
+//!    30 000 times, low orders first. That happens where slopes are some 20 and more (`s` below 0.1) and light
+//!    is held inside by total reflection.
 //!
 //! Where `tan(theta_i) / s` is large the weights of Eq. 26 vary widely, since steep facets are drawn seldom
 //! and catch most of the light: the variance of `W` is some `(tan(theta_i) / s)^2` of its mean squared, so that rough surfaces
 //! (`s` below 1) need many rays.
+
+use std::collections::VecDeque;
 
 use asperity_optics::{Material, reflect, refract};
 use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
@@ -52,8 +56,8 @@ use crate::xu_sun::blocking;
 /// A ray of less than this share of the flux of an incident ray ends.
 const THRESHOLD: f64 = 1e-5;
 
-/// A ray that has met the surface as often as this ends.
-const MOST_HITS: u32 = 4096;
+/// Hits of all rays that one incident ray splits into, after which those that are blocked end.
+const MOST_HITS: u32 = 30_000;
 
 /// What blocks rays that go away from the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -256,10 +260,12 @@ impl Walk for XuSunMonteCarlo {
         if shot.flux.is_nan() || shot.flux <= 0.0 {
             return;
         }
-        let mut rays: Vec<Light> = Vec::new();
+        // Low orders first, so that the limit ends high ones alone.
+        let mut rays = VecDeque::new();
+        let mut hits = 1;
         rays.extend(self.split(shot, wi, m, record).into_iter().flatten());
-        while let Some(light) = rays.pop() {
-            if light.flux < THRESHOLD || light.path.order() >= MOST_HITS {
+        while let Some(light) = rays.pop_front() {
+            if light.flux < THRESHOLD {
                 record.add_loss(Loss::Truncated, light.flux);
             } else if self.escapes(&light, rng) {
                 record.add_exit(&Exit {
@@ -268,7 +274,10 @@ impl Walk for XuSunMonteCarlo {
                     flux: light.flux,
                     path: light.path,
                 });
+            } else if hits == MOST_HITS {
+                record.add_loss(Loss::Truncated, light.flux);
             } else {
+                hits += 1;
                 let v = -light.direction;
                 let front = match light.side {
                     Side::Reflected => v,
