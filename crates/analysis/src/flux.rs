@@ -11,7 +11,8 @@
 //!   likeliest at their tilt. Where slopes are not isotropic, the lobe may also leave the range
 //!   through an end in azimuth; its valleys along both ends are marked too.
 //! - Refraction ends, and total reflection sets in with a square root, on circles
-//!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms.
+//!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms. So have the kinks that a
+//!   model may have beside: see [`Kinks`].
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -20,6 +21,7 @@ use asperity_tally::{HemisphereGrid, Layout, Side, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::kinks::Kinks;
 use crate::lobe::{Lobe, NEGLIGIBLE};
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
@@ -223,6 +225,7 @@ fn mirror_sum(wi: DVec3, n_phi: usize) -> Option<usize> {
 pub(crate) struct Scattering<'a> {
     pub(crate) slopes: SlopeCovariance,
     pub(crate) material: Material,
+    pub(crate) kinks: Kinks,
     /// Of `wi` and `wo`, in 1/sr; as isotropic as the slopes are, and negligible where they are rare.
     pub(crate) bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
     /// Error allowed in the flux of one range, absolute and as a share.
@@ -235,6 +238,7 @@ impl<'a> Scattering<'a> {
         Self {
             slopes: model.slopes(),
             material: model.material(),
+            kinks: model.kinks(),
             bsdf,
             error: Self::EXACT,
         }
@@ -255,6 +259,8 @@ pub(crate) struct FluxIntegral<'a> {
     forward: f64,
     /// Index that enters the half vector: 1 for reflection.
     eta: f64,
+    /// That index, if light is refracted.
+    refracted: Option<f64>,
     /// `wi . wo` on the circle where refraction ends or total reflection sets in.
     edge: Option<f64>,
     /// Polar angles of the light from facets tilted within the plane of incidence.
@@ -323,6 +329,7 @@ impl<'a> FluxIntegral<'a> {
             cos_i: wi.z,
             forward,
             eta,
+            refracted,
             edge,
             lobe,
             outer_pieces: Pieces::default(),
@@ -350,6 +357,10 @@ impl<'a> FluxIntegral<'a> {
                     breaks.add_root(t);
                 }
             }
+        }
+        let theta_i = self.sin_i.atan2(self.cos_i);
+        if let Some(t) = self.scattering.kinks.polar_angle(theta_i, self.refracted) {
+            breaks.add_smooth(t);
         }
         if !self.scattering.slopes.is_isotropic() {
             for psi in psi {
@@ -405,6 +416,17 @@ impl<'a> FluxIntegral<'a> {
                     let psi = cos_psi.acos();
                     self.inner_breaks.add_root(turn - psi);
                     self.inner_breaks.add_root(turn + psi);
+                }
+            }
+        }
+        let kinks = self.scattering.kinks;
+        for x in kinks.products(self.cos_i, cos_theta, self.refracted) {
+            let cos_psi = (self.cos_i * cos_theta - x) / product;
+            if cos_psi.abs() <= 1.0 {
+                let psi = cos_psi.acos();
+                for turn in [-TAU, 0.0, TAU] {
+                    self.inner_breaks.add_smooth(turn - psi);
+                    self.inner_breaks.add_smooth(turn + psi);
                 }
             }
         }

@@ -6,6 +6,7 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::kinks::Kinks;
 use crate::slopes::{SlopeCovariance, SlopeError};
 
 /// The surface interactions that a model accounts for.
@@ -64,6 +65,11 @@ pub trait BsdfModel: ScatteringModel {
     ///
     /// Both are unit vectors; zero unless `wi.z > 0`.
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// Where the density has kinks; quadrature divides there.
+    fn kinks(&self) -> Kinks {
+        Kinks::None
+    }
 }
 
 /// A model that follows light through its own statistics.

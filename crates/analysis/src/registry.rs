@@ -2,15 +2,35 @@
 
 use asperity_optics::Material;
 
+use crate::RayVisibility;
 use crate::model::{BsdfModel, ModelError, ScatteringModel};
 use crate::slopes::SlopeCovariance;
-use crate::{Masking, Smith, XuSun};
+use crate::{
+    Attenuation, CookTorranceNeumann, Heitz, Masking, Smith, VCavity, XuSun, XuSunMonteCarlo,
+};
 
 /// The names that [`create_model`] knows.
-pub const MODEL_NAMES: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const MODEL_NAMES: &[&str] = &[
+    XuSun::NAME,
+    XuSunMonteCarlo::NAME,
+    XuSunMonteCarlo::NAME_SMITH,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    Heitz::NAME,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
 
 /// Those of them that have a density at every direction: the names that [`closed_form`] knows.
-pub const CLOSED_FORMS: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const CLOSED_FORMS: &[&str] = &[
+    XuSun::NAME,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
 
 /// The model of that name for a surface of Gaussian facet `slopes` and `material`.
 ///
@@ -22,7 +42,19 @@ pub fn create_model(
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn ScatteringModel>, ModelError> {
-    closed_form(name, slopes, material).map(|model| model as Box<dyn ScatteringModel>)
+    let xu_sun = |visibility| XuSunMonteCarlo::new(slopes, material, visibility);
+    Ok(match name {
+        XuSunMonteCarlo::NAME => Box::new(xu_sun(RayVisibility::XuSun)?),
+        XuSunMonteCarlo::NAME_SMITH => Box::new(xu_sun(RayVisibility::Smith)?),
+        Heitz::NAME => Box::new(Heitz::new(slopes, material)?),
+        _ => closed_form(name, slopes, material).map_err(|error| match error {
+            ModelError::Unknown { name, .. } => ModelError::Unknown {
+                name,
+                known: MODEL_NAMES,
+            },
+            error => error,
+        })?,
+    })
 }
 
 /// The model of that name, if it has a density at every direction.
@@ -36,10 +68,14 @@ pub fn closed_form(
     material: Material,
 ) -> Result<Box<dyn BsdfModel>, ModelError> {
     let smith = |masking| Smith::new(slopes, material, masking);
+    let neumann = |attenuation| CookTorranceNeumann::new(slopes, material, attenuation);
     Ok(match name {
         XuSun::NAME => Box::new(XuSun::new(slopes, material)?),
         Smith::NAME_CORRELATED => Box::new(smith(Masking::HeightCorrelated)?),
         Smith::NAME_SEPARABLE => Box::new(smith(Masking::Separable)?),
+        VCavity::NAME => Box::new(VCavity::new(slopes, material)?),
+        CookTorranceNeumann::NAME_GROOVES => Box::new(neumann(Attenuation::Grooves)?),
+        CookTorranceNeumann::NAME_SMITH => Box::new(neumann(Attenuation::Smith)?),
         _ => {
             return Err(ModelError::Unknown {
                 name: name.to_owned(),

@@ -12,6 +12,7 @@ use asperity_tally::{Layout, Side, Sides, UnshadowedFluxes};
 use crate::energy::{Edges, over_facing_normals};
 use crate::facet_scattering::unmasked_bsdf;
 use crate::flux::{Scattering, fluxes_into_bins, in_plane_fluxes_of};
+use crate::kinks::Kinks;
 use crate::model::{ModelError, validate};
 use crate::slopes::SlopeCovariance;
 
@@ -39,6 +40,7 @@ pub fn unshadowed_fluxes(
     let scattering = Scattering {
         slopes: *slopes,
         material,
+        kinks: Kinks::None,
         bsdf: &bsdf,
         error: Scattering::EXACT,
     };

@@ -53,8 +53,13 @@ impl XuSun {
 /// grazing light see everything.
 #[must_use]
 pub fn xu_sun_visibility(w: DVec3, smoothness: f64) -> f64 {
+    (-blocking(w, smoothness)).exp()
+}
+
+/// `K = -ln V(0, theta)` of Eq. 24.
+pub(crate) fn blocking(w: DVec3, smoothness: f64) -> f64 {
     let x = w.x.hypot(w.y) / (w.z.abs() * smoothness);
-    (-K0 * x * (-0.25 / (x * x)).exp()).exp()
+    K0 * x * (-0.25 / (x * x)).exp()
 }
 
 impl ScatteringModel for XuSun {

@@ -140,6 +140,9 @@ fn a_nearly_smooth_surface_reflects_like_a_flat_one() {
                 continue;
             }
             for &name in CLOSED_FORMS {
+                if name.starts_with("cook-torrance-neumann") {
+                    continue; // Its limit is another: see tests/neumann.rs.
+                }
                 let differences = [500.0, 1000.0].map(|s| {
                     let model = closed_form(name, s, Material::dielectric(eta).unwrap());
                     let energy = hemispherical_energy(model.as_ref(), light(theta, 0.0));

@@ -124,7 +124,36 @@ fn check_spot(spot: &Spot) -> f64 {
         let model = closed_form(name, spot.s, glass);
         worst = worst.max(relative(model.bsdf(wi, up), expected));
     }
-    worst
+    worst.max(check_same_facets(spot, wi, [up, down]))
+}
+
+/// The same for the models that differ from the separable one of Smith in their attenuation and
+/// denominator alone.
+fn check_same_facets(spot: &Spot, wi: DVec3, [up, down]: [DVec3; 2]) -> f64 {
+    let glass = Material::dielectric(spot.eta).unwrap();
+    let slopes = SlopeCovariance::isotropic(spot.s).unwrap();
+    let g1 = |w| slopes.g1(w);
+    let m = (wi + up).normalize();
+    let grooves = (2.0 * m.z * wi.z.min(up.z) / wi.dot(m)).min(1.0);
+    let bare = spot.brdf[0] / (g1(wi) * g1(up));
+    let smaller = wi.z.min(up.z);
+    let mut worst = 0.0_f64;
+    for (name, expected) in [
+        ("v-cavity", bare * grooves),
+        ("cook-torrance-neumann", bare * grooves * smaller),
+        ("cook-torrance-neumann-smith", spot.brdf[0] * smaller),
+    ] {
+        let model = closed_form(name, spot.s, glass);
+        worst = worst.max(relative(model.bsdf(wi, up), expected));
+    }
+    // Directions between which a facet refracts, with parts of it lit and seen of which the sum is above one.
+    let model = closed_form("v-cavity", spot.s, glass);
+    let half = (wi + spot.eta * down).normalize();
+    let m = half * half.z.signum();
+    let part = |w: DVec3| (2.0 * m.z * w.z / w.dot(m)).min(1.0);
+    let both = (part(wi) + part(down) - 1.0).max(0.0);
+    let expected = spot.btdf[1] / (g1(wi) * g1(down)) * both;
+    worst.max(relative(model.bsdf(wi, down), expected))
 }
 
 #[test]

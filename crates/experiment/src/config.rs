@@ -1,6 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, ModelError, Smith, XuSun};
+use asperity_analysis::{DEFAULT_LEVEL, Heitz, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
@@ -319,7 +319,7 @@ pub struct CompareConfig {
 
 /// The models that are compared unless others are named: the one under examination, the one in wide use, and the
 /// one of all orders.
-const DEFAULT_MODELS: [&str; 3] = [XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+const DEFAULT_MODELS: [&str; 3] = [XuSun::NAME, Smith::NAME_CORRELATED, Heitz::NAME];
 
 impl Default for CompareConfig {
     fn default() -> Self {

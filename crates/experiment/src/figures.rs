@@ -234,18 +234,52 @@ fn series_of(
         series.push(explicit(SINGLE_SCATTERING, OrderClass::First));
     }
     for model in models.iter().filter(|m| m.model.sides().ask(side)) {
-        let samples = match (model.judged_share(), model.model.density()) {
-            (Share::Single, Some(density)) => density_line(density, light.incidence, layout, side),
-            _ => sampled_line(model, layout, side),
-        };
+        let mut samples = sampled_line(model, layout, side, OrderClass::All);
+        if let Some(density) = model.model.density() {
+            let multiple = multiple_line(model, layout, side);
+            samples = density_line(density, light.incidence, layout, side);
+            if model.judged_share() == Share::Total {
+                for sample in &mut samples {
+                    sample.value += between(&multiple, sample.theta_deg);
+                }
+            }
+        }
         series.push(Series::model(model.model.name(), plot_side(side), samples));
     }
     series
 }
 
-/// A model that was sampled, bin by bin.
-fn sampled_line(model: &ModelOutcome, layout: &Layout, side: Side) -> Vec<Sample> {
-    let start = layout.in_plane(side, OrderClass::All).start;
+/// What a model expects of light scattered more often than once, bin by bin.
+fn multiple_line(model: &ModelOutcome, layout: &Layout, side: Side) -> Vec<Sample> {
+    let [mut all, single] =
+        [OrderClass::All, OrderClass::First].map(|class| sampled_line(model, layout, side, class));
+    for (all, single) in all.iter_mut().zip(&single) {
+        all.value -= single.value;
+    }
+    all
+}
+
+/// The value at an angle between samples in the order of their angles; beyond the ends that of the last.
+fn between(samples: &[Sample], theta_deg: f64) -> f64 {
+    let after = samples.partition_point(|sample| sample.theta_deg < theta_deg);
+    match (after.checked_sub(1).map(|i| samples[i]), samples.get(after)) {
+        (Some(a), Some(b)) => {
+            let t = (theta_deg - a.theta_deg) / (b.theta_deg - a.theta_deg);
+            a.value + t * (b.value - a.value)
+        }
+        (Some(end), None) => end.value,
+        (None, end) => end.map_or(0.0, |end| end.value),
+    }
+}
+
+/// A model bin by bin.
+fn sampled_line(
+    model: &ModelOutcome,
+    layout: &Layout,
+    side: Side,
+    class: OrderClass,
+) -> Vec<Sample> {
+    let start = layout.in_plane(side, class).start;
     (0..layout.in_plane_len())
         .map(|i| {
             let flux = model.expectation.statistics().estimate(start + i);
