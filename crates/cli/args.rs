@@ -439,6 +439,7 @@ pub(crate) struct Verify {
 }
 
 #[derive(Debug, Args)]
+#[command(mut_arg("alpha", |alpha| alpha.hide(true)))]
 pub(crate) struct Map {
     #[command(flatten)]
     pub(crate) verify: Verify,

@@ -11,6 +11,9 @@ const NARROW: f64 = 0.1;
 /// Standard errors by which the highest bin must exceed one that is no neighbour to be told from it.
 const TOLD_APART: f64 = 2.0;
 
+/// A lobe has a clear peak if it falls to half of it within so many degrees on either side.
+const HALF_WIDTH_DEG: f64 = 30.0;
+
 /// Part of the highest bin that is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -66,7 +69,9 @@ impl Span {
 /// Compares where lobes peak.
 ///
 /// `surfaces`: in-plane intensities of one side, a profile a surface. `model`: one profile that is
-/// exact, or one a surface. `None` where either is nowhere above zero.
+/// exact, or one a surface. `None` where either is nowhere above zero, and where the explicit lobe has no
+/// clear peak: where it does not fall to half of it within 30 degrees on either side. What is so broad is
+/// told by the total variation.
 ///
 /// The place is that of a parabola through the logarithms of the highest bin and its neighbours, which
 /// is exact for Gaussian lobes as far as a bin is narrow. It is the same for both, so that what bins do
@@ -77,7 +82,11 @@ pub(crate) fn peak_difference(
     model: &[Vec<f64>],
 ) -> Option<PeakDifference> {
     let bins = surfaces.first()?.len();
-    let explicit = Peak::of(span, &mean(surfaces, None))?;
+    let profile = mean(surfaces, None);
+    let explicit = Peak::of(span, &profile)?;
+    if explicit.half_width(span, &profile) * span.bin_width(bins) > HALF_WIDTH_DEG {
+        return None;
+    }
     let expected = Peak::of(span, &mean(model, None))?;
     let unresolved = [(explicit, surfaces), (expected, model)]
         .map(|(peak, profiles)| peak.unresolved(profiles))
@@ -147,6 +156,27 @@ impl Peak {
         })
     }
 
+    /// How far from the peak its lobe falls to half of it, on the side where it is broader, in bins.
+    fn half_width(self, span: Span, profile: &[f64]) -> f64 {
+        let half = 0.5 * profile[self.highest];
+        let at = |i: isize| match usize::try_from(i) {
+            Ok(i) => profile.get(i).copied().unwrap_or(0.0),
+            // Bin -1 is the mirror image of bin 0.
+            Err(_) if span == Span::Forward => profile.get(!i as usize).copied().unwrap_or(0.0),
+            Err(_) => 0.0,
+        };
+        let crossing = |step: isize| {
+            let mut i = self.highest as isize;
+            while at(i + step) >= half {
+                i += step;
+            }
+            let (inside, outside) = (at(i), at(i + step));
+            let beyond = (inside - half) / (inside - outside);
+            (i as f64 + step as f64 * beyond - self.place).abs()
+        };
+        crossing(-1).max(crossing(1))
+    }
+
     /// What the bins of these profiles cannot tell of the place, in bins.
     fn unresolved(self, profiles: &[Vec<f64>]) -> f64 {
         let top = mean(profiles, None)[self.highest];
@@ -214,7 +244,7 @@ mod tests {
             (33.0, 15.0, 0.05),
             (-12.4, 6.0, 0.05),
             (41.3, 2.5, 0.15),
-            (0.0, 4.0, 1e-9),
+            (0.0, 4.0, 0.01),
         ] {
             let found = exact(lobe(centre, rms, 36), lobe(centre + 2.0, rms, 36));
             println!("{found:?}");
@@ -237,18 +267,37 @@ mod tests {
     #[test]
     fn at_the_edge_nothing_lies_beyond() {
         // Rising to the horizon: the peak is near the inner edge of the last bin, and never outside.
-        let mut rising: Vec<f64> = (0..36).map(f64::from).collect();
+        let mut rising: Vec<f64> = (0..36).map(|i| f64::from(i).powi(6)).collect();
         let found = exact(rising.clone(), rising.clone());
-        assert!(found.explicit_deg > 85.0 && found.explicit_deg < 86.0);
+        assert!(
+            found.explicit_deg > 85.0 && found.explicit_deg < 86.0,
+            "{found:?}"
+        );
         rising.reverse();
         let found = exact(rising.clone(), rising);
         assert!(found.explicit_deg < -85.0 && found.explicit_deg > -86.0);
     }
 
     #[test]
-    fn a_flat_profile_is_not_resolved_and_one_without_light_has_no_peak() {
-        let found = exact(vec![1.0; 36], lobe(10.0, 20.0, 36));
+    fn a_model_without_a_peak_is_not_resolved() {
+        let found = exact(lobe(10.0, 20.0, 36), vec![1.0; 36]);
         assert!(found.unresolved_deg >= 90.0, "{found:?}");
+    }
+
+    /// A Gaussian falls to half at 1.177 of its rms: 25.5 degrees stay within 30, 25.6 do not.
+    #[test]
+    fn broad_and_dark_profiles_have_no_peak() {
+        let with = |explicit: Vec<f64>| {
+            peak_difference(Span::Both, &[explicit], &[lobe(0.0, 10.0, 36)]).is_some()
+        };
+        assert!(with(lobe(20.0, 25.0, 36)) && !with(lobe(20.0, 26.0, 36)));
+        assert!(!with(vec![1.0; 36]));
+        // Broad to one side alone.
+        let lopsided: Vec<f64> = (0..36).map(f64::from).collect();
+        assert!(!with(lopsided));
+        let half = |rms: f64| lobe(0.0, rms, 36)[18..].to_vec();
+        let forward = |rms| peak_difference(Span::Forward, &[half(rms)], &[half(10.0)]);
+        assert!(forward(25.0).is_some() && forward(26.0).is_none());
         for dark in [vec![0.0; 36], vec![-1e-9; 36]] {
             assert_eq!(peak_difference(Span::Both, &[dark], &[vec![1.0; 36]]), None);
         }

@@ -95,6 +95,11 @@ impl MapConfig {
         if self.compare.models.is_empty() {
             return contradiction("a map needs models to compare with; name one or several".into());
         }
+        if self.compare.alpha != CompareConfig::default().alpha {
+            return contradiction(
+                "alpha is the level of the tests of a verification; a map has tolerances".into(),
+            );
+        }
         for (name, tolerance) in [
             ("total_variation", self.map.total_variation),
             ("energy", self.map.energy),
@@ -183,6 +188,7 @@ mod tests {
                 "tolerance total_variation is NaN",
             ),
             ("[compare]\nmodels = []", "needs models"),
+            ("[compare]\nalpha = 0.05", "has tolerances"),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
             ("[surface]\nsmoothness = []", "empty list"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),

@@ -150,11 +150,11 @@ mod tests {
     #[test]
     fn one_failure_fails_a_cell_and_all_must_hold() {
         use CellVerdict::{Fails, Holds, NotResolved};
-        let of = CellVerdict::of_all;
-        assert_eq!(of([Holds, Holds]), Holds);
-        assert_eq!(of([Holds, NotResolved]), NotResolved);
-        assert_eq!(of([NotResolved, Fails, Holds]), Fails);
-        assert_eq!(of([Fails, NotResolved]), Fails);
+        let of = |verdicts: &[CellVerdict]| CellVerdict::of_all(verdicts.iter().copied());
+        assert_eq!(of(&[Holds, Holds]), Holds);
+        assert_eq!(of(&[Holds, NotResolved]), NotResolved);
+        assert_eq!(of(&[NotResolved, Fails, Holds]), Fails);
+        assert_eq!(of(&[Fails, NotResolved]), Fails);
     }
 
     /// Quantiles from the tables of Abramowitz and Stegun 1964, 26.10.
