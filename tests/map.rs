@@ -372,7 +372,7 @@ fn what_makes_no_map_is_refused() {
             "map m.toml --tolerance-energy 0 -o out",
             "tolerance energy is 0",
         ),
-        ("map m.toml --tolerance-peak nan -o out", "NaN"),
+        ("map m.toml --tolerance-peak nan -o out", "finite"),
         ("map m.toml --alpha 0.05 -o out", "has tolerances"),
         ("map m.toml --theta 90 -o out", "below 90"),
         ("map m.toml --tau 2 -o out", "--insist"),

@@ -20,8 +20,7 @@ pub struct SideDifference {
     /// The first less the second; its error is that of the difference, surface by surface.
     pub difference: Estimate,
     /// Where the light is brightest in the plane of incidence; `None` where explicit surfaces or the
-    /// model send less than 0.1 % of the light to this side, and where the explicit lobe is so broad that
-    /// it does not fall to half of its peak within 30 degrees on either side.
+    /// model send less than 0.1 % of the light to this side.
     pub peak: Option<PeakDifference>,
 }
 

@@ -17,6 +17,10 @@ pub(super) const FEWEST_SURFACES: u64 = 8;
 /// `3 / n` or more is missed by `n` rays (`0.05 = exp(-3)`, the rule of three).
 const UNSEEN_RAYS: f64 = 3.0;
 
+/// A lobe has a clear peak if it falls to half of it within so many degrees on either side; of a broader
+/// one the total variation tells.
+const CLEAR_WITHIN_DEG: f64 = 30.0;
+
 /// Standard errors that hold 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.96;
 
@@ -124,7 +128,7 @@ pub struct Judged {
 /// A cell, judged for one model and one share of the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedCell {
-    /// Total variation first, then of each side its energy and, where there is one, its peak.
+    /// Total variation first, then of each side its energy and, where there is a clear one, its peak.
     pub measures: Vec<Judged>,
     /// What follows from all of them.
     pub verdict: CellVerdict,
@@ -234,7 +238,8 @@ impl CellResults {
                 Interval::about(side.difference, energy),
                 tolerances.energy.0,
             ));
-            if let Some(peak) = &side.peak {
+            let clear = |peak: &&PeakDifference| peak.half_width_deg <= CLEAR_WITHIN_DEG;
+            if let Some(peak) = side.peak.as_ref().filter(clear) {
                 let error = error(peak.se_deg).filter(|_| enough);
                 let half_width = error.map(|error| error + peak.unresolved_deg);
                 let difference = peak.explicit_deg - peak.model_deg;
@@ -273,6 +278,7 @@ impl CellResults {
         let peak = |peak: &PeakDifference| {
             error(peak.se_deg)
                 && error(Some(peak.unresolved_deg))
+                && error(Some(peak.half_width_deg))
                 && peak.explicit_deg.abs() <= 90.0
                 && peak.model_deg.abs() <= 90.0
         };

@@ -92,6 +92,7 @@ fn write_table(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError> {
             "peak_difference_low_deg",
             "peak_difference_high_deg",
             "peak_verdict",
+            "half_width_deg",
         ] {
             header.push(format!("{side}_{name}"));
         }
@@ -146,6 +147,7 @@ fn write_table(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError> {
                 ]
             };
             row.extend(measure(&judged, peak_name(side), peaks, 4));
+            row.push(peak.map(|peak| peak.half_width_deg).into());
         }
         row.extend([
             results.surfaces.into(),
