@@ -397,3 +397,14 @@ fn what_makes_no_map_is_refused() {
     let told = refused(folder, &words("map m.toml -o dir"), 1);
     assert!(told.contains("s1_n1.5_theta0.json"), "{told}");
 }
+
+#[test]
+fn the_examples_are_maps() {
+    for (name, cells) in [("validity_map", 8 * 2 * 5), ("small_map", 4 * 2)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
+        let text = fs::read_to_string(path).unwrap();
+        let config = asperity_experiment::MapConfig::from_toml(&text).unwrap();
+        config.check().unwrap();
+        assert_eq!(config.count().unwrap(), cells, "{name}");
+    }
+}

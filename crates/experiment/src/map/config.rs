@@ -89,6 +89,14 @@ impl MapConfig {
             .try_for_each(|cell| cell.config.check_surfaces())
     }
 
+    /// How many cells there are.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn count(&self) -> Result<usize, ConfigError> {
+        self.cells().map(|cells| cells.len())
+    }
+
     /// The cells, in the order of [`VerifyConfig::cases`].
     pub(super) fn cells(&self) -> Result<Vec<CellPlan>, ConfigError> {
         let contradiction = |text: String| Err(ConfigError::Contradiction(text));
