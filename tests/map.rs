@@ -132,6 +132,20 @@ fn a_map_holds_fails_and_writes_its_files() {
             assert_eq!(table.verdict("1", theta, "xu-sun", light), "fails");
         }
     }
+    // Nearly flat glass: Fresnel's 4 % at 0 degrees; at 60 degrees mirror and Snell, to half a bin of 5
+    // degrees, in which such lobes lie.
+    let number = |theta, name: &str| {
+        let row = table.row("100", theta, "smith", "own");
+        table.get(row, name).parse::<f64>().unwrap()
+    };
+    assert!((number("0", "reflected_explicit") - 0.04).abs() < 1e-4);
+    assert!((number("0", "transmitted_model") - 0.96).abs() < 1e-3);
+    let snell = (60.0_f64.to_radians().sin() / 1.5).asin().to_degrees();
+    for (name, angle) in [("reflected", 60.0), ("transmitted", snell)] {
+        let peak = number("60", &format!("{name}_peak_explicit_deg"));
+        assert!((peak - angle).abs() <= 2.6, "{name}: {peak}");
+    }
+    assert_eq!(table.verdict("100", "60", "smith", "own"), "not resolved");
     // Light scattered more than once counts against a model of single scattering, and only over all light.
     let of = |light, name: &str| {
         let row = table.row("1", "60", "smith", light);
