@@ -127,6 +127,10 @@ fn holds_from(
 /// A material as titles have it.
 pub(super) fn material_name(material: Material) -> String {
     match material {
+        // Out of the denser medium the quotient reads better: n = 1/1.5.
+        Material::Dielectric { eta } if short(1.0 / eta).len() < short(eta).len() => {
+            format!("n = 1/{}", short(1.0 / eta))
+        }
         Material::Dielectric { eta } => format!("n = {}", short(eta)),
         Material::Conductor { eta, kappa } => format!("n = {} + {}i", short(eta), short(kappa)),
         _ => "mirror".to_owned(),
@@ -226,6 +230,13 @@ mod tests {
     use super::super::MapCell;
     use super::super::config::MapConfig;
     use super::*;
+
+    #[test]
+    fn materials_read_as_they_are_written() {
+        for (eta, name) in [(1.5, "n = 1.5"), (1.0 / 1.5, "n = 1/1.5"), (0.9, "n = 0.9")] {
+            assert_eq!(material_name(Material::Dielectric { eta }), name);
+        }
+    }
 
     #[test]
     fn a_model_holds_from_where_nothing_above_fails() {
