@@ -72,6 +72,8 @@ pub(crate) enum Command {
     Trace(Box<Trace>),
     /// Trace light on fresh random surfaces and compare with the statistical models
     Verify(Box<Verify>),
+    /// Map where each model holds, over smoothness, material and angle; goes on where it was left
+    Map(Box<Map>),
     /// Measure run time against error for estimators, samplings, accelerators and spacings
     Converge(Box<Converge>),
     /// Evaluate a statistical model
@@ -434,6 +436,22 @@ pub(crate) struct Verify {
     /// Print the comparison as JSON on standard output, instead of the table
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("alpha", |alpha| alpha.hide(true)))]
+pub(crate) struct Map {
+    #[command(flatten)]
+    pub(crate) verify: Verify,
+    /// Total variation that is tolerated, of the incident flux [default: 0.01]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "FLUX")]
+    pub(crate) tolerance_total_variation: Option<f64>,
+    /// Difference in energy of a side that is tolerated, of the incident flux [default: 0.01]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "FLUX")]
+    pub(crate) tolerance_energy: Option<f64>,
+    /// Difference in direction of a peak that is tolerated, degrees [default: 2.5]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub(crate) tolerance_peak: Option<f64>,
 }
 
 #[derive(Debug, Args)]

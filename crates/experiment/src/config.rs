@@ -370,19 +370,26 @@ impl VerifyConfig {
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         let config: Self = parse_toml(text)?;
-        // Both have defaults, so that the file alone says whether they were given.
-        let given = |key: &str| {
-            toml::from_str::<toml::Table>(text)
-                .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
-        };
-        if config.run.target_error.is_some() && (given("realisations") || given("rays")) {
-            return Err(ConfigError::Contradiction(
-                "give either target_error or realisations and rays: with a target error both are as many as it takes"
-                    .to_owned(),
-            ));
-        }
+        refuse_effort_beside_target(text, &config.run)?;
         Ok(config)
     }
+}
+
+/// Refuses a file that asks for an error and for an effort.
+///
+/// Both have defaults, so that the file alone says whether they were given.
+pub(crate) fn refuse_effort_beside_target(text: &str, run: &RunConfig) -> Result<(), ConfigError> {
+    let given = |key: &str| {
+        toml::from_str::<toml::Table>(text)
+            .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
+    };
+    if run.target_error.is_some() && (given("realisations") || given("rays")) {
+        return Err(ConfigError::Contradiction(
+            "give either target_error or realisations and rays: with a target error both are as many as it takes"
+                .to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 /// Reads a configuration, or says in one sentence at which line it is none.

@@ -13,6 +13,7 @@ use crate::case::Case;
 use crate::config::VerifyConfig;
 use crate::ensemble::Ensemble;
 use crate::method::Method;
+use crate::side_difference::{SideDifference, side_differences};
 use crate::verify::{VerifyError, slopes};
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
@@ -29,6 +30,8 @@ pub struct ComparedShare {
     pub comparison: Comparison,
     /// What follows from it; `None` where the model makes no claim.
     pub verdict: Option<Verdict>,
+    /// Energies and peaks of the sides asked for; none of multiple scattering alone.
+    pub sides: Vec<SideDifference>,
 }
 
 /// One model beside the explicit surfaces of a case.
@@ -248,9 +251,20 @@ impl Beside<'_> {
             &rings_and_sides(layout),
             self.config.run.seed,
         )?;
+        let sides = match share {
+            Share::Multiple => Vec::new(),
+            _ => side_differences(
+                layout,
+                share,
+                &self.ensemble.records,
+                expectation,
+                self.config.free_azimuth(self.case),
+            ),
+        };
         Ok(ComparedShare {
             comparison,
             verdict: None,
+            sides,
         })
     }
 }

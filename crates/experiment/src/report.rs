@@ -37,6 +37,11 @@ pub(crate) const FILES: &[&str] = &[
     "convergence.csv",
     "convergence.svg",
     "convergence.png",
+    "map.csv",
+    "map_own.svg",
+    "map_own.png",
+    "map_all.svg",
+    "map_all.png",
 ];
 
 /// Why results are not written.

@@ -1,4 +1,4 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, and errors over run time.
+//! Figures of the project: height maps, polar lobes, in-plane curves, errors over run time, and validity maps.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -9,6 +9,7 @@
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
+//! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
@@ -55,6 +56,7 @@ mod scene;
 mod series;
 mod text;
 mod theme;
+mod validity_map;
 
 pub use error::PlotError;
 pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
@@ -63,3 +65,4 @@ pub use height_map::HeightMapFigure;
 pub use in_plane_curves::InPlaneCurves;
 pub use polar_lobes::{PolarLobes, Sides};
 pub use series::{Sample, Series, SeriesKind, Side};
+pub use validity_map::{MapVerdict, MappedCell, ValidityMap};
