@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod attenuation;
 mod comparison;
 mod control;
 mod deviation;
@@ -47,6 +48,10 @@ mod unshadowed;
 mod verdict;
 mod xu_sun;
 
+pub use attenuation::{
+    facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
+    smith_separable_g2, smith_visibility, v_cavity_g1, v_cavity_g2, v_cavity_lit,
+};
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,
 };
