@@ -89,7 +89,7 @@ pub fn v_cavity_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 
 /// The same as a share of the points that face `w`.
 #[must_use]
-pub fn v_cavity_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
+pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     v_cavity_lit(slopes, w) / facing_share(slopes, w)
 }
 
@@ -99,7 +99,7 @@ pub fn v_cavity_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// # Source
 /// Torrance and Sparrow 1967.
 #[must_use]
-pub fn v_cavity_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
+pub fn v_cavity_mean_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
     let facings = Facings::new(slopes, wi, wo);
     facings.lit() / facings.share()
 }

@@ -50,7 +50,7 @@ mod xu_sun;
 
 pub use attenuation::{
     facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
-    smith_separable_g2, smith_visibility, v_cavity_g1, v_cavity_g2, v_cavity_lit,
+    smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,

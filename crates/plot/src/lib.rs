@@ -1,4 +1,4 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, and errors over run time.
+//! Figures of the project: height maps, polar lobes, in-plane curves, errors over run time, and plain curves.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -9,6 +9,7 @@
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
+//! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
@@ -44,6 +45,7 @@
 //! ```
 
 mod axis;
+mod curves;
 mod error;
 mod error_over_time;
 mod figure;
@@ -56,6 +58,7 @@ mod series;
 mod text;
 mod theme;
 
+pub use curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
 pub use error::PlotError;
 pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figure::Figure;
