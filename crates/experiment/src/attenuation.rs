@@ -14,6 +14,10 @@
 //!   the lit share.
 //! - `mirror_g2`: share of all points that are lit and whose *mirrored* ray gets away, as the paper's Sec.
 //!   3.2.4 describes masking. It is not one at normal incidence.
+//! - `g1_projected`, `lit_projected`: weighted by projected areas. The light sees as much area as the mean
+//!   plane has, so that the second is one; and therefore the mean of the first is Smith's `1 / (1 +
+//!   Lambda)` for Gaussian slopes, whatever the surface. `g1` has no such reason, and is smaller: what hardly
+//!   faces the light is more often hidden.
 //! - The *visibility* of a height is the share of the points there that face the light and see it.
 //!
 //! Shares are ratios of sums over surfaces. Points of one surface are correlated; errors are from the scatter
@@ -62,7 +66,7 @@ pub use tables::attenuation_table;
 use config::Plan;
 use demarcation::Rises;
 use estimate::ratio;
-use survey::{Counts, survey};
+use survey::{Area, Counts, survey};
 
 /// Why an attenuation run fails.
 #[derive(Debug, thiserror::Error)]
@@ -101,6 +105,10 @@ pub struct AttenuationRow {
     pub lit: Estimate,
     /// Share of the points that face the light that it reaches.
     pub g1: Estimate,
+    /// The same weighted by projected areas, `wi.m / m.z`: what Smith's G1 stands for exactly.
+    pub g1_projected: Estimate,
+    /// Projected area of all lit points over that of the mean plane: one, if none is lost or seen twice.
+    pub lit_projected: Estimate,
     /// Smith's lit share.
     pub smith_lit: f64,
     /// Smith's `1 / (1 + Lambda)`.
@@ -247,6 +255,10 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         ratio(counts.iter().map(pair))
     };
     let of_all = |over: &dyn Fn(&Counts) -> u64| share(over, &|counts| counts.points);
+    let areas = |of: fn(Area, f64) -> [f64; 2]| {
+        let pair = |counts: &Counts| of(counts.areas[i], counts.points as f64);
+        ratio(counts.iter().map(pair))
+    };
     let pair = i * plan.views.len() + o;
     AttenuationRow {
         sigma,
@@ -258,6 +270,8 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         g1: share(&|counts| counts.lights[i].free, &|counts| {
             counts.lights[i].facing
         }),
+        g1_projected: areas(|area, _| [area.free, area.facing]),
+        lit_projected: areas(|area, points| [area.free, points]),
         smith_lit: smith_lit(slopes, wi),
         smith_g1: slopes.g1(wi),
         smith_lit_as_printed: smith_lit_as_printed(sigma, wi),

@@ -46,6 +46,8 @@ pub struct Horizons<'a> {
     z: Vec<f64>,
     cells: [usize; 2],
     highest: f64,
+    /// The highest point of each block of cells, rows of as many as it takes.
+    blocks: Vec<f64>,
     /// Unit direction in physical lengths.
     along: DVec2,
     /// The same in tile coordinates a unit of distance.
@@ -74,11 +76,13 @@ impl<'a> Horizons<'a> {
         }
         let [cx, cy] = surface.cells();
         let along = DVec2::from_angle(azimuth);
+        let z: Vec<f64> = (0..=cy)
+            .flat_map(|iy| (0..=cx).map(move |ix| surface.z(ix, iy)))
+            .collect();
         Ok(Self {
             surface,
-            z: (0..=cy)
-                .flat_map(|iy| (0..=cx).map(move |ix| surface.z(ix, iy)))
-                .collect(),
+            blocks: highest_of_blocks(&z, [cx, cy]),
+            z,
             cells: [cx, cy],
             highest: surface.z_range()[1],
             along,
@@ -104,9 +108,14 @@ impl<'a> Horizons<'a> {
         let climb = self.highest - point.z;
         let mut end = climb / beyond;
         // The way out of the own facet adds nothing to its rise but rounding.
-        let (mut edge, _) = walk.leave();
+        let (mut edge, mut distance) = walk.leave();
         while walk.pass(edge, self.cells, self.surface.border()) {
-            let distance;
+            if walk.enters_block(edge, self.cells) {
+                let sight = |distance: f64| point.z + beyond * distance;
+                if !self.skip(&mut walk, distance, end, sight) {
+                    break;
+                }
+            }
             (edge, distance) = walk.leave();
             if distance >= end {
                 break;
@@ -119,6 +128,29 @@ impl<'a> Horizons<'a> {
             }
         }
         Horizon { own, beyond }
+    }
+
+    /// Passes over blocks that lie below the line `sight` where the walk enters them; false if it comes to
+    /// its end there, be it that of an open patch.
+    fn skip(
+        &self,
+        walk: &mut Walk,
+        mut distance: f64,
+        end: f64,
+        sight: impl Fn(f64) -> f64,
+    ) -> bool {
+        let row = self.cells[0].div_ceil(BLOCK);
+        while distance < end {
+            let [bx, by] = walk.tile.map(|place| place / BLOCK);
+            if self.blocks[by * row + bx] >= sight(distance) {
+                return true;
+            }
+            match walk.leave_block(self.cells, self.surface.border()) {
+                Some(after) => distance = after,
+                None => return false,
+            }
+        }
+        false
     }
 
     /// z where a walk leaves its facet.
@@ -137,6 +169,23 @@ impl<'a> Horizons<'a> {
         // Rounding may have put the crossing beside the ends of the edge.
         a + share.clamp(0.0, 1.0) * (b - a)
     }
+}
+
+/// Cells along a side of a block.
+const BLOCK: usize = 8;
+
+/// The highest corner of each block of cells.
+fn highest_of_blocks(z: &[f64], [cx, cy]: [usize; 2]) -> Vec<f64> {
+    let row = cx + 1;
+    let starts = |cells: usize| (0..cells).step_by(BLOCK);
+    starts(cy)
+        .flat_map(|y| starts(cx).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let (last_x, last_y) = ((x + BLOCK).min(cx), (y + BLOCK).min(cy));
+            let rows = (y..=last_y).map(|iy| &z[iy * row + x..=iy * row + last_x]);
+            rows.flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+        })
+        .collect()
 }
 
 /// An edge of a facet, by its place in the cell.
@@ -248,5 +297,58 @@ impl Walk {
         }
         *place = if onward { *place + 1 } else { *place - 1 };
         true
+    }
+
+    /// Whether it has come into another block by going through an edge.
+    #[inline(always)]
+    fn enters_block(&self, edge: Edge, cells: [usize; 2]) -> bool {
+        let [x, y] = self.tile;
+        let is_last = |place: usize, cells: usize| place % BLOCK == BLOCK - 1 || place == cells - 1;
+        match edge {
+            Edge::Diagonal => false,
+            Edge::Right => x % BLOCK == 0,
+            Edge::Top => y % BLOCK == 0,
+            Edge::Left => is_last(x, cells[0]),
+            Edge::Bottom => is_last(y, cells[1]),
+        }
+    }
+
+    /// Goes straight to where it leaves its block, and into the next one; the distance from the start, or
+    /// `None` if an open patch ends there.
+    fn leave_block(&mut self, cells: [usize; 2], border: Border) -> Option<f64> {
+        let first = self.tile.map(|place| place - place % BLOCK);
+        let count = [0, 1].map(|axis| (cells[axis] - first[axis]).min(BLOCK));
+        let low = DVec2::new(
+            self.cell.x - (self.tile[0] - first[0]) as f64,
+            self.cell.y - (self.tile[1] - first[1]) as f64,
+        );
+        let reach = |axis: usize| {
+            let rate = self.rate[axis];
+            if rate == 0.0 {
+                return f64::INFINITY;
+            }
+            let side = if rate > 0.0 { count[axis] as f64 } else { 0.0 };
+            (low[axis] + side - self.start[axis]) * self.inverse[axis]
+        };
+        let at = [reach(0), reach(1)];
+        let axis = usize::from(at[1] < at[0]);
+        let other = 1 - axis;
+        let distance = at[axis];
+        // The last cell of the block on the way.
+        let beside = self.start[other] + distance * self.rate[other] - low[other];
+        let beside = beside.floor().clamp(0.0, (count[other] - 1) as f64);
+        let onward = self.rate[axis] > 0.0;
+        let last = if onward { count[axis] - 1 } else { 0 };
+        self.cell[other] = low[other] + beside;
+        self.tile[other] = first[other] + beside as usize;
+        self.cell[axis] = low[axis] + last as f64;
+        self.tile[axis] = first[axis] + last;
+        let edge = match (axis, onward) {
+            (0, true) => Edge::Right,
+            (0, false) => Edge::Left,
+            (_, true) => Edge::Top,
+            (_, false) => Edge::Bottom,
+        };
+        self.pass(edge, cells, border).then_some(distance)
     }
 }

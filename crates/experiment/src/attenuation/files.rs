@@ -100,7 +100,7 @@ pub fn attenuation_summary(outcome: &AttenuationOutcome) -> Value {
     })
 }
 
-const ATTENUATION: [&str; 37] = [
+const ATTENUATION: [&str; 41] = [
     "sigma",
     "theta",
     "phi",
@@ -110,6 +110,10 @@ const ATTENUATION: [&str; 37] = [
     "lit_se",
     "g1",
     "g1_se",
+    "g1_projected",
+    "g1_projected_se",
+    "lit_projected",
+    "lit_projected_se",
     "smith_lit",
     "smith_g1",
     "smith_lit_as_printed",
@@ -149,8 +153,9 @@ fn attenuation_fields(row: &AttenuationRow) -> Vec<Field<'static>> {
         &mut fields,
         &[row.sigma, row.theta, row.phi, row.view_theta, row.view_phi],
     );
-    estimate(&mut fields, Some(row.lit));
-    estimate(&mut fields, Some(row.g1));
+    for share in [row.lit, row.g1, row.g1_projected, row.lit_projected] {
+        estimate(&mut fields, Some(share));
+    }
     let theory = [
         row.smith_lit,
         row.smith_g1,

@@ -34,12 +34,21 @@ impl AddAssign for Seen {
     }
 }
 
+/// Projected areas of points that face a direction, and of those that see it, over that of the mean plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Area {
+    pub(super) facing: f64,
+    pub(super) free: f64,
+}
+
 /// What was counted on a surface, or on a part of it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Counts {
     pub(super) points: u64,
     /// One a light.
     pub(super) lights: Vec<Seen>,
+    /// The same lights' projected areas, each point having one of the mean plane.
+    pub(super) areas: Vec<Area>,
     /// One a view.
     pub(super) views: Vec<Seen>,
     /// Points that face both directions, and those of them that are lit and seen; views of one light after
@@ -66,6 +75,10 @@ impl Counts {
         sum(&mut self.views, &other.views);
         sum(&mut self.pairs, &other.pairs);
         sum(&mut self.heights, &other.heights);
+        for (a, b) in self.areas.iter_mut().zip(&other.areas) {
+            a.facing += b.facing;
+            a.free += b.free;
+        }
         let mirrored = self.mirrored.iter_mut().zip(&other.mirrored);
         mirrored.for_each(|(a, b)| *a += b);
         self.lost += other.lost;
@@ -270,12 +283,13 @@ fn ones(marks: impl Iterator<Item = bool>) -> u64 {
 }
 
 impl Site<'_> {
-    /// Counts over all points; whole numbers, so that the order of the chunks does not matter.
+    /// Counts over all points, in the order of the chunks, whatever thread had which.
     fn count(&self) -> Counts {
-        chunks(self.surface)
+        let counts: Vec<Counts> = chunks(self.surface)
             .into_par_iter()
             .map(|chunk| self.count_chunk(chunk))
-            .reduce(Counts::default, Counts::add)
+            .collect();
+        counts.into_iter().fold(Counts::default(), Counts::add)
     }
 
     fn count_chunk(&self, chunk: usize) -> Counts {
@@ -301,6 +315,7 @@ impl Site<'_> {
         for light in &plan.lights {
             let lit = self.mark(light, first, &points, &mut counts.lost);
             counts.lights.push(lit.count());
+            counts.areas.push(area(light, &points, &lit));
             counts.pairs.extend(views.iter().map(|seen| lit.both(seen)));
             if self.config.run.mirror {
                 let mirrored = self.mirrored(light, &points, &lit.free, &mut counts.lost);
@@ -382,6 +397,21 @@ impl Site<'_> {
         let height = (point.look.origin.z - self.surface.mean_plane()) * dx;
         heights::bin(height / self.sigma)
     }
+}
+
+/// Projected areas of facing and lit points.
+fn area(light: &Incidence, points: &[Point], lit: &Marks) -> Area {
+    let wi = light.wi();
+    let mut sum = Area::default();
+    for ((point, &facing), &free) in points.iter().zip(&lit.facing).zip(&lit.free) {
+        if facing {
+            let m = point.look.direction;
+            let area = wi.dot(m) / (m.z * wi.z);
+            sum.facing += area;
+            sum.free += if free { area } else { 0.0 };
+        }
+    }
+    sum
 }
 
 /// Facing and lit points by their height.
