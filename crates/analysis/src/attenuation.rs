@@ -246,3 +246,142 @@ impl Facings {
 fn cavity(mu: f64, q: f64) -> f64 {
     if q <= mu { 1.0 } else { 2.0 * mu / (mu + q) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::energy::{Edges, over_facing_normals};
+    use asperity_optics::from_spherical;
+
+    fn slopes(smoothness: f64) -> SlopeCovariance {
+        SlopeCovariance::isotropic(smoothness).unwrap()
+    }
+
+    fn at(theta_deg: f64, phi_deg: f64) -> DVec3 {
+        from_spherical(theta_deg.to_radians(), phi_deg.to_radians())
+    }
+
+    #[test]
+    fn smith_is_what_50_digits_say() {
+        // Lit shares for s = 1 and 3, by 50-digit arithmetic.
+        for (s, theta, expected) in [
+            (1.0, 45.0, 0.633_731_086_365_558_1),
+            (3.0, 60.0, 0.852_552_175_628_177_4),
+            (3.0, 85.0, 0.213_519_574_623_162_5),
+        ] {
+            let found = smith_lit(&slopes(s), at(theta, 20.0));
+            assert!((found - expected).abs() < 1e-12, "{s} {theta}: {found}");
+        }
+    }
+
+    #[test]
+    fn what_is_known_of_one_direction_holds_for_two() {
+        let slopes = SlopeCovariance::new(0.6, 0.3, 0.1).unwrap();
+        let wi = at(65.0, 40.0);
+        // From straight above, everything is seen.
+        for g2 in [
+            smith_separable_g2(&slopes, wi, DVec3::Z),
+            smith_correlated_g2(&slopes, wi, DVec3::Z),
+        ] {
+            assert!((g2 - slopes.g1(wi)).abs() < 1e-15);
+        }
+        let both = v_cavity_mean_g2(&slopes, wi, DVec3::Z);
+        assert!((both - v_cavity_mean_g1(&slopes, wi)).abs() < 1e-8);
+        // The eye that looks along the light sees what is lit, in a V-cavity.
+        let same = v_cavity_mean_g2(&slopes, wi, wi);
+        assert!((same - v_cavity_mean_g1(&slopes, wi)).abs() < 1e-10);
+        assert_eq!(smith_lit(&slopes, DVec3::Z), 1.0);
+        assert!((v_cavity_lit(&slopes, DVec3::Z) - 1.0).abs() < 1e-12);
+        assert!(smith_correlated_g2(&slopes, wi, wi) > smith_separable_g2(&slopes, wi, wi));
+    }
+
+    #[test]
+    fn cavities_hide_what_their_other_side_hides() {
+        // The mean over normals of the G1 of a facet, by the quadrature over both slopes.
+        let slopes = SlopeCovariance::new(0.6, 0.3, 0.1).unwrap();
+        for theta in [10.0, 45.0, 70.0, 85.0] {
+            let w = at(theta, 30.0);
+            let lit = over_facing_normals(&slopes, w, &Edges::none(w), |m| {
+                let g1 = (2.0 * m.z * w.z / w.dot(m)).min(1.0);
+                slopes.normal_density(m) * m.z * g1
+            });
+            let found = v_cavity_lit(&slopes, w);
+            // The kink of G1 is a break in the one and not in the other.
+            assert!((found - lit).abs() < 1e-9, "{theta}: {found} {lit}");
+        }
+    }
+
+    #[test]
+    fn cavities_seen_from_two_sides_are_those_of_a_sum() {
+        // The mean over a fine grid of slopes, 0.02 deviations wide: edges lie anywhere in its cells, so
+        // that each of the two edges is off by a hundredth of a row.
+        let slopes = slopes(1.5);
+        let deviation = slopes.xx().sqrt();
+        for (wi, wo) in [
+            (at(60.0, 0.0), at(50.0, 130.0)),
+            (at(75.0, 10.0), at(60.0, 10.0)),
+            (at(75.0, 0.0), at(40.0, 180.0)),
+        ] {
+            let (mut lit, mut facing) = (0.0, 0.0);
+            let steps = -300..300;
+            for (i, j) in steps
+                .clone()
+                .flat_map(|i| steps.clone().map(move |j| (i, j)))
+            {
+                let t = [i, j].map(|k| 0.02 * (f64::from(k) + 0.5));
+                let m = DVec3::new(-deviation * t[0], -deviation * t[1], 1.0).normalize();
+                let weight = (-0.5 * (t[0] * t[0] + t[1] * t[1])).exp();
+                if wi.dot(m) > 0.0 && wo.dot(m) > 0.0 {
+                    let g1 = |w: DVec3| (2.0 * m.z * w.z / w.dot(m)).min(1.0);
+                    facing += weight;
+                    lit += weight * g1(wi).min(g1(wo));
+                }
+            }
+            let found = v_cavity_mean_g2(&slopes, wi, wo);
+            assert!(
+                (found - lit / facing).abs() < 2e-3,
+                "{found} {}",
+                lit / facing
+            );
+        }
+    }
+
+    #[test]
+    fn shadow_begins_where_a_hundredth_is_dark() {
+        for s in [0.5, 5.0] {
+            let slopes = slopes(s);
+            let cotangent = smith_demarcation(&slopes, 0.01, false).unwrap();
+            let w = from_spherical(cotangent.recip().atan(), 0.0);
+            assert!((smith_lit(&slopes, w) - 0.99).abs() < 1e-12);
+            let cotangent = smith_demarcation(&slopes, 0.01, true).unwrap();
+            let w = from_spherical(cotangent.recip().atan(), 0.0);
+            let hidden = facing_share(&slopes, w) - smith_lit(&slopes, w);
+            assert!((hidden - 0.01).abs() < 1e-12);
+        }
+        assert_eq!(smith_demarcation(&slopes(1.0), 1.5, false), None);
+    }
+
+    #[test]
+    fn heights_decide_what_smith_sees() {
+        let slopes = slopes(1.0);
+        let w = at(45.0, 0.0);
+        assert!((smith_visibility(&slopes, w, 0.0) - 0.5_f64.powf(slopes.lambda(w))).abs() < 1e-15);
+        // The mean over heights is G1: int Phi^Lambda dPhi = 1 / (1 + Lambda).
+        let mean: f64 = (-800..800)
+            .map(|i| 0.01 * (f64::from(i) + 0.5))
+            .map(|h| {
+                0.01 * (-0.5 * h * h).exp() / (2.0 * PI).sqrt() * smith_visibility(&slopes, w, h)
+            })
+            .sum();
+        assert!((mean - slopes.g1(w)).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_printed_formula_depends_on_the_unit_of_length() {
+        // That of a slope of sqrt 2 sigma, in whatever unit sigma is given.
+        let w = at(60.0, 0.0);
+        let as_slope = SlopeCovariance::new(2.0 * 0.09, 2.0 * 0.09, 0.0).unwrap();
+        assert!((smith_lit_as_printed(0.3, w) - smith_lit(&as_slope, w)).abs() < 1e-14);
+        assert!(smith_lit_as_printed(0.3, w) - smith_lit_as_printed(300.0, w) > 0.5);
+    }
+}

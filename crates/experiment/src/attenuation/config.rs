@@ -398,7 +398,7 @@ const MODELS_DRAWN: usize = 3;
 const ANGLES_DRAWN: usize = 5;
 
 /// Looks, one a point and direction, that take as long as a horizon.
-const LOOKS_WORTH_A_HORIZON: usize = 3;
+const LOOKS_WORTH_A_HORIZON: usize = 6;
 
 /// Most samples along a side that are told from one another.
 const MOST_SAMPLES: f64 = 1e9;
