@@ -397,8 +397,8 @@ const MODELS_DRAWN: usize = 3;
 /// Angles at which shares are drawn over sigma unless they are named.
 const ANGLES_DRAWN: usize = 5;
 
-/// Looks, one a point and direction, that take as long as a horizon.
-const LOOKS_WORTH_A_HORIZON: usize = 6;
+/// Looks, one a point and direction, that take as long as a horizon: measured at s = 1 and up to 80 degrees.
+const LOOKS_WORTH_A_HORIZON: usize = 8;
 
 /// Most samples along a side that are told from one another.
 const MOST_SAMPLES: f64 = 1e9;

@@ -53,7 +53,7 @@ fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
 fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
     let tau = outcome.config.surface.tau.0;
     let phi = outcome.config.light.phi.0.to_radians();
-    let mut curves = Vec::new();
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
     for (i, &sigma) in outcome.models_at.iter().enumerate() {
         let colour = CurveColour::Nth(i);
         curves.push(Curve {
@@ -75,14 +75,16 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
                 .collect(),
         };
         let w = |theta: f64| from_spherical(theta, phi);
-        curves.push(line("Smith", 0, &|theta| smith_lit(&slopes, w(theta))));
-        curves.push(line("V-cavity", 1, &|theta| {
+        lines.push(line("Smith", 0, &|theta| smith_lit(&slopes, w(theta))));
+        lines.push(line("V-cavity", 1, &|theta| {
             v_cavity_lit(&slopes, w(theta))
         }));
-        curves.push(line("Smith as the 2019 paper prints it", 3, &|theta| {
+        lines.push(line("Smith as the 2019 paper prints it", 3, &|theta| {
             smith_lit_as_printed(sigma, w(theta))
         }));
     }
+    // Points come first in the legend.
+    curves.append(&mut lines);
     Curves {
         title: "Geometric attenuation: explicit surfaces against models".into(),
         subtitle: subtitle(outcome),
@@ -97,7 +99,7 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
 fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
     let tau = outcome.config.surface.tau.0;
     let phi = outcome.config.light.phi.0;
-    let mut curves = Vec::new();
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
     let sigmas = distinct(outcome.rows.iter().map(|row| row.sigma));
     let (least, most) = sigmas
         .iter()
@@ -122,19 +124,20 @@ fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
         };
         let printed = |sigma: f64| CurvePoint::exact(sigma, smith_lit_as_printed(sigma, wi));
         let name = |name: &str| if i == 0 { name.into() } else { String::new() };
-        curves.push(Curve {
+        lines.push(Curve {
             name: name("Smith"),
             colour,
             style: CurveStyle::Line(0),
             points: fine().filter_map(smith).collect(),
         });
-        curves.push(Curve {
+        lines.push(Curve {
             name: name("Smith as the 2019 paper prints it"),
             colour,
             style: CurveStyle::Line(3),
             points: fine().map(printed).collect(),
         });
     }
+    curves.append(&mut lines);
     Curves {
         title: "Geometric attenuation over roughness".into(),
         subtitle: subtitle(outcome),
@@ -152,7 +155,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
     let of_sigma = || rows.iter().filter(|row| row.sigma == sigma);
     let smoothness = outcome.config.surface.tau.0 / sigma;
     let thetas = distinct(of_sigma().map(|row| row.theta));
-    let mut curves = Vec::new();
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
     for (i, &theta) in thetas.iter().enumerate() {
         let of_light: Vec<&VisibilityRow> = of_sigma().filter(|row| row.theta == theta).collect();
         let colour = CurveColour::Nth(i);
@@ -178,7 +181,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
         ) {
             let heights =
                 (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
-            curves.push(Curve {
+            lines.push(Curve {
                 name: name("Smith: Φ(h / σ) to the power Λ(θᵢ)"),
                 colour,
                 style: CurveStyle::Line(0),
@@ -188,20 +191,24 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             });
         }
         let at_zero = of_light.iter().filter_map(|row| row.xu_sun);
-        curves.push(Curve {
+        lines.push(Curve {
             name: name("Xu and Sun, Eq. 24, at height zero"),
             colour,
             style: CurveStyle::Hollow(3),
             points: at_zero.map(|v| CurvePoint::exact(0.0, v)).collect(),
         });
     }
+    curves.append(&mut lines);
     Curves {
         title: "Visibility of points by their height, of those that face the light".into(),
         subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
         x: axis("height h / σ", Some([-HIGHEST, HIGHEST])),
         y: axis("visibility V(h, θᵢ)", Some([0.0, 1.04])),
         curves,
-        notes: vec!["Points: explicit surfaces, bins of σ / 4.".into()],
+        notes: vec![
+            "Points: explicit surfaces, bins of σ / 4.".into(),
+            "Colours: θᵢ.".into(),
+        ],
     }
 }
 
