@@ -37,8 +37,6 @@ mod files;
 mod heights;
 mod survey;
 mod tables;
-#[cfg(test)]
-mod tests;
 
 use std::time::Instant;
 
