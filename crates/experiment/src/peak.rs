@@ -293,7 +293,12 @@ mod tests {
         let rising: Vec<f64> = (0..36).map(f64::from).collect();
         assert!((of(rising) - 85.0).abs() < 5.0);
         let half = lobe(0.0, 20.0, 36)[18..].to_vec();
-        let forward = peak_difference(Span::Forward, &[half.clone()], &[half]).unwrap();
+        let forward = peak_difference(
+            Span::Forward,
+            std::slice::from_ref(&half),
+            std::slice::from_ref(&half),
+        )
+        .unwrap();
         assert!((forward.half_width_deg - 1.1774 * 20.0).abs() < 0.5);
         for dark in [vec![0.0; 36], vec![-1e-9; 36]] {
             assert_eq!(peak_difference(Span::Both, &[dark], &[vec![1.0; 36]]), None);
