@@ -250,6 +250,14 @@ fn high_points_are_seen_and_low_ones_are_not() {
             number(zero, "x")
         );
         assert!((seen - smith).abs() < 0.5 * (seen - xu_sun).abs());
+        // Above half a sigma Smith is right to the percent that can be measured here.
+        for row in light {
+            if number(row, "height_min") > 0.5 && number(row, "points") > 1000.0 {
+                let [seen, se] = estimate(row, "visibility");
+                let error = (seen - number(row, "smith")).abs();
+                assert!(error < 0.015 + 4.0 * se, "{row}");
+            }
+        }
         let known: Vec<f64> = light
             .iter()
             .filter(|row| number(row, "points") > 1000.0)
