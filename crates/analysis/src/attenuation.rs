@@ -366,6 +366,9 @@ mod tests {
         let slopes = slopes(1.0);
         let w = at(45.0, 0.0);
         assert!((smith_visibility(&slopes, w, 0.0) - 0.5_f64.powf(slopes.lambda(w))).abs() < 1e-15);
+        // Phi(1) = 0.841: high points see more.
+        let high = 0.841_344_746_068_543_f64.powf(slopes.lambda(w));
+        assert!((smith_visibility(&slopes, w, 1.0) - high).abs() < 1e-14);
         // The mean over heights is G1: int Phi^Lambda dPhi = 1 / (1 + Lambda).
         let mean: f64 = (-800..800)
             .map(|i| 0.01 * (f64::from(i) + 0.5))

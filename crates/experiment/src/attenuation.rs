@@ -35,6 +35,8 @@ mod estimate;
 mod figures;
 mod files;
 mod heights;
+mod plan;
+mod points;
 mod survey;
 mod tables;
 
@@ -61,9 +63,9 @@ pub use files::{attenuation_report, attenuation_summary};
 pub use heights::VisibilityRow;
 pub use tables::attenuation_table;
 
-use config::Plan;
 use demarcation::Rises;
 use estimate::ratio;
+use plan::Plan;
 use survey::{Area, Counts, survey};
 
 /// Why an attenuation run fails.

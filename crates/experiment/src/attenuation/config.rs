@@ -3,16 +3,11 @@
 use std::fmt;
 use std::str::FromStr;
 
-use asperity_analysis::{SlopeCovariance, SlopeError};
-use asperity_optics::Incidence;
-use asperity_surface::{Border, Psd, Synthesis, SynthesisError};
-use asperity_tracer::{AcceleratorKind, HorizonError};
+use asperity_surface::Border;
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
-use crate::case::short;
 use crate::config::{ConfigError, parse_toml};
-use crate::limits::{check_memory, traced_bytes};
 use crate::values::{Count, Number, OneOrMany, PerAxis};
 
 /// `[surface]`: the random surfaces, isotropic, with the autocorrelation `sigma^2 exp(-r^2 / tau^2)`.
@@ -52,9 +47,6 @@ impl Default for AttenuationSurface {
         }
     }
 }
-
-/// Side of a tile unless anything else is said, length units.
-const LENGTH: f64 = 12.8;
 
 /// `[light]`: the directions towards the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -207,44 +199,6 @@ pub struct AttenuationConfig {
     pub output: AttenuationOutput,
 }
 
-/// A configuration with its lists checked.
-pub(super) struct Plan {
-    pub(super) sigmas: Vec<f64>,
-    pub(super) tau: f64,
-    /// `[ny, nx]`.
-    pub(super) shape: [usize; 2],
-    pub(super) spacing: [f64; 2],
-    pub(super) border: Border,
-    pub(super) lights: Vec<Incidence>,
-    pub(super) views: Vec<Incidence>,
-    /// Either rays or horizons.
-    pub(super) way: Way,
-    /// Recipes of the surfaces, one a sigma.
-    pub(super) recipes: Vec<Synthesis>,
-    /// Their slopes, as those of the continuous surface.
-    pub(super) slopes: Vec<SlopeCovariance>,
-    pub(super) models_at: Vec<f64>,
-    pub(super) over_sigma_at: Vec<f64>,
-}
-
-impl Plan {
-    /// Whether horizons are found at all.
-    pub(super) fn needs_horizons(&self, run: &AttenuationRun) -> bool {
-        self.way == Way::Horizons || run.demarcation
-    }
-
-    /// Azimuths along which horizons are needed, radians: that of the lights, and that of the views where
-    /// it is another and one of them is not from straight above.
-    pub(super) fn azimuths(&self) -> Vec<f64> {
-        let mut azimuths = vec![self.lights[0].phi()];
-        let slanted = self.views.iter().find(|view| !view.is_vertical());
-        if let Some(view) = slanted.filter(|view| view.phi() != azimuths[0]) {
-            azimuths.push(view.phi());
-        }
-        azimuths
-    }
-}
-
 impl AttenuationConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
@@ -260,212 +214,5 @@ impl AttenuationConfig {
     /// [`AttenuationError`] as from [`crate::attenuation`].
     pub fn check(&self) -> Result<(), AttenuationError> {
         self.plan().map(drop)
-    }
-
-    /// Goes through the lists and checks them.
-    pub(super) fn plan(&self) -> Result<Plan, AttenuationError> {
-        let surface = &self.surface;
-        let sigmas = numbers("sigma", &surface.sigma)?;
-        let [dx, dy] = surface.spacing.xy().map(|spacing| spacing.0);
-        let shape = self.shape()?;
-        let mut recipes = Vec::new();
-        let mut slopes = Vec::new();
-        for &sigma in &sigmas {
-            let psd = Psd::gaussian(sigma, surface.tau.0).map_err(ConfigError::from)?;
-            recipes.push(Synthesis::new(psd, shape, [dx, dy], surface.insist)?);
-            let covariance = SlopeCovariance::isotropic(surface.tau.0 / sigma);
-            slopes.push(covariance.map_err(|error: SlopeError| contradiction(error.to_string()))?);
-        }
-        if surface.border == Border::Mirrored {
-            return Err(contradiction(
-                "drawn surfaces are periodic; border is periodic or open".to_owned(),
-            ));
-        }
-        let lights = directions("theta", &self.light.theta, self.light.phi.0)?;
-        let views = directions("view theta", &self.view.theta, self.view.phi.0)?;
-        let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
-        let models_at = chosen(
-            "models_at_sigma",
-            self.output.models_at_sigma.as_ref(),
-            &sigmas,
-            MODELS_DRAWN,
-        )?;
-        let over_sigma_at = chosen(
-            "over_sigma_at_theta",
-            self.output.over_sigma_at_theta.as_ref(),
-            &thetas,
-            ANGLES_DRAWN,
-        )?;
-        let mut plan = Plan {
-            way: self.run.way,
-            sigmas,
-            tau: surface.tau.0,
-            shape,
-            spacing: [dx, dy],
-            border: surface.border,
-            lights,
-            views,
-            recipes,
-            slopes,
-            models_at,
-            over_sigma_at,
-        };
-        if plan.way == Way::Auto {
-            plan.way = self.quicker_way(&plan);
-        }
-        self.check_size(&plan)?;
-        Ok(plan)
-    }
-
-    /// Horizons where they are needed in any case, or where many directions share their azimuths.
-    fn quicker_way(&self, plan: &Plan) -> Way {
-        let slanted = |directions: &[Incidence]| {
-            let slanted = directions.iter().filter(|one| !one.is_vertical());
-            slanted.count()
-        };
-        let looks = plan.sigmas.len() * (slanted(&plan.lights) + slanted(&plan.views));
-        if self.run.demarcation || looks >= LOOKS_WORTH_A_HORIZON * plan.azimuths().len() {
-            Way::Horizons
-        } else {
-            Way::Rays
-        }
-    }
-
-    /// Refuses what does not fit into memory.
-    fn check_size(&self, plan: &Plan) -> Result<(), AttenuationError> {
-        let [ny, nx] = plan.shape;
-        let horizons = if plan.needs_horizons(&self.run) {
-            plan.azimuths().len()
-        } else {
-            0
-        };
-        // Two facets a cell; a horizon takes 16 bytes, and the demarcation sorts two copies of its halves.
-        let copies = horizons + usize::from(self.run.demarcation);
-        let cells = nx.saturating_mul(ny);
-        let bytes = traced_bytes(plan.shape, AcceleratorKind::Auto)
-            .saturating_add(cells.saturating_mul(32 * copies + 8 * horizons));
-        let drawn = plan.recipes.iter().map(Synthesis::peak_bytes).max();
-        let bytes = bytes.max(drawn.unwrap_or(0));
-        check_memory("measuring one surface", bytes)?;
-        let results = plan.sigmas.len() as f64
-            * plan.lights.len() as f64
-            * (plan.views.len() as f64 + 8.0)
-            * self.run.realisations.0 as f64;
-        if results > MOST_RESULTS {
-            return Err(contradiction(format!(
-                "{results:.1e} counts would be kept, {MOST_RESULTS:.0e} is the most: take fewer directions or surfaces",
-            )));
-        }
-        Ok(())
-    }
-
-    /// Samples `[ny, nx]`.
-    fn shape(&self) -> Result<[usize; 2], AttenuationError> {
-        let surface = &self.surface;
-        let [dx, dy] = surface.spacing.xy().map(|spacing| spacing.0);
-        if let Some(size) = surface.size {
-            if surface.length.is_some() {
-                return Err(contradiction(
-                    "give either length, the side of the tile, or size, its samples".to_owned(),
-                ));
-            }
-            let [nx, ny] = size.xy().map(|samples| samples.0 as usize);
-            return Ok([ny, nx]);
-        }
-        let length = surface.length.unwrap_or(PerAxis::Both(Number(LENGTH)));
-        let samples = |length: f64, spacing: f64| {
-            let samples = length / spacing;
-            let whole = samples.round();
-            let divides = (samples - whole).abs() <= 1e-9 * whole;
-            if spacing > 0.0 && whole >= 1.0 && whole < MOST_SAMPLES && divides {
-                return Ok(whole as usize);
-            }
-            Err(contradiction(format!(
-                "the length {} of the tile is no multiple of the spacing {}: a periodic tile holds whole samples",
-                short(length),
-                short(spacing),
-            )))
-        };
-        let [x, y] = length.xy().map(|length| length.0);
-        Ok([samples(y, dy)?, samples(x, dx)?])
-    }
-}
-
-/// Values of sigma whose models are drawn unless they are named.
-const MODELS_DRAWN: usize = 3;
-
-/// Angles at which shares are drawn over sigma unless they are named.
-const ANGLES_DRAWN: usize = 5;
-
-/// Looks, one a point and direction, that take as long as a horizon: measured at s = 1 and up to 80 degrees.
-const LOOKS_WORTH_A_HORIZON: usize = 8;
-
-/// Most samples along a side that are told from one another.
-const MOST_SAMPLES: f64 = 1e9;
-
-/// Most counts kept in memory at 8 bytes.
-const MOST_RESULTS: f64 = 1e8;
-
-fn contradiction(text: String) -> AttenuationError {
-    ConfigError::Contradiction(text).into()
-}
-
-/// The values of a list, each of which may stand there once.
-fn numbers(name: &'static str, list: &OneOrMany<Number>) -> Result<Vec<f64>, ConfigError> {
-    let values: Vec<f64> = list.values(name)?.iter().map(|value| value.0).collect();
-    for (i, value) in values.iter().enumerate() {
-        if values[..i].contains(value) {
-            let text = format!("{name}: {} is given twice", short(*value));
-            return Err(ConfigError::Contradiction(text));
-        }
-    }
-    Ok(values)
-}
-
-fn directions(
-    name: &'static str,
-    list: &OneOrMany<Number>,
-    phi: f64,
-) -> Result<Vec<Incidence>, ConfigError> {
-    let thetas = numbers(name, list)?;
-    let direction = |theta| Incidence::from_degrees(theta, phi);
-    Ok(thetas
-        .into_iter()
-        .map(direction)
-        .collect::<Result<_, _>>()?)
-}
-
-/// Values of a list that a figure shows: those named, or, unless any is, `count` over its whole range.
-fn chosen(
-    name: &'static str,
-    named: Option<&OneOrMany<Number>>,
-    values: &[f64],
-    count: usize,
-) -> Result<Vec<f64>, ConfigError> {
-    let Some(named) = named else {
-        let last = values.len() - 1;
-        let shown = count.min(values.len());
-        let place = |i: usize| if shown > 1 { i * last / (shown - 1) } else { 0 };
-        return Ok((0..shown).map(|i| values[place(i)]).collect());
-    };
-    let named = numbers(name, named)?;
-    match named.iter().find(|value| !values.contains(value)) {
-        None => Ok(named),
-        Some(stranger) => Err(ConfigError::Contradiction(format!(
-            "{name}: {} is not among the values that are measured",
-            short(*stranger)
-        ))),
-    }
-}
-
-impl From<SynthesisError> for AttenuationError {
-    fn from(error: SynthesisError) -> Self {
-        Self::Synthesis(error)
-    }
-}
-
-impl From<HorizonError> for AttenuationError {
-    fn from(error: HorizonError) -> Self {
-        contradiction(error.to_string())
     }
 }

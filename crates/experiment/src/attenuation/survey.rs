@@ -5,20 +5,17 @@ use std::ops::AddAssign;
 use asperity_optics::{Incidence, reflect};
 use asperity_surface::HeightField;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Facet, Geometry, Horizon, Horizons, Look, Sight, Surface, look,
+    Accelerator, AcceleratorKind, Geometry, Horizon, Horizons, Look, Sight, Surface, look,
 };
-use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
-use super::config::{Plan, Way};
+use super::config::Way;
 use super::heights::{self, BINS};
+use super::plan::Plan;
+use super::points::{CHUNK, Point, chunks, points};
 use super::{AttenuationConfig, AttenuationError};
 use crate::limits::{RunError, check_grazing};
 use crate::progress::Progress;
-use crate::stream::point_stream;
-
-/// Facets whose points share a random stream and are surveyed together.
-const CHUNK: usize = 1 << 13;
 
 /// Points that face a direction, and those of them that see it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -192,46 +189,6 @@ fn least_rise(config: &AttenuationConfig, plan: &Plan) -> f64 {
     }
     // Rounding must not lift it above a cotangent; vertical light alone has none.
     (least * (1.0 - 1e-9)).min(f64::MAX)
-}
-
-/// A point of the surface, looking at itself until it is told where to look.
-struct Point {
-    facet: Facet,
-    look: Look,
-}
-
-/// Numbers of the chunks of a surface.
-fn chunks(surface: &Surface) -> Vec<usize> {
-    (0..surface.facet_count().div_ceil(CHUNK)).collect()
-}
-
-/// The points of a chunk: one on each facet, anywhere on it, so that all together are spread evenly over
-/// the mean plane.
-fn points(
-    surface: &Surface,
-    seed: u64,
-    index: u64,
-    chunk: usize,
-) -> impl Iterator<Item = Point> + '_ {
-    let mut rng = point_stream(seed, index, chunk as u64);
-    let end = (CHUNK * (chunk + 1)).min(surface.facet_count());
-    (CHUNK * chunk..end).map(move |number| {
-        let facet = surface.facet(number);
-        let [a, b, c] = surface.corners(facet);
-        let [far, near] = sorted_pair(&mut rng);
-        let place = a + far * (b - a) + near * (c - b);
-        let look = Look {
-            origin: surface.snap(facet, place),
-            direction: surface.normal(facet),
-        };
-        Point { facet, look }
-    })
-}
-
-/// Two uniform numbers, the larger one first: a uniform point of a triangle.
-fn sorted_pair<R: Rng>(rng: &mut R) -> [f64; 2] {
-    let (a, b): (f64, f64) = (rng.random(), rng.random());
-    [a.max(b), a.min(b)]
 }
 
 /// `cot(theta)`.
