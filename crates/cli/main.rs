@@ -1,6 +1,7 @@
 //! asperity: light on explicit rough surfaces, against the statistical models.
 
 mod args;
+mod attenuation;
 mod converge;
 mod failure;
 mod generate;
@@ -71,6 +72,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Verify(command) => verify::run(command, common),
         Command::Map(command) => map::run(command, common),
         Command::Converge(command) => converge::run(command, common),
+        Command::Attenuation(command) => attenuation::run(command, common),
         Command::Model(command) => model::run(command, common),
     }
 }

@@ -29,11 +29,11 @@ pub(crate) fn draw_facing_normal(slopes: &SlopeCovariance, v: DVec3, rng: &mut i
 }
 
 /// Slopes along the azimuth of a direction and across it.
-struct Frame {
+pub(crate) struct Frame {
     along: DVec2,
     across: DVec2,
-    /// Of the slope along.
-    deviation: f64,
+    /// Standard deviation of the slope along.
+    pub(crate) deviation: f64,
     /// Mean of the slope across, per slope along.
     incline: f64,
     /// Of the slope across about that mean.
@@ -41,7 +41,8 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(slopes: &SlopeCovariance, v: DVec3) -> Self {
+    /// The frame of direction `v`; that of x for a vertical one.
+    pub(crate) fn new(slopes: &SlopeCovariance, v: DVec3) -> Self {
         let along = v.truncate().try_normalize().unwrap_or(DVec2::X);
         let across = along.perp();
         let variance = slopes.variance_along(along);
@@ -54,8 +55,8 @@ impl Frame {
         }
     }
 
-    /// The normal at slopes given in standard deviations.
-    fn normal(&self, along: f64, across: f64) -> DVec3 {
+    /// The unit normal of the slope along, and of that across about its mean, in standard deviations.
+    pub(crate) fn normal(&self, along: f64, across: f64) -> DVec3 {
         let p = self.deviation * along;
         let q = self.incline * p + self.deviation_across * across;
         (-p * self.along - q * self.across).extend(1.0).normalize()
@@ -66,7 +67,7 @@ impl Frame {
 ///
 /// # Source
 /// Box and Muller 1958.
-fn normal_pair(rng: &mut impl Rng) -> (f64, f64) {
+pub(crate) fn normal_pair(rng: &mut impl Rng) -> (f64, f64) {
     let radius = (-2.0 * (-rng.random::<f64>()).ln_1p()).sqrt();
     let (sin, cos) = (TAU * rng.random::<f64>()).sin_cos();
     (radius * cos, radius * sin)

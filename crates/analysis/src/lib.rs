@@ -29,6 +29,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod attenuation;
 mod comparison;
 mod control;
 mod deviation;
@@ -56,6 +57,10 @@ mod visible_normals;
 mod xu_sun;
 mod xu_sun_mc;
 
+pub use attenuation::{
+    facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
+    smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
+};
 pub use comparison::{
     BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
 };

@@ -15,12 +15,13 @@
 //! # Source
 //! Heitz et al. 2016, Secs. 4 and 5, for the density; the ways to draw from it are derived here.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 
+use crate::gaussian_normals::{Frame, normal_pair};
 use crate::slopes::SlopeCovariance;
 
 const SQRT_PI: f64 = 1.772_453_850_905_516;
@@ -30,43 +31,31 @@ const FLAT: f64 = 1e17;
 
 /// Below this `a` the slopes seen from below are nearer to a Gamma than to a Rayleigh density: where the
 /// two ways accept equally often.
-const STEEP: f64 = -std::f64::consts::FRAC_1_SQRT_2;
+const STEEP: f64 = -FRAC_1_SQRT_2;
 
 /// Draws the unit normal (`z > 0`) of a facet that the unit vector `w` sees, with the density `D_w`.
 ///
 /// `w` may have any `z`, but must not look straight down: no facet is seen from vertically below. The
 /// density is met exactly, by rejection; at least a third of the trials are accepted.
 pub(crate) fn visible_normal<R: Rng>(slopes: &SlopeCovariance, w: DVec3, rng: &mut R) -> DVec3 {
-    let sin = w.x.hypot(w.y);
-    let along = if sin > 0.0 {
-        w.truncate() / sin
-    } else {
-        DVec2::X
-    };
-    let across = along.perp();
-    let variance = slopes.variance_along(along);
-    let unit = (2.0 * variance).sqrt();
-    let (x, y) = visible_slope(w.z / (sin * unit), rng);
-    let p = unit * x;
-    // Given p, the slope across has this mean and the variance 1 / (C^-1)_across.
-    let mean = across.dot(slopes.times(along)) / variance * p;
-    let q = mean + (2.0 / slopes.inverse_form(across, across)).sqrt() * y;
-    (-(p * along + q * across)).extend(1.0).normalize()
+    let frame = Frame::new(slopes, w);
+    let (x, y) = visible_slope(w.z / (w.x.hypot(w.y) * SQRT_2 * frame.deviation), rng);
+    frame.normal(SQRT_2 * x, SQRT_2 * y)
 }
 
 /// Draws `x` with a density proportional to `max(0, a - x) exp(-x^2)`, and an independent `y` with one
 /// proportional to `exp(-y^2)`.
 fn visible_slope<R: Rng>(a: f64, rng: &mut R) -> (f64, f64) {
     if a > FLAT {
-        return normal_pair(rng);
+        return half_normals(rng);
     }
     if a <= 0.0 {
-        return (slope_from_below(a, rng), normal_pair(rng).1);
+        return (slope_from_below(a, rng), half_normals(rng).1);
     }
     // Under (a + |x|) exp(-x^2), of which a sqrt(pi) is Gaussian and one is Rayleigh of either sign.
     let rayleigh = 1.0 / (1.0 + a * SQRT_PI);
     loop {
-        let (mut x, y) = normal_pair(rng);
+        let (mut x, y) = half_normals(rng);
         if rng.random::<f64>() < rayleigh {
             x = log_uniform(rng).sqrt().copysign(x);
         }
@@ -93,11 +82,10 @@ fn slope_from_below<R: Rng>(a: f64, rng: &mut R) -> f64 {
     }
 }
 
-/// Two independent values with the density `exp(-x^2) / sqrt(pi)` (Box and Muller 1958).
-fn normal_pair<R: Rng>(rng: &mut R) -> (f64, f64) {
-    let radius = log_uniform(rng).sqrt();
-    let (sin, cos) = (TAU * rng.random::<f64>()).sin_cos();
-    (radius * cos, radius * sin)
+/// Two independent values with the density `exp(-x^2) / sqrt(pi)`.
+fn half_normals<R: Rng>(rng: &mut R) -> (f64, f64) {
+    let (x, y) = normal_pair(rng);
+    (FRAC_1_SQRT_2 * x, FRAC_1_SQRT_2 * y)
 }
 
 /// An exponential value of mean one.
@@ -110,6 +98,7 @@ mod tests {
     use super::*;
     use crate::family::{chi_squared_survival, sidak_level};
     use asperity_optics::from_spherical;
+    use glam::DVec2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 

@@ -10,6 +10,7 @@
 //! reduced in the order of their index. The same configuration gives the same bytes, whatever the
 //! number of threads.
 
+mod attenuation;
 mod blocks;
 mod budget;
 mod case;
@@ -44,6 +45,12 @@ mod trace;
 mod values;
 mod verify;
 
+pub use attenuation::{
+    AttenuationConfig, AttenuationError, AttenuationLight, AttenuationOutcome, AttenuationOutput,
+    AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationView, AttenuationWork,
+    Demarcation, VisibilityRow, Way, attenuation, attenuation_report, attenuation_summary,
+    attenuation_table,
+};
 pub use blocks::RaySettings;
 pub use budget::{ErrorBudget, Errors};
 pub use case::Case;

@@ -20,6 +20,11 @@ pub(crate) fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8R
     stream(b"asperity conv v1", [seed, hash], repeat)
 }
 
+/// The stream of chunk `chunk` of the points on realisation `realisation` under `seed`.
+pub(crate) fn point_stream(seed: u64, realisation: u64, chunk: u64) -> ChaCha8Rng {
+    stream(b"asperity pts  v1", [seed, realisation], chunk)
+}
+
 fn stream(name: &[u8; 16], [a, b]: [u64; 2], number: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..16].copy_from_slice(name);

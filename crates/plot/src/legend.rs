@@ -11,6 +11,8 @@ use crate::theme;
 pub(crate) enum Key {
     /// A point, with its error bar if there is one.
     Point { look: Look, bar: bool },
+    /// A hollow point.
+    Hollow(Look),
     /// A point on its fitted line.
     Fitted(Look),
     /// A line.
@@ -153,6 +155,7 @@ fn draw_key(scene: &mut Scene, key: Key, (left, y): Xy) {
             }
             scene.marker((middle, y), look.marker, look.colour);
         }
+        Key::Hollow(look) => scene.hollow_marker((middle, y), look.marker, look.colour),
         Key::Fitted(look) => {
             scene.line(&[(left, y), (right, y)], look.curve());
             scene.marker((middle, y), look.marker, look.colour);

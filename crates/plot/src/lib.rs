@@ -1,4 +1,5 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, errors over run time, and validity maps.
+//! Figures of the project: height maps, polar lobes, in-plane curves, plain curves, errors over run time, and
+//! validity maps.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -10,6 +11,7 @@
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
+//! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
@@ -45,6 +47,7 @@
 //! ```
 
 mod axis;
+mod curves;
 mod error;
 mod error_over_time;
 mod figure;
@@ -58,6 +61,7 @@ mod text;
 mod theme;
 mod validity_map;
 
+pub use curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
 pub use error::PlotError;
 pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figure::Figure;

@@ -1,0 +1,329 @@
+//! Geometric attenuation on explicit surfaces: which share of their points light reaches and an eye sees.
+//!
+//! # Definitions
+//! One point on each facet, anywhere on it, both triangles of every cell: points are spread evenly over the
+//! *mean plane*, each with the normal of its facet, which is exact for the mesh. Shares are of points, not
+//! of projected areas.
+//! - A point is in *local shadow* if its facet faces away, `wi.m <= 0`; in *distant shadow* if the facet
+//!   faces the light but another one hides it. (Light towards a facet that faces away would have to come
+//!   out of the ground; a point is counted once.) *Local* and *distant masking* are the same of `wo`.
+//! - *lit*: share of all points in no shadow. `g1`: share of those that face the light. `g1_view`: the same
+//!   of the view. `g2`: share of the points that face both directions that are lit and seen.
+//! - `paper_g2`: `1 - N_s / N` over all points, `N_s` those in one of the four: the counting of the 2019
+//!   paper. It watches from straight above, from where everything is seen on a height field; then it is
+//!   the lit share.
+//! - `mirror_g2`: share of all points that are lit and whose *mirrored* ray gets away, as the paper's Sec.
+//!   3.2.4 describes masking. It is not one at normal incidence.
+//! - `g1_projected`, `lit_projected`: weighted by projected areas. The light sees as much area as the mean
+//!   plane has, so that the second is one; and therefore the mean of the first is Smith's `1 / (1 +
+//!   Lambda)` for Gaussian slopes, whatever the surface. `g1` has no such reason, and is smaller: what hardly
+//!   faces the light is more often hidden.
+//! - The *visibility* of a height is the share of the points there that face the light and see it.
+//!
+//! Shares are ratios of sums over surfaces. Points of one surface are correlated; errors are from the scatter
+//! between surfaces. Surfaces of different sigma are the same ones, higher or lower: errors at
+//! different sigma, as at different angles, are not independent. No surface is rescaled to its sigma.
+//!
+//! # Two ways
+//! By rays, a point looks along a direction ([`asperity_tracer::look`]). By horizons, the steepest rise
+//! before it answers for all polar angles of an azimuth ([`asperity_tracer::Horizons`]), and, since it
+//! grows as sigma does, for all sigma. The mirrored rays have no azimuth in common and are always rays.
+
+mod config;
+mod demarcation;
+mod estimate;
+mod figures;
+mod files;
+mod heights;
+mod survey;
+mod tables;
+
+use std::time::Instant;
+
+use asperity_analysis::{
+    smith_correlated_g2, smith_lit, smith_lit_as_printed, smith_separable_g2, v_cavity_lit,
+    v_cavity_mean_g1, v_cavity_mean_g2,
+};
+use asperity_surface::SynthesisError;
+use asperity_tally::Estimate;
+use serde::Serialize;
+
+use crate::config::ConfigError;
+use crate::limits::RunError;
+use crate::progress::Progress;
+
+pub use config::{
+    AttenuationConfig, AttenuationLight, AttenuationOutput, AttenuationRun, AttenuationSurface,
+    AttenuationView, Way,
+};
+pub use demarcation::Demarcation;
+pub use files::{attenuation_report, attenuation_summary};
+pub use heights::VisibilityRow;
+pub use tables::attenuation_table;
+
+use config::Plan;
+use demarcation::Rises;
+use estimate::ratio;
+use survey::{Area, Counts, survey};
+
+/// Why an attenuation run fails.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AttenuationError {
+    /// An interrupt came before the first surface was finished.
+    #[error("interrupted before a surface was finished: there is nothing to write")]
+    Interrupted,
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The surfaces cannot be drawn.
+    #[error(transparent)]
+    Synthesis(SynthesisError),
+    /// The surfaces do not fit into memory, or the light cannot be followed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+/// What was measured for one sigma, light and view, beside what theory expects.
+///
+/// Polar angles and azimuths are in degrees; theory is that of the continuous surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct AttenuationRow {
+    /// Root mean square height, length units.
+    pub sigma: f64,
+    /// Of the direction towards the light.
+    pub theta: f64,
+    /// Of the direction towards the light.
+    pub phi: f64,
+    /// Of the direction towards the eye.
+    pub view_theta: f64,
+    /// Of the direction towards the eye.
+    pub view_phi: f64,
+    /// Share of all points that light reaches.
+    pub lit: Estimate,
+    /// Share of the points that face the light that it reaches.
+    pub g1: Estimate,
+    /// The same weighted by projected areas, `wi.m / m.z`: what Smith's G1 stands for exactly.
+    pub g1_projected: Estimate,
+    /// Projected area of all lit points over that of the mean plane: one, if none is lost or seen twice.
+    pub lit_projected: Estimate,
+    /// Smith's lit share.
+    pub smith_lit: f64,
+    /// Smith's `1 / (1 + Lambda)`.
+    pub smith_g1: f64,
+    /// The lit share by Smith's formula as the 2019 paper prints it.
+    pub smith_lit_as_printed: f64,
+    /// The lit share of V-cavities.
+    pub v_cavity_lit: f64,
+    /// The same of the points that face the light.
+    pub v_cavity_g1: f64,
+    /// Share of all points that face away from the light.
+    pub local_shadow: Estimate,
+    /// Share of all points that face the light and do not see it.
+    pub distant_shadow: Estimate,
+    /// Share of all points that face away from the eye.
+    pub local_mask: Estimate,
+    /// Share of all points that face the eye and are not seen.
+    pub distant_mask: Estimate,
+    /// Share of the points that face the eye that are seen.
+    pub g1_view: Estimate,
+    /// Share of the points that face both directions that are lit and seen.
+    pub g2: Estimate,
+    /// Smith's `G1(wi) G1(wo)`.
+    pub smith_separable_g2: f64,
+    /// Smith's `1 / (1 + Lambda(wi) + Lambda(wo))`.
+    pub smith_correlated_g2: f64,
+    /// `g2` of V-cavities.
+    pub v_cavity_g2: f64,
+    /// `1 - N_s / N` of the 2019 paper.
+    pub paper_g2: Estimate,
+    /// Share of all points that are lit and whose mirrored ray gets away.
+    pub mirror_g2: Option<Estimate>,
+}
+
+/// What was done, and how long it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct AttenuationWork {
+    /// Surfaces of each sigma.
+    pub realisations: u64,
+    /// Points of a surface.
+    pub points: u64,
+    /// Rays or horizons.
+    pub way: Way,
+    /// Looks of which it could not be told what they see; they count as blocked.
+    pub lost: u64,
+    /// Seconds from beginning to end.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// What an attenuation run found.
+#[derive(Clone, Debug)]
+pub struct AttenuationOutcome {
+    /// The configuration that was run.
+    pub config: AttenuationConfig,
+    /// Rows by sigma, light and view, the last changing fastest.
+    pub rows: Vec<AttenuationRow>,
+    /// Where shadow begins, one a sigma; empty if that was not asked for.
+    pub demarcation: Vec<Demarcation>,
+    /// Visibility by sigma, light and height; empty if that was not asked for.
+    pub visibility: Vec<VisibilityRow>,
+    /// What was done.
+    pub work: AttenuationWork,
+    /// How far the slope variance of the mesh lies below that of the continuous surface, as a share.
+    pub mesh_slope_deficit: f64,
+    models_at: Vec<f64>,
+    over_sigma_at: Vec<f64>,
+}
+
+/// Measures geometric attenuation.
+///
+/// # Errors
+/// [`AttenuationError`] if the configuration makes no sense, does not fit into memory, or the run is
+/// interrupted before its first surface is finished.
+pub fn attenuation(
+    config: &AttenuationConfig,
+    progress: &dyn Progress,
+) -> Result<AttenuationOutcome, AttenuationError> {
+    let began = Instant::now();
+    let plan = config.plan()?;
+    let realisations = config.run.realisations.0;
+    progress.begin("measuring", realisations * plan.sigmas.len() as u64);
+    let mut counts: Vec<Vec<Counts>> = vec![Vec::new(); plan.sigmas.len()];
+    let mut rises = Vec::new();
+    for index in 0..realisations {
+        let Some(surveyed) = survey(config, &plan, index, progress)? else {
+            break;
+        };
+        for (all, one) in counts.iter_mut().zip(surveyed.counts) {
+            all.push(one);
+        }
+        if config.run.demarcation
+            && let Some((horizons, least)) = surveyed.horizons
+        {
+            rises.push(Rises::of(&horizons, least));
+        }
+    }
+    progress.end();
+    let Some(points) = counts[0].first().map(|counts| counts.points) else {
+        return Err(AttenuationError::Interrupted);
+    };
+    Ok(AttenuationOutcome {
+        config: config.clone(),
+        rows: rows(&plan, &counts),
+        demarcation: demarcation(&plan, &rises),
+        visibility: if config.run.heights {
+            visibility(&plan, &counts)
+        } else {
+            Vec::new()
+        },
+        work: AttenuationWork {
+            realisations: counts[0].len() as u64,
+            points,
+            way: plan.way,
+            lost: counts.iter().flatten().map(|counts| counts.lost).sum(),
+            seconds: began.elapsed().as_secs_f64(),
+            threads: rayon::current_num_threads(),
+        },
+        mesh_slope_deficit: mesh_slope_deficit(&plan),
+        models_at: plan.models_at,
+        over_sigma_at: plan.over_sigma_at,
+    })
+}
+
+/// The rows of all sigma, lights and views.
+fn rows(plan: &Plan, counts: &[Vec<Counts>]) -> Vec<AttenuationRow> {
+    let mut rows = Vec::new();
+    for (sigma, counts) in counts.iter().enumerate() {
+        for light in 0..plan.lights.len() {
+            rows.extend((0..plan.views.len()).map(|view| row(plan, [sigma, light, view], counts)));
+        }
+    }
+    rows
+}
+
+fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> AttenuationRow {
+    let (light, view, slopes) = (plan.lights[i], plan.views[o], &plan.slopes[sigma]);
+    let (wi, wo) = (light.wi(), view.wi());
+    let sigma = plan.sigmas[sigma];
+    // Ratios of what is counted on each surface.
+    let share = |over: &dyn Fn(&Counts) -> u64, under: &dyn Fn(&Counts) -> u64| {
+        let pair = |counts: &Counts| [over(counts), under(counts)].map(|count| count as f64);
+        ratio(counts.iter().map(pair))
+    };
+    let of_all = |over: &dyn Fn(&Counts) -> u64| share(over, &|counts| counts.points);
+    let areas = |of: fn(Area, f64) -> [f64; 2]| {
+        let pair = |counts: &Counts| of(counts.areas[i], counts.points as f64);
+        ratio(counts.iter().map(pair))
+    };
+    let pair = i * plan.views.len() + o;
+    AttenuationRow {
+        sigma,
+        theta: light.theta_deg(),
+        phi: light.phi_deg(),
+        view_theta: view.theta_deg(),
+        view_phi: view.phi_deg(),
+        lit: of_all(&|counts| counts.lights[i].free),
+        g1: share(&|counts| counts.lights[i].free, &|counts| {
+            counts.lights[i].facing
+        }),
+        g1_projected: areas(|area, _| [area.free, area.facing]),
+        lit_projected: areas(|area, points| [area.free, points]),
+        smith_lit: smith_lit(slopes, wi),
+        smith_g1: slopes.g1(wi),
+        smith_lit_as_printed: smith_lit_as_printed(sigma, wi),
+        v_cavity_lit: v_cavity_lit(slopes, wi),
+        v_cavity_g1: v_cavity_mean_g1(slopes, wi),
+        local_shadow: of_all(&|counts| counts.points - counts.lights[i].facing),
+        distant_shadow: of_all(&|counts| counts.lights[i].facing - counts.lights[i].free),
+        local_mask: of_all(&|counts| counts.points - counts.views[o].facing),
+        distant_mask: of_all(&|counts| counts.views[o].facing - counts.views[o].free),
+        g1_view: share(&|counts| counts.views[o].free, &|counts| {
+            counts.views[o].facing
+        }),
+        g2: share(&|counts| counts.pairs[pair].free, &|counts| {
+            counts.pairs[pair].facing
+        }),
+        smith_separable_g2: smith_separable_g2(slopes, wi, wo),
+        smith_correlated_g2: smith_correlated_g2(slopes, wi, wo),
+        v_cavity_g2: v_cavity_mean_g2(slopes, wi, wo),
+        paper_g2: of_all(&|counts| counts.pairs[pair].free),
+        mirror_g2: (!counts[0].mirrored.is_empty()).then(|| of_all(&|counts| counts.mirrored[i])),
+    }
+}
+
+fn demarcation(plan: &Plan, rises: &[Rises]) -> Vec<Demarcation> {
+    if rises.is_empty() {
+        return Vec::new();
+    }
+    let sigmas = plan.sigmas.iter().zip(&plan.slopes);
+    sigmas
+        .map(|(&sigma, slopes)| {
+            Demarcation::new((sigma, plan.tau), slopes, rises, sigma / plan.sigmas[0])
+        })
+        .collect()
+}
+
+fn visibility(plan: &Plan, counts: &[Vec<Counts>]) -> Vec<VisibilityRow> {
+    let mut rows = Vec::new();
+    for (sigma, counts) in counts.iter().enumerate() {
+        let counts: Vec<&Counts> = counts.iter().collect();
+        for light in plan.lights.iter().enumerate() {
+            let surface = (plan.sigmas[sigma], plan.tau);
+            rows.extend(heights::rows(surface, &plan.slopes[sigma], light, &counts));
+        }
+    }
+    rows
+}
+
+/// How far the slope variance of the mesh lies below that of the continuous surface: the worse of the two
+/// axes.
+fn mesh_slope_deficit(plan: &Plan) -> f64 {
+    let deficit = |step: f64| {
+        let square = (step / plan.tau).powi(2);
+        1.0 + (-square).exp_m1() / square
+    };
+    let [dx, dy] = plan.spacing;
+    deficit(dx).max(deficit(dy))
+}

@@ -1,0 +1,304 @@
+//! The plots of an attenuation run.
+
+use asperity_analysis::{
+    SlopeCovariance, smith_lit, smith_lit_as_printed, smith_visibility, v_cavity_lit,
+};
+use asperity_optics::{Incidence, from_spherical};
+use asperity_plot::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+use asperity_tally::Estimate;
+
+use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
+use crate::case::short;
+
+/// All plots that the results can fill, by name of their files.
+pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves)> {
+    let lights = distinct(outcome.rows.iter().map(|row| row.theta));
+    let sigmas = distinct(outcome.rows.iter().map(|row| row.sigma));
+    let mut figures = Vec::new();
+    if lights.len() > 1 {
+        figures.push(("attenuation_theta", over_theta(outcome, &sigmas)));
+        figures.push(("attenuation_models", models_over_theta(outcome)));
+    }
+    if sigmas.len() > 1 {
+        figures.push(("attenuation_sigma", over_sigma(outcome)));
+    }
+    if !outcome.visibility.is_empty() {
+        figures.push(("visibility", visibility(outcome)));
+    }
+    figures
+}
+
+const THETA: &str = "polar angle of the light θᵢ (degrees)";
+const LIT: &str = "share of all points that are lit";
+
+/// The lit share over theta, a curve a sigma.
+fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
+    let curves = sigmas.iter().enumerate().map(|(i, &sigma)| Curve {
+        name: format!("σ = {}", short(sigma)),
+        colour: ramp(i, sigmas.len()),
+        style: CurveStyle::Joined(i),
+        points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
+    });
+    Curves {
+        title: "Geometric attenuation of explicit surfaces".into(),
+        subtitle: subtitle(outcome),
+        x: axis(THETA, Some([0.0, 90.0])),
+        y: axis(LIT, Some([0.0, 1.04])),
+        curves: curves.collect(),
+        notes: Vec::new(),
+    }
+}
+
+/// The lit share over theta beside models, for some sigma.
+fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
+    let tau = outcome.config.surface.tau.0;
+    let phi = outcome.config.light.phi.0.to_radians();
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    for (i, &sigma) in outcome.models_at.iter().enumerate() {
+        let colour = CurveColour::Nth(i);
+        curves.push(Curve {
+            name: format!("explicit, σ = {}", short(sigma)),
+            colour,
+            style: CurveStyle::Points(i),
+            points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
+        });
+        let Ok(slopes) = SlopeCovariance::isotropic(tau / sigma) else {
+            continue;
+        };
+        let line = |name: &str, dash: usize, of: &dyn Fn(f64) -> f64| Curve {
+            // The pattern tells the model: one entry of each is enough.
+            name: if i == 0 { name.into() } else { String::new() },
+            colour,
+            style: CurveStyle::Line(dash),
+            points: degrees()
+                .map(|theta| CurvePoint::exact(theta, of(theta.to_radians())))
+                .collect(),
+        };
+        let w = |theta: f64| from_spherical(theta, phi);
+        lines.push(line("Smith", 0, &|theta| smith_lit(&slopes, w(theta))));
+        lines.push(line("V-cavity", 1, &|theta| {
+            v_cavity_lit(&slopes, w(theta))
+        }));
+        lines.push(line("Smith as the 2019 paper prints it", 3, &|theta| {
+            smith_lit_as_printed(sigma, w(theta))
+        }));
+    }
+    // Points come first in the legend.
+    curves.append(&mut lines);
+    Curves {
+        title: "Geometric attenuation: explicit surfaces against models".into(),
+        subtitle: subtitle(outcome),
+        x: axis(THETA, Some([0.0, 90.0])),
+        y: axis(LIT, Some([0.0, 1.04])),
+        curves,
+        notes: vec!["Colours: σ. Patterns: model.".into()],
+    }
+}
+
+/// The lit share over sigma beside Smith's, for some angles.
+fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
+    let tau = outcome.config.surface.tau.0;
+    let phi = outcome.config.light.phi.0;
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    let sigmas = distinct(outcome.rows.iter().map(|row| row.sigma));
+    let (least, most) = sigmas
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(a, b), &s| (a.min(s), b.max(s)));
+    let fine =
+        move || (0..=STEPS).map(move |i| least + (most - least) * f64::from(i) / f64::from(STEPS));
+    for (i, &theta) in outcome.over_sigma_at.iter().enumerate() {
+        let colour = CurveColour::Nth(i);
+        let rows = lights(outcome).filter(|row| row.theta == theta);
+        curves.push(Curve {
+            name: format!("explicit, θᵢ = {}°", short(theta)),
+            colour,
+            style: CurveStyle::Points(i),
+            points: measured(rows, |row| (row.sigma, row.lit)),
+        });
+        let Ok(wi) = Incidence::from_degrees(theta, phi).map(Incidence::wi) else {
+            continue;
+        };
+        let smith = |sigma: f64| {
+            let slopes = SlopeCovariance::isotropic(tau / sigma).ok()?;
+            Some(CurvePoint::exact(sigma, smith_lit(&slopes, wi)))
+        };
+        let printed = |sigma: f64| CurvePoint::exact(sigma, smith_lit_as_printed(sigma, wi));
+        let name = |name: &str| if i == 0 { name.into() } else { String::new() };
+        lines.push(Curve {
+            name: name("Smith"),
+            colour,
+            style: CurveStyle::Line(0),
+            points: fine().filter_map(smith).collect(),
+        });
+        lines.push(Curve {
+            name: name("Smith as the 2019 paper prints it"),
+            colour,
+            style: CurveStyle::Line(3),
+            points: fine().map(printed).collect(),
+        });
+    }
+    curves.append(&mut lines);
+    Curves {
+        title: "Geometric attenuation over roughness".into(),
+        subtitle: subtitle(outcome),
+        x: axis("root mean square height σ (length units)", None),
+        y: axis(LIT, Some([0.0, 1.04])),
+        curves,
+        notes: vec!["Colours: θᵢ. Patterns: model.".into()],
+    }
+}
+
+/// The visibility over height on the surfaces of the first sigma, a colour an angle.
+fn visibility(outcome: &AttenuationOutcome) -> Curves {
+    let rows = &outcome.visibility;
+    let sigma = rows[0].sigma;
+    let of_sigma = || rows.iter().filter(|row| row.sigma == sigma);
+    let smoothness = outcome.config.surface.tau.0 / sigma;
+    let thetas = distinct(of_sigma().map(|row| row.theta));
+    let (mut curves, mut lines) = (Vec::new(), Vec::new());
+    for (i, &theta) in thetas.iter().enumerate() {
+        let of_light: Vec<&VisibilityRow> = of_sigma().filter(|row| row.theta == theta).collect();
+        let colour = CurveColour::Nth(i);
+        let middle = |row: &VisibilityRow| 0.5 * (row.height_min + row.height_max);
+        let points = of_light.iter().filter_map(|row| {
+            let shown = row.visibility.filter(|_| row.points >= FEWEST_POINTS)?;
+            Some(point(middle(row), shown))
+        });
+        curves.push(Curve {
+            name: format!(
+                "θᵢ = {}°: tan θᵢ / s = {}",
+                short(theta),
+                short(round3(of_light[0].x))
+            ),
+            colour,
+            style: CurveStyle::Points(0),
+            points: points.collect(),
+        });
+        let name = |name: &str| if i == 0 { name.into() } else { String::new() };
+        if let (Ok(slopes), Ok(light)) = (
+            SlopeCovariance::isotropic(smoothness),
+            Incidence::from_degrees(theta, 0.0),
+        ) {
+            let heights =
+                (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
+            lines.push(Curve {
+                name: name("Smith: Φ(h / σ) to the power Λ(θᵢ)"),
+                colour,
+                style: CurveStyle::Line(0),
+                points: heights
+                    .map(|h| CurvePoint::exact(h, smith_visibility(&slopes, light.wi(), h)))
+                    .collect(),
+            });
+        }
+        let at_zero = of_light.iter().filter_map(|row| row.xu_sun);
+        lines.push(Curve {
+            name: name("Xu and Sun, Eq. 24, at height zero"),
+            colour,
+            style: CurveStyle::Hollow(3),
+            points: at_zero.map(|v| CurvePoint::exact(0.0, v)).collect(),
+        });
+    }
+    curves.append(&mut lines);
+    Curves {
+        title: "Visibility of points by their height, of those that face the light".into(),
+        subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
+        x: axis("height h / σ", Some([-HIGHEST, HIGHEST])),
+        y: axis("visibility V(h, θᵢ)", Some([0.0, 1.04])),
+        curves,
+        notes: vec![
+            "Points: explicit surfaces, bins of σ / 4.".into(),
+            "Colours: θᵢ.".into(),
+        ],
+    }
+}
+
+/// Steps of a fine line.
+const STEPS: u32 = 200;
+
+/// End of the axis of heights, in sigma.
+const HIGHEST: f64 = 3.5;
+
+/// Points of a surface in a bin below which it is not drawn.
+const FEWEST_POINTS: f64 = 20.0;
+
+fn degrees() -> impl Iterator<Item = f64> {
+    (0..180).map(|i| 0.5 * f64::from(i))
+}
+
+fn round3(value: f64) -> f64 {
+    (1000.0 * value).round() / 1000.0
+}
+
+fn ramp(i: usize, count: usize) -> CurveColour {
+    CurveColour::Ramp(i as f64 / (count.max(2) - 1) as f64)
+}
+
+fn axis(label: &str, range: Option<[f64; 2]>) -> CurveAxis {
+    CurveAxis {
+        label: label.into(),
+        range,
+    }
+}
+
+fn point(x: f64, estimate: Estimate) -> CurvePoint {
+    CurvePoint {
+        x,
+        y: estimate.mean,
+        se: estimate.se,
+    }
+}
+
+/// Rows of the first view, which the lit share does not depend on.
+fn lights(outcome: &AttenuationOutcome) -> impl Iterator<Item = &AttenuationRow> {
+    let view = outcome.rows[0].view_theta;
+    outcome
+        .rows
+        .iter()
+        .filter(move |row| row.view_theta == view)
+}
+
+fn of_sigma(outcome: &AttenuationOutcome, sigma: f64) -> impl Iterator<Item = &AttenuationRow> {
+    lights(outcome).filter(move |row| row.sigma == sigma)
+}
+
+/// Measured points from left to right.
+fn measured<'a>(
+    rows: impl Iterator<Item = &'a AttenuationRow>,
+    of: impl Fn(&AttenuationRow) -> (f64, Estimate),
+) -> Vec<CurvePoint> {
+    let mut points: Vec<CurvePoint> = rows
+        .map(|row| {
+            let (x, estimate) = of(row);
+            point(x, estimate)
+        })
+        .collect();
+    points.sort_by(|a, b| a.x.total_cmp(&b.x));
+    points
+}
+
+/// Values in the order in which they first come.
+fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut seen: Vec<f64> = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
+}
+
+fn subtitle(outcome: &AttenuationOutcome) -> String {
+    let surface = &outcome.config.surface;
+    let count = outcome.work.realisations;
+    let plural = if count == 1 { "" } else { "s" };
+    let border = match surface.border {
+        asperity_surface::Border::Periodic => String::new(),
+        other => format!(", {other} border"),
+    };
+    format!(
+        "τ = {}, spacing {}, {count} surface{plural} of {} points{border}",
+        short(surface.tau.0),
+        short(surface.spacing.xy()[0].0),
+        outcome.work.points
+    )
+}

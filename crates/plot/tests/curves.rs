@@ -1,0 +1,108 @@
+//! Plain curves, for ordinary, degenerate and bad input.
+#![allow(
+    clippy::unwrap_used,
+    reason = "helpers of tests fail like the tests themselves"
+)]
+
+use asperity_plot::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves, PlotError};
+
+fn curve(name: &str, style: CurveStyle, points: &[(f64, f64, Option<f64>)]) -> Curve {
+    Curve {
+        name: name.into(),
+        colour: CurveColour::Ramp(0.5),
+        style,
+        points: points
+            .iter()
+            .map(|&(x, y, se)| CurvePoint { x, y, se })
+            .collect(),
+    }
+}
+
+fn figure(curves: Vec<Curve>) -> Curves {
+    let axis = |label: &str| CurveAxis {
+        label: label.into(),
+        range: None,
+    };
+    Curves {
+        title: "Curves".into(),
+        subtitle: "s = 1".into(),
+        x: axis("across"),
+        y: axis("upwards"),
+        curves,
+        notes: vec!["A remark.".into()],
+    }
+}
+
+#[test]
+fn every_style_is_drawn_and_named_curves_have_entries() {
+    let points = [(0.0, 1.0, Some(0.1)), (1.0, 2.0, Some(0.2))];
+    let curves = vec![
+        curve("points & <bars>", CurveStyle::Points(0), &points),
+        curve("hollow", CurveStyle::Hollow(3), &points),
+        curve("joined", CurveStyle::Joined(2), &points),
+        curve("line", CurveStyle::Line(1), &points),
+        curve("", CurveStyle::Line(7), &points),
+    ];
+    let drawn = figure(curves).draw().unwrap();
+    let svg = drawn.svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let texts: Vec<&str> = document.descendants().filter_map(|n| n.text()).collect();
+    let texts = texts.join("\n");
+    for text in [
+        "points & <bars>",
+        "hollow",
+        "joined",
+        "line",
+        "across",
+        "upwards",
+        "Bars: ±1 standard error.",
+        "A remark.",
+    ] {
+        assert!(texts.contains(text), "{text}: {texts}");
+    }
+    assert!(drawn.png().unwrap().starts_with(b"\x89PNG"));
+    // Equal input, equal bytes.
+    let again = figure(vec![curve("x", CurveStyle::Points(0), &points)]);
+    assert_eq!(
+        again.draw().unwrap().svg().unwrap(),
+        again.clone().draw().unwrap().svg().unwrap()
+    );
+}
+
+#[test]
+fn one_point_has_a_figure_and_what_lies_outside_a_range_is_left_out() {
+    let mut one = figure(vec![curve("", CurveStyle::Points(0), &[(3.0, 3.0, None)])]);
+    assert!(!one.draw().unwrap().svg().unwrap().contains("Bars"));
+    let shapes = |curves: &Curves| {
+        let svg = curves.draw().unwrap().svg().unwrap();
+        svg.matches("<circle").count()
+    };
+    let inside = shapes(&one);
+    one.x.range = Some([0.0, 1.0]);
+    assert!(shapes(&one) < inside);
+}
+
+#[test]
+fn numbers_without_meaning_are_refused() {
+    let refuse = |curves: Curves| curves.draw().err().unwrap();
+    assert!(matches!(
+        refuse(figure(Vec::new())),
+        PlotError::NothingToDraw { .. }
+    ));
+    let of =
+        |point: (f64, f64, Option<f64>)| figure(vec![curve("a", CurveStyle::Line(0), &[point])]);
+    for bad in [
+        (f64::NAN, 0.0, None),
+        (0.0, f64::INFINITY, None),
+        (0.0, 0.0, Some(f64::NAN)),
+    ] {
+        assert!(matches!(refuse(of(bad)), PlotError::NonFinite { .. }));
+    }
+    assert!(matches!(
+        refuse(of((0.0, 0.0, Some(-1.0)))),
+        PlotError::OutOfRange { .. }
+    ));
+    let mut backwards = of((0.0, 0.0, None));
+    backwards.y.range = Some([1.0, 0.0]);
+    assert!(matches!(refuse(backwards), PlotError::OutOfRange { .. }));
+}

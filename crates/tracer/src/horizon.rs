@@ -1,0 +1,354 @@
+//! How high the surface rises before a point: the horizon, which answers for all polar angles of an
+//! azimuth at once.
+//!
+//! Along a straight line a meshed surface is a polyline with its corners where the line crosses edges of
+//! the mesh. So the steepest rise from a point to the surface before it is that to one of these
+//! crossings, and walking from facet to facet finds it without any search.
+
+use asperity_surface::{Border, Triangle};
+use glam::{DVec2, DVec3};
+
+use crate::geometry::Geometry;
+use crate::surface::{Facet, Surface};
+
+/// What rises before a point along an azimuth; rises are heights over horizontal distances, in one unit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Horizon {
+    /// Rise of the point's own facet. The facet faces a direction of polar angle theta along the azimuth
+    /// if this is below `cot(theta)`.
+    pub own: f64,
+    /// Steepest rise to the surface beyond that facet, or [`Horizons::least`] if none is steeper. What
+    /// lies beyond hides the sky at theta if this is above `cot(theta)`.
+    pub beyond: f64,
+}
+
+impl Horizon {
+    /// The steeper of both rises: where `cot(theta)` is below it, the point is dark.
+    #[must_use]
+    pub fn steepest(self) -> f64 {
+        self.own.max(self.beyond)
+    }
+}
+
+/// Why a surface has no horizons.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum HorizonError {
+    /// The images of a mirrored tile are split along the other diagonal.
+    #[error("horizons are found on periodic and on open surfaces, not on mirrored ones; take rays")]
+    Mirrored,
+}
+
+/// Finds horizons along one azimuth.
+pub struct Horizons<'a> {
+    surface: &'a Surface,
+    /// z of the corners of all cells of the tile, rows of one more than there are columns.
+    z: Vec<f64>,
+    cells: [usize; 2],
+    highest: f64,
+    /// The highest point of each block of cells, rows of as many as it takes.
+    blocks: Vec<f64>,
+    /// Unit direction in physical lengths.
+    along: DVec2,
+    /// The same in tile coordinates a unit of distance.
+    rate: DVec2,
+    least: f64,
+    /// What differences of heights are rounded by.
+    rounding: f64,
+}
+
+impl<'a> Horizons<'a> {
+    /// Horizons along `azimuth`, radians from +x, of a periodic or open surface.
+    ///
+    /// `least`: the least rise of interest, above zero; `cot(theta)` of the most grazing direction. A walk
+    /// ends where the highest point of the surface could not rise more steeply than what was found, or
+    /// than `least`.
+    ///
+    /// # Errors
+    /// [`HorizonError::Mirrored`].
+    ///
+    /// # Panics
+    /// If `least` is not above zero: a walk might not end.
+    pub fn new(surface: &'a Surface, azimuth: f64, least: f64) -> Result<Self, HorizonError> {
+        assert!(least > 0.0, "a least rise of {least}");
+        if surface.border() == Border::Mirrored {
+            return Err(HorizonError::Mirrored);
+        }
+        let [cx, cy] = surface.cells();
+        let along = DVec2::from_angle(azimuth);
+        let z: Vec<f64> = (0..=cy)
+            .flat_map(|iy| (0..=cx).map(move |ix| surface.z(ix, iy)))
+            .collect();
+        Ok(Self {
+            surface,
+            blocks: highest_of_blocks(&z, [cx, cy]),
+            z,
+            cells: [cx, cy],
+            highest: surface.z_range()[1],
+            along,
+            rate: DVec2::new(along.x, along.y * surface.aspect()),
+            least,
+            rounding: 8.0 * f64::EPSILON * surface.z_range()[1],
+        })
+    }
+
+    /// The least rise that is told from smaller ones.
+    #[must_use]
+    pub const fn least(&self) -> f64 {
+        self.least
+    }
+
+    /// The horizon of a point on a facet, tile coordinates.
+    #[must_use]
+    pub fn of(&self, facet: Facet, point: DVec3) -> Horizon {
+        let m = self.surface.normal(facet);
+        let own = -self.along.dot(m.truncate()) / m.z;
+        let mut walk = Walk::new(point.truncate(), self.rate, facet);
+        let mut beyond = self.least;
+        let climb = self.highest - point.z;
+        let mut end = climb / beyond;
+        // The way out of the own facet adds nothing to its rise but rounding.
+        let (mut edge, mut distance) = walk.leave();
+        while walk.pass(edge, self.cells, self.surface.border()) {
+            if walk.enters_block(edge, self.cells) {
+                let sight = |distance: f64| point.z + beyond * distance;
+                if !self.skip(&mut walk, distance, end, sight) {
+                    break;
+                }
+            }
+            (edge, distance) = walk.leave();
+            if distance >= end {
+                break;
+            }
+            let rise = self.height_at(&walk, edge, distance) - point.z;
+            // At a corner of the mesh crossings lie at no distance, where rounding would be a cliff.
+            if rise > beyond * distance.max(0.0) + self.rounding {
+                beyond = rise / distance;
+                end = climb / beyond;
+            }
+        }
+        Horizon { own, beyond }
+    }
+
+    /// Passes over blocks that lie below the line `sight` where the walk enters them; false if it comes to
+    /// its end there, be it that of an open patch.
+    fn skip(
+        &self,
+        walk: &mut Walk,
+        mut distance: f64,
+        end: f64,
+        sight: impl Fn(f64) -> f64,
+    ) -> bool {
+        let row = self.cells[0].div_ceil(BLOCK);
+        while distance < end {
+            let [bx, by] = walk.tile.map(|place| place / BLOCK);
+            if self.blocks[by * row + bx] >= sight(distance) {
+                return true;
+            }
+            match walk.leave_block(self.cells, self.surface.border()) {
+                Some(after) => distance = after,
+                None => return false,
+            }
+        }
+        false
+    }
+
+    /// z where a walk leaves its facet.
+    fn height_at(&self, walk: &Walk, edge: Edge, distance: f64) -> f64 {
+        let row = self.cells[0] + 1;
+        let corner = walk.tile[1] * row + walk.tile[0];
+        let local = walk.start + distance * walk.rate - walk.cell;
+        let (from, to, share) = match edge {
+            Edge::Right => (1, row + 1, local.y),
+            Edge::Left => (0, row, local.y),
+            Edge::Bottom => (0, 1, local.x),
+            Edge::Top => (row, row + 1, local.x),
+            Edge::Diagonal => (0, row + 1, local.x),
+        };
+        let (a, b) = (self.z[corner + from], self.z[corner + to]);
+        // Rounding may have put the crossing beside the ends of the edge.
+        a + share.clamp(0.0, 1.0) * (b - a)
+    }
+}
+
+/// Cells along a side of a block.
+const BLOCK: usize = 8;
+
+/// The highest corner of each block of cells.
+fn highest_of_blocks(z: &[f64], [cx, cy]: [usize; 2]) -> Vec<f64> {
+    let row = cx + 1;
+    let starts = |cells: usize| (0..cells).step_by(BLOCK);
+    starts(cy)
+        .flat_map(|y| starts(cx).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let (last_x, last_y) = ((x + BLOCK).min(cx), (y + BLOCK).min(cy));
+            let rows = (y..=last_y).map(|iy| &z[iy * row + x..=iy * row + last_x]);
+            rows.flatten().copied().fold(f64::NEG_INFINITY, f64::max)
+        })
+        .collect()
+}
+
+/// An edge of a facet, by its place in the cell.
+#[derive(Clone, Copy)]
+enum Edge {
+    Left,
+    Right,
+    Bottom,
+    Top,
+    Diagonal,
+}
+
+/// A straight way over the mesh, from facet to facet.
+struct Walk {
+    start: DVec2,
+    rate: DVec2,
+    inverse: DVec2,
+    /// Rate and inverse rate of x - y, by which the diagonal is crossed.
+    diagonal: [f64; 2],
+    /// The cell that it is in, continued beyond the tile.
+    cell: DVec2,
+    /// The same cell in the tile.
+    tile: [usize; 2],
+    triangle: Triangle,
+}
+
+impl Walk {
+    fn new(start: DVec2, rate: DVec2, facet: Facet) -> Self {
+        let diagonal = rate.x - rate.y;
+        Self {
+            start,
+            rate,
+            inverse: rate.recip(),
+            diagonal: [diagonal, diagonal.recip()],
+            cell: DVec2::new(f64::from(facet.ix), f64::from(facet.iy)),
+            tile: [facet.ix as usize, facet.iy as usize],
+            triangle: facet.triangle,
+        }
+    }
+
+    /// The edge by which it leaves the facet that it is in, and the distance from the start.
+    #[inline(always)]
+    fn leave(&self) -> (Edge, f64) {
+        let from = self.cell - self.start;
+        let across_x = |side: f64| (from.x + side) * self.inverse.x;
+        let across_y = |side: f64| (from.y + side) * self.inverse.y;
+        let across_diagonal = || (from.x - from.y) * self.diagonal[1];
+        let mut nearest = (Edge::Diagonal, f64::INFINITY);
+        let mut offer = |edge: Edge, distance: f64| {
+            if distance < nearest.1 {
+                nearest = (edge, distance);
+            }
+        };
+        // A facet can be left only by those of its edges that the way runs against.
+        match self.triangle {
+            Triangle::Lower => {
+                if self.rate.x > 0.0 {
+                    offer(Edge::Right, across_x(1.0));
+                }
+                if self.rate.y < 0.0 {
+                    offer(Edge::Bottom, across_y(0.0));
+                }
+                if self.diagonal[0] < 0.0 {
+                    offer(Edge::Diagonal, across_diagonal());
+                }
+            }
+            Triangle::Upper => {
+                if self.rate.x < 0.0 {
+                    offer(Edge::Left, across_x(0.0));
+                }
+                if self.rate.y > 0.0 {
+                    offer(Edge::Top, across_y(1.0));
+                }
+                if self.diagonal[0] > 0.0 {
+                    offer(Edge::Diagonal, across_diagonal());
+                }
+            }
+        }
+        nearest
+    }
+
+    /// Goes through an edge into the next facet; false if an open patch ends there.
+    #[inline(always)]
+    fn pass(&mut self, edge: Edge, cells: [usize; 2], border: Border) -> bool {
+        let (axis, onward) = match edge {
+            Edge::Diagonal => {
+                self.triangle = match self.triangle {
+                    Triangle::Lower => Triangle::Upper,
+                    Triangle::Upper => Triangle::Lower,
+                };
+                return true;
+            }
+            Edge::Left => (0, false),
+            Edge::Right => (0, true),
+            Edge::Bottom => (1, false),
+            Edge::Top => (1, true),
+        };
+        self.triangle = match edge {
+            Edge::Right | Edge::Bottom => Triangle::Upper,
+            _ => Triangle::Lower,
+        };
+        self.cell[axis] += if onward { 1.0 } else { -1.0 };
+        let place = &mut self.tile[axis];
+        let last = cells[axis] - 1;
+        let (end, other_end) = if onward { (last, 0) } else { (0, last) };
+        if *place == end {
+            *place = other_end;
+            return border != Border::Open;
+        }
+        *place = if onward { *place + 1 } else { *place - 1 };
+        true
+    }
+
+    /// Whether it has come into another block by going through an edge.
+    #[inline(always)]
+    fn enters_block(&self, edge: Edge, cells: [usize; 2]) -> bool {
+        let [x, y] = self.tile;
+        let is_last = |place: usize, cells: usize| place % BLOCK == BLOCK - 1 || place == cells - 1;
+        match edge {
+            Edge::Diagonal => false,
+            Edge::Right => x % BLOCK == 0,
+            Edge::Top => y % BLOCK == 0,
+            Edge::Left => is_last(x, cells[0]),
+            Edge::Bottom => is_last(y, cells[1]),
+        }
+    }
+
+    /// Goes straight to where it leaves its block, and into the next one; the distance from the start, or
+    /// `None` if an open patch ends there.
+    fn leave_block(&mut self, cells: [usize; 2], border: Border) -> Option<f64> {
+        let first = self.tile.map(|place| place - place % BLOCK);
+        let count = [0, 1].map(|axis| (cells[axis] - first[axis]).min(BLOCK));
+        let low = DVec2::new(
+            self.cell.x - (self.tile[0] - first[0]) as f64,
+            self.cell.y - (self.tile[1] - first[1]) as f64,
+        );
+        let reach = |axis: usize| {
+            let rate = self.rate[axis];
+            if rate == 0.0 {
+                return f64::INFINITY;
+            }
+            let side = if rate > 0.0 { count[axis] as f64 } else { 0.0 };
+            (low[axis] + side - self.start[axis]) * self.inverse[axis]
+        };
+        let at = [reach(0), reach(1)];
+        let axis = usize::from(at[1] < at[0]);
+        let other = 1 - axis;
+        let distance = at[axis];
+        // The last cell of the block on the way.
+        let beside = self.start[other] + distance * self.rate[other] - low[other];
+        let beside = beside.floor().clamp(0.0, (count[other] - 1) as f64);
+        let onward = self.rate[axis] > 0.0;
+        let last = if onward { count[axis] - 1 } else { 0 };
+        self.cell[other] = low[other] + beside;
+        self.tile[other] = first[other] + beside as usize;
+        self.cell[axis] = low[axis] + last as f64;
+        self.tile[axis] = first[axis] + last;
+        let edge = match (axis, onward) {
+            (0, true) => Edge::Right,
+            (0, false) => Edge::Left,
+            (_, true) => Edge::Top,
+            (_, false) => Edge::Bottom,
+        };
+        self.pass(edge, cells, border).then_some(distance)
+    }
+}

@@ -1,0 +1,96 @@
+//! Whether points of a surface see the sky: by rays, many at a time.
+
+use glam::DVec3;
+
+use crate::accelerator::Accelerator;
+use crate::border::{End, Heading, Way, set_out};
+use crate::geometry::Geometry;
+use crate::ray::Medium;
+
+/// A point of the surface, and where it looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// A point on a facet, tile coordinates.
+    pub origin: DVec3,
+    /// Unit direction in physical lengths, above the plane of that facet.
+    pub direction: DVec3,
+}
+
+/// What a point sees along a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// The sky.
+    Free,
+    /// Another facet.
+    Blocked,
+    /// It cannot be told: the way crosses more than [`crate::border::MOST_TILES`] tiles.
+    Lost,
+}
+
+/// Looks followed together: enough to fill wide searches, few enough for them to stay in cache.
+const TOGETHER: usize = 1024;
+
+/// Follows each look above the surface; `seen` is cleared and gets one entry a look.
+///
+/// Facets hide nothing from points on themselves: a look that rises from its facet never meets it again
+/// (see the crate page), so no distance is kept from the surface.
+pub fn look<G: Geometry>(
+    geometry: &G,
+    accelerator: &dyn Accelerator<G>,
+    looks: &[Look],
+    seen: &mut Vec<Sight>,
+) {
+    seen.clear();
+    seen.resize(looks.len(), Sight::Blocked);
+    let mut waiting = looks.iter().enumerate();
+    let (mut queries, mut ways, mut hits) = (Vec::new(), Vec::new(), Vec::new());
+    loop {
+        while queries.len() < TOGETHER
+            && let Some((index, look)) = waiting.next()
+        {
+            let mut heading = Heading {
+                origin: look.origin,
+                direction: look.direction,
+                mirrored: [false; 2],
+            };
+            match set_out(geometry, &mut heading, Medium::Above) {
+                Some(end) => seen[index] = end.into(),
+                None => {
+                    queries.push(heading.query(geometry, Medium::Above));
+                    ways.push((index, Way::new(&heading)));
+                }
+            }
+        }
+        if queries.is_empty() {
+            return;
+        }
+        accelerator.closest_hits(geometry, &queries, &mut hits);
+        // Those that go on in the next tile move to the front.
+        let mut kept = 0;
+        for i in 0..queries.len() {
+            if hits[i].is_some() {
+                continue;
+            }
+            let (index, way) = &mut ways[i];
+            match way.go_on(geometry, &mut queries[i]) {
+                Some(end) => seen[*index] = end.into(),
+                None => {
+                    queries.swap(kept, i);
+                    ways.swap(kept, i);
+                    kept += 1;
+                }
+            }
+        }
+        queries.truncate(kept);
+        ways.truncate(kept);
+    }
+}
+
+impl From<End> for Sight {
+    fn from(end: End) -> Self {
+        match end {
+            End::Escaped | End::EscapedUnsearched(_) => Self::Free,
+            End::LeftPatch | End::Lost => Self::Lost,
+        }
+    }
+}

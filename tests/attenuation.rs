@@ -1,0 +1,455 @@
+//! Geometric attenuation by the command: what it prints and writes, exact relations, theory within its known
+//! bias, and refusals.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{files, json, refused, succeed, words};
+
+/// The surfaces of the 2019 paper, whose sigma is to be given.
+const PAPER: &str = "attenuation --tau 0.5 --length 12.8 --spacing 0.05";
+
+/// Small surfaces, whose sigma is to be given.
+const SMALLEST: &str = "attenuation --tau 4 --spacing 1 --size 32";
+
+/// The same, given.
+const SMALL: &str = "attenuation --tau 4 --spacing 1 --size 32 --sigma 1.5 --realisations 3";
+
+fn outcome(command: &str) -> Value {
+    json(&succeed(
+        Path::new("."),
+        &words(&format!("{command} --json")),
+    ))
+}
+
+fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap()
+}
+
+/// A mean and its error.
+fn estimate(row: &Value, key: &str) -> [f64; 2] {
+    [number(&row[key], "mean"), number(&row[key], "se")]
+}
+
+fn mean(row: &Value, key: &str) -> f64 {
+    estimate(row, key)[0]
+}
+
+/// How many errors a measured value lies from `expected`.
+fn z(row: &Value, key: &str, expected: f64) -> f64 {
+    let [mean, se] = estimate(row, key);
+    let z = (mean - expected) / se;
+    println!("{key}: {mean:.4} +- {se:.4}, expected {expected:.4}: z {z:+.1}");
+    z
+}
+
+fn rows(outcome: &Value) -> &Vec<Value> {
+    outcome["rows"].as_array().unwrap()
+}
+
+#[test]
+fn explicit_surfaces_are_lit_as_theory_has_it_within_its_bias() {
+    let found = outcome(&format!("{PAPER} --sigma 0.5 --theta 45 --realisations 20"));
+    let [row] = rows(&found).as_slice() else {
+        panic!("one angle, one row");
+    };
+    assert_eq!(number(row, "theta"), 45.0);
+    assert!((number(row, "smith_lit") - 0.633_731_086_365_558_1).abs() < 1e-12);
+    assert!((number(row, "smith_g1") - 0.833_582_554_806_990_5).abs() < 1e-12);
+    // Light sees the area of the mean plane, which makes the visible share of projected areas Smith's. The
+    // slopes of the mesh are low by a quarter of a percent, which moves G1 by less than 0.001.
+    assert!(z(row, "lit_projected", 1.0).abs() < 4.0);
+    let smith = number(row, "smith_g1");
+    assert!(
+        (mean(row, "g1_projected") - smith).abs() < 4.0 * estimate(row, "g1_projected")[1] + 1e-3
+    );
+    z(row, "g1_projected", smith);
+    // The share that faces the light is that of Gaussian slopes, erf(1/2) / 2 + 1/2.
+    let away = 0.5 - 0.5 * 0.520_499_877_813_046_5;
+    assert!(z(row, "local_shadow", away).abs() < 4.0);
+    // Shares of points lie below Smith's. Along a line the surface is a Gaussian process; one of 20,000
+    // correlation lengths, simulated apart from this program, gave 0.598 and 0.787, to some 0.003.
+    for (key, expected, smith) in [("lit", 0.598, "smith_lit"), ("g1", 0.787, "smith_g1")] {
+        let [mean, se] = estimate(row, key);
+        assert!(
+            (mean - expected).abs() < 4.0 * se.hypot(0.003),
+            "{key} {mean}"
+        );
+        let below = number(row, smith) - mean;
+        assert!((0.02..0.07).contains(&below), "{key} {below}");
+    }
+    // The paper's eye is straight above: what is lit is seen. Mirrored rays are another matter.
+    assert_eq!(row["paper_g2"], row["lit"]);
+    assert_eq!(row["g2"], row["g1"]);
+    assert_eq!(estimate(row, "local_mask"), [0.0, 0.0]);
+    assert!(mean(row, "mirror_g2") < 0.3 * mean(row, "lit"));
+    let parts = ["lit", "local_shadow", "distant_shadow"];
+    let whole: f64 = parts.iter().map(|part| mean(row, part)).sum();
+    assert!((whole - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn vertical_light_reaches_everything_and_mirrors_do_not_send_it_all_away() {
+    let found = outcome(&format!("{PAPER} --sigma 0.5 --theta 0 --realisations 2"));
+    let row = &rows(&found)[0];
+    for key in ["lit", "g1", "g2", "paper_g2", "g1_projected"] {
+        assert_eq!(mean(row, key), 1.0, "{key}");
+    }
+    for key in ["smith_lit", "smith_g1", "v_cavity_lit", "v_cavity_g2"] {
+        assert!((number(row, key) - 1.0).abs() < 1e-12, "{key}");
+    }
+    // A facet steeper than 45 degrees throws vertical light down: at s = 1 the share exp(-1/4) of all
+    // (slopes of variance 2 an axis exceed one in exp(-1/4)), so at most 1 - exp(-1/4) gets away.
+    let mirrored = mean(row, "mirror_g2");
+    assert!(
+        mirrored > 0.05 && mirrored < 1.0 - (-0.25_f64).exp() + 0.01,
+        "{mirrored}"
+    );
+}
+
+#[test]
+fn both_ways_find_the_same() {
+    let directions = "--theta 20,60,85 --phi 30 --view-theta 0,50 --view-phi 200 --heights";
+    let command = format!("{SMALL} {directions}");
+    let [rays, horizons] =
+        ["rays", "horizons"].map(|way| outcome(&format!("{command} --way {way}")));
+    assert_eq!(rays["rows"], horizons["rows"]);
+    assert_eq!(rays["visibility"], horizons["visibility"]);
+    assert_eq!(rays["rows"].as_array().unwrap().len(), 6);
+    assert_eq!(horizons["work"]["way"], "horizons");
+    // Horizons of the first sigma serve all: on surfaces twice as high the light is as if it were steeper.
+    let several = outcome(&format!(
+        "{SMALLEST} --sigma 0.75,1.5 --realisations 3 {directions} --way horizons"
+    ));
+    assert_eq!(rows(&several)[6..], rows(&rays)[..]);
+    // On an open patch too.
+    let [rays, horizons] =
+        ["rays", "horizons"].map(|way| outcome(&format!("{command} --border open --way {way}")));
+    assert_eq!(rays["rows"], horizons["rows"]);
+}
+
+#[test]
+fn the_eye_at_the_light_sees_what_is_lit() {
+    let command = format!("{SMALL} --theta 70 --phi 25 --view-theta 70,40");
+    for way in ["rays", "horizons"] {
+        let same = outcome(&format!("{command} --view-phi 25 --way {way}"));
+        let row = &rows(&same)[0];
+        assert_eq!(row["g2"], row["g1"]);
+        assert_eq!(row["g1_view"], row["g1"]);
+        assert_eq!(row["local_mask"], row["local_shadow"]);
+        // Smith's bistatic forms know nothing of that.
+        assert!(number(row, "smith_correlated_g2") < mean(row, "g2"));
+        let opposite = outcome(&format!("{command} --view-phi 205 --way {way}"));
+        assert!(mean(&rows(&opposite)[0], "g2") < mean(row, "g2"));
+    }
+}
+
+#[test]
+fn all_azimuths_of_isotropic_surfaces_are_alike() {
+    let command = format!(
+        "attenuation --tau 8 --spacing 1 --size 96 --sigma 3 --realisations 12 --theta 65 --no-mirror"
+    );
+    let of = |phi: &str| outcome(&format!("{command} --phi {phi}"))["rows"][0].clone();
+    let reference = of("0");
+    for phi in ["37", "90", "225"] {
+        let row = of(phi);
+        for key in ["lit", "g1"] {
+            // Two azimuths of the same surfaces, as good as independent: the family is of six. The diagonals
+            // of the cells make facets less steep by d^2 / (4 tau^2) along 45 degrees, which is nothing here.
+            let ([a, se_a], [b, se_b]) = (estimate(&reference, key), estimate(&row, key));
+            let z = (a - b) / se_a.hypot(se_b);
+            println!("phi {phi} {key}: z {z:+.1}");
+            assert!(z.abs() < 3.5);
+        }
+        assert!(row["mirror_g2"].is_null());
+    }
+}
+
+#[test]
+fn only_ratios_of_lengths_matter() {
+    let command =
+        "attenuation --theta 30,70 --view-theta 40 --realisations 2 --heights --no-mirror";
+    let of = |unit: &str| {
+        let lengths = format!("--sigma 2e{unit} --tau 5e{unit} --spacing 1e{unit} --size 40");
+        outcome(&format!("{command} {lengths}"))
+    };
+    let reference = of("0");
+    for unit in ["-9", "9"] {
+        for (a, b) in rows(&reference).iter().zip(rows(&of(unit))) {
+            for key in ["lit", "g1", "g2", "g1_view", "g1_projected"] {
+                assert!((mean(a, key) - mean(b, key)).abs() < 1e-9, "{key}");
+            }
+            assert!((number(a, "smith_lit") - number(b, "smith_lit")).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn shadow_begins_at_angles_that_scale() {
+    let found = outcome(&format!(
+        "{PAPER} --sigma 0.1,0.5,0.9 --theta 45 --realisations 4 --no-mirror --demarcation"
+    ));
+    let rows = found["demarcation"].as_array().unwrap();
+    assert_eq!(rows.len(), 3);
+    let tan = |angle: f64| angle.to_radians().tan();
+    for row in rows {
+        let sigma = number(row, "sigma");
+        // The same surfaces, higher: cot(theta) grows as sigma, and its mean over surfaces with it.
+        let scaled = mean(row, "first_dark_scaled");
+        assert!((scaled - mean(&rows[0], "first_dark_scaled")).abs() < 1e-9 * scaled);
+        // In slope deviations the steepest of some thousand independent facets lies between 3 and 5.
+        assert!((3.0..5.0).contains(&scaled), "{scaled}");
+        let angles = [
+            "first_dark",
+            "first_shadowed",
+            "one_percent_dark",
+            "one_percent_shadowed",
+        ];
+        let angles = angles.map(|key| mean(row, key));
+        assert!(
+            angles.windows(2).all(|pair| pair[0] < pair[1]),
+            "{angles:?}"
+        );
+        let expected = number(row, "smith_one_percent_dark");
+        assert!(
+            (angles[2] / expected - 1.0).abs() < 0.1,
+            "{} {expected}",
+            angles[2]
+        );
+        // The angles of the paper do not scale, and are none of these.
+        assert!(number(row, "paper") > 1.2 * angles[0], "{sigma}");
+        println!("sigma {sigma}: {angles:.1?}");
+    }
+    let paper = |i: usize| tan(number(&rows[i], "paper")).recip();
+    assert!(paper(1) / paper(0) > 6.0 * 5.0);
+}
+
+#[test]
+fn high_points_are_seen_and_low_ones_are_not() {
+    let found = outcome(&format!(
+        "{PAPER} --sigma 0.5 --theta 45,78.690068 --realisations 6 --heights --no-mirror"
+    ));
+    let rows = found["visibility"].as_array().unwrap();
+    assert_eq!(rows.len(), 2 * 29);
+    for light in rows.chunks(29) {
+        let zero = light.iter().find(|row| !row["xu_sun"].is_null()).unwrap();
+        assert_eq!(number(zero, "height_min"), -number(zero, "height_max"));
+        // At tan(theta) = s and 5 s, at height zero, Eq. 24 of Xu and Sun counts what faces away again:
+        // the truth is nearer to Smith's 0.871 and 0.197 than to its 0.580 and 0.031.
+        let ([seen, _], smith) = (estimate(zero, "visibility"), number(zero, "smith"));
+        let xu_sun = number(zero, "xu_sun");
+        println!(
+            "x {:.0}: {seen:.3}, Smith {smith:.3}, Eq. 24 {xu_sun:.3}",
+            number(zero, "x")
+        );
+        assert!((seen - smith).abs() < 0.5 * (seen - xu_sun).abs());
+        let known: Vec<f64> = light
+            .iter()
+            .filter(|row| number(row, "points") > 1000.0)
+            .map(|row| mean(row, "visibility"))
+            .collect();
+        assert!(known.len() > 12 && known[0] < 0.5 * known[known.len() - 1]);
+    }
+}
+
+#[test]
+fn open_borders_let_too_much_light_in() {
+    let command = format!("{SMALL} --theta 85 --no-mirror");
+    let [periodic, open] = ["periodic", "open"].map(|border| {
+        let found = outcome(&format!("{command} --border {border}"));
+        mean(&rows(&found)[0], "lit")
+    });
+    println!("lit at 85 degrees: {periodic:.3}, behind an open border {open:.3}");
+    assert!(open > 1.1 * periodic);
+}
+
+#[test]
+fn the_table_of_smith_is_that_of_the_reference() {
+    let Ok(text) = fs::read_to_string("../shared/reference/smith.json") else {
+        println!("skipped: ../shared/reference/smith.json is not there");
+        return;
+    };
+    let reference = json(&text);
+    for (s, sigma) in [("s=1", "4"), ("s=3", "4/3")] {
+        let table = reference["tables"][s]["rows"].as_array().unwrap();
+        let thetas: Vec<String> = table.iter().map(|row| row["deg"].to_string()).collect();
+        let command = format!(
+            "{SMALLEST} --sigma {sigma} --realisations 1 --no-mirror --theta {}",
+            thetas.join(",")
+        );
+        let found = outcome(&command);
+        for (row, expected) in rows(&found).iter().zip(table) {
+            for (key, of) in [("smith_lit", "smith_lit_fraction_all"), ("smith_g1", "G1")] {
+                let error = number(row, key) - number(expected, of);
+                assert!(
+                    error.abs() < 1e-12,
+                    "{s} {} {key} {error:e}",
+                    expected["deg"]
+                );
+            }
+        }
+        assert_eq!(rows(&found).len(), table.len());
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let command = format!(
+        "attenuation --tau 4 --spacing 1 --size 96 --sigma 1,2 --realisations 3 --theta 10,45,80 --view-theta 30,60 --view-phi 90 --heights --demarcation"
+    );
+    let text = succeed(folder, &words(&format!("{command} --threads 1 -o one")));
+    succeed(
+        folder,
+        &words(&format!("{command} --threads 2 --quiet -o two")),
+    );
+    assert_eq!(
+        files(&folder.join("one")),
+        [
+            "attenuation.csv",
+            "attenuation_models.png",
+            "attenuation_models.svg",
+            "attenuation_sigma.png",
+            "attenuation_sigma.svg",
+            "attenuation_theta.png",
+            "attenuation_theta.svg",
+            "demarcation.csv",
+            "report.txt",
+            "summary.json",
+            "visibility.csv",
+            "visibility.png",
+            "visibility.svg",
+        ]
+    );
+    for name in files(&folder.join("one")) {
+        let [one, two] = ["one", "two"].map(|run| fs::read(folder.join(run).join(&name)).unwrap());
+        if name == "summary.json" {
+            let [mut one, mut two] =
+                [one, two].map(|bytes| json(&String::from_utf8(bytes).unwrap()));
+            for summary in [&mut one, &mut two] {
+                for key in ["seconds", "threads"] {
+                    summary["work"].as_object_mut().unwrap().remove(key);
+                }
+            }
+            assert_eq!(one, two);
+            assert_eq!(
+                (&one["schema"], &one["command"]),
+                (&Value::from(1), &"attenuation".into())
+            );
+            assert_eq!(one["config"]["run"]["seed"], 1);
+        } else {
+            assert!(one == two, "{name} differs");
+        }
+    }
+    let report = fs::read_to_string(folder.join("one/report.txt")).unwrap();
+    assert_eq!(text, format!("{report}results in one\n"));
+    let table = fs::read_to_string(folder.join("one/attenuation.csv")).unwrap();
+    let lines: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
+    assert_eq!(lines, vec![41; 1 + 2 * 3 * 2]);
+    // A run of less leaves nothing of an earlier one behind.
+    let less = format!("{SMALL} --theta 45 --no-plots --quiet -o one");
+    assert_eq!(succeed(folder, &words(&less)), "");
+    assert_eq!(
+        files(&folder.join("one")),
+        ["attenuation.csv", "report.txt", "summary.json"]
+    );
+    // Another seed, other surfaces.
+    let other = outcome(&format!("{SMALL} --theta 45 --seed 2"));
+    assert_ne!(
+        rows(&other)[0]["lit"],
+        rows(&outcome(&format!("{SMALL} --theta 45")))[0]["lit"]
+    );
+}
+
+#[test]
+fn a_file_says_the_same_as_flags_and_flags_override_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = "
+        [surface]
+        sigma = 1.5
+        tau = 4
+        size = 32
+        spacing = 1
+        [light]
+        theta = [20, 60]
+        [view]
+        theta = 30
+        phi = 45
+        [run]
+        realisations = 2
+        mirror = false
+    ";
+    fs::write(folder.join("a.toml"), text).unwrap();
+    let flags = "attenuation --sigma 1.5 --tau 4 --length 32 --spacing 1 --theta 20,60 --view-theta 30 --view-phi 45 --realisations 2 --no-mirror --json";
+    let [from_file, from_flags] = ["attenuation a.toml --json", flags]
+        .map(|line| json(&succeed(folder, &words(line)))["rows"].clone());
+    assert_eq!(from_file, from_flags);
+    let overridden = json(&succeed(
+        folder,
+        &words("attenuation a.toml --theta 10 --json"),
+    ));
+    assert_eq!(rows(&overridden).len(), 1);
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("key.toml"), "[light]\nthetas = 3\n").unwrap();
+    fs::write(
+        folder.join("both.toml"),
+        "[surface]\nsize = 64\nlength = 3.2\n",
+    )
+    .unwrap();
+    fs::write(
+        folder.join("figure.toml"),
+        "[output]\nmodels_at_sigma = 0.7\n",
+    )
+    .unwrap();
+    for (line, expected) in [
+        ("--length 12.82", "no multiple of the spacing"),
+        ("--length 0", "no multiple"),
+        ("--spacing 0", "no multiple"),
+        ("--spacing -0.05", "no multiple"),
+        ("--length 1", "correlation lengths"),
+        ("--spacing 0.2", "correlation length"),
+        ("--theta 90", "below 90"),
+        ("--theta -1", "theta"),
+        ("--theta 30,30", "given twice"),
+        ("--view-theta 95", "below 90"),
+        ("--sigma 0", "sigma"),
+        ("--sigma -1", "sigma"),
+        ("--tau 0", "tau"),
+        ("--realisations 0", "1 or more"),
+        ("--way best", "rays and horizons"),
+        ("--border mirrored", "periodic or open"),
+        ("--length 12.8 --size 256", "--size"),
+        ("--sigma 1e-300", "smoothness"),
+        ("--realisations 1e15", "take fewer"),
+        ("key.toml", "unknown field `thetas`"),
+        ("both.toml", "either length"),
+        ("figure.toml", "0.7 is not among"),
+        ("missing.toml", "missing.toml"),
+    ] {
+        let code = if line == "missing.toml" { 1 } else { 2 };
+        let sentence = refused(folder, &words(&format!("attenuation {line}")), code);
+        assert!(sentence.contains(expected), "{line}: {sentence}");
+    }
+    // Light that would cross too many tiles, and more points than memory holds.
+    let line = "attenuation --theta 89.9999 --sigma 1 --realisations 1";
+    assert!(refused(folder, &words(line), 1).contains("tiles"));
+    let line = "attenuation --size 40000 --demarcation --theta 45";
+    assert!(refused(folder, &words(line), 1).contains("memory"));
+    assert!(files(folder).iter().all(|name| name.ends_with(".toml")));
+}
