@@ -353,7 +353,7 @@ impl ValidityMap {
             ),
         ];
         if self.cells.iter().any(Option::is_none) {
-            entries.push((None, "cells without colour: not traced yet".to_owned()));
+            entries.push((None, "hatched cells: not traced yet".to_owned()));
         }
         let look = TextLook::new(theme::LEGEND_SIZE, Align::Left, Level::Middle);
         let (mut x, mut y) = (theme::MARGIN, top + 0.5 * theme::LEGEND_SIZE);
