@@ -155,8 +155,8 @@ fn mirrored_rays_are_masked_as_smith_has_it_within_its_bias() {
         let ([mirrored, se], lit) = (estimate(row, "mirror_g2"), mean(row, "lit"));
         let smith = smith_mirror_g2(0.5 / sigma, theta);
         println!("sigma {sigma}, {theta} degrees: {mirrored:.3} +- {se:.3}, Smith {smith:.3}");
-        // As g1, which Smith has too large by up to 0.05; each of the two directions may add its share.
-        assert!((mirrored - smith).abs() < 0.06 + 4.0 * se && mirrored < lit);
+        // Nothing ties the two by points. On 20 surfaces they differed by less than 0.01.
+        assert!((mirrored - smith).abs() < 0.015 + 4.0 * se && mirrored < lit);
     }
 }
 
