@@ -47,3 +47,33 @@ fn sorted_pair<R: Rng>(rng: &mut R) -> [f64; 2] {
     let (a, b): (f64, f64) = (rng.random(), rng.random());
     [a.max(b), a.min(b)]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_surface::HeightField;
+
+    #[test]
+    fn points_are_spread_evenly_over_the_mean_plane_and_differ_from_chunk_to_chunk() {
+        let field = HeightField::new(vec![0.0; 64 * 128], [64, 128], [1.0, 1.0]).unwrap();
+        let surface = Surface::new(field);
+        assert_eq!(chunks(&surface).len(), 2);
+        let of = |chunk| -> Vec<[f64; 2]> {
+            points(&surface, 3, 5, chunk)
+                .map(|point| [point.look.origin.x.fract(), point.look.origin.y.fract()])
+                .collect()
+        };
+        let places = [of(0), of(1)];
+        assert_ne!(places[0], places[1]);
+        // Mean 1/2 and mean square 1/3 of n uniform numbers: deviations of 0.289 and 0.298 over root n.
+        let all = places.concat();
+        let root = (all.len() as f64).sqrt();
+        for axis in [0, 1] {
+            let mean = |power: i32| {
+                all.iter().map(|place| place[axis].powi(power)).sum::<f64>() / all.len() as f64
+            };
+            assert!((mean(1) - 0.5).abs() < 4.0 * 0.289 / root);
+            assert!((mean(2) - 1.0 / 3.0).abs() < 4.0 * 0.298 / root);
+        }
+    }
+}
