@@ -7,7 +7,7 @@ use asperity_io::check_output_folder;
 
 use crate::args::{Common, Map};
 use crate::failure::Failure;
-use crate::input::{read_config, refuse_surface};
+use crate::input::{read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
@@ -17,6 +17,7 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
     let of_verify = &command.verify;
     let file = of_verify.config.as_deref();
     let mut config = read_config(file, "map", MapConfig::from_toml)?;
+    let alone = config.check().err().map(|error| error.to_string());
     let parts = (&mut config.surface, &mut config.material, &mut config.light);
     let efforts = (&mut config.run, &mut config.compare, &mut config.output);
     override_verification(parts, efforts, of_verify)?;
@@ -31,10 +32,7 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
     ] {
         *tolerance = flag.map_or(*tolerance, Number);
     }
-    let refuse = |error: &dyn std::fmt::Display| match file {
-        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
-        None => Failure::usage(error),
-    };
+    let refuse = |error: &dyn std::fmt::Display| refuse_config(file, alone.as_deref(), error);
     // Everything is checked before a ray is traced.
     config.check().map_err(|error| match error {
         VerifyError::Synthesis(error) => refuse_surface(error),

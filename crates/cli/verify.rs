@@ -8,19 +8,21 @@ use asperity_io::check_output_folder;
 
 use crate::args::{Common, Verify};
 use crate::failure::Failure;
-use crate::input::{override_ensemble, read_config, refuse_surface};
+use crate::input::{override_ensemble, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     let mut config = read_config(command.config.as_deref(), "verify", VerifyConfig::from_toml)?;
+    let alone = (config.cases().err().map(|error| error.to_string()))
+        .or_else(|| Some(config.run.ray_settings().err()?.to_string()))
+        .or_else(|| Some(config.check_surfaces().err()?.to_string()));
     let parts = (&mut config.surface, &mut config.material, &mut config.light);
     let efforts = (&mut config.run, &mut config.compare, &mut config.output);
     override_verification(parts, efforts, command)?;
-    let refuse = |error: &dyn std::fmt::Display| match &command.config {
-        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
-        None => Failure::usage(error),
+    let refuse = |error: &dyn std::fmt::Display| {
+        refuse_config(command.config.as_deref(), alone.as_deref(), error)
     };
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;

@@ -107,7 +107,7 @@ pub enum ModelError {
     MatchedIndices(f64),
     /// A model of surfaces alike along all directions, and slopes that are not.
     #[error(
-        "the model {0} is of isotropic surfaces; for anisotropic ones take smith, smith-separable, heitz or v-cavity"
+        "the model {0} is of isotropic surfaces; for anisotropic ones take any model but xu-sun and xu-sun-mc, as smith, heitz or xu-sun-mc-smith"
     )]
     Anisotropic(&'static str),
     /// A model of one side, asked about another through which light leaves.

@@ -171,7 +171,8 @@ impl ValidityMap {
             let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
             let middle = y + 0.5 * height;
             let beside = left - widest - 16.0;
-            scene.text_upwards("smoothness s", (beside, middle), look.muted());
+            let axis = that_fits(["smoothness s", "s"], height + ROW_GAP)?;
+            scene.text_upwards(axis, (beside, middle), look.muted());
             scene.text_upwards(material, (beside - theme::LABEL_SIZE - 6.0, middle), look);
             y += height + ROW_GAP;
         }
@@ -333,7 +334,8 @@ impl ValidityMap {
         }
         let x = bar.right + theme::TICK_LENGTH + 4.0 + axis.text_width()? + 9.0;
         let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
-        scene.text_upwards("total variation", (x, bar.centre().1), look);
+        let title = that_fits(["total variation", "TV"], bar.height())?;
+        scene.text_upwards(title, (x, bar.centre().1), look);
         Ok(())
     }
 
@@ -454,6 +456,19 @@ fn draw_ticks(
         scene.text(text, (frame.left - 6.0, y), beside);
     }
     Ok(())
+}
+
+/// The first of the titles that fits into a length, or the last one.
+fn that_fits<const N: usize>(
+    titles: [&'static str; N],
+    length: f64,
+) -> Result<&'static str, PlotError> {
+    for title in titles {
+        if text_width(title, theme::LABEL_SIZE)? <= length {
+            return Ok(title);
+        }
+    }
+    Ok(titles[N - 1])
 }
 
 /// A name in lines of at most `width`, broken after hyphens.

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::cell::{CellModel, CellResults, JudgedCell, LightShare, energy_name, peak_name};
 use super::interval::CellVerdict;
 use super::summary::{
-    map_table, material_name, materials, smoothness, summarise, thetas, warnings,
+    grooves, map_table, material_name, materials, smoothness, summarise, thetas, warnings,
 };
 use super::{MapCell, MapOutcome};
 use crate::case::short;
@@ -291,10 +291,11 @@ fn figure(outcome: &MapOutcome, light: LightShare) -> ValidityMap {
     ValidityMap {
         title: format!("Where models hold: {what}"),
         subtitle: format!(
-            "Signs: total variation within {}, energy of each side within {} of the incident flux, and peak directions within {}°, each with 95 %",
+            "Signs: total variation within {}, energy of each side within {} of the incident flux, and peak directions within {}°, each with 95 %{}",
             short(tolerances.total_variation.0),
             short(tolerances.energy.0),
             short(tolerances.peak.0),
+            grooves(outcome).map_or_else(String::new, |text| format!("; {text}")),
         ),
         models: models.clone(),
         materials: materials.into_iter().map(material_name).collect(),

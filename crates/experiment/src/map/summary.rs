@@ -124,6 +124,16 @@ fn holds_from(
     smooth_first.into_iter().take_while(holds).last()
 }
 
+/// What `s` stands for on anisotropic surfaces, which are all of one shape.
+pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
+    let [ratio, azimuth] = outcome.cells.first()?.case.psd.anisotropy()?;
+    Some(format!(
+        "s along the first axis, at {} deg from x; across it s is {} times as large",
+        short(azimuth.to_degrees()),
+        short(ratio)
+    ))
+}
+
 /// A material as titles have it.
 pub(super) fn material_name(material: Material) -> String {
     match material {
@@ -151,6 +161,9 @@ pub fn map_table(outcome: &MapOutcome) -> String {
         list(smoothness(outcome)),
         list(thetas(outcome)),
     );
+    if let Some(grooves) = grooves(outcome) {
+        let _ = writeln!(out, "anisotropic: {grooves}");
+    }
     let _ = writeln!(
         out,
         "holds: total variation within {}, energy of each side within {} of the incident flux, peaks within {} deg,\nwith 95 % of one measure in one cell, not corrected over the map; not resolved: the error leaves it open",
