@@ -605,7 +605,7 @@ pub(crate) struct Model {
     /// Azimuth of the direction towards the light, degrees
     #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
     pub(crate) phi: f64,
-    /// Degrees between directions, of a model with a density [default: 1]
+    /// Degrees between directions, at most 45, of a model with a density [default: 1]
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true, conflicts_with = "bins")]
     pub(crate) step: Option<f64>,
     /// The whole sphere of outgoing directions, not only the plane of incidence
@@ -614,12 +614,12 @@ pub(crate) struct Model {
     /// Means over the bins of a hemisphere, THETAxPHI, in place of single directions [default of a model that follows rays: 18x36]
     #[arg(long)]
     pub(crate) bins: Option<HemisphereGrid>,
-    /// Rays of a model that follows rays
-    #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
-    pub(crate) rays: u64,
-    /// Seed of these rays
-    #[arg(long, default_value = "1", allow_negative_numbers = true)]
-    pub(crate) seed: u64,
+    /// Rays of a model that follows rays, rounded up to whole batches of 64 [default: 1e6]
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) rays: Option<u64>,
+    /// Seed of these rays [default: 1]
+    #[arg(long, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
     /// File to write, .csv; standard output unless given
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use asperity_analysis::{
-    BsdfModel, Effort, MODEL_NAMES, ScatteringModel, SlopeCovariance, create_model, expect,
+    BsdfModel, Effort, MODEL_NAMES, ScatteringModel, Scope, SlopeCovariance, create_model, expect,
 };
 use asperity_experiment::{energy_table, expectation_json, write_expectation};
 use asperity_io::{CsvField as Field, write_csv};
@@ -19,6 +19,9 @@ use crate::output::{print, print_json};
 /// Most rows of one table.
 const MOST_ROWS: f64 = 1e7;
 
+/// Flux missing from the energies of all orders that no noise explains.
+const UNACCOUNTED: f64 = 0.01;
+
 /// Batches that errors come from.
 const BATCHES: u64 = 64;
 
@@ -32,6 +35,11 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
     let incidence = Incidence::from_degrees(theta, command.phi).map_err(Failure::usage)?;
     let slopes = slopes(smoothness, command.smoothness_y, command.azimuth)?;
     let model = create_model(name, slopes, material).map_err(Failure::usage)?;
+    if model.walk().is_none() && (command.rays.is_some() || command.seed.is_some()) {
+        return Err(Failure::usage(format!(
+            "the model {name} has a closed form and follows no rays; leave out --rays and --seed"
+        )));
+    }
     match (model.density(), command.bins) {
         (Some(density), None) if !command.json && model.walk().is_none() => {
             directions(command, common, density, &incidence)
@@ -89,9 +97,9 @@ fn bins(
         Azimuth::From(incidence.phi() + PI)
     };
     let effort = Effort {
-        rays: command.rays,
+        rays: command.rays.unwrap_or(1_000_000),
         batches: BATCHES,
-        seed: command.seed,
+        seed: command.seed.unwrap_or(1),
     };
     let expectation = expect(model, incidence, &layout, azimuth, effort);
     if let Some(path) = &command.output {
@@ -116,6 +124,13 @@ fn bins(
         model.description(),
         energy_table(&layout, expectation.statistics())
     );
+    let accounted: f64 = expectation.statistics().means()[..5].iter().sum();
+    if model.scope() == Scope::AllOrders && (1.0 - accounted).abs() > UNACCOUNTED {
+        out.push_str(&format!(
+            "  {:.3} of the flux is not accounted for by this model\n",
+            1.0 - accounted
+        ));
+    }
     if let Some(path) = &command.output {
         out.push_str(&format!(
             "{}: {} bins\n",
