@@ -6,7 +6,7 @@
 
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use asperity_analysis::{create_model, hemispherical_energy};
+use asperity_analysis::{SlopeCovariance, closed_form, hemispherical_energy};
 use asperity_optics::{Incidence, Material};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let flat = glass.fresnel(light.theta().cos()).reflected;
     println!("flat surface: {flat:.6} reflected");
     for smoothness in [1.0, 3.0, 10.0, 100.0] {
-        let model = create_model("smith", smoothness, glass)?;
+        let slopes = SlopeCovariance::isotropic(smoothness)?;
+        let model = closed_form("smith", slopes, glass)?;
         let energy = hemispherical_energy(model.as_ref(), light.wi());
         println!("s = {smoothness:>5}:    {:.6} reflected", energy.reflected);
     }

@@ -418,7 +418,7 @@ fn every_example_configuration_is_understood() {
             let of_attenuation = ["geometric_attenuation", "visibility"]
                 .into_iter()
                 .any(|name| path.file_stem().is_some_and(|stem| stem == name));
-            if text.contains("[converge]") || of_attenuation {
+            if text.contains("[converge]") || text.contains("[map]") || of_attenuation {
                 continue;
             }
             let config = asperity_experiment::VerifyConfig::from_toml(&text).unwrap();

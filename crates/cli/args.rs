@@ -74,6 +74,8 @@ pub(crate) enum Command {
     Trace(Box<Trace>),
     /// Trace light on fresh random surfaces and compare with the statistical models
     Verify(Box<Verify>),
+    /// Map where each model holds, over smoothness, material and angle; goes on where it was left
+    Map(Box<Map>),
     /// Measure run time against error for estimators, samplings, accelerators and spacings
     Converge(Box<Converge>),
     /// Measure shadowing and masking on explicit surfaces, beside Smith and V-cavities
@@ -423,9 +425,12 @@ pub(crate) struct Verify {
     /// Level of the tests of a case
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) alpha: Option<f64>,
-    /// Models to compare with, by name: xu-sun,smith,smith-separable; or none
+    /// Models to compare with, by name, as `model --list` has them: xu-sun,smith; or none
     #[arg(long, value_delimiter = ',', num_args = 1)]
     pub(crate) models: Option<Vec<String>>,
+    /// Rays that a model follows which is evaluated so
+    #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
+    pub(crate) model_rays: Option<u64>,
     /// Folder for the results
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: PathBuf,
@@ -435,6 +440,22 @@ pub(crate) struct Verify {
     /// Print the comparison as JSON on standard output, instead of the table
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(mut_arg("alpha", |alpha| alpha.hide(true)))]
+pub(crate) struct Map {
+    #[command(flatten)]
+    pub(crate) verify: Verify,
+    /// Total variation that is tolerated, of the incident flux [default: 0.01]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "FLUX")]
+    pub(crate) tolerance_total_variation: Option<f64>,
+    /// Difference in energy of a side that is tolerated, of the incident flux [default: 0.01]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "FLUX")]
+    pub(crate) tolerance_energy: Option<f64>,
+    /// Difference in direction of a peak that is tolerated, degrees [default: 2.5]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, value_name = "DEGREES")]
+    pub(crate) tolerance_peak: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -561,22 +582,48 @@ pub(crate) struct Attenuation {
 
 #[derive(Debug, Args)]
 pub(crate) struct Model {
-    /// Name: xu-sun, smith or smith-separable
-    pub(crate) name: String,
-    /// Smoothness s = tau / sigma
+    /// Name, as --list has it
+    #[arg(required_unless_present = "list")]
+    pub(crate) name: Option<String>,
+    /// Say which models there are, and where each is meant to hold
+    #[arg(long, exclusive = true)]
+    pub(crate) list: bool,
+    /// Smoothness s = tau / sigma, along the first principal axis
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, required_unless_present = "list")]
+    pub(crate) smoothness: Option<f64>,
+    /// The same along the second principal axis: tau_y / sigma
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) smoothness: f64,
+    pub(crate) smoothness_y: Option<f64>,
+    /// Angle from +x to the first principal axis, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, requires = "smoothness_y")]
+    pub(crate) azimuth: Option<f64>,
     #[command(flatten)]
     pub(crate) interface: Interface,
-    #[command(flatten)]
-    pub(crate) light: Light,
-    /// Degrees between directions
-    #[arg(long, value_parser = parse_number, default_value = "1", allow_negative_numbers = true)]
-    pub(crate) step: f64,
+    /// Polar angle of the direction towards the light, degrees, from 0 to below 90
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, required_unless_present = "list")]
+    pub(crate) theta: Option<f64>,
+    /// Azimuth of the direction towards the light, degrees
+    #[arg(long, value_parser = parse_number, default_value = "0", allow_negative_numbers = true)]
+    pub(crate) phi: f64,
+    /// Degrees between directions, of a model with a density [default: 1]
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, conflicts_with = "bins")]
+    pub(crate) step: Option<f64>,
     /// The whole sphere of outgoing directions, not only the plane of incidence
-    #[arg(long)]
+    #[arg(long, conflicts_with = "bins")]
     pub(crate) sphere: bool,
+    /// Means over the bins of a hemisphere, THETAxPHI, in place of single directions [default of a model that follows rays: 18x36]
+    #[arg(long)]
+    pub(crate) bins: Option<HemisphereGrid>,
+    /// Rays of a model that follows rays
+    #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
+    pub(crate) rays: u64,
+    /// Seed of these rays
+    #[arg(long, default_value = "1", allow_negative_numbers = true)]
+    pub(crate) seed: u64,
     /// File to write, .csv; standard output unless given
     #[arg(long, short, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
+    /// Print the energies, by order of scattering, as JSON on standard output
+    #[arg(long, conflicts_with_all = ["step", "sphere"])]
+    pub(crate) json: bool,
 }

@@ -8,7 +8,7 @@ use asperity_io::check_output_folder;
 
 use crate::args::{Attenuation, Common};
 use crate::failure::Failure;
-use crate::input::{one_or_many, per_axis, read_config, refuse_surface};
+use crate::input::{one_or_many, per_axis, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
@@ -16,15 +16,13 @@ use crate::progress::Bar;
 pub(crate) fn run(command: &Attenuation, common: &Common) -> Result<(), Failure> {
     let file = command.config.as_deref();
     let mut config = read_config(file, "attenuation", AttenuationConfig::from_toml)?;
+    let alone = config.check().err().map(|error| error.to_string());
     override_with_flags(&mut config, command)?;
     // Everything is checked before a surface is drawn; the folder is made when there are results.
     config.check().map_err(|error| match error {
         AttenuationError::Synthesis(error) => refuse_surface(error),
         AttenuationError::Run(error) => Failure::failed(error),
-        error => match file {
-            Some(path) => Failure::usage(format!("{}: {error}", path.display())),
-            None => Failure::usage(error),
-        },
+        error => refuse_config(file, alone.as_deref(), &error),
     })?;
     if let Some(folder) = &command.output {
         check_output_folder(folder).map_err(Failure::failed)?;

@@ -8,7 +8,7 @@ use asperity_io::check_output_folder;
 
 use crate::args::{Common, Converge};
 use crate::failure::Failure;
-use crate::input::{one_or_many, override_ensemble, read_config, refuse_surface};
+use crate::input::{one_or_many, override_ensemble, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
@@ -16,11 +16,9 @@ use crate::progress::Bar;
 pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
     let file = command.config.as_deref();
     let mut config = read_config(file, "converge", ConvergeConfig::from_toml)?;
+    let alone = config.check().err().map(|error| error.to_string());
     override_with_flags(&mut config, command)?;
-    let refuse = |error: &dyn std::fmt::Display| match file {
-        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
-        None => Failure::usage(error),
-    };
+    let refuse = |error: &dyn std::fmt::Display| refuse_config(file, alone.as_deref(), error);
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.check().map_err(|error| match error {
         ConvergeError::Run(VerifyError::Synthesis(error)) => refuse_surface(error),

@@ -273,6 +273,21 @@ pub(crate) fn read_config<T: Default>(
     from_toml(&text).map_err(|error| Failure::usage(format!("{}: {error}", path.display())))
 }
 
+/// The refusal of a configuration: by the name of its file, if that is wrong by itself in the same way
+/// (`alone`), and otherwise as what the flags made of it.
+pub(crate) fn refuse_config(
+    file: Option<&Path>,
+    alone: Option<&str>,
+    error: &dyn std::fmt::Display,
+) -> Failure {
+    match file {
+        Some(path) if alone == Some(&error.to_string()) => {
+            Failure::usage(format!("{}: {error}", path.display()))
+        }
+        _ => Failure::usage(error),
+    }
+}
+
 /// Puts the values of flags in the place of those of a file.
 pub(crate) fn override_ensemble(
     (surface, material, light): (&mut SurfaceConfig, &mut MaterialConfig, &mut LightConfig),

@@ -8,6 +8,7 @@ mod generate;
 mod input;
 mod inspect;
 mod interrupt;
+mod map;
 mod mesh;
 mod model;
 mod output;
@@ -69,6 +70,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Mesh(command) => mesh::run(command, common),
         Command::Trace(command) => trace::run(command, common),
         Command::Verify(command) => verify::run(command, common),
+        Command::Map(command) => map::run(command, common),
         Command::Converge(command) => converge::run(command, common),
         Command::Attenuation(command) => attenuation::run(command, common),
         Command::Model(command) => model::run(command, common),

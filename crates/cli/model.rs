@@ -1,23 +1,139 @@
-//! `asperity model`: a statistical model, direction by direction.
+//! `asperity model`: a statistical model, direction by direction or bin by bin.
 
-use asperity_analysis::create_model;
+use std::f64::consts::PI;
+use std::path::Path;
+
+use asperity_analysis::{
+    BsdfModel, Effort, MODEL_NAMES, ScatteringModel, SlopeCovariance, create_model, expect,
+};
+use asperity_experiment::{energy_table, expectation_json, write_expectation};
 use asperity_io::{CsvField as Field, write_csv};
-use asperity_optics::{Incidence, from_spherical};
-use asperity_tally::Side;
+use asperity_optics::{Incidence, Material, from_spherical};
+use asperity_surface::Psd;
+use asperity_tally::{Azimuth, Layout, Side};
 
 use crate::args::{Common, Model};
 use crate::failure::Failure;
-use crate::output::print;
+use crate::output::{print, print_json};
 
 /// Most rows of one table.
 const MOST_ROWS: f64 = 1e7;
 
+/// Batches that errors come from.
+const BATCHES: u64 = 64;
+
 pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
+    let (Some(name), Some(smoothness), Some(theta)) =
+        (&command.name, command.smoothness, command.theta)
+    else {
+        return print(&list()?);
+    };
     let material = command.interface.material()?;
-    let incidence = command.light.incidence()?;
-    let model =
-        create_model(&command.name, command.smoothness, material).map_err(Failure::usage)?;
-    let step = command.step;
+    let incidence = Incidence::from_degrees(theta, command.phi).map_err(Failure::usage)?;
+    let slopes = slopes(smoothness, command.smoothness_y, command.azimuth)?;
+    let model = create_model(name, slopes, material).map_err(Failure::usage)?;
+    match (model.density(), command.bins) {
+        (Some(density), None) if !command.json && model.walk().is_none() => {
+            directions(command, common, density, &incidence)
+        }
+        _ if command.step.is_some() || command.sphere => Err(Failure::usage(format!(
+            "the model {name} follows rays and has no value at a single direction; ask for --bins in place of --step and --sphere"
+        ))),
+        _ => bins(command, common, model.as_ref(), incidence),
+    }
+}
+
+/// Every model with its source and where it is meant to hold.
+fn list() -> Result<String, Failure> {
+    let slopes = SlopeCovariance::isotropic(3.0).map_err(Failure::usage)?;
+    let mut out = String::new();
+    for name in MODEL_NAMES {
+        let model = create_model(name, slopes, Material::Mirror).map_err(Failure::usage)?;
+        out.push_str(&format!(
+            "{name}\n  {}\n  for {}\n",
+            model.description(),
+            model.valid_range()
+        ));
+    }
+    Ok(out)
+}
+
+/// Slopes of smoothness `s`, and `s_y` along the second principal axis.
+fn slopes(s: f64, s_y: Option<f64>, azimuth: Option<f64>) -> Result<SlopeCovariance, Failure> {
+    let Some(s_y) = s_y.filter(|s_y| *s_y != s) else {
+        return SlopeCovariance::isotropic(s).map_err(Failure::usage);
+    };
+    for s in [s, s_y] {
+        SlopeCovariance::isotropic(s).map_err(Failure::usage)?;
+    }
+    let azimuth = azimuth.unwrap_or(0.0).to_radians();
+    let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth).map_err(Failure::usage)?;
+    let [xx, xy, yy] = psd.slope_covariance();
+    SlopeCovariance::new(xx, yy, xy).map_err(Failure::usage)
+}
+
+/// Means over bins, and energies by order.
+fn bins(
+    command: &Model,
+    common: &Common,
+    model: &dyn ScatteringModel,
+    incidence: Incidence,
+) -> Result<(), Failure> {
+    let grid = command.bins.unwrap_or_default();
+    let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH)
+        .map_err(Failure::usage)?
+        .with_sides(model.sides());
+    let azimuth = if incidence.is_vertical() && model.slopes().is_isotropic() {
+        Azimuth::Free
+    } else {
+        Azimuth::From(incidence.phi() + PI)
+    };
+    let effort = Effort {
+        rays: command.rays,
+        batches: BATCHES,
+        seed: command.seed,
+    };
+    let expectation = expect(model, incidence, &layout, azimuth, effort);
+    if let Some(path) = &command.output {
+        write_expectation(path, &expectation).map_err(Failure::failed)?;
+    }
+    if command.json {
+        return print_json(&expectation_json(model, &expectation));
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    let effort = if expectation.is_exact() {
+        "light scattered once, by quadrature".to_owned()
+    } else {
+        format!(
+            "{} rays, standard errors from {BATCHES} batches",
+            expectation.rays()
+        )
+    };
+    let mut out = format!(
+        "{}\n{effort}\n{}",
+        model.description(),
+        energy_table(&layout, expectation.statistics())
+    );
+    if let Some(path) = &command.output {
+        out.push_str(&format!(
+            "{}: {} bins\n",
+            path.display(),
+            layout.asked_bins().len()
+        ));
+    }
+    print(&out)
+}
+
+/// Values at single directions.
+fn directions(
+    command: &Model,
+    common: &Common,
+    model: &dyn BsdfModel,
+    incidence: &Incidence,
+) -> Result<(), Failure> {
+    let step = command.step.unwrap_or(1.0);
     if !(step > 0.0 && step <= 45.0) {
         return Err(Failure::usage(format!(
             "--step is {step} deg; it must be above 0 and at most 45"
@@ -37,7 +153,7 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
     let directions = if command.sphere {
         sphere(step)
     } else {
-        in_plane(step, &incidence)
+        in_plane(step, incidence)
     };
     let wi = incidence.wi();
     let rows = directions.iter().map(|&(side, theta_deg, phi_deg)| {
@@ -59,12 +175,7 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
             if common.quiet {
                 return Ok(());
             }
-            print(&format!(
-                "{}: {}, {} directions\n",
-                path.display(),
-                model.description(),
-                directions.len()
-            ))
+            print(&written(path, model, directions.len()))
         }
         None => {
             let mut text = format!("{}\n", header.join(","));
@@ -74,6 +185,11 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
             print(&text)
         }
     }
+}
+
+fn written(path: &Path, model: &dyn BsdfModel, directions: usize) -> String {
+    let path = path.display();
+    format!("{path}: {}, {directions} directions\n", model.description())
 }
 
 /// Directions every `step` degrees, by side, polar angle from +z and azimuth; those in the surface

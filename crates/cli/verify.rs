@@ -1,24 +1,28 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
 use asperity_experiment::{
-    Count, Number, Seconds, VerifyConfig, VerifyError, verify, verify_report, verify_summary,
-    verify_table,
+    CompareConfig, Count, LightConfig, MaterialConfig, Number, OutputConfig, RunConfig, Seconds,
+    SurfaceConfig, VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
 };
 use asperity_io::check_output_folder;
 
 use crate::args::{Common, Verify};
 use crate::failure::Failure;
-use crate::input::{override_ensemble, read_config, refuse_surface};
+use crate::input::{override_ensemble, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     let mut config = read_config(command.config.as_deref(), "verify", VerifyConfig::from_toml)?;
-    override_with_flags(&mut config, command)?;
-    let refuse = |error: &dyn std::fmt::Display| match &command.config {
-        Some(path) => Failure::usage(format!("{}: {error}", path.display())),
-        None => Failure::usage(error),
+    let alone = (config.cases().err().map(|error| error.to_string()))
+        .or_else(|| Some(config.run.ray_settings().err()?.to_string()))
+        .or_else(|| Some(config.check_surfaces().err()?.to_string()));
+    let parts = (&mut config.surface, &mut config.material, &mut config.light);
+    let efforts = (&mut config.run, &mut config.compare, &mut config.output);
+    override_verification(parts, efforts, command)?;
+    let refuse = |error: &dyn std::fmt::Display| {
+        refuse_config(command.config.as_deref(), alone.as_deref(), error)
     };
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;
@@ -54,10 +58,12 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
 }
 
 /// Puts the values of flags in the place of those of the file.
-fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<(), Failure> {
-    let of_all = (&mut config.surface, &mut config.material, &mut config.light);
-    override_ensemble(of_all, &command.ensemble)?;
-    let run = &mut config.run;
+pub(crate) fn override_verification(
+    parts: (&mut SurfaceConfig, &mut MaterialConfig, &mut LightConfig),
+    (run, compare, output): (&mut RunConfig, &mut CompareConfig, &mut OutputConfig),
+    command: &Verify,
+) -> Result<(), Failure> {
+    override_ensemble(parts, &command.ensemble)?;
     if command.realisations.is_some() || command.rays.is_some() {
         // As many as are asked for, and not as a target of the file asks for.
         run.target_error = None;
@@ -81,12 +87,12 @@ fn override_with_flags(config: &mut VerifyConfig, command: &Verify) -> Result<()
     run.roulette = command.roulette.map_or(run.roulette, Number);
     run.max_order = command.max_order.unwrap_or(run.max_order);
     run.refine |= command.refine;
-    let compare = &mut config.compare;
     if let Some(models) = &command.models {
         let none = matches!(models.as_slice(), [one] if one == "none");
         compare.models = if none { Vec::new() } else { models.clone() };
     }
     compare.alpha = command.alpha.unwrap_or(compare.alpha);
-    config.output.plots &= !command.no_plots;
+    compare.model_rays = command.model_rays.map_or(compare.model_rays, Count);
+    output.plots &= !command.no_plots;
     Ok(())
 }

@@ -21,9 +21,9 @@ pub struct Grouping {
 pub struct BinComparison {
     /// Mean flux fraction over the surfaces.
     pub mean: f64,
-    /// Standard error of the mean, from the scatter between surfaces; `None` for one surface.
+    /// Standard error of the difference, from its scatter between surfaces; `None` for one surface.
     pub standard_error: Option<f64>,
-    /// What the model expects.
+    /// What the model expects, or its mean over batches.
     pub model: f64,
     /// `(mean - model) / standard_error`: infinite where all surfaces deviate by the same amount,
     /// zero where they agree exactly; `None` for one surface.
@@ -59,6 +59,27 @@ pub struct Comparison {
     pub test: Result<SignFlipTest, Untested>,
 }
 
+/// What a model expects, beside surfaces.
+#[derive(Clone, Copy, Debug)]
+pub enum Expected<'a> {
+    /// Fluxes that are exact.
+    Exact(&'a [f64]),
+    /// Fluxes found by sampling, one list an independent batch, as many as there are surfaces: each surface
+    /// is compared with a batch of its own, so that the differences remain independent of each other, and
+    /// their scatter is that of surface and model together.
+    Batches(&'a [&'a [f64]]),
+}
+
+impl<'a> Expected<'a> {
+    /// What surface `r` is compared with.
+    fn of(self, r: usize) -> &'a [f64] {
+        match self {
+            Self::Exact(fluxes) => fluxes,
+            Self::Batches(batches) => batches[r],
+        }
+    }
+}
+
 /// Why a comparison is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -76,6 +97,14 @@ pub enum ComparisonError {
         /// The length of the model's list.
         expected: usize,
     },
+    /// Batches of a model that do not go with the surfaces.
+    #[error("the model has {batches} batches for {surfaces} surfaces; it needs as many")]
+    BatchCount {
+        /// Batches of the model.
+        batches: usize,
+        /// Surfaces.
+        surfaces: usize,
+    },
     /// A flux that is no number.
     #[error("{what} holds {value} in bin {bin}; fluxes must be finite")]
     NotFinite {
@@ -91,7 +120,7 @@ pub enum ComparisonError {
 /// Compares the flux fractions of explicit surfaces with those that a model expects.
 ///
 /// `surfaces`: one list of bin fluxes a surface, each an independent draw of the same ensemble.
-/// `model`: the expected fluxes. `enough`: the bins to test; take those in which at least 20 rays
+/// `expected`: what the model says. `enough`: the bins to test; take those in which at least 20 rays
 /// are found or expected over all surfaces, because fewer rays are far from symmetric about their
 /// mean, which the test assumes. Bins left out still count in the total variation and in sums.
 /// `groupings`: coarser scales to test as well. `seed` chooses
@@ -104,7 +133,7 @@ pub enum ComparisonError {
 /// [`ComparisonError`] for no surface, unequal lengths or values that are not finite.
 pub fn compare(
     surfaces: &[Vec<f64>],
-    model: &[f64],
+    expected: Expected<'_>,
     enough: &[bool],
     groupings: &[Grouping],
     seed: u64,
@@ -112,14 +141,23 @@ pub fn compare(
     if surfaces.is_empty() {
         return Err(ComparisonError::NoSurfaces);
     }
+    if let Expected::Batches(batches) = expected
+        && batches.len() != surfaces.len()
+    {
+        return Err(ComparisonError::BatchCount {
+            batches: batches.len(),
+            surfaces: surfaces.len(),
+        });
+    }
+    let bin_count = expected.of(0).len();
     let of_length = |what: &dyn Fn() -> String, found: usize| {
-        if found == model.len() {
+        if found == bin_count {
             Ok(())
         } else {
             Err(ComparisonError::BinCount {
                 what: what(),
                 found,
-                expected: model.len(),
+                expected: bin_count,
             })
         }
     };
@@ -138,8 +176,10 @@ pub fn compare(
         &|| "the list of bins with enough rays".to_owned(),
         enough.len(),
     )?;
-    finite(&|| "the model".to_owned(), model)?;
     for (r, fluxes) in surfaces.iter().enumerate() {
+        let of_model = || "the model".to_owned();
+        of_length(&of_model, expected.of(r).len())?;
+        finite(&of_model, expected.of(r))?;
         let what = || format!("surface {r}");
         of_length(&what, fluxes.len())?;
         finite(&what, fluxes)?;
@@ -148,14 +188,21 @@ pub fn compare(
     let count = surfaces.len() as f64;
     let residuals: Vec<Vec<f64>> = surfaces
         .iter()
-        .map(|x| x.iter().zip(model).map(|(x, m)| x - m).collect())
+        .enumerate()
+        .map(|(r, x)| x.iter().zip(expected.of(r)).map(|(x, m)| x - m).collect())
         .collect();
     // Residuals average without the rounding of the larger fluxes.
-    let offsets: Vec<f64> = (0..model.len())
+    let offsets: Vec<f64> = (0..bin_count)
         .map(|b| residuals.iter().map(|d| d[b]).sum::<f64>() / count)
         .collect();
-    let bins: Vec<BinComparison> = (0..model.len())
+    let bins: Vec<BinComparison> = (0..bin_count)
         .map(|b| {
+            let model = match expected {
+                Expected::Exact(fluxes) => fluxes[b],
+                Expected::Batches(batches) => {
+                    batches.iter().map(|batch| batch[b]).sum::<f64>() / count
+                }
+            };
             let standard_error = (surfaces.len() > 1).then(|| {
                 let squares: f64 = residuals.iter().map(|d| (d[b] - offsets[b]).powi(2)).sum();
                 (squares / (count * (count - 1.0))).sqrt()
@@ -170,9 +217,9 @@ pub fn compare(
                 }
             });
             BinComparison {
-                mean: model[b] + offsets[b],
+                mean: model + offsets[b],
                 standard_error,
-                model: model[b],
+                model,
                 z,
                 tested: enough[b],
             }
@@ -265,7 +312,14 @@ mod tests {
     #[test]
     fn means_errors_and_z_are_those_of_the_surfaces() {
         let surfaces = [vec![0.1, 0.5], vec![0.3, 0.5]];
-        let result = compare(&surfaces, &[0.1, 0.5], &[true, true], &[], 1).unwrap();
+        let result = compare(
+            &surfaces,
+            Expected::Exact(&[0.1, 0.5]),
+            &[true, true],
+            &[],
+            1,
+        )
+        .unwrap();
         let bin = result.bins[0];
         assert!((bin.mean - 0.2).abs() < 1e-15);
         assert!((bin.standard_error.unwrap() - 0.1).abs() < 1e-15);
@@ -281,7 +335,14 @@ mod tests {
 
     #[test]
     fn one_surface_has_a_deviation_but_no_judgement() {
-        let result = compare(&[vec![0.2, 0.4]], &[0.3, 0.4], &[true, true], &[], 1).unwrap();
+        let result = compare(
+            &[vec![0.2, 0.4]],
+            Expected::Exact(&[0.3, 0.4]),
+            &[true, true],
+            &[],
+            1,
+        )
+        .unwrap();
         assert_eq!(result.bins[0].z, None);
         assert_eq!(result.bins[0].standard_error, None);
         assert_eq!(result.test, Err(Untested::OneSurface));
@@ -292,7 +353,14 @@ mod tests {
     #[test]
     fn light_that_never_comes_is_a_deviation_without_scatter() {
         let surfaces = vec![vec![0.0, 0.0]; 10];
-        let result = compare(&surfaces, &[0.01, 0.0], &[true, true], &[], 1).unwrap();
+        let result = compare(
+            &surfaces,
+            Expected::Exact(&[0.01, 0.0]),
+            &[true, true],
+            &[],
+            1,
+        )
+        .unwrap();
         assert_eq!(result.bins[0].z, Some(f64::NEG_INFINITY));
         assert_eq!(result.bins[1].z, Some(0.0));
         let test = result.test.unwrap();
@@ -302,23 +370,53 @@ mod tests {
     #[test]
     fn bins_without_enough_rays_do_not_enter_the_test() {
         let surfaces = vec![vec![0.0, 0.0]; 10];
-        let result = compare(&surfaces, &[0.01, 0.0], &[false, true], &[], 1).unwrap();
+        let result = compare(
+            &surfaces,
+            Expected::Exact(&[0.01, 0.0]),
+            &[false, true],
+            &[],
+            1,
+        )
+        .unwrap();
         assert_eq!(result.test.unwrap().p, 1.0);
         assert!((result.total_variation.observed - 0.005).abs() < 1e-15);
-        let result = compare(&surfaces, &[0.01, 0.0], &[false, false], &[], 1).unwrap();
+        let result = compare(
+            &surfaces,
+            Expected::Exact(&[0.01, 0.0]),
+            &[false, false],
+            &[],
+            1,
+        )
+        .unwrap();
         assert_eq!(result.test, Err(Untested::NoBins));
     }
 
     #[test]
     fn contradictory_input_is_refused() {
         assert_eq!(
-            compare(&[], &[], &[], &[], 0),
+            compare(&[], Expected::Exact(&[]), &[], &[], 0),
             Err(ComparisonError::NoSurfaces)
         );
-        let error = compare(&[vec![0.1], vec![0.1, 0.2]], &[0.1], &[true], &[], 0).unwrap_err();
+        let error = compare(
+            &[vec![0.1], vec![0.1, 0.2]],
+            Expected::Exact(&[0.1]),
+            &[true],
+            &[],
+            0,
+        )
+        .unwrap_err();
         assert_eq!(error.to_string(), "surface 1 has 2 bins; the model has 1");
-        assert!(compare(&[vec![0.1]], &[0.1], &[], &[], 0).is_err());
-        assert!(compare(&[vec![f64::NAN]], &[0.1], &[true], &[], 0).is_err());
-        assert!(compare(&[vec![0.1]], &[f64::INFINITY], &[true], &[], 0).is_err());
+        assert!(compare(&[vec![0.1]], Expected::Exact(&[0.1]), &[], &[], 0).is_err());
+        assert!(compare(&[vec![f64::NAN]], Expected::Exact(&[0.1]), &[true], &[], 0).is_err());
+        assert!(
+            compare(
+                &[vec![0.1]],
+                Expected::Exact(&[f64::INFINITY]),
+                &[true],
+                &[],
+                0
+            )
+            .is_err()
+        );
     }
 }

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::facet_scattering::unmasked_bsdf;
 use crate::flux::{FluxIntegral, Scattering};
+use crate::kinks::Kinks;
 use crate::model::{ModelError, validate};
 use crate::slopes::SlopeCovariance;
 use crate::smith::Masking;
@@ -98,6 +99,7 @@ pub fn visible_shares(
         let scattering = Scattering {
             slopes: *slopes,
             material,
+            kinks: Kinks::None,
             bsdf,
             error: ROUGH,
         };

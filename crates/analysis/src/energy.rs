@@ -3,15 +3,18 @@
 //! The same energies follow from the bins of [`crate::bin_fluxes`]; here they come by another way,
 //! with facet slopes `(p, q)` as variables, `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`.
 //! All edges of the integrand are conics in `(p, q)` with closed forms: where the facet turns away
-//! (a line), where total reflection sets in, and where the light leaves horizontally (a circle).
+//! (a line), where total reflection sets in, and where the light leaves horizontally (a circle). Where a
+//! model has kinks beside, see [`Kinks`].
 
 use asperity_optics::{reflect, refract};
+use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
 use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::kinks::Kinks;
 use crate::model::BsdfModel;
-use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
+use crate::quadrature::{Breaks, Pieces, Tolerance, integrate, quadratic_roots};
 use crate::slopes::SlopeCovariance;
 
 /// Flux fractions that a model sends into the two hemispheres.
@@ -36,6 +39,7 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
     let transmitted = model
         .material()
         .transmitting_index()
+        .filter(|_| model.sides().ask(Side::Transmitted))
         .map_or(0.0, |eta| over_slopes(model, wi, Some(eta)));
     HemisphericalEnergy {
         reflected,
@@ -164,6 +168,9 @@ pub(crate) struct Edges {
     /// The light leaves horizontally where `1 + p^2 + q^2 = (2 A cos theta_i - shift) / cos^2
     /// theta_i`, with `A = cos theta_i + p sin theta_i`.
     horizontal: Option<f64>,
+    /// Index of refraction, if light is refracted.
+    refracted: Option<f64>,
+    kinks: Kinks,
 }
 
 impl Edges {
@@ -174,7 +181,15 @@ impl Edges {
             cos_i: wi.z,
             delta: None,
             horizontal: None,
+            refracted: None,
+            kinks: Kinks::None,
         }
+    }
+
+    /// The same with the `kinks` of light that is reflected, or of what does not depend on where it goes.
+    #[cfg(test)]
+    pub(crate) fn with_kinks(self, kinks: Kinks) -> Self {
+        Self { kinks, ..self }
     }
 
     fn new(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> Self {
@@ -193,6 +208,8 @@ impl Edges {
             cos_i: wi.z,
             delta,
             horizontal,
+            refracted,
+            kinks: model.kinks(),
         }
     }
 
@@ -218,6 +235,7 @@ impl Edges {
                 points.push((a_ci / ci - ci) / si);
             }
         }
+        points.extend(self.kinks.along(si, ci, self.refracted));
         points.into_iter()
     }
 
@@ -231,18 +249,8 @@ impl Edges {
         [critical, horizontal]
             .into_iter()
             .flatten()
+            .chain(self.kinks.across(p, self.sin_i, self.cos_i, self.refracted))
             .filter(|q2| *q2 >= 0.0)
             .map(f64::sqrt)
     }
-}
-
-/// Real roots of `a x^2 + 2 b x + c = 0`, none lost to cancellation.
-fn quadratic_roots(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
-    let discriminant = b * b - a * c;
-    let mut roots = [f64::NAN; 2];
-    if discriminant >= 0.0 {
-        let larger = -(b + discriminant.sqrt().copysign(b));
-        roots = [larger / a, c / larger];
-    }
-    roots.into_iter().filter(|x| x.is_finite())
 }

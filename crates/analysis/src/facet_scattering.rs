@@ -3,7 +3,7 @@
 use asperity_optics::Material;
 use glam::DVec3;
 
-use crate::kinematics::{reflecting_facet, refracting_facet};
+use crate::kinematics::{Facet, reflecting_facet, refracting_facet};
 use crate::slopes::SlopeCovariance;
 
 /// The BSDF in 1/sr of Gaussian facets that all see the light and are all seen:
@@ -18,8 +18,18 @@ pub(crate) fn unmasked_bsdf(
     wi: DVec3,
     wo: DVec3,
 ) -> f64 {
+    scattering_facet(material, slopes, wi, wo).map_or(0.0, |(bsdf, _)| bsdf)
+}
+
+/// [`unmasked_bsdf`] where it is not zero, and the facet that sends the light.
+pub(crate) fn scattering_facet(
+    material: &Material,
+    slopes: &SlopeCovariance,
+    wi: DVec3,
+    wo: DVec3,
+) -> Option<(f64, Facet)> {
     if wi.z <= 0.0 || wo.z == 0.0 {
-        return 0.0;
+        return None;
     }
     let reflected = wo.z > 0.0;
     let facet = if reflected {
@@ -28,13 +38,10 @@ pub(crate) fn unmasked_bsdf(
         material
             .transmitting_index()
             .and_then(|eta| refracting_facet(wi, wo, eta))
-    };
-    let Some(facet) = facet else {
-        return 0.0;
-    };
+    }?;
     let d = slopes.normal_density(facet.m);
     if d == 0.0 {
-        return 0.0;
+        return None;
     }
     let fresnel = material.fresnel(facet.cos_alpha.min(1.0));
     let f = if reflected {
@@ -42,5 +49,6 @@ pub(crate) fn unmasked_bsdf(
     } else {
         fresnel.transmitted
     };
-    facet.cos_alpha * f * d * facet.chi / (wi.z * wo.z.abs())
+    let bsdf = facet.cos_alpha * f * d * facet.chi / (wi.z * wo.z.abs());
+    (bsdf != 0.0).then_some((bsdf, facet))
 }

@@ -11,15 +11,17 @@
 //!   likeliest at their tilt. Where slopes are not isotropic, the lobe may also leave the range
 //!   through an end in azimuth; its valleys along both ends are marked too.
 //! - Refraction ends, and total reflection sets in with a square root, on circles
-//!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms.
+//!   `wi . wo = constant`, whose crossings with `theta` and `psi` have closed forms. So have the kinks that a
+//!   model may have beside: see [`Kinks`].
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use asperity_optics::{Material, from_spherical, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Side, Sides};
+use asperity_optics::{Incidence, Material, from_spherical, polar_angle, reflect, refract};
+use asperity_tally::{HemisphereGrid, Layout, Side, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
+use crate::kinks::Kinks;
 use crate::lobe::{Lobe, NEGLIGIBLE};
 use crate::model::BsdfModel;
 use crate::quadrature::{Breaks, Pieces, Tolerance, integrate};
@@ -115,6 +117,89 @@ pub fn flux_into(
         .map_or(0.0, |mut range| range.over(theta, phi))
 }
 
+/// Flux fraction that `model` sends to `side` between two signed angles from the normal of that side,
+/// radians, negative where the light comes from, within `half_width` of the plane of incidence.
+///
+/// `from <= to`, both within a quarter of a turn; they may lie on either side of the normal. The plane is
+/// that of the azimuth of `incidence`, also where the light is vertical.
+#[must_use]
+pub fn in_plane_flux(
+    model: &dyn BsdfModel,
+    incidence: Incidence,
+    half_width: f64,
+    side: Side,
+    angles: [f64; 2],
+) -> f64 {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    in_plane_flux_of(
+        &Scattering::of(model, &bsdf),
+        incidence,
+        half_width,
+        side,
+        angles,
+    )
+}
+
+/// [`in_plane_flux`] of any scattering.
+pub(crate) fn in_plane_flux_of(
+    scattering: &Scattering<'_>,
+    incidence: Incidence,
+    half_width: f64,
+    side: Side,
+    [from, to]: [f64; 2],
+) -> f64 {
+    let wedge = |azimuth: f64, [near, far]: [f64; 2]| {
+        if far <= near {
+            return 0.0;
+        }
+        let theta = match side {
+            Side::Reflected => [near, far],
+            Side::Transmitted => [PI - far, PI - near],
+        };
+        let phi = [azimuth - half_width, azimuth + half_width];
+        FluxIntegral::new(scattering, incidence.wi(), side)
+            .map_or(0.0, |mut range| range.over(theta, phi))
+    };
+    let backward = incidence.phi();
+    wedge(backward + PI, [from.max(0.0), to.max(0.0)])
+        + wedge(backward, [(-to).max(0.0), (-from).max(0.0)])
+}
+
+/// Flux fractions that `model` sends into the in-plane bins of `side`.
+pub(crate) fn in_plane_fluxes(
+    model: &dyn BsdfModel,
+    incidence: Incidence,
+    layout: &Layout,
+    side: Side,
+) -> Vec<f64> {
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
+    in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, layout, side)
+}
+
+/// [`in_plane_fluxes`] of any scattering.
+pub(crate) fn in_plane_fluxes_of(
+    scattering: &Scattering<'_>,
+    incidence: Incidence,
+    layout: &Layout,
+    side: Side,
+) -> Vec<f64> {
+    let last = layout.in_plane_len() - 1;
+    (0..=last)
+        .into_par_iter()
+        .map(|i| {
+            // Vertical light has no forward side on facets that tilt one way as often as any other.
+            let i = if incidence.is_vertical() && scattering.slopes.is_isotropic() {
+                i.max(last - i)
+            } else {
+                i
+            };
+            let angles = layout.in_plane_edges_deg(i).map(f64::to_radians);
+            let half_width = layout.in_plane_half_width();
+            in_plane_flux_of(scattering, incidence, half_width, side, angles)
+        })
+        .collect()
+}
+
 /// The part of a range of polar angles that lies on `side`.
 fn within_side(side: Side, theta: [f64; 2]) -> [f64; 2] {
     let (lowest, highest) = match side {
@@ -140,6 +225,7 @@ fn mirror_sum(wi: DVec3, n_phi: usize) -> Option<usize> {
 pub(crate) struct Scattering<'a> {
     pub(crate) slopes: SlopeCovariance,
     pub(crate) material: Material,
+    pub(crate) kinks: Kinks,
     /// Of `wi` and `wo`, in 1/sr; as isotropic as the slopes are, and negligible where they are rare.
     pub(crate) bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
     /// Error allowed in the flux of one range, absolute and as a share.
@@ -152,6 +238,7 @@ impl<'a> Scattering<'a> {
         Self {
             slopes: model.slopes(),
             material: model.material(),
+            kinks: model.kinks(),
             bsdf,
             error: Self::EXACT,
         }
@@ -172,6 +259,8 @@ pub(crate) struct FluxIntegral<'a> {
     forward: f64,
     /// Index that enters the half vector: 1 for reflection.
     eta: f64,
+    /// That index, if light is refracted.
+    refracted: Option<f64>,
     /// `wi . wo` on the circle where refraction ends or total reflection sets in.
     edge: Option<f64>,
     /// Polar angles of the light from facets tilted within the plane of incidence.
@@ -240,6 +329,7 @@ impl<'a> FluxIntegral<'a> {
             cos_i: wi.z,
             forward,
             eta,
+            refracted,
             edge,
             lobe,
             outer_pieces: Pieces::default(),
@@ -267,6 +357,10 @@ impl<'a> FluxIntegral<'a> {
                     breaks.add_root(t);
                 }
             }
+        }
+        let theta_i = self.sin_i.atan2(self.cos_i);
+        if let Some(t) = self.scattering.kinks.polar_angle(theta_i, self.refracted) {
+            breaks.add_smooth(t);
         }
         if !self.scattering.slopes.is_isotropic() {
             for psi in psi {
@@ -322,6 +416,17 @@ impl<'a> FluxIntegral<'a> {
                     let psi = cos_psi.acos();
                     self.inner_breaks.add_root(turn - psi);
                     self.inner_breaks.add_root(turn + psi);
+                }
+            }
+        }
+        let kinks = self.scattering.kinks;
+        for x in kinks.products(self.cos_i, cos_theta, self.refracted) {
+            let cos_psi = (self.cos_i * cos_theta - x) / product;
+            if cos_psi.abs() <= 1.0 {
+                let psi = cos_psi.acos();
+                for turn in [-TAU, 0.0, TAU] {
+                    self.inner_breaks.add_smooth(turn - psi);
+                    self.inner_breaks.add_smooth(turn + psi);
                 }
             }
         }

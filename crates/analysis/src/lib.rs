@@ -13,16 +13,17 @@
 //!
 //! # Example
 //! ```
-//! use asperity_analysis::{ScatteringModel, bin_fluxes, create_model, hemispherical_energy};
+//! use asperity_analysis::{Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy};
 //! use asperity_optics::{Incidence, Material};
 //! use asperity_tally::HemisphereGrid;
 //!
 //! let glass = Material::dielectric(1.4)?;
-//! let model = create_model("smith", 3.0, glass)?;
+//! let slopes = SlopeCovariance::isotropic(3.0)?;
+//! let model = Smith::new(slopes, glass, Masking::HeightCorrelated)?;
 //! let wi = Incidence::from_degrees(30.0, 0.0)?.wi();
-//! let energy = hemispherical_energy(model.as_ref(), wi);
+//! let energy = hemispherical_energy(&model, wi);
 //! assert!((energy.transmitted - 0.958_340).abs() < 1e-6);
-//! let fluxes = bin_fluxes(model.as_ref(), wi, &HemisphereGrid::default());
+//! let fluxes = bin_fluxes(&model, wi, &HemisphereGrid::default());
 //! let total: f64 = fluxes.iter().sum();
 //! assert!((total - energy.reflected - energy.transmitted).abs() < 1e-8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,39 +34,53 @@ mod comparison;
 mod control;
 mod deviation;
 mod energy;
+mod expectation;
 mod facet_scattering;
 mod family;
 mod flux;
+mod gaussian_normals;
+mod heitz;
 mod kinematics;
+mod kinks;
 mod lobe;
 mod model;
+mod neumann;
 mod quadrature;
 mod registry;
 mod sign_flip;
 mod slopes;
 mod smith;
 mod unshadowed;
+mod v_cavity;
 mod verdict;
+mod visible_normals;
 mod xu_sun;
+mod xu_sun_mc;
 
 pub use attenuation::{
     facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
     smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
 pub use comparison::{
-    BinComparison, Comparison, ComparisonError, Grouping, TotalVariation, compare,
+    BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
 };
 pub use control::{control, unshadowed_control, visible_shares};
 pub use deviation::deviation_bound;
 pub use energy::{HemisphericalEnergy, hemispherical_energy};
+pub use expectation::{Effort, Expectation, expect};
 pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
-pub use flux::{bin_fluxes, flux_into};
+pub use flux::{bin_fluxes, flux_into, in_plane_flux};
+pub use heitz::Heitz;
 pub use kinematics::{Facet, reflecting_facet, refracting_facet};
-pub use model::{BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope};
-pub use registry::{MODEL_NAMES, create_model};
+pub use kinks::Kinks;
+pub use model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+pub use neumann::{Attenuation, CookTorranceNeumann};
+pub use registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use slopes::{SlopeCovariance, SlopeError, smith_lambda};
 pub use smith::{Masking, Smith};
 pub use unshadowed::unshadowed_fluxes;
+pub use v_cavity::{VCavity, v_cavity_g1};
 pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use xu_sun::{XuSun, xu_sun_visibility};
+pub use xu_sun_mc::{RayVisibility, XuSunMonteCarlo};

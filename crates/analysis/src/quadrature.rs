@@ -217,6 +217,17 @@ pub(crate) fn integrate(
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pieces(Vec<Piece>);
 
+/// Real roots of `a x^2 + 2 b x + c = 0`, none lost to cancellation.
+pub(crate) fn quadratic_roots(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
+    let discriminant = b * b - a * c;
+    let mut roots = [f64::NAN; 2];
+    if discriminant >= 0.0 {
+        let larger = -(b + discriminant.sqrt().copysign(b));
+        roots = [larger / a, c / larger];
+    }
+    roots.into_iter().filter(|x| x.is_finite())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,39 +2,87 @@
 
 use asperity_optics::Material;
 
-use crate::model::{BsdfModel, ModelError};
-use crate::{Masking, Smith, XuSun};
+use crate::RayVisibility;
+use crate::model::{BsdfModel, ModelError, ScatteringModel};
+use crate::slopes::SlopeCovariance;
+use crate::{
+    Attenuation, CookTorranceNeumann, Heitz, Masking, Smith, VCavity, XuSun, XuSunMonteCarlo,
+};
 
 /// The names that [`create_model`] knows.
-pub const MODEL_NAMES: &[&str] = &[XuSun::NAME, Smith::NAME_CORRELATED, Smith::NAME_SEPARABLE];
+pub const MODEL_NAMES: &[&str] = &[
+    XuSun::NAME,
+    XuSunMonteCarlo::NAME,
+    XuSunMonteCarlo::NAME_SMITH,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    Heitz::NAME,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
 
-/// The model of that name for a surface of smoothness `tau / sigma` and `material`.
+/// Those of them that have a density at every direction: the names that [`closed_form`] knows.
+pub const CLOSED_FORMS: &[&str] = &[
+    XuSun::NAME,
+    Smith::NAME_CORRELATED,
+    Smith::NAME_SEPARABLE,
+    VCavity::NAME,
+    CookTorranceNeumann::NAME_GROOVES,
+    CookTorranceNeumann::NAME_SMITH,
+];
+
+/// The model of that name for a surface of Gaussian facet `slopes` and `material`.
 ///
 /// # Errors
 /// [`ModelError::Unknown`] for a name that is not in [`MODEL_NAMES`]; otherwise as the model's own
 /// constructor.
 pub fn create_model(
     name: &str,
-    smoothness: f64,
+    slopes: SlopeCovariance,
+    material: Material,
+) -> Result<Box<dyn ScatteringModel>, ModelError> {
+    let xu_sun = |visibility| XuSunMonteCarlo::new(slopes, material, visibility);
+    Ok(match name {
+        XuSunMonteCarlo::NAME => Box::new(xu_sun(RayVisibility::XuSun)?),
+        XuSunMonteCarlo::NAME_SMITH => Box::new(xu_sun(RayVisibility::Smith)?),
+        Heitz::NAME => Box::new(Heitz::new(slopes, material)?),
+        _ => closed_form(name, slopes, material).map_err(|error| match error {
+            ModelError::Unknown { name, .. } => ModelError::Unknown {
+                name,
+                known: MODEL_NAMES,
+            },
+            error => error,
+        })?,
+    })
+}
+
+/// The model of that name, if it has a density at every direction.
+///
+/// # Errors
+/// [`ModelError::Unknown`] for a name that is not in [`CLOSED_FORMS`]; otherwise as the model's own
+/// constructor.
+pub fn closed_form(
+    name: &str,
+    slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn BsdfModel>, ModelError> {
-    match name {
-        XuSun::NAME => Ok(Box::new(XuSun::new(smoothness, material)?)),
-        Smith::NAME_CORRELATED => Ok(Box::new(Smith::new(
-            smoothness,
-            material,
-            Masking::HeightCorrelated,
-        )?)),
-        Smith::NAME_SEPARABLE => Ok(Box::new(Smith::new(
-            smoothness,
-            material,
-            Masking::Separable,
-        )?)),
-        _ => Err(ModelError::Unknown {
-            name: name.to_owned(),
-            known: MODEL_NAMES,
-        }),
-    }
+    let smith = |masking| Smith::new(slopes, material, masking);
+    let neumann = |attenuation| CookTorranceNeumann::new(slopes, material, attenuation);
+    Ok(match name {
+        XuSun::NAME => Box::new(XuSun::new(slopes, material)?),
+        Smith::NAME_CORRELATED => Box::new(smith(Masking::HeightCorrelated)?),
+        Smith::NAME_SEPARABLE => Box::new(smith(Masking::Separable)?),
+        VCavity::NAME => Box::new(VCavity::new(slopes, material)?),
+        CookTorranceNeumann::NAME_GROOVES => Box::new(neumann(Attenuation::Grooves)?),
+        CookTorranceNeumann::NAME_SMITH => Box::new(neumann(Attenuation::Smith)?),
+        _ => {
+            return Err(ModelError::Unknown {
+                name: name.to_owned(),
+                known: CLOSED_FORMS,
+            });
+        }
+    })
 }
 
 #[cfg(test)]
@@ -42,7 +90,11 @@ mod tests {
     use super::*;
 
     fn refusal(name: &str, smoothness: f64, material: Material) -> String {
-        match create_model(name, smoothness, material) {
+        let slopes = match SlopeCovariance::isotropic(smoothness) {
+            Ok(slopes) => slopes,
+            Err(error) => return error.to_string(),
+        };
+        match create_model(name, slopes, material) {
             Ok(model) => panic!("{} was accepted", model.name()),
             Err(error) => error.to_string(),
         }
@@ -51,9 +103,11 @@ mod tests {
     #[test]
     fn every_listed_name_makes_the_model_of_that_name() {
         for &name in MODEL_NAMES {
-            let model = create_model(name, 2.0, Material::Mirror).unwrap();
+            let slopes = SlopeCovariance::isotropic(2.0).unwrap();
+            let model = create_model(name, slopes, Material::Mirror).unwrap();
             assert_eq!(model.name(), name);
-            assert!(!model.description().is_empty());
+            assert!(!model.description().is_empty() && !model.valid_range().is_empty());
+            assert!(model.density().is_some() || model.walk().is_some());
         }
     }
 
@@ -61,7 +115,10 @@ mod tests {
     fn an_unknown_name_is_refused_with_the_list() {
         assert_eq!(
             refusal("ggx", 2.0, Material::Mirror),
-            "there is no model `ggx`; the models are xu-sun, smith, smith-separable"
+            format!(
+                "there is no model `ggx`; the models are {}",
+                MODEL_NAMES.join(", ")
+            )
         );
     }
 

@@ -1,16 +1,13 @@
 //! The microfacet model of Beckmann normals with Smith's shadowing and masking.
 //!
-//! Parameters: smoothness `s = tau / sigma > 0` (Beckmann's `alpha_b = 2 / s`), the material and the
+//! Parameters: the slope covariance (for smoothness `s`, Beckmann's `alpha_b = 2 / s`), the material and the
 //! joint shadowing-masking function. Lambda is exact, not the rational fit in wide use.
 
 use asperity_optics::Material;
-use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 
 use crate::facet_scattering::unmasked_bsdf;
-use crate::model::{
-    BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
-};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, validate};
 use crate::slopes::SlopeCovariance;
 
 /// How shadowing of the light and masking of the view go together.
@@ -41,13 +38,15 @@ impl Smith {
     /// The name of the separable model.
     pub const NAME_SEPARABLE: &'static str = "smith-separable";
 
-    /// The model for a surface of smoothness `tau / sigma`.
+    /// The model for a surface of such facet slopes.
     ///
     /// # Errors
-    /// [`ModelError`] for a smoothness that is not positive and finite, an impossible material or
-    /// equal indices.
-    pub fn new(smoothness: f64, material: Material, masking: Masking) -> Result<Self, ModelError> {
-        let slopes = SlopeCovariance::isotropic(smoothness)?;
+    /// [`ModelError`] for an impossible material or equal indices.
+    pub fn new(
+        slopes: SlopeCovariance,
+        material: Material,
+        masking: Masking,
+    ) -> Result<Self, ModelError> {
         validate(material)?;
         Ok(Self {
             slopes,
@@ -114,12 +113,28 @@ impl ScatteringModel for Smith {
         }
     }
 
+    fn valid_range(&self) -> &'static str {
+        "any Gaussian slopes; light scattered once, heights and slopes taken as independent; low by some percent in reflection at steep angles, where neighbours shadow less than independent points"
+    }
+
     fn scope(&self) -> Scope {
         Scope::SingleScattering
     }
 
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, sides: Sides) -> ExpectedFluxes {
-        exact_fluxes(self, wi, grid, sides)
+    fn material(&self) -> Material {
+        self.material
+    }
+
+    fn slopes(&self) -> SlopeCovariance {
+        self.slopes
+    }
+
+    fn density(&self) -> Option<&dyn BsdfModel> {
+        Some(self)
+    }
+
+    fn walk(&self) -> Option<&dyn Walk> {
+        None
     }
 }
 
@@ -133,14 +148,6 @@ impl BsdfModel for Smith {
             unmasked * self.visible_share(wi, wo)
         }
     }
-
-    fn material(&self) -> Material {
-        self.material
-    }
-
-    fn slopes(&self) -> SlopeCovariance {
-        self.slopes
-    }
 }
 
 #[cfg(test)]
@@ -149,6 +156,10 @@ mod tests {
     use asperity_optics::from_spherical;
 
     const MASKINGS: [Masking; 2] = [Masking::Separable, Masking::HeightCorrelated];
+
+    fn isotropic(smoothness: f64) -> SlopeCovariance {
+        SlopeCovariance::isotropic(smoothness).unwrap()
+    }
 
     fn mirrored(w: DVec3) -> DVec3 {
         DVec3::new(w.x, w.y, -w.z)
@@ -163,7 +174,7 @@ mod tests {
                 Material::dielectric(1.0 / 1.5).unwrap(),
                 Material::conductor(0.21, 3.272).unwrap(),
             ] {
-                let model = Smith::new(1.5, material, masking).unwrap();
+                let model = Smith::new(isotropic(1.5), material, masking).unwrap();
                 for (a, b) in [((0.3, 0.0), (1.0, 2.0)), ((1.2, 5.0), (0.1, 3.0))] {
                     let (wi, wo) = (from_spherical(a.0, a.1), from_spherical(b.0, b.1));
                     let (f, g) = (model.bsdf(wi, wo), model.bsdf(wo, wi));
@@ -178,9 +189,14 @@ mod tests {
         // Seen from below, the surface is one of the same statistics with index 1 / eta.
         for masking in MASKINGS {
             for eta in [1.0 / 1.5, 1.1, 1.5] {
-                let above = Smith::new(1.0, Material::dielectric(eta).unwrap(), masking).unwrap();
-                let below =
-                    Smith::new(1.0, Material::dielectric(1.0 / eta).unwrap(), masking).unwrap();
+                let above = Smith::new(isotropic(1.0), Material::dielectric(eta).unwrap(), masking)
+                    .unwrap();
+                let below = Smith::new(
+                    isotropic(1.0),
+                    Material::dielectric(1.0 / eta).unwrap(),
+                    masking,
+                )
+                .unwrap();
                 for (a, b) in [((0.3, 0.1), (2.9, 3.0)), ((0.7, 4.0), (2.7, 1.4))] {
                     let (wi, wo) = (from_spherical(a.0, a.1), from_spherical(b.0, b.1));
                     let f = above.bsdf(wi, wo);
@@ -219,8 +235,9 @@ mod tests {
     #[test]
     fn shadowing_and_masking_on_opposite_sides_oppose_each_other() {
         // Anticorrelated across the surface, correlated on one side of it.
-        let correlated = Smith::new(1.0, Material::Mirror, Masking::HeightCorrelated).unwrap();
-        let separable = Smith::new(1.0, Material::Mirror, Masking::Separable).unwrap();
+        let correlated =
+            Smith::new(isotropic(1.0), Material::Mirror, Masking::HeightCorrelated).unwrap();
+        let separable = Smith::new(isotropic(1.0), Material::Mirror, Masking::Separable).unwrap();
         let wi = from_spherical(1.0, 0.0);
         let up = from_spherical(1.2, 2.0);
         assert!(correlated.visible_share(wi, up) > separable.visible_share(wi, up));
@@ -231,7 +248,7 @@ mod tests {
     #[test]
     fn opaque_materials_transmit_nothing() {
         for material in [Material::Mirror, Material::conductor(0.2, 3.0).unwrap()] {
-            let model = Smith::new(2.0, material, Masking::HeightCorrelated).unwrap();
+            let model = Smith::new(isotropic(2.0), material, Masking::HeightCorrelated).unwrap();
             assert_eq!(model.bsdf(DVec3::Z, DVec3::NEG_Z), 0.0);
             assert!(model.bsdf(DVec3::Z, DVec3::Z) > 0.0);
             assert_eq!(model.bsdf(DVec3::NEG_Z, DVec3::Z), 0.0);

@@ -6,15 +6,13 @@
 //! is downward; conductors absorb `w (1 - F)`. What would go the other way is left out, and
 //! nothing is shadowed, so that all parts together are `1 + Lambda` less what is left out.
 
-use std::f64::consts::PI;
-
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Layout, Side, Sides, UnshadowedFluxes};
-use rayon::prelude::*;
 
 use crate::energy::{Edges, over_facing_normals};
 use crate::facet_scattering::unmasked_bsdf;
-use crate::flux::{FluxIntegral, Scattering, fluxes_into_bins};
+use crate::flux::{Scattering, fluxes_into_bins, in_plane_fluxes_of};
+use crate::kinks::Kinks;
 use crate::model::{ModelError, validate};
 use crate::slopes::SlopeCovariance;
 
@@ -42,6 +40,7 @@ pub fn unshadowed_fluxes(
     let scattering = Scattering {
         slopes: *slopes,
         material,
+        kinks: Kinks::None,
         bsdf: &bsdf,
         error: Scattering::EXACT,
     };
@@ -55,45 +54,10 @@ pub fn unshadowed_fluxes(
     });
     Ok(UnshadowedFluxes {
         rings,
-        in_plane: Side::BOTH.map(|side| in_plane(&scattering, incidence, layout, side)),
+        in_plane: Side::BOTH.map(|side| in_plane_fluxes_of(&scattering, incidence, layout, side)),
         absorbed: absorbed(slopes, material, incidence),
         bins,
     })
-}
-
-/// Fluxes into the in-plane bins of `side`: within the half width of the plane of incidence, between
-/// signed angles from the side's own normal, negative where the light comes from.
-fn in_plane(
-    scattering: &Scattering<'_>,
-    incidence: Incidence,
-    layout: &Layout,
-    side: Side,
-) -> Vec<f64> {
-    let half_width = layout.in_plane_half_width();
-    (0..layout.in_plane_len())
-        .into_par_iter()
-        .map(|i| {
-            // Vertical light has no forward side on facets that tilt one way as often as any other.
-            let i = if incidence.is_vertical() && scattering.slopes.is_isotropic() {
-                i.max(layout.in_plane_len() - 1 - i)
-            } else {
-                i
-            };
-            let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
-            let (azimuth, [near, far]) = if from < 0.0 {
-                (incidence.phi(), [-to, -from])
-            } else {
-                (incidence.phi() + PI, [from, to])
-            };
-            let theta = match side {
-                Side::Reflected => [near, far],
-                Side::Transmitted => [PI - far, PI - near],
-            };
-            let phi = [azimuth - half_width, azimuth + half_width];
-            FluxIntegral::new(scattering, incidence.wi(), side)
-                .map_or(0.0, |mut range| range.over(theta, phi))
-        })
-        .collect()
 }
 
 /// `int w (1 - F)` over all facets that face the light, of an opaque material.

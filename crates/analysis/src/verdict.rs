@@ -58,7 +58,7 @@ impl fmt::Display for Verdict {
 /// with probability of at least `1 - level` no model that is right fails. The tests of models on
 /// the same surfaces depend positively on each other, which errs towards holding.
 #[must_use]
-pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
+pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
     let level = sidak_level(level, comparisons.len());
     comparisons
         .iter()
@@ -79,7 +79,7 @@ pub fn verdicts(comparisons: &[Comparison], level: f64) -> Vec<Verdict> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compare;
+    use crate::{Expected, compare};
 
     fn surfaces(count: usize) -> Vec<Vec<f64>> {
         // Deviations from 0.3 of either sign, the same in sum.
@@ -90,9 +90,9 @@ mod tests {
 
     #[test]
     fn the_words_are_holds_fails_and_not_resolved() {
-        let right = compare(&surfaces(10), &[0.3], &[true], &[], 0).unwrap();
-        let wrong = compare(&surfaces(10), &[0.31], &[true], &[], 0).unwrap();
-        let both = verdicts(&[right, wrong], DEFAULT_LEVEL);
+        let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
+        let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
+        let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
         assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
         assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
     }
@@ -105,11 +105,12 @@ mod tests {
             (4, "not resolved: too few surfaces: 4, at least 6"),
             (7, "not resolved: too few surfaces: the least p value"),
         ] {
-            let wrong = compare(&surfaces(count), &[0.9], &[true], &[], 0).unwrap();
-            let verdict = verdicts(&[wrong], DEFAULT_LEVEL)[0].to_string();
+            let wrong =
+                compare(&surfaces(count), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+            let verdict = verdicts(&[&wrong], DEFAULT_LEVEL)[0].to_string();
             assert!(verdict.starts_with(text), "{verdict}");
         }
-        let wrong = compare(&surfaces(8), &[0.9], &[true], &[], 0).unwrap();
-        assert_eq!(verdicts(&[wrong], DEFAULT_LEVEL), [Verdict::Fails]);
+        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Fails]);
     }
 }

@@ -5,13 +5,10 @@
 //! facets that look away from the light a second time. It is kept as published all the same.
 
 use asperity_optics::Material;
-use asperity_tally::{HemisphereGrid, Sides};
 use glam::DVec3;
 
 use crate::facet_scattering::unmasked_bsdf;
-use crate::model::{
-    BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, exact_fluxes, validate,
-};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, smoothness_of, validate};
 use crate::slopes::SlopeCovariance;
 
 /// The constant of Eq. 24.
@@ -32,16 +29,14 @@ impl XuSun {
     /// The name of the model.
     pub const NAME: &'static str = "xu-sun";
 
-    /// The model for a surface of smoothness `tau / sigma`.
+    /// The model for a surface of such facet slopes.
     ///
     /// # Errors
-    /// [`ModelError`] for a smoothness that is not positive and finite, an impossible material or
-    /// equal indices.
-    pub fn new(smoothness: f64, material: Material) -> Result<Self, ModelError> {
-        let slopes = SlopeCovariance::isotropic(smoothness)?;
+    /// [`ModelError`] for slopes that are not isotropic, an impossible material or equal indices.
+    pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
         validate(material)?;
         Ok(Self {
-            smoothness,
+            smoothness: smoothness_of(&slopes, Self::NAME)?,
             slopes,
             material,
         })
@@ -58,8 +53,13 @@ impl XuSun {
 /// grazing light see everything.
 #[must_use]
 pub fn xu_sun_visibility(w: DVec3, smoothness: f64) -> f64 {
+    (-blocking(w, smoothness)).exp()
+}
+
+/// `K = -ln V(0, theta)` of Eq. 24.
+pub(crate) fn blocking(w: DVec3, smoothness: f64) -> f64 {
     let x = w.x.hypot(w.y) / (w.z.abs() * smoothness);
-    (-K0 * x * (-0.25 / (x * x)).exp()).exp()
+    K0 * x * (-0.25 / (x * x)).exp()
 }
 
 impl ScatteringModel for XuSun {
@@ -71,12 +71,28 @@ impl ScatteringModel for XuSun {
         "single scattering with separable visibility fit (Xu and Sun 2008, Eq. 25; Sun 2007)"
     }
 
+    fn valid_range(&self) -> &'static str {
+        "isotropic Gaussian surfaces that are smooth to moderately rough (s from about 3); below, its visibility counts facets that look away twice and loses light"
+    }
+
     fn scope(&self) -> Scope {
         Scope::SingleScattering
     }
 
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, sides: Sides) -> ExpectedFluxes {
-        exact_fluxes(self, wi, grid, sides)
+    fn material(&self) -> Material {
+        self.material
+    }
+
+    fn slopes(&self) -> SlopeCovariance {
+        self.slopes
+    }
+
+    fn density(&self) -> Option<&dyn BsdfModel> {
+        Some(self)
+    }
+
+    fn walk(&self) -> Option<&dyn Walk> {
+        None
     }
 }
 
@@ -91,14 +107,6 @@ impl BsdfModel for XuSun {
                 * xu_sun_visibility(wi, self.smoothness)
                 * xu_sun_visibility(wo, self.smoothness)
         }
-    }
-
-    fn material(&self) -> Material {
-        self.material
-    }
-
-    fn slopes(&self) -> SlopeCovariance {
-        self.slopes
     }
 }
 

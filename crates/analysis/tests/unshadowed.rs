@@ -7,16 +7,20 @@
     reason = "helpers of tests fail and report as tests do"
 )]
 
+mod common;
+
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
-    BsdfModel, ExpectedFluxes, ModelError, ScatteringModel, Scope, SlopeCovariance, bin_fluxes,
-    control, create_model, hemispherical_energy, reflecting_facet, refracting_facet,
-    sidak_z_threshold, unshadowed_fluxes, visible_shares,
+    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, Walk, bin_fluxes, control,
+    hemispherical_energy, reflecting_facet, refracting_facet, sidak_z_threshold, unshadowed_fluxes,
+    visible_shares,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, Sides, UnshadowedFluxes};
+use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, UnshadowedFluxes};
 use glam::DVec3;
+
+use common::closed_form;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -68,11 +72,24 @@ impl ScatteringModel for Unmasked {
         Scope::SingleScattering
     }
 
-    fn expected_fluxes(&self, wi: DVec3, grid: &HemisphereGrid, _: Sides) -> ExpectedFluxes {
-        ExpectedFluxes {
-            flux: bin_fluxes(self, wi, grid),
-            standard_error: None,
-        }
+    fn valid_range(&self) -> &'static str {
+        "nowhere"
+    }
+
+    fn material(&self) -> Material {
+        self.material
+    }
+
+    fn slopes(&self) -> SlopeCovariance {
+        self.slopes
+    }
+
+    fn density(&self) -> Option<&dyn BsdfModel> {
+        Some(self)
+    }
+
+    fn walk(&self) -> Option<&dyn Walk> {
+        None
     }
 }
 
@@ -95,14 +112,6 @@ impl BsdfModel for Unmasked {
             let d = self.slopes.normal_density(facet.m);
             facet.cos_alpha * part * d * facet.chi / (wi.z * wo.z.abs())
         })
-    }
-
-    fn material(&self) -> Material {
-        self.material
-    }
-
-    fn slopes(&self) -> SlopeCovariance {
-        self.slopes
     }
 }
 
@@ -414,7 +423,7 @@ fn shares_are_the_ratio_of_smiths_fluxes_to_unshadowed_ones() {
             let g1 = slopes.g1(incidence.wi());
             assert_eq!(shares.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
             let all = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
-            let model = create_model("smith", s, material).unwrap();
+            let model = closed_form("smith", s, material);
             let visible = bin_fluxes(model.as_ref(), incidence.wi(), &layout.grid());
             for (i, visible) in visible.chunks(12).enumerate() {
                 let share = shares.rings[i / 18][i % 18];

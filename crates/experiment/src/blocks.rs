@@ -171,7 +171,82 @@ pub(crate) fn run_blocks<G: Geometry>(
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    use asperity_optics::{Incidence, Material};
+    use asperity_surface::HeightField;
+    use asperity_tally::{BatchStatistics, Layout};
+    use asperity_tracer::{Medium, Starts, Surface};
+
     use super::*;
+    use crate::config::RunConfig;
+    use crate::stopping::StoppedBy;
+
+    /// Goes on for so many questions whether to stop.
+    struct Patience {
+        questions: u64,
+        asked: AtomicU64,
+        advanced: AtomicU64,
+    }
+
+    impl Progress for Patience {
+        fn begin(&self, _stage: &str, _total: u64) {}
+        fn advance(&self, steps: u64) {
+            self.advanced.fetch_add(steps, Ordering::Relaxed);
+        }
+        fn end(&self) {}
+        fn stop(&self) -> Option<StoppedBy> {
+            let asked = self.asked.fetch_add(1, Ordering::Relaxed);
+            (asked >= self.questions).then_some(StoppedBy::Time)
+        }
+    }
+
+    /// Each block but the first two asks once before it begins, so a run that is told to stop at the
+    /// question after `n` has traced `2 + n` blocks, whatever the threads; all of them are handed on.
+    #[test]
+    fn a_run_that_is_to_stop_begins_no_block_but_the_first_two() {
+        let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
+        let surface = Surface::new(field);
+        let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let settings = RunConfig::default().ray_settings().unwrap();
+        let mesh = LitMesh {
+            tracer: Tracer::new(
+                &surface,
+                &*accelerator,
+                Material::Mirror,
+                Medium::Above,
+                settings.paths,
+            ),
+            light: Illumination {
+                incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
+                any_azimuth: false,
+                sampling: Sampling::Stratified,
+                starts: Starts::FromAbove,
+            },
+            control: None,
+        };
+        let blocks = Blocks {
+            first: 0,
+            count: 20,
+            strata: 3,
+        };
+        for (questions, expected) in [(0, 2), (5, 7), (u64::MAX, 20)] {
+            let progress = Patience {
+                questions,
+                asked: AtomicU64::new(0),
+                advanced: AtomicU64::new(0),
+            };
+            let mut statistics = BatchStatistics::new(settings.layout.len());
+            let meshes = std::slice::from_ref(&mesh);
+            let work = run_blocks(meshes, &settings, 0, blocks, &progress, |record| {
+                statistics.push(record);
+            });
+            assert_eq!(statistics.batches(), expected);
+            assert_eq!(work.rays, 9 * expected);
+            assert_eq!(progress.advanced.into_inner(), 9 * expected);
+            assert_eq!(statistics.means()[Layout::REFLECTED], 1.0);
+        }
+    }
 
     #[test]
     fn blocks_hold_the_rays_asked_for_and_little_more() {

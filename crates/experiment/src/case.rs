@@ -34,6 +34,9 @@ fn in_degrees<S: serde::Serializer>(
 impl fmt::Display for Case {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "s = {}, ", short(self.smoothness))?;
+        if let Some(grooves) = self.grooves() {
+            write!(f, "{grooves}, ")?;
+        }
         match self.material {
             Material::Dielectric { eta } => write!(f, "n = {}, ", short(eta))?,
             Material::Conductor { eta, kappa } => {
@@ -46,6 +49,15 @@ impl fmt::Display for Case {
 }
 
 impl Case {
+    /// What an anisotropic surface has beside the smoothness along its first axis: that along the second, and
+    /// the angle from +x to the first.
+    pub(crate) fn grooves(&self) -> Option<String> {
+        self.psd.anisotropy().map(|[ratio, azimuth]| {
+            let (s_y, azimuth) = (ratio * self.smoothness, azimuth.to_degrees());
+            format!("s_y = {}, first axis at {} deg", short(s_y), short(azimuth))
+        })
+    }
+
     /// A folder name for the case, as in `s3_n1.4_theta30`.
     #[must_use]
     pub fn folder(&self) -> String {

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use asperity_analysis::create_model;
+use asperity_analysis::ModelError;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Psd;
-use asperity_tally::Sides;
+use asperity_tally::{Side, Sides};
 use asperity_tracer::AcceleratorKind;
 
 use crate::case::Case;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
+use crate::models::model_of;
 use crate::values::{Count, Number, OneOrMany};
 
 impl VerifyConfig {
@@ -114,11 +115,6 @@ impl VerifyConfig {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let settings = self.run.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
-        if !isotropic && !self.compare.models.is_empty() {
-            return contradiction(
-                "the models hold for isotropic surfaces; set models = [] to trace an anisotropic one without comparison",
-            );
-        }
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return contradiction(
                 "on an anisotropic surface the azimuth of the light matters; it cannot be random",
@@ -156,7 +152,15 @@ impl VerifyConfig {
                 target.check(&settings.layout, case.material)?;
             }
             for name in &self.compare.models {
-                create_model(name, case.smoothness, case.material)?;
+                let model = model_of(name, case)?;
+                let transmits = case.material.transmitting_index().is_some();
+                let beyond = Side::BOTH.into_iter().any(|side| {
+                    let leaves = transmits || side == Side::Reflected;
+                    leaves && self.run.side.ask(side) && !model.sides().ask(side)
+                });
+                if beyond {
+                    return Err(ModelError::ReflectionAlone(model.name()).into());
+                }
             }
         }
         Ok(())
@@ -263,6 +267,7 @@ mod tests {
                 "nothing is transmitted",
             ),
             ("[surface]\ntau_y = 8", "isotropic"),
+            ("[compare]\nmodel_rays = 0", "1 or more"),
             ("[run]\ntarget_error = 0", "target error is 0"),
             ("[run]\ntarget_error = -1e-3", "target error is -0.001"),
             ("[run]\ntarget_error = nan", "above 0"),

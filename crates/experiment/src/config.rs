@@ -1,6 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, MODEL_NAMES, ModelError};
+use asperity_analysis::{DEFAULT_LEVEL, Heitz, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
@@ -310,15 +310,22 @@ impl RunConfig {
 pub struct CompareConfig {
     /// Names of the models.
     pub models: Vec<String>,
+    /// Rays that a model follows which is evaluated so, over as many batches as there are surfaces.
+    pub model_rays: Count,
     /// Level of the tests of one case: the probability that one of its models is called failing though
     /// it holds. Cases are not corrected for each other.
     pub alpha: f64,
 }
 
+/// The models that are compared unless others are named: the one under examination, the one in wide use, and the
+/// one of all orders.
+const DEFAULT_MODELS: [&str; 3] = [XuSun::NAME, Smith::NAME_CORRELATED, Heitz::NAME];
+
 impl Default for CompareConfig {
     fn default() -> Self {
         Self {
-            models: MODEL_NAMES.iter().map(|&name| name.to_owned()).collect(),
+            models: DEFAULT_MODELS.map(str::to_owned).to_vec(),
+            model_rays: Count(1_000_000),
             alpha: DEFAULT_LEVEL,
         }
     }
@@ -363,19 +370,26 @@ impl VerifyConfig {
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         let config: Self = parse_toml(text)?;
-        // Both have defaults, so that the file alone says whether they were given.
-        let given = |key: &str| {
-            toml::from_str::<toml::Table>(text)
-                .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
-        };
-        if config.run.target_error.is_some() && (given("realisations") || given("rays")) {
-            return Err(ConfigError::Contradiction(
-                "give either target_error or realisations and rays: with a target error both are as many as it takes"
-                    .to_owned(),
-            ));
-        }
+        refuse_effort_beside_target(text, &config.run)?;
         Ok(config)
     }
+}
+
+/// Refuses a file that asks for an error and for an effort.
+///
+/// Both have defaults, so that the file alone says whether they were given.
+pub(crate) fn refuse_effort_beside_target(text: &str, run: &RunConfig) -> Result<(), ConfigError> {
+    let given = |key: &str| {
+        toml::from_str::<toml::Table>(text)
+            .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
+    };
+    if run.target_error.is_some() && (given("realisations") || given("rays")) {
+        return Err(ConfigError::Contradiction(
+            "give either target_error or realisations and rays: with a target error both are as many as it takes"
+                .to_owned(),
+        ));
+    }
+    Ok(())
 }
 
 /// Reads a configuration, or says in one sentence at which line it is none.

@@ -6,7 +6,8 @@ use asperity_io::{CsvField as Field, WriteError, write_csv};
 use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share};
 
 use crate::budget::ErrorBudget;
-use crate::verify::{CaseOutcome, ModelOutcome};
+use crate::models::ModelOutcome;
+use crate::verify::CaseOutcome;
 
 /// histogram.csv, theta.csv and in_plane.csv.
 pub(crate) fn write_tables(
@@ -30,12 +31,12 @@ fn errors_of(errors: &ErrorBudget, entry: usize) -> [Field<'static>; 3] {
 }
 
 /// A mean and its error as two fields.
-fn fields(estimate: Estimate) -> [Field<'static>; 2] {
+pub(crate) fn fields(estimate: Estimate) -> [Field<'static>; 2] {
     [estimate.mean.into(), estimate.se.into()]
 }
 
 /// Columns that say which bin a row is about.
-const PLACE: [&str; 5] = [
+pub(crate) const PLACE: [&str; 5] = [
     "side",
     "theta_min_deg",
     "theta_max_deg",
@@ -44,7 +45,7 @@ const PLACE: [&str; 5] = [
 ];
 
 /// The fields of [`PLACE`] for bin `i`, its edges exact in degrees.
-fn place(grid: &HemisphereGrid, i: usize) -> Vec<Field<'static>> {
+pub(crate) fn place(grid: &HemisphereGrid, i: usize) -> Vec<Field<'static>> {
     let side = grid.bin(i).side;
     let theta = grid.theta_edges_deg(side);
     let phi = grid.phi_edges_deg();
@@ -167,7 +168,11 @@ fn write_in_plane(
     let orders = order_header();
     let of_models: Vec<String> = models
         .iter()
-        .map(|m| format!("intensity_{}", m.model.name().replace('-', "_")))
+        .flat_map(|m| {
+            let name = format!("intensity_{}", m.model.name().replace('-', "_"));
+            let error = (!m.expectation.is_exact()).then(|| format!("{name}_se"));
+            std::iter::once(name).chain(error)
+        })
         .collect();
     let mut header = vec![
         "side",
@@ -202,12 +207,14 @@ fn write_in_plane(
                     .iter()
                     .flat_map(|&class| fields(of(class))),
             );
-            row.extend(
-                models
-                    .iter()
-                    .map(|m| Field::from(m.in_plane[side.index()][i] / solid_angle)),
-            );
             let entry = layout.in_plane(side, OrderClass::All).start + i;
+            for model in models {
+                let flux = model.expectation.statistics().estimate(entry);
+                row.push((flux.mean / solid_angle).into());
+                if !model.expectation.is_exact() {
+                    row.push(flux.se.map(|se| se / solid_angle).into());
+                }
+            }
             row.extend(errors_of(errors, entry));
             rows.push(row);
         }
@@ -215,7 +222,7 @@ fn write_in_plane(
     write_csv(folder.join("in_plane.csv"), &header, rows)
 }
 
-/// comparison.csv: bin by bin, explicit single scattering beside every model.
+/// comparison.csv: bin by bin, every share of the explicit light beside every model that describes it.
 pub(crate) fn write_comparison(
     folder: &Path,
     layout: &Layout,
@@ -224,25 +231,39 @@ pub(crate) fn write_comparison(
     if case.models.is_empty() {
         return Ok(());
     }
-    let of_models: Vec<String> = case
-        .models
-        .iter()
-        .flat_map(|m| {
-            let name = m.model.name().replace('-', "_");
-            ["flux", "z", "tested"].map(|what| format!("{what}_{name}"))
-        })
-        .collect();
-    let mut header = PLACE.to_vec();
-    header.extend(["flux_single", "flux_single_se"]);
-    header.extend(of_models.iter().map(String::as_str));
+    let shares = [
+        (Share::Single, ""),
+        (Share::Multiple, "multiple_"),
+        (Share::Total, "total_"),
+    ];
+    let claimed = |share| {
+        let described = move |m: &&ModelOutcome| m.expectation.describes(share);
+        case.models.iter().filter(described)
+    };
+    let mut header: Vec<String> = PLACE.map(str::to_owned).to_vec();
+    for (share, part) in shares {
+        let name = match share {
+            Share::Single => "flux_single".to_owned(),
+            _ => format!("flux_{}", part.trim_end_matches('_')),
+        };
+        header.extend([name.clone(), format!("{name}_se")]);
+        for model in claimed(share) {
+            let name = model.model.name().replace('-', "_");
+            header.extend(["flux", "z", "tested"].map(|what| format!("{what}_{part}{name}")));
+        }
+    }
+    let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let grid = layout.grid();
-    let start = layout.bins(Share::Single).start;
     let rows = layout.asked_bins().enumerate().map(|(compared, i)| {
         let mut row = place(&grid, i);
-        row.extend(fields(case.statistics.estimate(start + i)));
-        for model in &case.models {
-            let bin = &model.single.bins[compared];
-            row.extend([bin.model.into(), bin.z.into(), u64::from(bin.tested).into()]);
+        for (share, _) in shares {
+            row.extend(fields(
+                case.statistics.estimate(layout.bins(share).start + i),
+            ));
+            for model in claimed(share).filter_map(|model| model.compared(share)) {
+                let bin = &model.comparison.bins[compared];
+                row.extend([bin.model.into(), bin.z.into(), u64::from(bin.tested).into()]);
+            }
         }
         row
     });

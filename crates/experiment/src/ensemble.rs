@@ -389,22 +389,23 @@ mod tests {
     use crate::progress::Silent;
     use asperity_tally::Layout;
 
-    #[test]
-    fn every_surface_has_rays_of_its_own() {
-        // On nearly flat glass the branch picked at random is all that differs between surfaces.
-        let text = "
-            [surface]
-            sigma = 1e-9
-            tau = 4
-            size = 32
-            [run]
-            realisations = 4
-            rays = 4000
-            branching = \"pick\"
-            [compare]
-            models = []
-        ";
-        let config = VerifyConfig::from_toml(text).unwrap();
+    /// Four surfaces, nearly flat, with 1024 rays on each in four blocks; one random branch of each path.
+    const SURFACES: &str = "
+        [surface]
+        sigma = 1e-9
+        tau = 4
+        size = 32
+        [run]
+        realisations = 4
+        rays = 4000
+        branching = \"pick\"
+        [compare]
+        models = []
+    ";
+
+    /// Runs the four surfaces on one thread, one after the other.
+    fn run(progress: &dyn Progress) -> (Blocks, Ensemble) {
+        let config = VerifyConfig::from_toml(SURFACES).unwrap();
         let cases = config.cases().unwrap();
         let methods = vec![Method::PLAIN; cases.len()];
         let synthesis = Synthesis::new(cases[0].psd, [32, 32], [1.0, 1.0], false).unwrap();
@@ -418,7 +419,15 @@ mod tests {
             any_azimuth: true,
             coarsened: false,
         };
-        let ensemble = group.run(0..4, &Silent).unwrap().remove(0);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let ensembles = pool.build().unwrap().install(|| group.run(0..4, progress));
+        (group.blocks(), ensembles.unwrap().remove(0))
+    }
+
+    #[test]
+    fn every_surface_has_rays_of_its_own() {
+        // On nearly flat glass the branch picked at random is all that differs between surfaces.
+        let (_, ensemble) = run(&Silent);
         let mut reflected: Vec<f64> = ensemble
             .records
             .iter()
@@ -427,5 +436,49 @@ mod tests {
         reflected.sort_by(f64::total_cmp);
         reflected.dedup();
         assert!(reflected.len() > 1, "{reflected:?}");
+    }
+
+    /// Says that the time is over once so many rays are done.
+    struct TimeFor {
+        rays: u64,
+        done: AtomicU64,
+    }
+
+    impl Progress for TimeFor {
+        fn begin(&self, _stage: &str, _total: u64) {}
+        fn advance(&self, steps: u64) {
+            self.done.fetch_add(steps, Ordering::Relaxed);
+        }
+        fn end(&self) {}
+        fn stop(&self) -> Option<StoppedBy> {
+            (self.done.load(Ordering::Relaxed) >= self.rays).then_some(StoppedBy::Time)
+        }
+    }
+
+    #[test]
+    fn a_surface_cut_short_counts_only_if_there_is_no_other() {
+        let (blocks, all) = run(&Silent);
+        assert_eq!((blocks.count, all.records.len()), (4, 4));
+        let of_block = blocks.rays() / blocks.count;
+        let cut = |blocks_done: u64| {
+            let progress = TimeFor {
+                rays: blocks_done * of_block,
+                done: AtomicU64::new(0),
+            };
+            let ensemble = run(&progress).1;
+            // Each block that was traced is seen, those of a surface that does not count as well.
+            (progress.done.into_inner() / of_block, ensemble)
+        };
+        // In the middle of the third surface: the first two count, as in a run that is not stopped.
+        let (traced, two) = cut(2 * 4 + 3);
+        assert_eq!(traced, 2 * 4 + 3);
+        assert_eq!(two.work.rays, 2 * blocks.rays());
+        assert_eq!(two.records, all.records[..2]);
+        assert!(two.blocks_of_one.is_none());
+        // In the middle of the first: all that there is.
+        let (traced, one) = cut(3);
+        assert_eq!(traced, 3);
+        assert_eq!((one.records.len(), one.work.rays), (1, 3 * of_block));
+        assert_eq!(one.blocks_of_one.unwrap().batches(), 3);
     }
 }

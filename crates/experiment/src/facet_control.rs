@@ -118,3 +118,53 @@ fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
         .or_else(|_| SlopeCovariance::new(0.5 * (xx + yy), 0.5 * (xx + yy), 0.0))
         .ok()
 }
+
+#[cfg(test)]
+mod tests {
+    use asperity_surface::{Psd, Synthesis};
+
+    use super::*;
+    use crate::config::RunConfig;
+
+    /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
+    /// a cell `max(0, wi . m) / (cos theta_m cos theta_i) = max(0, 1 - slope . wi / cos theta_i)`, over the
+    /// number of facets. In a mirrored tile each stands for its four images. No scale of the sum shows
+    /// in results, since the budget of each record is closed.
+    #[test]
+    fn the_sum_over_all_facets_is_that_of_their_weights() {
+        let black = Material::conductor(1.0, 0.0).unwrap();
+        let incidence = Incidence::from_degrees(65.0, 25.0).unwrap();
+        let wi = incidence.wi() / incidence.wi().z;
+        let layout = RunConfig::default().ray_settings().unwrap().layout;
+        let psd = Psd::gaussian(4.0, 4.0).unwrap();
+        let synthesis = Synthesis::new(psd, [34, 36], [1.0, 1.0], false).unwrap();
+        for border in [Border::Periodic, Border::Mirrored] {
+            let field = synthesis.draw(3, 0).unwrap().with_border(border);
+            let images: &[[f64; 2]] = match border {
+                Border::Mirrored => &[[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]],
+                _ => &[[1.0, 1.0]],
+            };
+            let [cx, cy] = field.cells();
+            let (mut sum, mut lost) = (0.0, 0);
+            for (ix, iy) in (0..cx).flat_map(|ix| (0..cy).map(move |iy| (ix, iy))) {
+                for [x, y] in field.facet_slopes(ix, iy) {
+                    for [flip_x, flip_y] in images {
+                        let weight = 1.0 - flip_x * x * wi.x - flip_y * y * wi.y;
+                        sum += weight.max(0.0) / (2 * cx * cy * images.len()) as f64;
+                        lost += usize::from(weight < 0.0);
+                    }
+                }
+            }
+            let surface = Surface::new(field);
+            let facets = surface.facet_count();
+            assert!(
+                !facets.is_multiple_of(PARTS) && lost > facets / 10,
+                "{facets} {lost}"
+            );
+            let record = sum_over_all_facets(&surface, black, incidence, Medium::Above, layout);
+            println!("{border:?}: {} against {sum}", record[Layout::ABSORBED]);
+            // Some 1e4 weights, each with a few roundings.
+            assert!((record[Layout::ABSORBED] / sum - 1.0).abs() < 1e-12);
+        }
+    }
+}

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use asperity_analysis::{BsdfModel, in_plane_flux};
 use asperity_io::write_bytes;
 use asperity_optics::{Incidence, Material};
 use asperity_plot::{
@@ -9,14 +10,14 @@ use asperity_plot::{
     Sides as PlotSides,
 };
 use asperity_surface::HeightField;
-use asperity_tally::{BatchStatistics, Layout, OrderClass, Side};
+use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
 use rayon::prelude::*;
 
 use crate::case::{Case, short};
 use crate::config::{Incident, VerifyConfig};
+use crate::models::ModelOutcome;
 use crate::report::ReportError;
 use crate::tables::{SINGLE_SCATTERING, recorded_orders};
-use crate::verify::{ModelOutcome, in_plane_flux};
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;
@@ -232,35 +233,88 @@ fn series_of(
     if statistics.means()[layout.multiple(side)] != 0.0 {
         series.push(explicit(SINGLE_SCATTERING, OrderClass::First));
     }
-    if let Some(case) = &light.case {
-        for model in models {
-            series.push(model_line(model, layout, case, side, width));
+    for model in models.iter().filter(|m| m.model.sides().ask(side)) {
+        let mut samples = sampled_line(model, layout, side, OrderClass::All);
+        if let Some(density) = model.model.density() {
+            let multiple = multiple_line(model, layout, side);
+            samples = density_line(density, light.incidence, layout, side);
+            if model.judged_share() == Share::Total {
+                for sample in &mut samples {
+                    sample.value += between(&multiple, sample.theta_deg);
+                }
+            }
         }
+        series.push(Series::model(model.model.name(), plot_side(side), samples));
     }
     series
 }
 
-/// A model averaged over a bin that slides along the angle: what the points of its bins estimate.
-fn model_line(
+/// What a model expects of light scattered more often than once, bin by bin.
+fn multiple_line(model: &ModelOutcome, layout: &Layout, side: Side) -> Vec<Sample> {
+    let [mut all, single] =
+        [OrderClass::All, OrderClass::First].map(|class| sampled_line(model, layout, side, class));
+    for (all, single) in all.iter_mut().zip(&single) {
+        all.value -= single.value;
+    }
+    all
+}
+
+/// The value at an angle between samples in the order of their angles; beyond the ends that of the last.
+fn between(samples: &[Sample], theta_deg: f64) -> f64 {
+    let after = samples.partition_point(|sample| sample.theta_deg < theta_deg);
+    match (after.checked_sub(1).map(|i| samples[i]), samples.get(after)) {
+        (Some(a), Some(b)) => {
+            let t = (theta_deg - a.theta_deg) / (b.theta_deg - a.theta_deg);
+            a.value + t * (b.value - a.value)
+        }
+        (Some(end), None) => end.value,
+        (None, end) => end.map_or(0.0, |end| end.value),
+    }
+}
+
+/// A model bin by bin.
+fn sampled_line(
     model: &ModelOutcome,
     layout: &Layout,
-    case: &Case,
     side: Side,
-    width: f64,
-) -> Series {
+    class: OrderClass,
+) -> Vec<Sample> {
+    let start = layout.in_plane(side, class).start;
+    (0..layout.in_plane_len())
+        .map(|i| {
+            let flux = model.expectation.statistics().estimate(start + i);
+            let solid_angle = layout.in_plane_solid_angle(i);
+            let [from, to] = layout.in_plane_edges_deg(i);
+            Sample {
+                theta_deg: 0.5 * (from + to),
+                value: flux.mean / solid_angle,
+                se: flux.se.map(|se| se / solid_angle),
+            }
+        })
+        .collect()
+}
+
+/// A model averaged over a bin that slides along the angle: what the points of its bins estimate.
+fn density_line(
+    model: &dyn BsdfModel,
+    incidence: Incidence,
+    layout: &Layout,
+    side: Side,
+) -> Vec<Sample> {
+    let width = 90.0 / layout.grid().n_theta() as f64;
     let steps = (90.0 / LINE_STEP_DEG) as i32;
-    let samples = (-steps..=steps)
+    (-steps..=steps)
         .into_par_iter()
         .map(|i| {
             let theta_deg = f64::from(i) * LINE_STEP_DEG;
             let from = (theta_deg - 0.5 * width).max(-90.0).to_radians();
             let to = (theta_deg + 0.5 * width).min(90.0).to_radians();
-            let flux = in_plane_flux(model.model.as_ref(), layout, case, side, [from, to]);
+            let half_width = layout.in_plane_half_width();
+            let flux = in_plane_flux(model, incidence, half_width, side, [from, to]);
             // The wedge's solid angle on both sides of the normal.
             let cap = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2) * angle.signum();
             let solid_angle = 2.0 * layout.in_plane_half_width() * (cap(to) - cap(from));
             Sample::exact(theta_deg, flux / solid_angle)
         })
-        .collect();
-    Series::model(model.model.name(), plot_side(side), samples)
+        .collect()
 }

@@ -2,7 +2,7 @@
 //!
 //! [`trace`] and [`trace_mesh`] send light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
 //! and compares what comes out with statistical models; [`converge()`] measures what the ways of
-//! computing cost, run time against error. Threads, seeds and progress live here and
+//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold. Threads, seeds and progress live here and
 //! nowhere else.
 //!
 //! # Random streams
@@ -15,22 +15,28 @@ mod blocks;
 mod budget;
 mod case;
 mod cases;
+mod conclusion;
 mod config;
 mod converge;
 mod csv;
 mod ensemble;
 mod estimator;
+mod expectation;
 mod facet_control;
 mod figures;
 mod known;
 mod limits;
+mod map;
 mod mesh_error;
 mod method;
+mod models;
 mod number;
+mod peak;
 mod pilot;
 mod progress;
 mod report;
 mod sharing;
+mod side_difference;
 mod stopping;
 mod stream;
 mod summary;
@@ -59,15 +65,24 @@ pub use converge::{
     SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
 pub use estimator::Estimator;
+pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use limits::{RunError, check_memory};
+pub use map::{
+    CellDistances, CellModel, CellResults, CellSide, CellVerdict, Interval, Judged, JudgedCell,
+    LightShare, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
+    map_report, map_summary, map_table, summarise,
+};
 pub use method::ControlMean;
+pub use models::{ComparedShare, ModelOutcome};
 pub use number::{parse_count, parse_number, parse_order, parse_seconds};
+pub use peak::PeakDifference;
 pub use progress::{Deadline, Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
+pub use side_difference::SideDifference;
 pub use stopping::{Aim, PilotFigures, StoppedBy, Stopping, Target};
 pub use summary::{Summary, SummaryWork};
 pub use tables::{energy_table, errors_table, lost_warning, verify_table, work_line};
 pub use trace::{TraceOutcome, trace, trace_mesh};
 pub use values::{Count, Number, OneOrMany, PerAxis, Seconds};
-pub use verify::{CaseOutcome, ModelOutcome, VerifyError, VerifyOutcome, verify};
+pub use verify::{CaseOutcome, VerifyError, VerifyOutcome, verify};

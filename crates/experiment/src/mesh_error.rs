@@ -425,9 +425,29 @@ mod tests {
     use crate::verify::{VerifyOutcome, verify};
     use asperity_tally::{OrderClass, Side};
 
-    fn run(text: &str) -> VerifyOutcome {
-        let plain = format!("{text}\nestimator = \"plain\"\n[compare]\nmodels = []");
-        verify(&VerifyConfig::from_toml(&plain).unwrap(), &Silent).unwrap()
+    /// Vertical or slanting light on 64 refined surfaces of mirrors of `size` samples a side.
+    fn run([smoothness, tau, theta]: [f64; 3], size: u64, rays: u64, bins: &str) -> VerifyOutcome {
+        let text = format!(
+            "
+            [surface]
+            smoothness = {smoothness}
+            tau = {tau}
+            size = {size}
+            [material]
+            kind = 'mirror'
+            [light]
+            theta = {theta}
+            [run]
+            realisations = 64
+            rays = {rays}
+            bins = '{bins}'
+            refine = true
+            estimator = 'plain'
+            [compare]
+            models = []
+            "
+        );
+        verify(&VerifyConfig::from_toml(&text).unwrap(), &Silent).unwrap()
     }
 
     /// On four spacings a correlation length, facets lack 3 % of the slope variance, and the middle of the
@@ -435,21 +455,7 @@ mod tests {
     /// visible shares, all above 0.97 and taken for one here, do not change with the mesh.
     #[test]
     fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
-        let outcome = run("
-            [surface]
-            smoothness = 3
-            tau = 4
-            size = 128
-            [material]
-            kind = 'mirror'
-            [light]
-            theta = 0
-            [run]
-            bins = '6x1'
-            realisations = 64
-            rays = 2e6
-            refine = true
-        ");
+        let outcome = run([3.0, 4.0, 0.0], 128, 2_000_000, "6x1");
         let (case, layout) = (&outcome.cases[0], outcome.layout);
         let foreseen = |synthesis: &Synthesis| {
             let case = (&case.case, &Method::PLAIN);
@@ -476,18 +482,7 @@ mod tests {
 
     #[test]
     fn second_order_is_seen_on_a_smooth_surface() {
-        let outcome = run("
-            [surface]
-            smoothness = 1
-            tau = 8
-            size = 64
-            [material]
-            kind = \"mirror\"
-            [run]
-            realisations = 64
-            rays = 1e6
-            refine = true
-        ");
+        let outcome = run([1.0, 8.0, 30.0], 64, 1_000_000, "18x36");
         let (case, layout) = (&outcome.cases[0], outcome.layout);
         let refinement = case.errors.refinement().unwrap();
         let multiple = layout.multiple(Side::Reflected);

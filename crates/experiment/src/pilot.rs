@@ -168,7 +168,7 @@ impl Figures {
     }
 
     /// Error of a mesh whose spacing is `scale` times that of the pilot run.
-    fn mesh_error(&self, scale: f64) -> Option<f64> {
+    pub(crate) fn mesh_error(&self, scale: f64) -> Option<f64> {
         let difference = self.figures.mesh_difference?;
         Some(MESH_ORDER * difference * scale * scale)
     }

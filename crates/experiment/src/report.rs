@@ -4,15 +4,17 @@ use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::PlotError;
-use asperity_tally::{Layout, Side};
+use asperity_tally::{Layout, Share, Side};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::conclusion::{conclusion, verdict_word};
 use crate::csv::{write_comparison, write_tables};
 use crate::figures::{self, Light};
+use crate::models::ComparedShare;
 use crate::progress::Progress;
 use crate::summary::Summary;
-use crate::tables::{case_table, conclusion, verdict_word, verify_table, warnings};
+use crate::tables::{case_table, verify_table, warnings};
 use crate::trace::TraceOutcome;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
@@ -35,6 +37,11 @@ pub(crate) const FILES: &[&str] = &[
     "convergence.csv",
     "convergence.svg",
     "convergence.png",
+    "map.csv",
+    "map_own.svg",
+    "map_own.png",
+    "map_all.svg",
+    "map_all.png",
 ];
 
 /// Why results are not written.
@@ -248,31 +255,49 @@ fn config_json(outcome: &VerifyOutcome) -> Value {
 
 /// Verdicts, p values and distances of one case.
 fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
-    let energy = |side, of_model: f64| layout.asks(side).then_some(of_model);
     let models: Vec<Value> = case
         .models
         .iter()
         .map(|model| {
-            let against = |comparison: &asperity_analysis::Comparison| {
-                let distance = &comparison.total_variation;
-                let test = comparison.test.as_ref().ok();
+            let against = |part: &ComparedShare| {
+                let distance = &part.comparison.total_variation;
+                let test = part.comparison.test.as_ref().ok();
                 json!({
                     "total_variation": distance.observed,
                     "total_variation_noise": distance.noise,
                     "total_variation_noise_95": distance.noise_95,
-                    "bins_tested": comparison.bins.iter().filter(|bin| bin.tested).count(),
+                    "bins_tested": part.comparison.bins.iter().filter(|bin| bin.tested).count(),
                     "p": test.map(|t| t.p),
                     "scales": test.map(|t| &t.scales),
                     "least_p": test.map(|t| t.min_p),
                     "sign_flips": test.map(|t| t.flips),
+                    "verdict": part.verdict.as_ref().map(verdict_word),
                 })
+            };
+            let energy = |share| {
+                let of = |side| model.energy(share, side).filter(|_| layout.asks(side));
+                json!({ "reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted) })
+            };
+            let judged = |side| {
+                let energy = model.energy(model.judged_share(), side);
+                energy
+                    .filter(|_| layout.asks(side))
+                    .map(|energy| energy.mean)
             };
             json!({
                 "model": model.model.name(),
-                "reflected": energy(Side::Reflected, model.energy.reflected),
-                "transmitted": energy(Side::Transmitted, model.energy.transmitted),
-                "verdict": verdict_word(&model.verdict),
+                "scope": model.model.scope(),
+                "reflected": judged(Side::Reflected),
+                "transmitted": judged(Side::Transmitted),
+                "rays": (!model.expectation.is_exact()).then(|| model.expectation.rays()),
+                "energy": {
+                    "single": energy(Share::Single),
+                    "multiple": model.multiple.as_ref().map(|_| energy(Share::Multiple)),
+                    "total": model.multiple.as_ref().map(|_| energy(Share::Total)),
+                },
+                "verdict": model.judged().verdict.as_ref().map(verdict_word),
                 "single": against(&model.single),
+                "multiple": model.multiple.as_ref().map(against),
                 "total": against(&model.total),
             })
         })

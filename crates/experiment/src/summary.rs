@@ -114,7 +114,7 @@ struct Energy {
 }
 
 #[derive(Clone, Debug, Serialize)]
-struct Order {
+pub(crate) struct Order {
     order: usize,
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     and_above: bool,
@@ -246,7 +246,7 @@ impl Summary {
 }
 
 /// Fluxes by order of scattering, up to the last one that was seen.
-fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Vec<Order> {
+pub(crate) fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Vec<Order> {
     let last = (1..=MAX_LISTED_ORDER)
         .rev()
         .find(|&order| statistics.means()[layout.order(side, order)] != 0.0)

@@ -2,16 +2,18 @@
 
 use std::fmt::Write;
 
-use asperity_analysis::{Scope, SignFlipTest, Verdict};
-use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Side};
+use asperity_analysis::SignFlipTest;
+use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Share, Side};
 use asperity_tracer::PathSettings;
 
 use crate::budget::ErrorBudget;
 use crate::case::short;
+use crate::conclusion::{conclusion, strongest_deviation, verdict_word};
 use crate::method::ControlMean;
+use crate::models::{ComparedShare, ModelOutcome};
 use crate::stopping::Stopping;
 use crate::summary::SummaryWork;
-use crate::verify::{CaseOutcome, ModelOutcome, VerifyOutcome};
+use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// A flux fraction with its error, as in `0.02481 +- 0.00004`: the error to two digits.
 pub(crate) fn with_error(estimate: Estimate) -> String {
@@ -251,12 +253,12 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             .collect(),
     ];
     for side in outcome.layout.sides() {
-        for (part, estimate) in parts(&outcome.layout, case, side) {
+        for (part, share, estimate) in parts(&outcome.layout, case, side) {
             let mut row = vec![format!("{side} {part}"), with_error(estimate)];
             row.extend(
                 case.models
                     .iter()
-                    .map(|model| beside(model, side, part, estimate)),
+                    .map(|model| beside(model, side, share, estimate)),
             );
             rows.push(row);
         }
@@ -274,51 +276,82 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         let _ = writeln!(out, "warning: {warning}");
     }
     if !case.models.is_empty() {
-        out.push('\n');
-        out.push_str(&distribution_table(&outcome.layout, case, &orders));
+        for share in Share::ALL {
+            let table = distribution_table(&outcome.layout, case, share, &orders);
+            if !table.is_empty() {
+                let _ = write!(out, "\n{table}");
+            }
+        }
+        if let Some(line) = sampled_models(case) {
+            let _ = writeln!(out, "  {line}");
+        }
         let _ = writeln!(out, "\n{}", conclusion(&outcome.layout, case));
     }
     out
 }
 
-/// The parts of the light of one side: scattered once, more often, and all.
-fn parts(layout: &Layout, case: &CaseOutcome, side: Side) -> [(&'static str, Estimate); 3] {
-    let statistics = &case.statistics;
-    [
-        ("single", statistics.estimate(layout.order(side, 1))),
-        ("multiple", statistics.estimate(layout.multiple(side))),
-        ("total", statistics.estimate(side.index())),
-    ]
-}
-
-/// A model's energy and its distance from the explicit one in standard errors.
-fn beside(model: &ModelOutcome, side: Side, part: &str, explicit: Estimate) -> String {
-    let energy = match side {
-        Side::Reflected => model.energy.reflected,
-        Side::Transmitted => model.energy.transmitted,
-    };
-    match (part, explicit.se) {
-        ("multiple", _) => "-".to_owned(),
-        // A model of single scattering has no claim on the total; its energy stands for comparison.
-        ("total", _) if model.model.scope() == Scope::SingleScattering => "-".to_owned(),
-        (_, Some(se)) if se > 0.0 => {
-            let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
-            format!(
-                "{energy:.digits$} (z {:+.1})",
-                (explicit.mean - energy) / se
-            )
-        }
-        _ => short(energy),
+/// What a share of the light is called; `orders` names all light that was recorded.
+fn share_name(share: Share, orders: &str) -> String {
+    match share {
+        Share::Single => SINGLE_SCATTERING.to_owned(),
+        Share::Multiple => "multiple scattering".to_owned(),
+        Share::Total => orders.to_owned(),
     }
 }
 
-/// Total variation, p value and verdict of every model; `orders` names all light that was recorded.
-fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> String {
-    type Cell<'a> = Box<dyn Fn(&ModelOutcome) -> String + 'a>;
-    let rows: [(String, Cell<'_>); 9] = [
+/// Which models were sampled, and by how many rays.
+fn sampled_models(case: &CaseOutcome) -> Option<String> {
+    let sampled = |m: &&ModelOutcome| !m.expectation.is_exact();
+    let names: Vec<&str> = case
+        .models
+        .iter()
+        .filter(sampled)
+        .map(|m| m.model.name())
+        .collect();
+    let rays = case.models.iter().find(sampled)?.expectation.rays();
+    Some(format!(
+        "{} sampled by {rays} rays; their noise is part of the errors",
+        names.join(", ")
+    ))
+}
+
+/// The parts of the light of one side: scattered once, more often, and all.
+fn parts(layout: &Layout, case: &CaseOutcome, side: Side) -> [(&'static str, Share, Estimate); 3] {
+    let estimate = |i| case.statistics.estimate(i);
+    [
+        ("single", Share::Single, estimate(layout.order(side, 1))),
+        ("multiple", Share::Multiple, estimate(layout.multiple(side))),
+        ("total", Share::Total, estimate(side.index())),
+    ]
+}
+
+/// A model's energy and its distance from the explicit one in standard errors of the difference.
+fn beside(model: &ModelOutcome, side: Side, share: Share, explicit: Estimate) -> String {
+    let Some(energy) = model.energy(share, side) else {
+        return "-".to_owned();
+    };
+    if !model.model.sides().ask(side) {
+        return "-".to_owned();
+    }
+    let se = explicit.se.map(|se| se.hypot(energy.se.unwrap_or(0.0)));
+    match se {
+        Some(se) if se > 0.0 => {
+            let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
+            let z = (explicit.mean - energy.mean) / se;
+            format!("{:.digits$} (z {z:+.1})", energy.mean)
+        }
+        _ => short(energy.mean),
+    }
+}
+
+/// Total variation, p value and verdict of every model that describes a share of the light; `orders`
+/// names all light that was recorded. Empty if none does.
+fn distribution_table(layout: &Layout, case: &CaseOutcome, share: Share, orders: &str) -> String {
+    type Cell<'a> = Box<dyn Fn(&ModelOutcome, &ComparedShare) -> String + 'a>;
+    let mut rows: Vec<(String, Cell<'_>)> = vec![
         (
-            SINGLE_SCATTERING.into(),
-            Box::new(|m| m.model.name().to_owned()),
+            share_name(share, orders),
+            Box::new(|m, _| m.model.name().to_owned()),
         ),
         (
             match (case.free_azimuth, case.work.control) {
@@ -328,68 +361,77 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
                 (true, Some(_)) => "bins in rings of 20 deviating rays".into(),
                 (false, Some(_)) => "bins of 20 deviating rays or more".into(),
             },
-            Box::new(|m| {
-                m.single
-                    .bins
-                    .iter()
-                    .filter(|bin| bin.tested)
-                    .count()
-                    .to_string()
+            Box::new(|_, part| {
+                let tested = part.comparison.bins.iter().filter(|bin| bin.tested);
+                tested.count().to_string()
             }),
         ),
         (
             "total variation distance".into(),
-            Box::new(|m| distance(m.single.total_variation.observed)),
+            Box::new(|_, part| distance(part.comparison.total_variation.observed)),
         ),
         (
             "  that noise alone would cause".into(),
-            Box::new(|m| {
-                m.single
-                    .total_variation
-                    .noise
-                    .map_or_else(|| "-".to_owned(), distance)
+            Box::new(|_, part| {
+                let noise = part.comparison.total_variation.noise;
+                noise.map_or_else(|| "-".to_owned(), distance)
             }),
         ),
         (
             "largest |t|: bins; rings; sides".into(),
-            Box::new(|m| {
+            Box::new(|_, part| {
                 let t = |test: &SignFlipTest| -> Vec<String> {
                     test.scales
                         .iter()
                         .map(|scale| format!("{:.1}", scale.max_t))
                         .collect()
                 };
-                m.single
-                    .test
-                    .as_ref()
-                    .map_or_else(|_| "-".to_owned(), |test| t(test).join("; "))
+                let test = part.comparison.test.as_ref();
+                test.map_or_else(|_| "-".to_owned(), |test| t(test).join("; "))
             }),
         ),
         (
             "p value, sign flips of surfaces".into(),
-            Box::new(|m| match &m.single.test {
+            Box::new(|_, part| match &part.comparison.test {
                 Ok(test) => format!("{:.4}", test.p),
                 Err(_) => "-".to_owned(),
             }),
         ),
         (
             "most significant deviation".into(),
-            Box::new(|m| strongest_deviation(m, layout).unwrap_or_else(|| "-".to_owned())),
+            Box::new(|_, part| {
+                let place = strongest_deviation(&part.comparison, layout);
+                place.unwrap_or_else(|| "-".to_owned())
+            }),
         ),
         (
             "verdict".into(),
-            Box::new(|m| verdict_word(&m.verdict).to_owned()),
-        ),
-        (
-            format!("total variation from {orders}"),
-            Box::new(|m| distance(m.total.total_variation.observed)),
+            Box::new(|_, part| {
+                let verdict = part.verdict.as_ref();
+                verdict.map_or("-", verdict_word).to_owned()
+            }),
         ),
     ];
+    if share == Share::Single {
+        rows.push((
+            format!("total variation from {orders}"),
+            Box::new(|m, _| distance(m.total.comparison.total_variation.observed)),
+        ));
+    }
+    let models: Vec<(&ModelOutcome, &ComparedShare)> = case
+        .models
+        .iter()
+        .filter(|model| model.expectation.describes(share))
+        .filter_map(|model| Some((model, model.compared(share)?)))
+        .collect();
+    if models.is_empty() {
+        return String::new();
+    }
     let rows: Vec<Vec<String>> = rows
         .iter()
         .map(|(name, cell)| {
             std::iter::once(name.clone())
-                .chain(case.models.iter().map(cell))
+                .chain(models.iter().map(|(model, part)| cell(model, part)))
                 .collect()
         })
         .collect();
@@ -397,7 +439,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, orders: &str) -> Stri
 }
 
 /// A total variation distance, to five decimals or, where they would not show it, to two digits.
-fn distance(value: f64) -> String {
+pub(crate) fn distance(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 {
         format!("{value:.5}")
     } else {
@@ -430,147 +472,12 @@ pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     out
 }
 
-/// Where single scattering deviates most significantly from a model, and by how much of the model.
-fn strongest_deviation(model: &ModelOutcome, layout: &Layout) -> Option<String> {
-    let test = model.single.test.as_ref().ok()?;
-    let strongest = test.strongest();
-    let grid = layout.grid();
-    let width = match strongest.name.as_str() {
-        "sides" => grid.bins_per_side(),
-        "rings" => grid.n_phi(),
-        _ => 1,
-    };
-    let first = strongest.member * width;
-    let bins = &model.single.bins[first..first + width];
-    let [mean, expected] = [
-        bins.iter().map(|b| b.mean).sum::<f64>(),
-        bins.iter().map(|b| b.model).sum::<f64>(),
-    ];
-    let bin = grid.bin(layout.asked_bins().start + first);
-    let degrees = |range: [f64; 2]| {
-        let [from, to] = range.map(|angle| short(round_degrees(angle.to_degrees())));
-        format!("{from}-{to}")
-    };
-    let mut place = bin.side.to_string();
-    if width < grid.bins_per_side() {
-        let _ = write!(place, " {} deg", degrees(bin.theta));
-    }
-    if width == 1 {
-        let _ = write!(place, " phi {}", degrees(bin.phi));
-    }
-    if expected > 0.0 {
-        let _ = write!(place, " {:+.1} %", 100.0 * (mean / expected - 1.0));
-    }
-    Some(place)
-}
-
-/// A positive number to so many significant digits.
-fn round_to(value: f64, digits: i32) -> f64 {
-    let unit = 10_f64.powi(value.log10().floor() as i32 + 1 - digits);
-    (value / unit).round() * unit
-}
-
-/// Degrees without the rounding of their way through radians.
-fn round_degrees(degrees: f64) -> f64 {
-    (degrees * 1e6).round() / 1e6
-}
-
-/// One word for a verdict.
-pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds => "holds",
-        Verdict::Fails => "fails",
-        Verdict::NotResolved(_) => "not resolved",
-    }
-}
-
-/// The sentence that says which model holds within the error.
-pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
-    let named = |wanted: &str| -> Vec<&ModelOutcome> {
-        case.models
-            .iter()
-            .filter(|m| verdict_word(&m.verdict) == wanted)
-            .collect()
-    };
-    let list = |models: &[&ModelOutcome]| {
-        let names: Vec<&str> = models.iter().map(|m| m.model.name()).collect();
-        match names.as_slice() {
-            [] => String::new(),
-            [one] => (*one).to_owned(),
-            [most @ .., last] => format!("{} and {last}", most.join(", ")),
-        }
-    };
-    let verb = |models: &[&ModelOutcome], one: &str, several: &str| {
-        if models.len() == 1 {
-            one.to_owned()
-        } else {
-            several.to_owned()
-        }
-    };
-    let (holds, fails, open) = (named("holds"), named("fails"), named("not resolved"));
-    let mut clauses = Vec::new();
-    if !holds.is_empty() {
-        let seen = holds
-            .iter()
-            .filter_map(|m| m.single.total_variation.noise_95)
-            .fold(0.0, f64::max);
-        clauses.push(format!(
-            "{} {} within the error (in total variation, noise alone reaches {})",
-            list(&holds),
-            verb(&holds, "holds", "hold"),
-            distance(seen),
-        ));
-    }
-    for model in &fails {
-        let found = &model.single.total_variation;
-        let noise = found.noise.unwrap_or(0.0);
-        let place = strongest_deviation(model, layout).unwrap_or_default();
-        clauses.push(format!(
-            "{} fails, most clearly in {place} (total variation {}, noise alone {})",
-            model.model.name(),
-            distance(found.observed),
-            distance(noise),
-        ));
-    }
-    if !open.is_empty() {
-        let reason = match &open[0].verdict {
-            Verdict::NotResolved(reason) => reason.to_string(),
-            _ => String::new(),
-        };
-        clauses.push(format!(
-            "{} {} not resolved ({reason})",
-            list(&open),
-            verb(&open, "is", "are")
-        ));
-    }
-    let sentence = format!(
-        "Single scattering, tested at level {}: {}.",
-        short(round_to(case.level, 2)),
-        clauses.join("; ")
-    );
-    wrapped(&sentence)
-}
-
-/// Text in lines of at most 100 characters, broken at blanks.
-fn wrapped(text: &str) -> String {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= 100 => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines.join("\n")
-}
-
 /// A line a case and model, for runs of many cases.
 fn overview(outcome: &VerifyOutcome) -> String {
     let header = [
         "case",
         "model",
+        "orders",
         "total variation (noise)",
         "p value",
         "multiple",
@@ -581,16 +488,22 @@ fn overview(outcome: &VerifyOutcome) -> String {
         let multiple = |side| case.statistics.means()[outcome.layout.multiple(side)];
         let multiple = multiple(Side::Reflected) + multiple(Side::Transmitted);
         for model in &case.models {
-            let found = &model.single.total_variation;
+            let judged = model.judged();
+            let found = &judged.comparison.total_variation;
             let noise = found.noise.map_or_else(|| "-".to_owned(), distance);
-            let test = model.single.test.as_ref();
+            let test = judged.comparison.test.as_ref();
             rows.push(vec![
                 case.case.to_string(),
                 model.model.name().to_owned(),
+                match model.judged_share() {
+                    Share::Total => "all",
+                    _ => "single",
+                }
+                .to_owned(),
                 format!("{} ({noise})", distance(found.observed)),
                 test.map_or_else(|_| "-".to_owned(), |test| format!("{:.4}", test.p)),
                 format!("{multiple:.5}"),
-                verdict_word(&model.verdict).to_owned(),
+                judged.verdict.as_ref().map_or("-", verdict_word).to_owned(),
             ]);
         }
     }

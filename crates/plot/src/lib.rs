@@ -1,4 +1,5 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, errors over run time, and plain curves.
+//! Figures of the project: height maps, polar lobes, in-plane curves, plain curves, errors over run time, and
+//! validity maps.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -9,6 +10,7 @@
 //! | [`HeightMapFigure`] | heights `[ny, nx]`, row-major | the surface from above, with a colour bar |
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
+//! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
@@ -57,6 +59,7 @@ mod scene;
 mod series;
 mod text;
 mod theme;
+mod validity_map;
 
 pub use curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
 pub use error::PlotError;
@@ -66,3 +69,4 @@ pub use height_map::HeightMapFigure;
 pub use in_plane_curves::InPlaneCurves;
 pub use polar_lobes::{PolarLobes, Sides};
 pub use series::{Sample, Series, SeriesKind, Side};
+pub use validity_map::{MapVerdict, MappedCell, ValidityMap};

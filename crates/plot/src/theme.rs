@@ -44,11 +44,21 @@ const BLUISH_GREEN: RGBColor = RGBColor(0, 158, 115);
 const BLUE: RGBColor = RGBColor(0, 114, 178);
 const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
+// Darker than all of theirs.
+const BROWN: RGBColor = RGBColor(115, 62, 10);
 
 /// Colours of explicit results, which are points.
 pub(crate) const POINT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
 /// Colours of models, which are lines.
-pub(crate) const LINE_COLOURS: [RGBColor; 4] = [BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE];
+pub(crate) const LINE_COLOURS: [RGBColor; 7] = [
+    BLUE,
+    VERMILLION,
+    BLUISH_GREEN,
+    REDDISH_PURPLE,
+    SKY_BLUE,
+    BROWN,
+    MUTED,
+];
 /// Colours of families of methods.
 pub(crate) const METHOD_COLOURS: [RGBColor; 8] = [
     BLUE,
@@ -60,7 +70,7 @@ pub(crate) const METHOD_COLOURS: [RGBColor; 8] = [
     BLACK,
     MUTED,
 ];
-/// Lengths on and off; as many patterns as make, with [`LINE_COLOURS`], fifteen or more different lines.
+/// Lengths on and off; as many patterns as make, with [`LINE_COLOURS`], 35 different lines.
 pub(crate) const LINE_DASHES: [&[f64]; 5] = [
     &[],
     &[9.0, 4.0],

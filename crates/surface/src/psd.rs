@@ -128,6 +128,19 @@ impl Psd {
         [tau_x, tau_y]
     }
 
+    /// The correlation length along the second principal axis over that along the first, and the angle from +x
+    /// to the first, radians; `None` if it [is isotropic](Self::is_isotropic).
+    #[must_use]
+    pub fn anisotropy(&self) -> Option<[f64; 2]> {
+        let Self::Gaussian {
+            tau_x,
+            tau_y,
+            azimuth,
+            ..
+        } = *self;
+        (!self.is_isotropic()).then(|| [tau_y / tau_x, azimuth])
+    }
+
     /// Whether the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {

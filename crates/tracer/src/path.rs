@@ -1,99 +1,30 @@
 //! Light paths: from interaction to interaction until all flux has left.
 
+mod hidden;
+mod illumination;
+mod leg;
+mod work;
+
 use std::f64::consts::{PI, TAU};
 
-use asperity_optics::{Incidence, Material};
-use asperity_tally::{Azimuth, Control, Event, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_optics::Material;
+use asperity_tally::{Azimuth, Control, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
-use serde::Serialize;
 
 use crate::accelerator::{Accelerator, Query};
 use crate::beam::Beam;
 use crate::border::{End, Heading, Way, set_out};
-use crate::geometry::{Escape, Geometry};
+use crate::geometry::Geometry;
 use crate::path_settings::{Branching, PathSettings};
 use crate::ray::{Hit, Medium};
-use crate::sampling::{Places, Sampling};
-use crate::scatter::{Branch, Scattered, scatter};
+use crate::sampling::Places;
+use crate::scatter::{Scattered, scatter};
 
-/// What was done, counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Work {
-    /// Incident rays.
-    pub rays: u64,
-    /// Segments searched for a hit.
-    pub segments: u64,
-    /// Segments that needed no search.
-    pub segments_skipped: u64,
-    /// Those of them that the slopes nearby excused, not those of the whole surface.
-    pub segments_skipped_nearby: u64,
-    /// Branches not followed, since they could end only on a side that is not asked for.
-    pub branches_not_asked: u64,
-}
+pub use illumination::{Illumination, Starts};
+pub use work::Work;
 
-impl Work {
-    /// Counts a segment that met nothing, by how its way ended.
-    fn count(&mut self, end: End) {
-        if let End::EscapedUnsearched(escape) = end {
-            self.segments_skipped += 1;
-            self.segments_skipped_nearby += u64::from(escape == Escape::SteeperThanNear);
-        } else {
-            self.segments += 1;
-        }
-    }
-}
-
-impl std::ops::AddAssign for Work {
-    fn add_assign(&mut self, other: Self) {
-        self.rays += other.rays;
-        self.segments += other.segments;
-        self.segments_skipped += other.segments_skipped;
-        self.segments_skipped_nearby += other.segments_skipped_nearby;
-        self.branches_not_asked += other.branches_not_asked;
-    }
-}
-
-/// Where the paths of a batch start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Starts {
-    /// Rays come from above, evenly spread over the mean plane, and carry a flux of one.
-    #[default]
-    FromAbove,
-    /// Points of the surface, evenly spread over the mean plane, that turn out to be lit; each carries
-    /// what falls on its facet, `max(0, wi . m) / (cos theta_m cos theta_i)`.
-    OnSurface,
-}
-
-/// Light that falls on a surface, and how its rays are chosen.
-#[derive(Clone, Copy, Debug)]
-pub struct Illumination {
-    /// Where it comes from.
-    pub incidence: Incidence,
-    /// Whether each ray comes from an azimuth of its own, uniformly drawn; what leaves is turned back, so
-    /// that its azimuths are as if the light had come from that of `incidence`. Of vertical light all
-    /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
-    /// ([`Azimuth::Free`]).
-    pub any_azimuth: bool,
-    /// How they are spread over the mean plane and, where it is free, over azimuth.
-    pub sampling: Sampling,
-    /// Where paths start.
-    pub starts: Starts,
-}
-
-impl Illumination {
-    /// Rays from above, one in each stratum.
-    #[must_use]
-    pub const fn new(incidence: Incidence, any_azimuth: bool) -> Self {
-        Self {
-            incidence,
-            any_azimuth,
-            sampling: Sampling::Stratified,
-            starts: Starts::FromAbove,
-        }
-    }
-}
+use leg::{Arrival, Errand, InFlight, Leg, Light, onward};
 
 /// Legs that are followed together: enough to fill wide searches, few enough for them and the surface
 /// around them to stay in cache.
@@ -106,55 +37,6 @@ pub struct Tracer<'a, G: Geometry> {
     material: Material,
     incident: Medium,
     settings: PathSettings,
-}
-
-/// What light carries along its path.
-#[derive(Clone, Copy)]
-struct Light {
-    flux: f64,
-    path: EventPath,
-    /// Cosine and sine of the angle by which what leaves is turned about the vertical.
-    turn: DVec2,
-}
-
-/// A facet, and light that comes to it.
-struct Arrival<F> {
-    /// At the facet, in the direction of the light.
-    heading: Heading,
-    facet: F,
-}
-
-/// What a leg is followed for.
-enum Errand<F> {
-    /// Light goes along it.
-    Light,
-    /// It is what lies behind the first facet on the straight line of the light: facets further on that
-    /// face the light are in the shadow of the first.
-    Shadow,
-    /// It goes from a facet towards the light, to see whether that is lit.
-    Sight(Box<Arrival<F>>),
-}
-
-/// One stretch of a path that is being followed.
-struct Leg<F> {
-    way: Way,
-    light: Light,
-    errand: Errand<F>,
-}
-
-/// Legs that are next to be searched, and what to ask about each.
-struct InFlight<F> {
-    queries: Vec<Query>,
-    legs: Vec<Leg<F>>,
-}
-
-impl<F> InFlight<F> {
-    const fn new() -> Self {
-        Self {
-            queries: Vec::new(),
-            legs: Vec::new(),
-        }
-    }
 }
 
 /// The state of one batch.
@@ -198,7 +80,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// accelerators give the same result.
     ///
     /// # Panics
-    /// If the sampling is quasi-random and `strata` is not a [`Sampling::quasi_random_strata`].
+    /// If the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         illumination: &Illumination,
@@ -285,49 +167,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                     Arrival { heading, facet },
                     batch,
                 );
-            }
-        }
-    }
-
-    /// Looks along `towards_light` whether a facet is lit.
-    #[inline(never)]
-    fn look<R: Rng>(
-        &self,
-        mut towards_light: Heading,
-        light: Light,
-        at: Arrival<G::Facet>,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        // Most facets see the light without a search, and need not be kept.
-        match set_out(self.geometry, &mut towards_light, self.incident) {
-            Some(end) => {
-                batch.work.count(end);
-                self.looked(end, &light, &at, batch);
-            }
-            None => {
-                let way = Way::new(&towards_light);
-                let query = towards_light.query(self.geometry, self.incident);
-                let errand = Errand::Sight(Box::new(at));
-                self.push(Leg { way, light, errand }, query, batch);
-            }
-        }
-    }
-
-    /// What follows where nothing stands between a facet and the light.
-    fn looked<R: Rng>(
-        &self,
-        end: End,
-        light: &Light,
-        at: &Arrival<G::Facet>,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        match end {
-            End::Escaped | End::EscapedUnsearched(_) => {
-                self.interact(at, self.incident, light, batch);
-            }
-            End::LeftPatch | End::Lost => {
-                self.unlit(at, light, batch);
-                batch.record.add_loss(Loss::Lost, light.flux);
             }
         }
     }
@@ -433,29 +272,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Goes on behind the first facet that light has met, where that is of interest.
-    #[inline(never)]
-    fn look_into_shadow<R: Rng>(
-        &self,
-        at: Arrival<G::Facet>,
-        behind: Medium,
-        light: &Light,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        let Some(control) = batch.record.control() else {
-            return;
-        };
-        let probability = control.shadow_probability();
-        if light.path.order() > 0 || probability < 1.0 && batch.rng.random::<f64>() >= probability {
-            return;
-        }
-        let line = Light {
-            flux: light.flux / probability,
-            ..*light
-        };
-        self.set_out(at.heading, behind, line, Errand::Shadow, batch);
-    }
-
     /// Books a leg whose way, in the `direction` given, has ended without meeting the surface.
     fn end<R: Rng>(
         &self,
@@ -481,40 +297,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             End::Lost => batch.record.add_loss(Loss::Lost, light.flux),
         }
         self.unseen(direction, medium, light, batch);
-    }
-
-    /// Takes note that light on its way from its first facet does not get away.
-    fn unseen<R>(
-        &self,
-        direction: DVec3,
-        medium: Medium,
-        light: &Light,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        if light.path.order() == 1 && batch.record.control().is_some() {
-            let exit = self.exit(direction, medium, light);
-            batch.record.add_unseen(&exit);
-        }
-    }
-
-    /// Takes note that a facet that faces the light is not lit.
-    #[inline(never)]
-    fn unlit<R>(&self, at: &Arrival<G::Facet>, light: &Light, batch: &mut Batch<'_, G::Facet, R>) {
-        if batch.record.control().is_none() {
-            return;
-        }
-        let scattered = self.scattered(at, self.incident);
-        for branch in scattered.branches {
-            if branch.share > 0.0 {
-                let (heading, medium, light) =
-                    onward(at, self.incident, light, &branch, branch.share);
-                let exit = self.exit(heading.world_direction(), medium, &light);
-                batch.record.add_unseen(&exit);
-            }
-        }
-        batch
-            .record
-            .add_unlit_absorbed(light.flux * scattered.absorbed);
     }
 
     /// What becomes of light that arrives at a facet through `medium`.
@@ -620,28 +402,4 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Side::Transmitted
         }
     }
-}
-
-/// Light that goes on from a facet along `branch`, with a `share` of its flux.
-fn onward<F>(
-    at: &Arrival<F>,
-    medium: Medium,
-    light: &Light,
-    branch: &Branch,
-    share: f64,
-) -> (Heading, Medium, Light) {
-    let medium = match branch.event {
-        Event::Reflection => medium,
-        Event::Transmission => medium.other(),
-    };
-    let heading = Heading {
-        direction: branch.direction,
-        ..at.heading
-    };
-    let light = Light {
-        flux: light.flux * share,
-        path: light.path.then(branch.event),
-        turn: light.turn,
-    };
-    (heading, medium, light)
 }

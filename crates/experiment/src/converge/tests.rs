@@ -1,7 +1,9 @@
 //! Tests of definitions and of whole measurements.
 
 use super::*;
+use crate::estimator::Estimator;
 use crate::progress::Silent;
+use crate::values::{Number, PerAxis};
 use asperity_tracer::{AcceleratorKind, Sampling};
 
 fn method(estimator: Estimator, sampling: Sampling) -> Method {

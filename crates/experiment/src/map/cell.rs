@@ -1,0 +1,379 @@
+//! What was found in one cell, and what follows from it.
+
+use asperity_analysis::Scope;
+use asperity_tally::{Layout, Share, Side};
+use serde::{Deserialize, Serialize};
+
+use super::config::ToleranceConfig;
+use super::interval::{CellVerdict, Interval, student_95};
+use crate::models::{ComparedShare, ModelOutcome};
+use crate::peak::PeakDifference;
+use crate::verify::{CaseOutcome, VerifyOutcome};
+
+/// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.
+pub(super) const FEWEST_SURFACES: u64 = 8;
+
+/// Rays of average flux that may have gone where none was seen: with a probability of 95 % no event of
+/// `3 / n` or more is missed by `n` rays (`0.05 = exp(-3)`, the rule of three).
+const UNSEEN_RAYS: f64 = 3.0;
+
+/// A lobe has a clear peak if it falls to half of it within so many degrees on either side; of a broader
+/// one the total variation tells.
+const CLEAR_WITHIN_DEG: f64 = 30.0;
+
+/// Standard errors that hold 95 % of a normal distribution.
+const NORMAL_95: f64 = 1.96;
+
+/// The light over which a model is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LightShare {
+    /// The light that the model describes against the same light.
+    Own,
+    /// All light of the model against all light: what a model leaves out counts against it.
+    All,
+}
+
+impl LightShare {
+    /// Both.
+    pub const BOTH: [Self; 2] = [Self::Own, Self::All];
+
+    /// As tables have it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Own => "own",
+            Self::All => "all",
+        }
+    }
+}
+
+/// One side of a cell, as numbers; flux fractions and degrees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellSide {
+    /// The side.
+    pub side: Side,
+    /// Flux on explicit surfaces.
+    pub explicit: f64,
+    /// Flux by the model.
+    pub model: f64,
+    /// The first less the second.
+    pub difference: f64,
+    /// Its standard error.
+    pub difference_se: Option<f64>,
+    /// What the mesh is known to add to it, without sign.
+    pub mesh: f64,
+    /// Where both are brightest.
+    pub peak: Option<PeakDifference>,
+}
+
+/// The distances of one model from the explicit result, over one share of the light.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellDistances {
+    /// Total variation over the bins of the sides asked for.
+    pub total_variation: f64,
+    /// What noise alone stays below with a probability of 95 %.
+    pub noise_95: Option<f64>,
+    /// What the mesh is known to add, over all bins.
+    pub mesh: f64,
+    /// The sides.
+    pub sides: Vec<CellSide>,
+}
+
+/// One model in a cell.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellModel {
+    /// Its name.
+    pub name: String,
+    /// Whether it describes all orders of scattering.
+    pub all_orders: bool,
+    /// Rays that it followed.
+    pub rays: u64,
+    /// Over the light that it describes.
+    pub own: CellDistances,
+    /// Over all light.
+    pub all: CellDistances,
+}
+
+/// All that was found in a cell: what its file holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CellResults {
+    /// Surfaces.
+    pub surfaces: u64,
+    /// Rays over all of them.
+    pub rays: u64,
+    /// Samples of a surface along x and y.
+    pub size: [usize; 2],
+    /// Length units a sample along x and y.
+    pub spacing: [f64; 2],
+    /// What the fluxes are sure not to differ by, if nothing was traced.
+    pub deviation_bound: Option<f64>,
+    /// Flux that was lost to numerical failure.
+    pub lost: f64,
+    /// The models, in the order of the configuration.
+    pub models: Vec<CellModel>,
+}
+
+/// One measure of a cell with its verdict.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Judged {
+    /// What is measured.
+    pub name: &'static str,
+    /// The distance and where it lies.
+    pub interval: Interval,
+    /// What follows.
+    pub verdict: CellVerdict,
+}
+
+/// A cell, judged for one model and one share of the light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JudgedCell {
+    /// Total variation first, then of each side its energy and, where there is a clear one, its peak.
+    pub measures: Vec<Judged>,
+    /// What follows from all of them.
+    pub verdict: CellVerdict,
+}
+
+impl JudgedCell {
+    /// The measure of that name, if there is one.
+    #[must_use]
+    pub fn measure(&self, name: &str) -> Option<&Judged> {
+        self.measures.iter().find(|measure| measure.name == name)
+    }
+
+    /// The measures that the verdict rests on, where it is not that all hold.
+    #[must_use]
+    pub fn decided_by(&self) -> Vec<&'static str> {
+        let decides = |m: &&Judged| m.verdict == self.verdict && m.verdict != CellVerdict::Holds;
+        self.measures
+            .iter()
+            .filter(decides)
+            .map(|m| m.name)
+            .collect()
+    }
+}
+
+/// Name of the energy of a side among the measures.
+pub(super) const fn energy_name(side: Side) -> &'static str {
+    match side {
+        Side::Reflected => "reflected",
+        Side::Transmitted => "transmitted",
+    }
+}
+
+/// Name of the peak of a side among the measures.
+pub(super) const fn peak_name(side: Side) -> &'static str {
+    match side {
+        Side::Reflected => "reflected-peak",
+        Side::Transmitted => "transmitted-peak",
+    }
+}
+
+impl CellModel {
+    /// Over one share of the light.
+    #[must_use]
+    pub const fn distances(&self, light: LightShare) -> &CellDistances {
+        match light {
+            LightShare::Own => &self.own,
+            LightShare::All => &self.all,
+        }
+    }
+}
+
+impl CellResults {
+    /// What a verification of one case found.
+    pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
+        let layout = &outcome.layout;
+        let models = case.models.iter().map(|model| {
+            let of = |share| distances(layout, case, model, share);
+            CellModel {
+                name: model.model.name().to_owned(),
+                all_orders: model.model.scope() == Scope::AllOrders,
+                rays: model.expectation.rays(),
+                own: of(model.judged_share()),
+                all: of(Share::Total),
+            }
+        });
+        Self {
+            surfaces: case.work.realisations,
+            rays: case.work.rays,
+            size: case.size,
+            spacing: case.spacing,
+            deviation_bound: case.deviation_bound,
+            lost: case.statistics.means()[Layout::LOST],
+            models: models.collect(),
+        }
+    }
+
+    /// What follows from the distances of a model, given what may be tolerated.
+    #[must_use]
+    pub fn judge(
+        &self,
+        model: &CellModel,
+        light: LightShare,
+        tolerances: &ToleranceConfig,
+    ) -> JudgedCell {
+        let distances = model.distances(light);
+        let unseen = self.unseen(model);
+        let enough = self.deviation_bound.is_some() || self.surfaces >= FEWEST_SURFACES;
+        let half_width = |error: Option<f64>, mesh: f64| {
+            let error = error.filter(|_| enough)?;
+            Some(error.max(unseen) + mesh)
+        };
+        let total = half_width(distances.noise_95, distances.mesh);
+        let total = Interval::about(distances.total_variation, total).not_below_zero();
+        let mut measures = vec![("total-variation", total, tolerances.total_variation.0)];
+        let student = match self.deviation_bound {
+            // Its errors are those of a model of many rays, or none.
+            Some(_) => Some(NORMAL_95),
+            None => student_95(self.surfaces),
+        };
+        for side in &distances.sides {
+            let error = |se: Option<f64>| Some(se? * student?);
+            let bound = self.deviation_bound.unwrap_or(0.0);
+            let energy = error(side.difference_se).map(|error| error + bound);
+            let energy = half_width(energy, side.mesh);
+            measures.push((
+                energy_name(side.side),
+                Interval::about(side.difference, energy),
+                tolerances.energy.0,
+            ));
+            let clear = |peak: &&PeakDifference| peak.half_width_deg <= CLEAR_WITHIN_DEG;
+            if let Some(peak) = side.peak.as_ref().filter(clear) {
+                let error = error(peak.se_deg).filter(|_| enough);
+                let half_width = error.map(|error| error + peak.unresolved_deg);
+                let difference = peak.explicit_deg - peak.model_deg;
+                measures.push((
+                    peak_name(side.side),
+                    Interval::about(difference, half_width),
+                    tolerances.peak.0,
+                ));
+            }
+        }
+        let measures: Vec<Judged> = measures
+            .into_iter()
+            .map(|(name, interval, tolerance)| Judged {
+                name,
+                interval,
+                verdict: interval.verdict(tolerance),
+            })
+            .collect();
+        let verdict = CellVerdict::of_all(measures.iter().map(|measure| measure.verdict));
+        JudgedCell { measures, verdict }
+    }
+
+    /// Flux that may have gone where no ray was seen.
+    fn unseen(&self, model: &CellModel) -> f64 {
+        [self.rays, model.rays]
+            .iter()
+            .filter(|rays| **rays > 0)
+            .map(|rays| UNSEEN_RAYS / *rays as f64)
+            .sum()
+    }
+
+    /// Whether all numbers are what a run can find.
+    pub(super) fn is_sound(&self) -> bool {
+        let flux = |x: f64| x.is_finite() && x.abs() < 1e3;
+        let error = |x: Option<f64>| x.is_none_or(|x| x.is_finite() && x >= 0.0);
+        let peak = |peak: &PeakDifference| {
+            error(peak.se_deg)
+                && error(Some(peak.unresolved_deg))
+                && error(Some(peak.half_width_deg))
+                && peak.explicit_deg.abs() <= 90.0
+                && peak.model_deg.abs() <= 90.0
+        };
+        let side = |side: &CellSide| {
+            flux(side.explicit)
+                && flux(side.model)
+                && (side.explicit - side.model - side.difference).abs() < 1e-9
+                && error(side.difference_se)
+                && error(Some(side.mesh))
+                && side.peak.as_ref().is_none_or(peak)
+        };
+        let distances = |d: &CellDistances| {
+            d.total_variation >= 0.0
+                && flux(d.total_variation)
+                && error(d.noise_95)
+                && error(Some(d.mesh))
+                && d.sides.iter().all(side)
+        };
+        let traced = self.deviation_bound.is_some() || (self.surfaces > 0 && self.rays > 0);
+        let models = |m: &CellModel| distances(&m.own) && distances(&m.all);
+        traced && flux(self.lost) && error(self.deviation_bound) && self.models.iter().all(models)
+    }
+}
+
+/// The distances of one model over one share of the light.
+fn distances(
+    layout: &Layout,
+    case: &CaseOutcome,
+    model: &ModelOutcome,
+    share: Share,
+) -> CellDistances {
+    let compared: &ComparedShare = match share {
+        Share::Total => &model.total,
+        _ => &model.single,
+    };
+    let mesh = |entry: usize| case.errors.errors(entry).mesh.map_or(0.0, f64::abs);
+    let transmits = case.case.material.transmitting_index().is_some();
+    let bins = layout.bins(share);
+    let total = compared.comparison.total_variation;
+    let noise_95 = match case.deviation_bound {
+        // The bound holds for sums over any bins; the noise of a model adds to it.
+        Some(bound) => Some(bound + noise_of_model(model, layout, share)),
+        None => total.noise_95,
+    };
+    CellDistances {
+        total_variation: total.observed,
+        noise_95,
+        mesh: 0.5
+            * layout
+                .asked_bins()
+                .map(|i| mesh(bins.start + i))
+                .sum::<f64>(),
+        sides: compared
+            .sides
+            .iter()
+            .filter(|of| transmits || of.side == Side::Reflected)
+            .map(|of| {
+                let entry = match share {
+                    Share::Total => of.side.index(),
+                    _ => layout.order(of.side, 1),
+                };
+                let se_of_model = model.expectation.statistics().estimate(entry).se;
+                CellSide {
+                    side: of.side,
+                    explicit: of.explicit,
+                    model: of.model,
+                    difference: of.difference.mean,
+                    difference_se: match case.deviation_bound {
+                        Some(_) => se_of_model,
+                        None => of.difference.se,
+                    },
+                    mesh: mesh(entry),
+                    peak: of.peak.map(|peak| match case.deviation_bound {
+                        Some(bound) => PeakDifference {
+                            se_deg: certain_peak(model, bound, of.explicit),
+                            ..peak
+                        },
+                        None => peak,
+                    }),
+                }
+            })
+            .collect(),
+    }
+}
+
+/// The error of a peak where nothing was traced: none, if neither the model has noise nor a hundredth of
+/// the side's light can have gone elsewhere, which moves a peak by some hundredth of a bin.
+fn certain_peak(model: &ModelOutcome, bound: f64, flux: f64) -> Option<f64> {
+    (model.expectation.is_exact() && bound <= 0.01 * flux).then_some(0.0)
+}
+
+/// What the noise of a sampled model adds to the total variation, at most, with 95 %.
+fn noise_of_model(model: &ModelOutcome, layout: &Layout, share: Share) -> f64 {
+    let bins = layout.bins(share);
+    let statistics = model.expectation.statistics();
+    let se = |i: usize| statistics.estimate(bins.start + i).se.unwrap_or(0.0);
+    0.5 * NORMAL_95 * layout.asked_bins().map(se).sum::<f64>()
+}

@@ -1,0 +1,216 @@
+//! The configuration of a map: what `asperity map` reads from a file.
+
+use serde::{Deserialize, Serialize};
+
+use crate::case::Case;
+use crate::config::{
+    CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
+    SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
+};
+use crate::limits::check_results;
+use crate::values::{Number, OneOrMany};
+use crate::verify::VerifyError;
+
+/// `[map]`: how far a model may be off and still hold.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ToleranceConfig {
+    /// Total variation: the part of the incident flux that may have to move.
+    pub total_variation: Number,
+    /// Energy of a side, of the incident flux.
+    pub energy: Number,
+    /// Direction of the peak of a side, degrees.
+    pub peak: Number,
+}
+
+impl Default for ToleranceConfig {
+    fn default() -> Self {
+        Self {
+            total_variation: Number(0.01),
+            energy: Number(0.01),
+            peak: Number(2.5),
+        }
+    }
+}
+
+/// A map: surfaces, materials, light, models and tolerances. Every key has a default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MapConfig {
+    /// The random surfaces.
+    pub surface: SurfaceConfig,
+    /// What they are made of.
+    pub material: MaterialConfig,
+    /// Where the light comes from.
+    pub light: LightConfig,
+    /// How much is traced for each cell.
+    pub run: RunConfig,
+    /// The models.
+    pub compare: CompareConfig,
+    /// How far they may be off.
+    pub map: ToleranceConfig,
+    /// What is written.
+    pub output: OutputConfig,
+}
+
+/// One cell: a case, and the verification that fills it.
+#[derive(Clone, Debug)]
+pub(super) struct CellPlan {
+    pub(super) case: Case,
+    pub(super) config: VerifyConfig,
+}
+
+impl MapConfig {
+    /// Reads a configuration from the text of a TOML file.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with line and key if the text is no such configuration.
+    pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
+        let config: Self = parse_toml(text)?;
+        refuse_effort_beside_target(text, &config.run)?;
+        Ok(config)
+    }
+
+    /// Checks everything that can be known before a ray is traced.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn check(&self) -> Result<(), VerifyError> {
+        let cells = self.cells()?;
+        let settings = self.run.ray_settings()?;
+        check_results(
+            &settings.layout,
+            self.run.realisations.0,
+            1,
+            settings.refine,
+        )?;
+        cells
+            .iter()
+            .try_for_each(|cell| cell.config.check_surfaces())
+    }
+
+    /// How many cells there are.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn count(&self) -> Result<usize, ConfigError> {
+        self.cells().map(|cells| cells.len())
+    }
+
+    /// The cells, in the order of [`VerifyConfig::cases`].
+    pub(super) fn cells(&self) -> Result<Vec<CellPlan>, ConfigError> {
+        let contradiction = |text: String| Err(ConfigError::Contradiction(text));
+        if self.compare.models.is_empty() {
+            return contradiction("a map needs models to compare with; name one or several".into());
+        }
+        if self.compare.alpha != CompareConfig::default().alpha {
+            return contradiction(
+                "alpha is the level of the tests of a verification; a map has tolerances".into(),
+            );
+        }
+        for (name, tolerance) in [
+            ("total_variation", self.map.total_variation),
+            ("energy", self.map.energy),
+            ("peak", self.map.peak),
+        ] {
+            if !(tolerance.0.is_finite() && tolerance.0 > 0.0) {
+                return contradiction(format!(
+                    "the tolerance {name} is {}; it must be above 0 and finite",
+                    tolerance.0
+                ));
+            }
+        }
+        let all = VerifyConfig {
+            surface: self.surface.clone(),
+            material: self.material.clone(),
+            light: self.light.clone(),
+            run: RunConfig {
+                // The time is that of the map.
+                max_time: None,
+                ..self.run.clone()
+            },
+            compare: self.compare.clone(),
+            output: OutputConfig::default(),
+        };
+        let cases = all.cases()?;
+        // As they are written: a height that became a smoothness need not come back as it was.
+        let surface = &self.surface;
+        let (smoothness, sigma) = (&surface.smoothness, &surface.sigma);
+        let heights = match (smoothness, sigma) {
+            (Some(list), _) => list.values("smoothness")?,
+            (None, Some(list)) => list.values("sigma")?,
+            (None, None) => Vec::new(),
+        };
+        let etas = match &self.material.eta {
+            Some(list) => list.values("eta")?,
+            None => Vec::new(),
+        };
+        let thetas = self.light.theta.values("theta")?;
+        let of_material = thetas.len();
+        let of_height = of_material * etas.len().max(1);
+        let cells = cases.into_iter().enumerate().map(|(i, case)| {
+            let mut config = all.clone();
+            let height = heights.get(i / of_height).map(|h| OneOrMany::One(*h));
+            config.surface.smoothness = height.clone().filter(|_| smoothness.is_some());
+            config.surface.sigma = height.filter(|_| smoothness.is_none());
+            let eta = etas.get(i % of_height / of_material);
+            config.material.eta = eta.map(|eta| OneOrMany::One(*eta));
+            config.light.theta = OneOrMany::One(thetas[i % of_material]);
+            CellPlan { case, config }
+        });
+        Ok(cells.collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_cell_is_the_configuration_of_its_case_alone() {
+        for text in [
+            "[surface]\nsmoothness = [6, 3, 1]\n[material]\neta = [1.4, \"1/1.4\"]\n[light]\ntheta = [0, 30]",
+            "[surface]\nsigma = [3, 7]\n[material]\nkind = \"mirror\"\n[light]\ntheta = [0, 30, 40]",
+            "[light]\ntheta = 20\n[material]\nkind = \"conductor\"\neta = [0.2, 0.3]\nkappa = 3",
+            "",
+        ] {
+            let config = MapConfig::from_toml(text).unwrap();
+            let cells = config.cells().unwrap();
+            let all = VerifyConfig::from_toml(text).unwrap().cases().unwrap();
+            assert_eq!(cells.len(), all.len());
+            for (cell, case) in cells.iter().zip(all) {
+                assert_eq!(cell.case, case);
+                assert_eq!(cell.config.cases().unwrap(), [case]);
+            }
+        }
+    }
+
+    #[test]
+    fn bad_values_get_a_sentence() {
+        for (text, expected) in [
+            ("[map]\nenergie = 1", "energie"),
+            ("[map]\nenergy = 0", "tolerance energy is 0"),
+            ("[map]\npeak = -1", "tolerance peak is -1"),
+            (
+                "[map]\ntotal_variation = nan",
+                "tolerance total_variation is NaN",
+            ),
+            ("[compare]\nmodels = []", "needs models"),
+            ("[compare]\nalpha = 0.05", "has tolerances"),
+            ("[compare]\nmodels = [\"ggx\"]", "ggx"),
+            ("[surface]\nsmoothness = []", "empty list"),
+            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+            (
+                "[run]\ntarget_error = 1e-3\nrays = 1e5",
+                "either target_error",
+            ),
+        ] {
+            let error = MapConfig::from_toml(text)
+                .and_then(|config| config.cells().map(|_| ()))
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+    }
+}

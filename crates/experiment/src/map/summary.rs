@@ -1,0 +1,308 @@
+//! From which smoothness on a model holds, and how many cells it holds in.
+
+use std::fmt::Write;
+
+use asperity_optics::Material;
+use serde::Serialize;
+
+use super::MapOutcome;
+use super::cell::{FEWEST_SURFACES, LightShare};
+use super::interval::CellVerdict;
+use crate::case::short;
+use crate::tables::aligned;
+
+/// What the map says of one model on one material, over one share of the light.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ModelSummary {
+    /// The material.
+    pub material: Material,
+    /// The light.
+    pub light: LightShare,
+    /// The model.
+    pub model: String,
+    /// For each angle of the map, ascending, in degrees: the least smoothness from which the model holds at
+    /// this angle and all below it, at every smoothness of the map above; `None` if not even at the largest.
+    pub holds_from: Vec<(f64, Option<f64>)>,
+    /// Cells that hold, fail, and are not resolved.
+    pub cells: [usize; 3],
+}
+
+/// The materials of a map, each once, in its order.
+pub(super) fn materials(outcome: &MapOutcome) -> Vec<Material> {
+    each_once(outcome.cells.iter().map(|cell| cell.case.material))
+}
+
+/// The angles of a map in degrees, ascending.
+pub(super) fn thetas(outcome: &MapOutcome) -> Vec<f64> {
+    let of_cell = |cell: &super::MapCell| cell.case.incidence.theta_deg();
+    let mut thetas = each_once(outcome.cells.iter().map(of_cell));
+    thetas.sort_by(f64::total_cmp);
+    thetas
+}
+
+/// Its smoothness values, rough to smooth.
+pub(super) fn smoothness(outcome: &MapOutcome) -> Vec<f64> {
+    let mut values = each_once(outcome.cells.iter().map(|cell| cell.case.smoothness));
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
+    let mut seen = Vec::new();
+    for value in values {
+        if !seen.contains(&value) {
+            seen.push(value);
+        }
+    }
+    seen
+}
+
+/// The verdicts of a map in short: by material, share of the light and model.
+#[must_use]
+pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
+    let mut summaries = Vec::new();
+    for material in materials(outcome) {
+        for light in LightShare::BOTH {
+            for (index, model) in outcome.config.compare.models.iter().enumerate() {
+                let verdicts = verdicts(outcome, material, light, index);
+                let count = |wanted| verdicts.iter().filter(|v| v.2 == wanted).count();
+                summaries.push(ModelSummary {
+                    material,
+                    light,
+                    model: model.clone(),
+                    holds_from: thetas(outcome)
+                        .into_iter()
+                        .map(|theta| (theta, holds_from(outcome, &verdicts, theta)))
+                        .collect(),
+                    cells: CellVerdict::ALL.map(count),
+                });
+            }
+        }
+    }
+    summaries
+}
+
+/// Smoothness, angle and verdict of each cell that is there.
+fn verdicts(
+    outcome: &MapOutcome,
+    material: Material,
+    light: LightShare,
+    model: usize,
+) -> Vec<(f64, f64, CellVerdict)> {
+    let of_material = |cell: &&super::MapCell| cell.case.material == material;
+    outcome
+        .cells
+        .iter()
+        .filter(of_material)
+        .filter_map(|cell| {
+            let results = cell.results.as_ref()?;
+            let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
+            let theta = cell.case.incidence.theta_deg();
+            Some((cell.case.smoothness, theta, judged.verdict))
+        })
+        .collect()
+}
+
+/// The least smoothness from which all cells up to `theta` are there and hold.
+fn holds_from(
+    outcome: &MapOutcome,
+    verdicts: &[(f64, f64, CellVerdict)],
+    theta: f64,
+) -> Option<f64> {
+    let angles = thetas(outcome).into_iter().filter(|t| *t <= theta).count();
+    let holds = |s: &f64| {
+        let here = |v: &&(f64, f64, CellVerdict)| v.0 == *s && v.1 <= theta;
+        verdicts
+            .iter()
+            .filter(here)
+            .filter(|v| v.2 == CellVerdict::Holds)
+            .count()
+            == angles
+    };
+    let mut smooth_first = smoothness(outcome);
+    smooth_first.reverse();
+    smooth_first.into_iter().take_while(holds).last()
+}
+
+/// What `s` stands for on anisotropic surfaces, which are all of one shape.
+pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
+    let [ratio, azimuth] = outcome.cells.first()?.case.psd.anisotropy()?;
+    Some(format!(
+        "s along the first axis, at {} deg from x; across it s is {} times as large",
+        short(azimuth.to_degrees()),
+        short(ratio)
+    ))
+}
+
+/// A material as titles have it.
+pub(super) fn material_name(material: Material) -> String {
+    match material {
+        // Out of the denser medium the quotient reads better: n = 1/1.5.
+        Material::Dielectric { eta } if short(1.0 / eta).len() < short(eta).len() => {
+            format!("n = 1/{}", short(1.0 / eta))
+        }
+        Material::Dielectric { eta } => format!("n = {}", short(eta)),
+        Material::Conductor { eta, kappa } => format!("n = {} + {}i", short(eta), short(kappa)),
+        _ => "mirror".to_owned(),
+    }
+}
+
+/// The summary as text: report.txt.
+#[must_use]
+pub fn map_table(outcome: &MapOutcome) -> String {
+    let mut out = String::new();
+    let tolerances = &outcome.config.map;
+    let list = |values: Vec<f64>| values.into_iter().map(short).collect::<Vec<_>>().join(", ");
+    let done = outcome.cells.len() - outcome.missing();
+    let _ = writeln!(
+        out,
+        "validity map: {done} of {} cells; s = {}; theta = {} deg",
+        outcome.cells.len(),
+        list(smoothness(outcome)),
+        list(thetas(outcome)),
+    );
+    if let Some(grooves) = grooves(outcome) {
+        let _ = writeln!(out, "anisotropic: {grooves}");
+    }
+    let _ = writeln!(
+        out,
+        "holds: total variation within {}, energy of each side within {} of the incident flux, peaks within {} deg,\nwith 95 % of one measure in one cell, not corrected over the map; not resolved: the error leaves it open",
+        short(tolerances.total_variation.0),
+        short(tolerances.energy.0),
+        short(tolerances.peak.0),
+    );
+    let summaries = summarise(outcome);
+    for material in materials(outcome) {
+        for light in LightShare::BOTH {
+            let what = match light {
+                LightShare::Own => "each model beside the light that it describes",
+                LightShare::All => "each model beside all light",
+            };
+            let _ = writeln!(out, "\n{}: {what}", material_name(material));
+            let mut rows = vec![header(outcome)];
+            let here = |s: &&ModelSummary| s.material == material && s.light == light;
+            rows.extend(summaries.iter().filter(here).map(row));
+            out.push_str(&aligned(&rows));
+        }
+    }
+    for warning in warnings(outcome) {
+        let _ = writeln!(out, "\nwarning: {warning}");
+    }
+    out
+}
+
+fn header(outcome: &MapOutcome) -> Vec<String> {
+    let mut header = vec!["holds from s =".to_owned()];
+    header.extend(thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
+        let to = if i == 0 { "at" } else { "to" };
+        format!("{to} {} deg", short(theta))
+    }));
+    header.extend(CellVerdict::ALL.map(|verdict| verdict.name().to_owned()));
+    header
+}
+
+fn row(summary: &ModelSummary) -> Vec<String> {
+    let mut row = vec![summary.model.clone()];
+    let from = |s: &Option<f64>| s.map_or_else(|| "-".to_owned(), short);
+    row.extend(summary.holds_from.iter().map(|(_, s)| from(s)));
+    row.extend(summary.cells.map(|count| count.to_string()));
+    row
+}
+
+/// What a reader of the map should know.
+pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let results = || {
+        outcome
+            .cells
+            .iter()
+            .filter_map(|cell| cell.results.as_ref())
+    };
+    if outcome.missing() > 0 {
+        warnings.push(format!(
+            "{} of {} cells are not there yet; the same command goes on from here",
+            outcome.missing(),
+            outcome.cells.len()
+        ));
+    }
+    let few = |r: &super::CellResults| r.deviation_bound.is_none() && r.surfaces < FEWEST_SURFACES;
+    if results().any(few) {
+        warnings.push(format!(
+            "cells of fewer than {FEWEST_SURFACES} surfaces are not resolved, whatever their rays"
+        ));
+    }
+    if results().any(|r| r.lost != 0.0) {
+        warnings
+            .push("some flux was lost to numerical failure: do not trust these results".to_owned());
+    }
+    warnings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MapCell;
+    use super::super::config::MapConfig;
+    use super::*;
+
+    #[test]
+    fn materials_read_as_they_are_written() {
+        for (eta, name) in [(1.5, "n = 1.5"), (1.0 / 1.5, "n = 1/1.5"), (0.9, "n = 0.9")] {
+            assert_eq!(material_name(Material::Dielectric { eta }), name);
+        }
+    }
+
+    #[test]
+    fn a_model_holds_from_where_nothing_above_fails() {
+        let text = "[surface]\nsmoothness = [1, 2, 3, 4]\n[light]\ntheta = [0, 60]\n[compare]\nmodels = [\"smith\"]";
+        let config = MapConfig::from_toml(text).unwrap();
+        let cells = config.cells().unwrap().into_iter();
+        let outcome = MapOutcome {
+            cells: cells
+                .map(|plan| MapCell {
+                    case: plan.case,
+                    results: None,
+                })
+                .collect(),
+            config,
+            taken_up: 0,
+            computed: 0,
+            notes: Vec::new(),
+            stopped_by: None,
+        };
+        use CellVerdict::{Fails, Holds, NotResolved};
+        // Of four smoothness values, at 0 and at 60 degrees.
+        for (verdicts, at_0, to_60) in [
+            (
+                [[Fails; 2], [Holds; 2], [Holds; 2], [Holds; 2]],
+                Some(2.0),
+                Some(2.0),
+            ),
+            (
+                [[Holds; 2], [Holds, Fails], [Holds; 2], [Holds; 2]],
+                Some(1.0),
+                Some(3.0),
+            ),
+            (
+                [[Holds; 2], [NotResolved; 2], [Holds; 2], [Holds; 2]],
+                Some(3.0),
+                Some(3.0),
+            ),
+            (
+                [[Holds; 2], [Holds; 2], [Holds; 2], [Holds, NotResolved]],
+                Some(1.0),
+                None,
+            ),
+            ([[Holds; 2]; 4], Some(1.0), Some(1.0)),
+        ] {
+            let list: Vec<(f64, f64, CellVerdict)> = verdicts
+                .iter()
+                .zip([1.0, 2.0, 3.0, 4.0])
+                .flat_map(|(pair, s)| [(s, 0.0, pair[0]), (s, 60.0, pair[1])])
+                .collect();
+            assert_eq!(holds_from(&outcome, &list, 0.0), at_0);
+            assert_eq!(holds_from(&outcome, &list, 60.0), to_60);
+        }
+        // What is not there does not hold.
+        assert_eq!(holds_from(&outcome, &[(4.0, 0.0, Holds)], 60.0), None);
+    }
+}

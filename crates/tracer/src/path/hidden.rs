@@ -1,0 +1,118 @@
+//! What is not lit or not seen: looking for it, and taking note of it under a control.
+
+use asperity_tally::Loss;
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+use super::leg::{Arrival, Errand, Leg, Light, onward};
+use super::{Batch, Tracer};
+use crate::border::{End, Heading, Way, set_out};
+use crate::geometry::Geometry;
+use crate::ray::Medium;
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Looks along `towards_light` whether a facet is lit.
+    #[inline(never)]
+    pub(super) fn look<R: Rng>(
+        &self,
+        mut towards_light: Heading,
+        light: Light,
+        at: Arrival<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        // Most facets see the light without a search, and need not be kept.
+        match set_out(self.geometry, &mut towards_light, self.incident) {
+            Some(end) => {
+                batch.work.count(end);
+                self.looked(end, &light, &at, batch);
+            }
+            None => {
+                let way = Way::new(&towards_light);
+                let query = towards_light.query(self.geometry, self.incident);
+                let errand = Errand::Sight(Box::new(at));
+                self.push(Leg { way, light, errand }, query, batch);
+            }
+        }
+    }
+
+    /// What follows where nothing stands between a facet and the light.
+    pub(super) fn looked<R: Rng>(
+        &self,
+        end: End,
+        light: &Light,
+        at: &Arrival<G::Facet>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        match end {
+            End::Escaped | End::EscapedUnsearched(_) => {
+                self.interact(at, self.incident, light, batch);
+            }
+            End::LeftPatch | End::Lost => {
+                self.unlit(at, light, batch);
+                batch.record.add_loss(Loss::Lost, light.flux);
+            }
+        }
+    }
+
+    /// Goes on behind the first facet that light has met, where that is of interest.
+    #[inline(never)]
+    pub(super) fn look_into_shadow<R: Rng>(
+        &self,
+        at: Arrival<G::Facet>,
+        behind: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(control) = batch.record.control() else {
+            return;
+        };
+        let probability = control.shadow_probability();
+        if light.path.order() > 0 || probability < 1.0 && batch.rng.random::<f64>() >= probability {
+            return;
+        }
+        let line = Light {
+            flux: light.flux / probability,
+            ..*light
+        };
+        self.set_out(at.heading, behind, line, Errand::Shadow, batch);
+    }
+
+    /// Takes note that light on its way from its first facet does not get away.
+    pub(super) fn unseen<R>(
+        &self,
+        direction: DVec3,
+        medium: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if light.path.order() == 1 && batch.record.control().is_some() {
+            let exit = self.exit(direction, medium, light);
+            batch.record.add_unseen(&exit);
+        }
+    }
+
+    /// Takes note that a facet that faces the light is not lit.
+    #[inline(never)]
+    pub(super) fn unlit<R>(
+        &self,
+        at: &Arrival<G::Facet>,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if batch.record.control().is_none() {
+            return;
+        }
+        let scattered = self.scattered(at, self.incident);
+        for branch in scattered.branches {
+            if branch.share > 0.0 {
+                let (heading, medium, light) =
+                    onward(at, self.incident, light, &branch, branch.share);
+                let exit = self.exit(heading.world_direction(), medium, &light);
+                batch.record.add_unseen(&exit);
+            }
+        }
+        batch
+            .record
+            .add_unlit_absorbed(light.flux * scattered.absorbed);
+    }
+}

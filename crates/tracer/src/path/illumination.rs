@@ -1,0 +1,47 @@
+//! The light, and where its paths start.
+
+use asperity_optics::Incidence;
+use serde::Serialize;
+
+use crate::sampling::Sampling;
+
+/// Where the paths of a batch start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Starts {
+    /// Rays come from above, evenly spread over the mean plane, and carry a flux of one.
+    #[default]
+    FromAbove,
+    /// Points of the surface, evenly spread over the mean plane, that turn out to be lit; each carries
+    /// what falls on its facet, `max(0, wi . m) / (cos theta_m cos theta_i)`.
+    OnSurface,
+}
+
+/// Light that falls on a surface, and how its rays are chosen.
+#[derive(Clone, Copy, Debug)]
+pub struct Illumination {
+    /// Where it comes from.
+    pub incidence: Incidence,
+    /// Whether each ray comes from an azimuth of its own, uniformly drawn; what leaves is turned back, so
+    /// that its azimuths are as if the light had come from that of `incidence`. Of vertical light all
+    /// azimuths are one, none is drawn, and what leaves is spread evenly over azimuth
+    /// ([`asperity_tally::Azimuth::Free`]).
+    pub any_azimuth: bool,
+    /// How they are spread over the mean plane and, where it is free, over azimuth.
+    pub sampling: Sampling,
+    /// Where paths start.
+    pub starts: Starts,
+}
+
+impl Illumination {
+    /// Rays from above, one in each stratum.
+    #[must_use]
+    pub const fn new(incidence: Incidence, any_azimuth: bool) -> Self {
+        Self {
+            incidence,
+            any_azimuth,
+            sampling: Sampling::Stratified,
+            starts: Starts::FromAbove,
+        }
+    }
+}

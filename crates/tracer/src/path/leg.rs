@@ -1,0 +1,82 @@
+//! One stretch of a path: the light on it, its way, and what it is followed for.
+
+use asperity_tally::{Event, EventPath};
+use glam::DVec2;
+
+use crate::accelerator::Query;
+use crate::border::{Heading, Way};
+use crate::ray::Medium;
+use crate::scatter::Branch;
+
+/// What light carries along its path.
+#[derive(Clone, Copy)]
+pub(super) struct Light {
+    pub(super) flux: f64,
+    pub(super) path: EventPath,
+    /// Cosine and sine of the angle by which what leaves is turned about the vertical.
+    pub(super) turn: DVec2,
+}
+
+/// A facet, and light that comes to it.
+pub(super) struct Arrival<F> {
+    /// At the facet, in the direction of the light.
+    pub(super) heading: Heading,
+    pub(super) facet: F,
+}
+
+/// What a leg is followed for.
+pub(super) enum Errand<F> {
+    /// Light goes along it.
+    Light,
+    /// It is what lies behind the first facet on the straight line of the light: facets further on that
+    /// face the light are in the shadow of the first.
+    Shadow,
+    /// It goes from a facet towards the light, to see whether that is lit.
+    Sight(Box<Arrival<F>>),
+}
+
+/// One stretch of a path that is being followed.
+pub(super) struct Leg<F> {
+    pub(super) way: Way,
+    pub(super) light: Light,
+    pub(super) errand: Errand<F>,
+}
+
+/// Legs that are next to be searched, and what to ask about each.
+pub(super) struct InFlight<F> {
+    pub(super) queries: Vec<Query>,
+    pub(super) legs: Vec<Leg<F>>,
+}
+
+impl<F> InFlight<F> {
+    pub(super) const fn new() -> Self {
+        Self {
+            queries: Vec::new(),
+            legs: Vec::new(),
+        }
+    }
+}
+
+/// Light that goes on from a facet along `branch`, with a `share` of its flux.
+pub(super) fn onward<F>(
+    at: &Arrival<F>,
+    medium: Medium,
+    light: &Light,
+    branch: &Branch,
+    share: f64,
+) -> (Heading, Medium, Light) {
+    let medium = match branch.event {
+        Event::Reflection => medium,
+        Event::Transmission => medium.other(),
+    };
+    let heading = Heading {
+        direction: branch.direction,
+        ..at.heading
+    };
+    let light = Light {
+        flux: light.flux * share,
+        path: light.path.then(branch.event),
+        turn: light.turn,
+    };
+    (heading, medium, light)
+}

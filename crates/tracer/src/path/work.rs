@@ -1,0 +1,43 @@
+//! What a batch took.
+
+use serde::Serialize;
+
+use crate::border::End;
+use crate::geometry::Escape;
+
+/// What was done, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Work {
+    /// Incident rays.
+    pub rays: u64,
+    /// Segments searched for a hit.
+    pub segments: u64,
+    /// Segments that needed no search.
+    pub segments_skipped: u64,
+    /// Those of them that the slopes nearby excused, not those of the whole surface.
+    pub segments_skipped_nearby: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
+}
+
+impl Work {
+    /// Counts a segment that met nothing, by how its way ended.
+    pub(super) fn count(&mut self, end: End) {
+        if let End::EscapedUnsearched(escape) = end {
+            self.segments_skipped += 1;
+            self.segments_skipped_nearby += u64::from(escape == Escape::SteeperThanNear);
+        } else {
+            self.segments += 1;
+        }
+    }
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.segments += other.segments;
+        self.segments_skipped += other.segments_skipped;
+        self.segments_skipped_nearby += other.segments_skipped_nearby;
+        self.branches_not_asked += other.branches_not_asked;
+    }
+}

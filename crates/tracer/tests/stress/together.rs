@@ -1,0 +1,144 @@
+//! Many rays together against one ray after another.
+
+use asperity_optics::{Incidence, Material};
+use asperity_surface::Border;
+use asperity_tally::{HemisphereGrid, Layout, Side};
+use asperity_tracer::{
+    AcceleratorKind, Branching, Geometry, Illumination, Medium, PathSettings, Surface, Tracer,
+};
+use rand::RngExt;
+
+use crate::paths::{Account, BySide, Light, start, walk};
+use crate::scenes::gaussian;
+use crate::{MAX_ORDER, generator};
+
+#[test]
+fn many_rays_together_do_what_one_ray_after_another_does() {
+    // More rays than are followed together, on surfaces so mild that no branch becomes so weak that
+    // roulette is asked; with picked branches it never is, and surfaces may be rough.
+    let side = 66;
+    let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+    let mut cases = vec![];
+    for (i, border) in [Border::Periodic, Border::Mirrored, Border::Open]
+        .into_iter()
+        .enumerate()
+    {
+        for incident in [Medium::Above, Medium::Below] {
+            for (eta, theta_deg) in [(1.5, 40.0), (1.0 / 1.5, 25.0), (1.0, 70.0)] {
+                let glass = Material::dielectric(eta).unwrap();
+                cases.push((10.0, border, incident, glass, theta_deg, Branching::Split));
+            }
+            for (eta, theta_deg) in [(1.5, 80.0), (0.25, 45.0), (1.0 + 1e-9, 70.0)] {
+                let glass = Material::dielectric(eta).unwrap();
+                cases.push((0.5, border, incident, glass, theta_deg, Branching::Pick));
+            }
+            let gold = Material::conductor(0.21, 3.272).unwrap();
+            let rough = [0.5, 2.0][i % 2];
+            cases.push((rough, border, incident, gold, 60.0, Branching::Split));
+            let mirror = Material::Mirror;
+            cases.push((0.3, border, incident, mirror, 80.0, Branching::Split));
+        }
+    }
+    for (number, (s, border, incident, material, theta_deg, branching)) in
+        cases.into_iter().enumerate()
+    {
+        let field = gaussian(s, [9, 10], [1.0, 1.3], number as u64).with_border(border);
+        let surface = Surface::new(field);
+        let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let light = Light {
+            material,
+            incident,
+            branching,
+            weakest: 1e-6,
+            max_order: MAX_ORDER as usize,
+        };
+        let settings = PathSettings::new(branching, light.weakest, MAX_ORDER).unwrap();
+        let tracer = Tracer::new(&surface, &*accelerator, material, incident, settings);
+        let incidence = Incidence::from_degrees(theta_deg, 50.0 * number as f64).unwrap();
+        let scheme = BySide(&*accelerator);
+
+        // Picked branches draw random numbers on their way, in an order that only one ray has in
+        // common; so these are compared ray by ray, the others all at once as well.
+        for ray in 0..60 {
+            let mut rng = generator(number, ray);
+            let (u, v) = (rng.random(), rng.random());
+            let heading = start(&surface, &light, incidence, u, v);
+            let account = walk(&surface, &scheme, &light, heading, &mut rng);
+            let mut rng = generator(number, ray);
+            let (values, _) = tracer.batch(
+                &Illumination::new(incidence, false),
+                1,
+                layout,
+                None,
+                &mut rng,
+            );
+            assert_eq!(account.weak, 0);
+            assert_same(&values, layout, &account);
+        }
+        if branching == Branching::Split {
+            let mut rng = generator(number, 100);
+            let mut account = Account::default();
+            for [column, row] in z_curve(side) {
+                let [u, v] = [column, row].map(|i| {
+                    let width = 1.0 / f64::from(side);
+                    (f64::from(i) + rng.random::<f64>()) * width
+                });
+                let heading = start(&surface, &light, incidence, u, v);
+                let mut unused = generator(number, 101);
+                account.add(&walk(&surface, &scheme, &light, heading, &mut unused));
+            }
+            let mut rng = generator(number, 100);
+            let (values, work) = tracer.batch(
+                &Illumination::new(incidence, false),
+                side,
+                layout,
+                None,
+                &mut rng,
+            );
+            assert_eq!(account.weak, 0);
+            assert_eq!(work.segments + work.segments_skipped, account.segments);
+            assert_same(&values, layout, &account);
+        }
+    }
+}
+
+/// Columns and rows of a square, along a Z curve.
+fn z_curve(side: u32) -> Vec<[u32; 2]> {
+    let mut places: Vec<[u32; 2]> = (0..side * side).map(|i| [i % side, i / side]).collect();
+    let code = |[column, row]: [u32; 2]| {
+        (0..16).fold(0_u64, |code, bit| {
+            let (x, y) = (u64::from(column >> bit & 1), u64::from(row >> bit & 1));
+            code | x << (2 * bit) | y << (2 * bit + 1)
+        })
+    };
+    places.sort_by_key(|&place| code(place));
+    places
+}
+
+/// Asserts that `Tracer::batch` gave what paths one by one gave.
+fn assert_same(values: &[f64], layout: Layout, account: &Account) {
+    let rays = account.rays as f64;
+    // Each leg adds at most 2 eps of the whole, here and there; see `Row::book`.
+    let bound = 4.0 * f64::EPSILON * (account.segments + 1) as f64;
+    let assert_near = |entry: usize, expected: f64, what: &str| {
+        let difference = (values[entry] - expected / rays).abs();
+        assert!(
+            difference <= bound,
+            "{what}: {} is not {}",
+            values[entry],
+            expected / rays
+        );
+    };
+    for side in Side::BOTH {
+        for order in 1..=MAX_ORDER as usize {
+            let orders = &account.by_order[side.index()];
+            let expected = orders.get(order).copied().unwrap_or(0.0);
+            assert_near(layout.order(side, order), expected, "order");
+        }
+    }
+    assert_near(Layout::ABSORBED, account.absorbed, "absorbed");
+    assert_near(Layout::LEFT_PATCH, account.left_patch, "left");
+    let truncated = account.truncated + account.left_patch;
+    assert_near(Layout::TRUNCATED, truncated, "truncated");
+    assert_near(Layout::LOST, account.lost, "lost");
+}

@@ -1,0 +1,424 @@
+//! Validity maps: verdicts, the files, and runs that go on where they were left.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{asperity, files, json, refused, succeed, words};
+
+/// Four cells on which something holds, fails and is not resolved; in a fraction of a second.
+const CONFIG: &str = "
+    [surface]
+    smoothness = [1, 100]
+    tau = 4
+    size = 64
+    [light]
+    theta = [0, 60]
+    [run]
+    realisations = 12
+    rays = 24000
+    bins = \"18x6\"
+    [compare]
+    models = [\"xu-sun\", \"smith\"]
+";
+
+const CELLS: [&str; 4] = [
+    "s100_n1.5_theta0.json",
+    "s100_n1.5_theta60.json",
+    "s1_n1.5_theta0.json",
+    "s1_n1.5_theta60.json",
+];
+
+const FILES: [&str; 8] = [
+    "cells",
+    "map.csv",
+    "map_all.png",
+    "map_all.svg",
+    "map_own.png",
+    "map_own.svg",
+    "report.txt",
+    "summary.json",
+];
+
+/// A folder with the configuration.
+fn with_config() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("m.toml"), CONFIG).unwrap();
+    folder
+}
+
+/// The rows of map.csv, by the names of its columns.
+struct Table {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    fn read(folder: &Path) -> Self {
+        let text = fs::read_to_string(folder.join("map.csv")).unwrap();
+        let split = |line: &str| line.split(',').map(str::to_owned).collect();
+        let mut lines = text.lines();
+        Self {
+            header: split(lines.next().unwrap()),
+            rows: lines.map(split).collect(),
+        }
+    }
+
+    fn get(&self, row: &[String], name: &str) -> String {
+        let column = self.header.iter().position(|c| c == name).unwrap();
+        row[column].clone()
+    }
+
+    /// The row of one cell, model and share of the light.
+    fn row(&self, s: &str, theta: &str, model: &str, light: &str) -> &[String] {
+        let wanted = [
+            ("s", s),
+            ("theta_deg", theta),
+            ("model", model),
+            ("light", light),
+        ];
+        let is_it = |row: &&Vec<String>| wanted.iter().all(|(k, v)| self.get(row, k) == *v);
+        let mut found = self.rows.iter().filter(is_it);
+        let row = found.next().unwrap();
+        assert!(found.next().is_none());
+        row
+    }
+
+    fn verdict(&self, s: &str, theta: &str, model: &str, light: &str) -> String {
+        self.get(self.row(s, theta, model, light), "verdict")
+    }
+}
+
+fn assert_same_bytes(a: &Path, b: &Path) {
+    assert_eq!(files(a), files(b));
+    for name in files(a) {
+        let (a, b) = (a.join(&name), b.join(&name));
+        if a.is_dir() {
+            assert_same_bytes(&a, &b);
+        } else {
+            assert!(fs::read(&a).unwrap() == fs::read(&b).unwrap(), "{name}");
+        }
+    }
+}
+
+/// Nothing deviates at s = 100 and 0 degrees: single scattering is all, and every model has it. At s = 1
+/// the visibility of Xu and Sun loses some 4 % of the light at 0 degrees, and more than 10 % at 60.
+#[test]
+fn a_map_holds_fails_and_writes_its_files() {
+    let folder = with_config();
+    let folder = folder.path();
+    let text = succeed(folder, &words("map m.toml -o out"));
+    let out = folder.join("out");
+    assert_eq!(files(&out), FILES);
+    assert_eq!(files(&out.join("cells")), CELLS);
+    let report = fs::read_to_string(out.join("report.txt")).unwrap();
+    assert_eq!(text, format!("{report}\nresults in out\n"));
+    assert!(report.contains("validity map: 4 of 4 cells; s = 1, 100; theta = 0, 60 deg"));
+
+    let table = Table::read(&out);
+    assert_eq!(table.rows.len(), 4 * 2 * 2);
+    for light in ["own", "all"] {
+        for model in ["xu-sun", "smith"] {
+            assert_eq!(table.verdict("100", "0", model, light), "holds");
+        }
+        for theta in ["0", "60"] {
+            assert_eq!(table.verdict("1", theta, "xu-sun", light), "fails");
+        }
+    }
+    // Nearly flat glass: Fresnel's 4 % at 0 degrees; at 60 degrees mirror and Snell, both near the edge
+    // of a bin of 5 degrees, which tells where they are.
+    let number = |theta, name: &str| {
+        let row = table.row("100", theta, "smith", "own");
+        table.get(row, name).parse::<f64>().unwrap()
+    };
+    assert!((number("0", "reflected_explicit") - 0.04).abs() < 1e-4);
+    assert!((number("0", "transmitted_model") - 0.96).abs() < 1e-3);
+    let snell = (60.0_f64.to_radians().sin() / 1.5).asin().to_degrees();
+    for (name, angle) in [("reflected", 60.0), ("transmitted", snell)] {
+        let peak = number("60", &format!("{name}_peak_explicit_deg"));
+        assert!((peak - angle).abs() <= 2.6, "{name}: {peak}");
+    }
+    assert_eq!(table.verdict("100", "60", "smith", "own"), "holds");
+    // Light scattered more than once counts against a model of single scattering, and only over all light.
+    let of = |light, name: &str| {
+        let row = table.row("1", "60", "smith", light);
+        table.get(row, name).parse::<f64>().unwrap()
+    };
+    assert!(
+        of("all", "total_variation_low") > 0.05,
+        "{}",
+        of("all", "total_variation")
+    );
+    assert!(of("own", "total_variation_low") < 0.05);
+    for row in &table.rows {
+        let number = |name: &str| table.get(row, name).parse::<f64>().unwrap();
+        let [low, value, high] = [
+            "total_variation_low",
+            "total_variation",
+            "total_variation_high",
+        ]
+        .map(number);
+        assert!(low <= value && value < high && low >= 0.0);
+        let [explicit, model, difference] = [
+            "transmitted_explicit",
+            "transmitted_model",
+            "transmitted_difference",
+        ]
+        .map(number);
+        assert!((explicit - model - difference).abs() < 1e-12);
+        let [low, high] = ["transmitted_difference_low", "transmitted_difference_high"].map(number);
+        assert!(low < difference && difference < high);
+        // What leaves with more or less energy has to have moved.
+        let moved = 2.0 * number("total_variation") + 1e-9;
+        assert!(difference.abs() <= moved);
+    }
+
+    let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+    assert_eq!(
+        (&summary["schema"], &summary["command"]),
+        (&1.into(), &"map".into())
+    );
+    assert_eq!(summary["complete"], true);
+    assert_eq!(summary["cells"].as_array().unwrap().len(), 4);
+    let text = fs::read_to_string(out.join("summary.json")).unwrap();
+    assert!(!text.contains("seconds") && !text.contains("threads"));
+    let smith = summary["summary"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .find(|s| s["model"] == "smith" && s["light"] == "own")
+        .unwrap();
+    assert_eq!(smith["holds_from"][0][0], 0.0);
+    let cells: u64 = (0..3).map(|i| smith["cells"][i].as_u64().unwrap()).sum();
+    assert_eq!(cells, 4);
+}
+
+/// `--max-time` ends a run between cells, so that each call adds one and the last one completes the map.
+#[test]
+fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads() {
+    let folder = with_config();
+    let folder = folder.path();
+    succeed(folder, &words("map m.toml --threads 1 -o whole"));
+    let mut calls = 0;
+    for threads in ["2", "1", "3", "2"] {
+        calls += 1;
+        let line = words("map m.toml --max-time 1e-9 -o parts --threads");
+        let output = asperity(folder, &[&line[..], &[threads]].concat());
+        assert!(output.status.success());
+        assert_eq!(files(&folder.join("parts/cells")).len(), calls);
+        let told = String::from_utf8(output.stderr).unwrap();
+        if calls < 4 {
+            let expected = format!(
+                "the time is over; {calls} of 4 cells are there and mapped, and the same command goes on from there\n"
+            );
+            assert_eq!(told, expected);
+            let report = fs::read_to_string(folder.join("parts/report.txt")).unwrap();
+            assert!(report.contains(&format!("{} of 4 cells are not there yet", 4 - calls)));
+            let rows = Table::read(&folder.join("parts")).rows.len();
+            assert_eq!(rows, calls * 4);
+        } else {
+            assert_eq!(told, "");
+        }
+    }
+    // What a time was given for is the only thing that may differ, and it is not written.
+    assert_same_bytes(&folder.join("whole"), &folder.join("parts"));
+    // Once more, with nothing to do.
+    succeed(folder, &words("map m.toml -o parts"));
+    assert_same_bytes(&folder.join("whole"), &folder.join("parts"));
+}
+
+#[test]
+fn other_tolerances_need_no_tracing_and_change_verdicts() {
+    let folder = with_config();
+    let folder = folder.path();
+    succeed(folder, &words("map m.toml --quiet --no-plots -o out"));
+    let cell = folder.join("out/cells/s1_n1.5_theta0.json");
+    let before = fs::metadata(&cell).unwrap().modified().unwrap();
+    let verdict = || Table::read(&folder.join("out")).verdict("1", "0", "xu-sun", "own");
+    assert_eq!(verdict(), "fails");
+    let wide = "map m.toml --quiet --no-plots --tolerance-total-variation 0.9 --tolerance-energy 0.9 --tolerance-peak 180 -o out";
+    succeed(folder, &words(wide));
+    assert_eq!(verdict(), "holds");
+    let after = fs::metadata(&cell).unwrap().modified().unwrap();
+    assert_eq!(before, after);
+}
+
+/// 60 rays cannot tell 1 % from nothing: even where no ray deviates, three of them may have been missed.
+#[test]
+fn too_small_a_budget_is_not_resolved() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let surfaces = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6";
+    let run = |rest: &str, out: &str| {
+        let line = format!("{surfaces} {rest} -o {out}");
+        succeed(folder, &words(&line));
+        let table = Table::read(&folder.join(out));
+        (table.get(&table.rows[0], "verdict"), table)
+    };
+    let (verdict, table) = run("--smoothness 100 --rays 60 --realisations 10", "few");
+    assert_eq!(verdict, "not resolved");
+    let row = &table.rows[0];
+    let high: f64 = table.get(row, "total_variation_high").parse().unwrap();
+    let rays: f64 = table.get(row, "rays").parse().unwrap();
+    println!("up to {high} of {rays} rays");
+    assert!(high >= 3.0 / rays);
+    let (verdict, _) = run("--smoothness 100 --rays 6000 --realisations 10", "enough");
+    assert_eq!(verdict, "holds");
+    // Fewer than eight surfaces say nothing of their scatter, however many rays.
+    for surfaces in ["1", "7"] {
+        let flags = format!("--smoothness 100 --rays 6000 --realisations {surfaces}");
+        let (verdict, table) = run(&flags, surfaces);
+        assert_eq!(verdict, "not resolved");
+        assert_eq!(table.get(&table.rows[0], "total_variation_high"), "");
+    }
+    // Where a bound says that nothing can deviate, nothing needs to be traced.
+    let target = "map --tau 4 --size 32 --theta 0 --models smith --no-plots --quiet --bins 6x6 --smoothness 100 --target-error 1e-3 -o bound";
+    succeed(folder, &words(target));
+    let table = Table::read(&folder.join("bound"));
+    assert_eq!(table.verdict("100", "0", "smith", "own"), "holds");
+    assert_eq!(table.get(&table.rows[0], "rays"), "0");
+}
+
+/// A model of all orders has one and the same claim on its own light and on all.
+#[test]
+fn a_model_of_all_orders_is_the_same_over_both_shares() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "map --tau 4 --size 64 --smoothness 1 --theta 40 --models smith,heitz --realisations 10 --rays 20000 --model-rays 20000 --bins 18x6 --no-plots --quiet -o out";
+    succeed(folder.path(), &words(line));
+    let table = Table::read(&folder.path().join("out"));
+    let both = ["own", "all"].map(|light| {
+        let row = table.row("1", "40", "heitz", light);
+        assert_eq!(table.get(row, "model_rays"), "20000");
+        table.get(row, "total_variation")
+    });
+    assert_eq!(both[0], both[1]);
+    let of = |model| -> f64 {
+        let row = table.row("1", "40", model, "all");
+        table.get(row, "total_variation").parse().unwrap()
+    };
+    assert!(
+        of("heitz") < 0.7 * of("smith"),
+        "{} {}",
+        of("heitz"),
+        of("smith")
+    );
+}
+
+#[test]
+fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
+    let folder = with_config();
+    let folder = folder.path();
+    succeed(folder, &words("map m.toml --quiet --no-plots -o out"));
+    let cell = folder.join("out/cells/s100_n1.5_theta0.json");
+    let whole = fs::read_to_string(&cell).unwrap();
+    let table = fs::read(folder.join("out/map.csv")).unwrap();
+    let changed = |from: &str, to: &str| {
+        assert!(whole.contains(from), "{from} in {whole}");
+        whole.replacen(from, to, 1)
+    };
+    let cut = &whole[..whole.len() / 2];
+    for damaged in [
+        "",
+        cut,
+        "{}",
+        "[1, 2]",
+        &changed("\"surfaces\": 12", "\"surfaces\": 13"),
+        &changed("\"deviation_bound\": null", "\"deviation_bound\": 0.5"),
+        &changed("\"results\"", "\"result\""),
+    ] {
+        fs::write(&cell, damaged).unwrap();
+        let output = asperity(folder, &words("map m.toml --quiet --no-plots -o out"));
+        let told = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success(), "{told}");
+        assert!(
+            told.contains("theta0.json is damaged and was found anew") && told.lines().count() == 1,
+            "{told}"
+        );
+        assert_eq!(fs::read_to_string(&cell).unwrap(), whole);
+        assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
+    }
+    for (foreign, what) in [
+        (changed("\"schema\": 1", "\"schema\": 2"), "schema 2"),
+        (changed("\"version\": \"0", "\"version\": \"7"), "version 7"),
+    ] {
+        fs::write(&cell, foreign).unwrap();
+        let told = refused(folder, &words("map m.toml --no-plots -o out"), 1);
+        assert!(
+            told.contains("another map") && told.contains(what),
+            "{told}"
+        );
+    }
+    fs::write(&cell, &whole).unwrap();
+    for (flags, what) in [
+        ("--rays 5000", "run.rays 24000 in place of 5000"),
+        ("--models smith", "compare.models"),
+        ("--seed 2", "run.seed 1 in place of 2"),
+        ("--tau 5", "surface.tau 4.0 in place of 5.0"),
+    ] {
+        let line = format!("map m.toml --no-plots -o out {flags}");
+        let told = refused(folder, &words(&line), 1);
+        assert!(told.contains(what), "{told}");
+    }
+    // A larger map of the same cells takes them up.
+    let output = asperity(
+        folder,
+        &words("map m.toml --quiet --no-plots --theta 0,40,60 --max-time 1e-9 -o out"),
+    );
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(told.contains("5 of 6 cells are there"), "{told}");
+}
+
+#[test]
+fn what_makes_no_map_is_refused() {
+    let folder = with_config();
+    let folder = folder.path();
+    for (line, what) in [
+        ("map m.toml --models none -o out", "needs models"),
+        ("map m.toml --models ggx -o out", "ggx"),
+        (
+            "map m.toml --tolerance-energy 0 -o out",
+            "tolerance energy is 0",
+        ),
+        ("map m.toml --tolerance-peak nan -o out", "finite"),
+        ("map m.toml --alpha 0.05 -o out", "has tolerances"),
+        ("map m.toml --theta 90 -o out", "below 90"),
+        ("map m.toml --tau 2 -o out", "--insist"),
+        (
+            "map m.toml --models cook-torrance-neumann -o out",
+            "reflect",
+        ),
+        ("map m.toml", "--output"),
+    ] {
+        let told = refused(folder, &words(line), 2);
+        assert!(told.contains(what), "{line}: {told}");
+    }
+    assert!(!folder.join("out").exists());
+    fs::write(folder.join("bad.toml"), "[map]\nenergie = 1\n").unwrap();
+    let told = refused(folder, &words("map bad.toml -o out"), 2);
+    assert!(
+        told.contains("energie") && told.contains("line 2"),
+        "{told}"
+    );
+    fs::create_dir_all(folder.join("dir/cells")).unwrap();
+    fs::create_dir_all(folder.join("dir/cells/s1_n1.5_theta0.json")).unwrap();
+    let told = refused(folder, &words("map m.toml -o dir"), 1);
+    assert!(told.contains("s1_n1.5_theta0.json"), "{told}");
+}
+
+#[test]
+fn the_examples_are_maps() {
+    for (name, cells) in [("validity_map", 8 * 2 * 5), ("small_map", 4 * 2)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
+        let text = fs::read_to_string(path).unwrap();
+        let config = asperity_experiment::MapConfig::from_toml(&text).unwrap();
+        config.check().unwrap();
+        assert_eq!(config.count().unwrap(), cells, "{name}");
+    }
+}

@@ -1,0 +1,171 @@
+//! Models by name: on their own, and beside explicit surfaces with single and multiple scattering apart.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+
+use serde_json::Value;
+use support::{json, refused, succeed, words};
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn every_model_says_where_it_holds() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = succeed(folder.path(), &["model", "--list"]);
+    for name in [
+        "xu-sun",
+        "xu-sun-mc",
+        "xu-sun-mc-smith",
+        "smith",
+        "smith-separable",
+        "heitz",
+        "v-cavity",
+        "cook-torrance-neumann",
+        "cook-torrance-neumann-smith",
+    ] {
+        assert!(text.lines().any(|line| line == name), "{name} in {text}");
+    }
+    // Name, description, range.
+    assert_eq!(text.lines().count(), 27);
+    assert_eq!(text.matches("\n  for ").count(), 9);
+}
+
+#[test]
+fn a_model_that_follows_rays_gives_energies_by_order_with_errors_and_bins() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags =
+        "model heitz --smoothness 1 --eta 1.5 --theta 30 --rays 2e4 --bins 9x12 --json -o bins.csv";
+    let result = json(&succeed(folder.path(), &words(flags)));
+    let energy = |name: &str| number(&result["energy"][name]["mean"]);
+    // Glass loses nothing but what roulette leaves open.
+    let sum = energy("reflected") + energy("transmitted") + energy("truncated");
+    let se = |name: &str| number(&result["energy"][name]["se"]);
+    // However the two are correlated.
+    let largest = se("reflected") + se("transmitted");
+    println!("sum {sum} +- {largest} at most");
+    assert!(largest > 0.0 && largest < 0.01);
+    assert!((sum - 1.0).abs() < 4.0 * largest);
+    let orders = result["orders"]["transmitted"].as_array().unwrap();
+    assert!(orders.len() > 3);
+    assert_eq!(number(&orders[0]["se"]), 0.0, "single scattering is exact");
+    assert!(number(&orders[1]["se"]) > 0.0);
+    assert_eq!(result["rays"], 20_032, "64 batches of 313 rays");
+    let table = fs::read_to_string(folder.path().join("bins.csv")).unwrap();
+    assert_eq!(table.lines().count(), 1 + 2 * 9 * 12);
+    let total: f64 = table
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').nth(6).unwrap().parse::<f64>().unwrap())
+        .sum();
+    assert!((total - energy("reflected") - energy("transmitted")).abs() < 1e-9);
+}
+
+#[test]
+fn a_closed_form_can_be_had_by_bins_and_turns_with_its_grooves() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |flags: &str| {
+        let flags = format!("model smith --smoothness 2 --eta 1.5 --theta 50 --json {flags}");
+        let result = json(&succeed(folder.path(), &words(flags.trim_end())));
+        number(&result["energy"]["reflected"]["mean"])
+    };
+    let round = of("");
+    assert_eq!(of("--smoothness-y 2"), round);
+    let across = of("--smoothness-y 8");
+    let along = of("--smoothness-y 8 --azimuth 90");
+    println!("isotropic {round}, light across the grooves {across}, along {along}");
+    assert!((across / along - 1.0).abs() > 0.01);
+    // Turning surface and light together changes nothing but the roundings of the axes.
+    let turned = of("--smoothness-y 8 --azimuth 25 --phi 25");
+    assert!((turned / across - 1.0).abs() < 1e-8, "{turned} {across}");
+}
+
+#[test]
+fn single_and_multiple_scattering_are_judged_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "verify --tau 8 --size 128 --smoothness 1 --realisations 12 --rays 6e4 --models \
+                 smith,heitz --model-rays 6e4 --bins 9x12 -o out";
+    let text = succeed(folder.path(), &words(flags));
+    for heading in ["single scattering", "multiple scattering", "all orders"] {
+        assert!(text.contains(&format!("\n{heading} ")), "{heading}: {text}");
+    }
+    for sentence in ["Single", "Multiple", "All orders together"] {
+        assert!(text.contains(&format!("\n{sentence}")), "{sentence}");
+    }
+    let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+    let models = &json(&summary)["comparison"]["models"];
+    let [smith, heitz] = [&models[0], &models[1]];
+    assert_eq!(smith["scope"], "single-scattering");
+    assert_eq!(heitz["scope"], "all-orders");
+    assert!(smith["multiple"].is_null() && smith["total"]["verdict"].is_null());
+    assert!(heitz["multiple"]["verdict"].is_string() && heitz["total"]["verdict"].is_string());
+    assert_eq!(heitz["verdict"], heitz["total"]["verdict"]);
+    // The same closed form, which is exact, for light scattered once.
+    assert_eq!(
+        smith["single"]["total_variation"],
+        heitz["single"]["total_variation"]
+    );
+    let energy = |share: &str| {
+        let of = &heitz["energy"][share];
+        number(&of["reflected"]["mean"]) + number(&of["transmitted"]["mean"])
+    };
+    assert!((energy("single") + energy("multiple") - energy("total")).abs() < 1e-12);
+    assert!(energy("multiple") > 0.05);
+    // What a model of single scattering lacks is most of its distance from all light.
+    assert!(
+        number(&smith["total"]["total_variation"])
+            > 1.5 * number(&heitz["total"]["total_variation"])
+    );
+    let comparison = fs::read_to_string(folder.path().join("out/comparison.csv")).unwrap();
+    let header = comparison.lines().next().unwrap();
+    for column in ["flux_smith", "flux_multiple_heitz", "z_total_heitz"] {
+        assert!(header.split(',').any(|name| name == column), "{column}");
+    }
+    assert!(!header.contains("flux_multiple_smith"));
+}
+
+#[test]
+fn models_are_refused_what_they_cannot_do_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (
+            "verify --models cook-torrance-neumann -o out",
+            "cook-torrance-neumann describes reflected light alone",
+        ),
+        (
+            "verify --tau-y 32 --models xu-sun -o out",
+            "xu-sun is of isotropic surfaces",
+        ),
+        ("verify --models ggx -o out", "no model `ggx`"),
+        ("verify --model-rays 0 -o out", "1 or more"),
+        (
+            "model heitz --smoothness 2 --theta 30 --sphere",
+            "ask for --bins",
+        ),
+        (
+            "model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30",
+            "xu-sun-mc is of isotropic surfaces",
+        ),
+        ("model heitz --smoothness 0 --theta 30", "smoothness is 0"),
+        ("model heitz --theta 30", "smoothness"),
+        (
+            "model smith --smoothness 2 --azimuth 3 --theta 30",
+            "smoothness-y",
+        ),
+    ] {
+        let error = refused(folder.path(), &words(arguments), 2);
+        assert!(error.contains(expected), "{arguments}: {error}");
+    }
+    // Reflection alone is what it describes.
+    let reflection = "verify --tau 8 --size 64 --realisations 3 --rays 3e3 --side reflected \
+                      --models cook-torrance-neumann,v-cavity --no-plots -o out";
+    succeed(folder.path(), &words(reflection));
+}
