@@ -501,3 +501,16 @@ fn what_makes_no_sense_is_refused_in_a_sentence() {
     assert!(refused(folder, &words(line), 1).contains("memory"));
     assert!(files(folder).iter().all(|name| name.ends_with(".toml")));
 }
+
+#[test]
+fn the_examples_are_understood() {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    for (name, directions) in [("geometric_attenuation", 20), ("visibility", 4)] {
+        let path = examples.join(name).with_extension("toml");
+        let text = fs::read_to_string(path).unwrap();
+        let config = asperity_experiment::AttenuationConfig::from_toml(&text).unwrap();
+        config.check().unwrap();
+        let thetas = serde_json::to_value(&config.light.theta).unwrap();
+        assert_eq!(thetas.as_array().unwrap().len(), directions);
+    }
+}
