@@ -30,6 +30,7 @@
 //! grows as sigma does, for all sigma. The mirrored rays have no azimuth in common and are always rays.
 
 mod config;
+mod counts;
 mod demarcation;
 mod estimate;
 mod figures;
@@ -37,6 +38,7 @@ mod files;
 mod heights;
 mod plan;
 mod points;
+mod skyline;
 mod survey;
 mod tables;
 
@@ -63,10 +65,11 @@ pub use files::{attenuation_report, attenuation_summary};
 pub use heights::VisibilityRow;
 pub use tables::attenuation_table;
 
+use counts::{Area, Counts};
 use demarcation::Rises;
 use estimate::ratio;
 use plan::Plan;
-use survey::{Area, Counts, survey};
+use survey::survey;
 
 /// Why an attenuation run fails.
 #[derive(Debug, thiserror::Error)]
@@ -290,7 +293,7 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         smith_separable_g2: smith_separable_g2(slopes, wi, wo),
         smith_correlated_g2: smith_correlated_g2(slopes, wi, wo),
         v_cavity_g2: v_cavity_mean_g2(slopes, wi, wo),
-        paper_g2: of_all(&|counts| counts.pairs[pair].free),
+        paper_g2: share(&|counts| counts.paper[pair], &|counts| counts.samples),
         mirror_g2: (!counts[0].mirrored.is_empty()).then(|| of_all(&|counts| counts.mirrored[i])),
     }
 }
