@@ -129,3 +129,6 @@ fn sorted_pair<R: Rng>(rng: &mut R) -> [f64; 2] {
     let (a, b): (f64, f64) = (rng.random(), rng.random());
     [a.max(b), a.min(b)]
 }
+
+#[cfg(test)]
+mod tests;
