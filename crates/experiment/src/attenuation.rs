@@ -9,9 +9,12 @@
 //!   out of the ground; a point is counted once.) *Local* and *distant masking* are the same of `wo`.
 //! - *lit*: share of all points in no shadow. `g1`: share of those that face the light. `g1_view`: the same
 //!   of the view. `g2`: share of the points that face both directions that are lit and seen.
-//! - `paper_g2`: `1 - N_s / N` over all points, `N_s` those in one of the four: the counting of the 2019
-//!   paper. It watches from straight above, from where everything is seen on a height field; then it is
-//!   the lit share.
+//! - `paper_g2`: `1 - N_s / N` over the *samples* of the grid, `N_s` those in one of the four: the counting
+//!   of the 2019 paper (Sec. 2.2), for which each element of the matrix of heights is a microfacet. A sample
+//!   has six facets around it, and stands on the one into which the direction, to the light or to the eye, sets
+//!   out: along a row, the samples that follow decide alone. Of an open patch the samples of the border
+//!   are left out, around which facets are missing. The paper watches from straight above, from where
+//!   everything is seen on a height field; then it is the share of samples that are lit.
 //! - `mirror_g2`: share of all points that are lit and whose *mirrored* ray gets away, as the paper's Sec.
 //!   3.2.4 describes masking. It is not one at normal incidence.
 //! - `g1_projected`, `lit_projected`: weighted by projected areas. The light sees as much area as the mean
@@ -20,6 +23,14 @@
 //!   faces the light is more often hidden.
 //! - The *visibility* of a height is the share of the points there that face the light and see it.
 //!
+//! # Points and samples
+//! Where the edge of a shadow falls across a facet, the side away from the light is lit, and there the sample is
+//! that stands for it. So a lit point has a lit sample behind it, and each shadow is shorter
+//! by half a spacing in the mean if samples are counted; its other end is a ridge, a corner of the mesh in
+//! both. Therefore `paper_g2` under a vertical view is above `lit`, by a difference of first
+//! order in the spacing, while `lit` itself, being that of a mesh, is off by the second order.
+//!
+//! # Errors
 //! Shares are ratios of sums over surfaces. Points of one surface are correlated; errors are from the scatter
 //! between surfaces. Surfaces of different sigma are the same ones, higher or lower: errors at
 //! different sigma, as at different angles, are not independent. No surface is rescaled to its sigma.
@@ -30,6 +41,7 @@
 //! grows as sigma does, for all sigma. The mirrored rays have no azimuth in common and are always rays.
 
 mod config;
+mod counts;
 mod demarcation;
 mod estimate;
 mod figures;
@@ -37,6 +49,7 @@ mod files;
 mod heights;
 mod plan;
 mod points;
+mod skyline;
 mod survey;
 mod tables;
 
@@ -63,10 +76,11 @@ pub use files::{attenuation_report, attenuation_summary};
 pub use heights::VisibilityRow;
 pub use tables::attenuation_table;
 
+use counts::{Area, Counts};
 use demarcation::Rises;
 use estimate::ratio;
 use plan::Plan;
-use survey::{Area, Counts, survey};
+use survey::survey;
 
 /// Why an attenuation run fails.
 #[derive(Debug, thiserror::Error)]
@@ -137,7 +151,8 @@ pub struct AttenuationRow {
     pub smith_correlated_g2: f64,
     /// `g2` of V-cavities.
     pub v_cavity_g2: f64,
-    /// `1 - N_s / N` of the 2019 paper.
+    /// `1 - N_s / N` of the 2019 paper, over the samples of the grid: the share of those that are lit and
+    /// seen.
     pub paper_g2: Estimate,
     /// Share of all points that are lit and whose mirrored ray gets away.
     pub mirror_g2: Option<Estimate>,
@@ -150,6 +165,8 @@ pub struct AttenuationWork {
     pub realisations: u64,
     /// Points of a surface.
     pub points: u64,
+    /// Samples of a surface over which `paper_g2` is.
+    pub samples: u64,
     /// Rays or horizons.
     pub way: Way,
     /// Looks of which it could not be told what they see; they count as blocked.
@@ -208,7 +225,7 @@ pub fn attenuation(
         }
     }
     progress.end();
-    let Some(points) = counts[0].first().map(|counts| counts.points) else {
+    let Some(first) = counts[0].first() else {
         return Err(AttenuationError::Interrupted);
     };
     Ok(AttenuationOutcome {
@@ -222,7 +239,8 @@ pub fn attenuation(
         },
         work: AttenuationWork {
             realisations: counts[0].len() as u64,
-            points,
+            points: first.points,
+            samples: first.samples,
             way: plan.way,
             lost: counts.iter().flatten().map(|counts| counts.lost).sum(),
             seconds: began.elapsed().as_secs_f64(),
@@ -290,7 +308,7 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         smith_separable_g2: smith_separable_g2(slopes, wi, wo),
         smith_correlated_g2: smith_correlated_g2(slopes, wi, wo),
         v_cavity_g2: v_cavity_mean_g2(slopes, wi, wo),
-        paper_g2: of_all(&|counts| counts.pairs[pair].free),
+        paper_g2: share(&|counts| counts.paper[pair], &|counts| counts.samples),
         mirror_g2: (!counts[0].mirrored.is_empty()).then(|| of_all(&|counts| counts.mirrored[i])),
     }
 }

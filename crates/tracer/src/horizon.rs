@@ -108,21 +108,27 @@ impl<'a> Horizons<'a> {
         let climb = self.highest - point.z;
         let mut end = climb / beyond;
         // The way out of the own facet adds nothing to its rise but rounding.
-        let (mut edge, mut distance) = walk.leave();
+        let (mut edge, distance) = walk.leave();
+        let mut distance = distance.max(0.0);
         while walk.pass(edge, self.cells, self.surface.border()) {
             if walk.enters_block(edge, self.cells) {
                 let sight = |distance: f64| point.z + beyond * distance;
-                if !self.skip(&mut walk, distance, end, sight) {
-                    break;
+                match self.skip(&mut walk, distance, end, sight) {
+                    Some(onward) => distance = onward,
+                    None => break,
                 }
             }
-            (edge, distance) = walk.leave();
+            let next;
+            (edge, next) = walk.leave();
+            // On a way along diagonals rounding says anything about where it crosses one. It is not
+            // before the facet was entered.
+            distance = distance.max(next);
             if distance >= end {
                 break;
             }
             let rise = self.height_at(&walk, edge, distance) - point.z;
             // At a corner of the mesh crossings lie at no distance, where rounding would be a cliff.
-            if rise > beyond * distance.max(0.0) + self.rounding {
+            if rise > beyond * distance + self.rounding {
                 beyond = rise / distance;
                 end = climb / beyond;
             }
@@ -130,27 +136,27 @@ impl<'a> Horizons<'a> {
         Horizon { own, beyond }
     }
 
-    /// Passes over blocks that lie below the line `sight` where the walk enters them; false if it comes to
-    /// its end there, be it that of an open patch.
+    /// Passes over blocks that lie below the line `sight` where the walk enters them; the distance that it
+    /// has come, or `None` if it comes to its end there, be it that of an open patch.
     fn skip(
         &self,
         walk: &mut Walk,
         mut distance: f64,
         end: f64,
         sight: impl Fn(f64) -> f64,
-    ) -> bool {
+    ) -> Option<f64> {
         let row = self.cells[0].div_ceil(BLOCK);
         while distance < end {
             let [bx, by] = walk.tile.map(|place| place / BLOCK);
             if self.blocks[by * row + bx] >= sight(distance) {
-                return true;
+                return Some(distance);
             }
             match walk.leave_block(self.cells, self.surface.border()) {
                 Some(after) => distance = after,
-                None => return false,
+                None => return None,
             }
         }
-        false
+        None
     }
 
     /// z where a walk leaves its facet.

@@ -6,7 +6,7 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-use asperity_surface::{Border, HeightField, Psd, Synthesis};
+use asperity_surface::{Border, HeightField, Psd, Synthesis, Triangle};
 use asperity_tracer::{
     AcceleratorKind, Facet, Geometry, Horizon, HorizonError, Horizons, Look, Sight, Surface, look,
 };
@@ -177,6 +177,40 @@ fn rays_and_horizons_agree_point_by_point() {
     }
     println!("{asked} looks, {blocked} blocked, {differ} in grazing contact differ");
     assert!(blocked > asked / 10 && differ == 0);
+}
+
+#[test]
+fn from_corners_along_diagonals_the_corners_that_follow_are_the_horizon() {
+    // Over as many blocks as a tile has, in both directions of a diagonal; rounding of the azimuth puts
+    // the way on either side of it.
+    let n = 40;
+    let surface = Surface::new(rough(5.0, [n, n], [1.0, 1.0], 7));
+    let step = std::f64::consts::SQRT_2;
+    for (turn, (triangle, corner), onward) in [
+        (0.125, (Triangle::Lower, 0), 1),
+        (0.125, (Triangle::Upper, 0), 1),
+        (0.625, (Triangle::Lower, 2), n - 1),
+        (0.625, (Triangle::Upper, 1), n - 1),
+    ] {
+        let phi: f64 = turn * std::f64::consts::TAU;
+        for phi in [phi.next_down(), phi, phi.next_up()] {
+            let horizons = Horizons::new(&surface, phi, 0.01).unwrap();
+            for facet in surface.facets().filter(|facet| facet.triangle == triangle) {
+                let point = surface.corners(facet)[corner];
+                let [x, y] = [point.x, point.y].map(|place| place as usize);
+                let rises = (1..=n).map(|k| {
+                    let later = surface.z((x + k * onward) % n, (y + k * onward) % n);
+                    (later - point.z) / (k as f64 * step)
+                });
+                let expected = rises.fold(0.01, f64::max);
+                let found = horizons.of(facet, point).steepest();
+                assert!(
+                    (found - expected).abs() < 1e-12 * expected,
+                    "{found} {expected}"
+                );
+            }
+        }
+    }
 }
 
 /// Two tilted planes that meet in ridges along y: a triangle wave of `half` cells up and down, which rises

@@ -75,7 +75,7 @@ fn shadowed_share(steepest: &[f64], own: &[f64], enough: usize) -> Option<f64> {
 pub struct Demarcation {
     /// Root mean square height of the surfaces, length units.
     pub sigma: f64,
-    /// The smallest angle at which one point is dark: beyond it, G of the 2019 paper is below one.
+    /// The smallest angle at which one point is dark: beyond it, `lit` is below one.
     pub first_dark: Estimate,
     /// `cot(first_dark)` over the deviation of the slope: the same for every sigma, if angles scale.
     pub first_dark_scaled: Estimate,

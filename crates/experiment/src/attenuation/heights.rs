@@ -5,8 +5,8 @@ use asperity_optics::Incidence;
 use asperity_tally::Estimate;
 use serde::Serialize;
 
+use super::counts::Counts;
 use super::estimate::ratio;
-use super::survey::Counts;
 
 /// Bins of heights over sigma; the middle one lies about zero.
 pub(super) const BINS: usize = 29;

@@ -70,6 +70,12 @@ impl AttenuationConfig {
                 "drawn surfaces are periodic; border is periodic or open".to_owned(),
             ));
         }
+        if surface.border == Border::Open && shape.iter().any(|&samples| samples < 3) {
+            return Err(contradiction(format!(
+                "an open patch of {} x {} samples has none inside, where paper_g2 counts; take 3 or more a side",
+                shape[1], shape[0],
+            )));
+        }
         let lights = directions("theta", &self.light.theta, self.light.phi.0)?;
         let views = directions("view theta", &self.view.theta, self.view.phi.0)?;
         let thetas: Vec<f64> = lights.iter().map(|light| light.theta_deg()).collect();
@@ -128,11 +134,12 @@ impl AttenuationConfig {
         } else {
             0
         };
-        // Two facets a cell; a horizon takes 16 bytes, and the demarcation sorts two copies of its halves.
-        let copies = horizons + usize::from(self.run.demarcation);
+        // Two facets and a sample a cell; a horizon takes 16 bytes, and the demarcation sorts two copies of
+        // the halves of those of facets.
+        let sorted = usize::from(self.run.demarcation);
         let cells = nx.saturating_mul(ny);
         let bytes = traced_bytes(plan.shape, AcceleratorKind::Auto)
-            .saturating_add(cells.saturating_mul(32 * copies + 8 * horizons));
+            .saturating_add(cells.saturating_mul((48 + 8) * horizons + 32 * sorted));
         let drawn = plan.recipes.iter().map(Synthesis::peak_bytes).max();
         let bytes = bytes.max(drawn.unwrap_or(0));
         check_memory("measuring one surface", bytes)?;

@@ -1,17 +1,42 @@
-//! The points of a surface: one on each facet.
+//! The points of a surface, one on each facet, and the samples of its grid.
 
+use asperity_optics::Incidence;
+use asperity_surface::{Border, Triangle};
 use asperity_tracer::{Facet, Geometry, Look, Surface};
 use rand::{Rng, RngExt};
 
 use crate::stream::point_stream;
 
-/// Facets whose points share a random stream and are surveyed together.
+/// Facets whose points share a random stream and are surveyed together, with the samples of their cells.
 pub(super) const CHUNK: usize = 1 << 13;
 
-/// A point of the surface, looking at itself until it is told where to look.
+/// A point of the surface, looking along the normal of its facet until it is told where to look.
 pub(super) struct Point {
     pub(super) facet: Facet,
     pub(super) look: Look,
+    is_sample: bool,
+}
+
+impl Point {
+    /// What it looks at along a direction that its facet faces and that is not vertical.
+    pub(super) fn look_along(&self, direction: &Incidence, surface: &Surface) -> Look {
+        let w = direction.wi();
+        let mut origin = self.look.origin;
+        if self.is_sample {
+            // At the sample itself the ray touches six facets, which would hide or not as z is rounded. So
+            // it starts where it has gone half-way over its own, which has nothing to hide: facets reach
+            // from a corner as far as |x| + |y| = 1 at least.
+            let [x, y] = [w.x, w.y * surface.aspect()];
+            let half = 0.5 / (x.abs() + y.abs());
+            origin.x += half * x;
+            origin.y += half * y;
+            origin.z += half * w.z;
+        }
+        Look {
+            origin,
+            direction: w,
+        }
+    }
 }
 
 /// Numbers of the chunks of a surface.
@@ -38,8 +63,65 @@ pub(super) fn points(
             origin: surface.snap(facet, place),
             direction: surface.normal(facet),
         };
-        Point { facet, look }
+        Point {
+            facet,
+            look,
+            is_sample: false,
+        }
     })
+}
+
+/// The samples of a chunk, each on that of the six facets around it into which the azimuth, radians, sets
+/// out. Along an edge either facet does: they rise alike along it.
+///
+/// A periodic surface has one a cell, its first corner. Of an open patch those of the border are left out,
+/// around which facets are missing.
+pub(super) fn samples(
+    surface: &Surface,
+    azimuth: f64,
+    chunk: usize,
+) -> impl Iterator<Item = Point> + '_ {
+    let [cx, cy] = surface.cells();
+    let (sin_phi, cos_phi) = azimuth.sin_cos();
+    let [x, y] = [cos_phi, sin_phi * surface.aspect()];
+    let (left, below) = (x < 0.0, y < 0.0);
+    // The triangle, and which of its corners the sample is, in the order of `Geometry::corners`.
+    let (triangle, corner) = match (left, below) {
+        (false, false) if y <= x => (Triangle::Lower, 0),
+        (false, false) => (Triangle::Upper, 0),
+        (true, false) => (Triangle::Lower, 1),
+        (true, true) if x.abs() <= y.abs() => (Triangle::Lower, 2),
+        (true, true) => (Triangle::Upper, 1),
+        (false, true) => (Triangle::Upper, 2),
+    };
+    let first = if surface.border() == Border::Open {
+        1
+    } else {
+        0
+    };
+    let before = |place: usize, back: bool, cells: usize| {
+        (if back { place + cells - 1 } else { place }) % cells
+    };
+    let cells = CHUNK / 2;
+    (cells * chunk..(cells * (chunk + 1)).min(cx * cy))
+        .map(move |number| (number % cx, number / cx))
+        .filter(move |&(ix, iy)| ix >= first && iy >= first)
+        .map(move |(ix, iy)| {
+            let facet = Facet {
+                iy: before(iy, below, cy) as u32,
+                ix: before(ix, left, cx) as u32,
+                triangle,
+            };
+            let look = Look {
+                origin: surface.corners(facet)[corner],
+                direction: surface.normal(facet),
+            };
+            Point {
+                facet,
+                look,
+                is_sample: true,
+            }
+        })
 }
 
 /// Two uniform numbers, the larger one first: a uniform point of a triangle.
@@ -49,31 +131,4 @@ fn sorted_pair<R: Rng>(rng: &mut R) -> [f64; 2] {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use asperity_surface::HeightField;
-
-    #[test]
-    fn points_are_spread_evenly_over_the_mean_plane_and_differ_from_chunk_to_chunk() {
-        let field = HeightField::new(vec![0.0; 64 * 128], [64, 128], [1.0, 1.0]).unwrap();
-        let surface = Surface::new(field);
-        assert_eq!(chunks(&surface).len(), 2);
-        let of = |chunk| -> Vec<[f64; 2]> {
-            points(&surface, 3, 5, chunk)
-                .map(|point| [point.look.origin.x.fract(), point.look.origin.y.fract()])
-                .collect()
-        };
-        let places = [of(0), of(1)];
-        assert_ne!(places[0], places[1]);
-        // Mean 1/2 and mean square 1/3 of n uniform numbers: deviations of 0.289 and 0.298 over root n.
-        let all = places.concat();
-        let root = (all.len() as f64).sqrt();
-        for axis in [0, 1] {
-            let mean = |power: i32| {
-                all.iter().map(|place| place[axis].powi(power)).sum::<f64>() / all.len() as f64
-            };
-            assert!((mean(1) - 0.5).abs() < 4.0 * 0.289 / root);
-            assert!((mean(2) - 1.0 / 3.0).abs() < 4.0 * 0.298 / root);
-        }
-    }
-}
+mod tests;

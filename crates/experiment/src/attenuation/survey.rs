@@ -1,93 +1,27 @@
-//! One surface surveyed: which of its points face, see and are seen, counted.
-
-use std::ops::AddAssign;
+//! One surface surveyed: which of its points and samples face, see and are seen, counted.
 
 use asperity_optics::{Incidence, reflect};
 use asperity_surface::HeightField;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Geometry, Horizon, Horizons, Look, Sight, Surface, look,
+    Accelerator, AcceleratorKind, Geometry, Horizon, Look, Sight, Surface, look,
 };
 use rayon::prelude::*;
 
 use super::config::Way;
+use super::counts::{Area, Counts, Seen};
 use super::heights::{self, BINS};
 use super::plan::Plan;
-use super::points::{CHUNK, Point, chunks, points};
+use super::points::{CHUNK, Point, chunks, points, samples};
+use super::skyline::{Skyline, cotangent, find_skylines, least_rise};
 use super::{AttenuationConfig, AttenuationError};
 use crate::limits::{RunError, check_grazing};
 use crate::progress::Progress;
-
-/// Points that face a direction, and those of them that see it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Seen {
-    pub(super) facing: u64,
-    pub(super) free: u64,
-}
-
-impl AddAssign for Seen {
-    fn add_assign(&mut self, other: Self) {
-        self.facing += other.facing;
-        self.free += other.free;
-    }
-}
-
-/// Projected areas of points that face a direction, and of those that see it, over that of the mean plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Area {
-    pub(super) facing: f64,
-    pub(super) free: f64,
-}
-
-/// What was counted on a surface, or on a part of it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Counts {
-    pub(super) points: u64,
-    /// One a light.
-    pub(super) lights: Vec<Seen>,
-    /// The same lights' projected areas, each point having one of the mean plane.
-    pub(super) areas: Vec<Area>,
-    /// One a view.
-    pub(super) views: Vec<Seen>,
-    /// Points that face both directions, and those of them that are lit and seen; views of one light after
-    /// the other.
-    pub(super) pairs: Vec<Seen>,
-    /// Lit points whose mirrored ray gets away, one a light.
-    pub(super) mirrored: Vec<u64>,
-    /// Points that face a light and are lit, by their height; the bins of one light after the other.
-    pub(super) heights: Vec<Seen>,
-    /// Looks of which it cannot be told what they see.
-    pub(super) lost: u64,
-}
-
-impl Counts {
-    fn add(mut self, other: Self) -> Self {
-        if self.points == 0 {
-            return other;
-        }
-        let sum = |into: &mut Vec<Seen>, from: &[Seen]| {
-            into.iter_mut().zip(from).for_each(|(a, b)| *a += *b);
-        };
-        self.points += other.points;
-        sum(&mut self.lights, &other.lights);
-        sum(&mut self.views, &other.views);
-        sum(&mut self.pairs, &other.pairs);
-        sum(&mut self.heights, &other.heights);
-        for (a, b) in self.areas.iter_mut().zip(&other.areas) {
-            a.facing += b.facing;
-            a.free += b.free;
-        }
-        let mirrored = self.mirrored.iter_mut().zip(&other.mirrored);
-        mirrored.for_each(|(a, b)| *a += b);
-        self.lost += other.lost;
-        self
-    }
-}
 
 /// What was found on one realisation.
 pub(super) struct Surveyed {
     /// One a sigma.
     pub(super) counts: Vec<Counts>,
-    /// Horizons along the azimuth of the lights, on the surface of the first sigma, and the least rise that
+    /// Horizons of the points along the azimuth of the lights, on the surface of the first sigma, and the least rise that
     /// they tell apart.
     pub(super) horizons: Option<(Vec<Horizon>, f64)>,
 }
@@ -108,8 +42,8 @@ pub(super) fn survey(
     };
     let first = draw(0)?;
     let least = least_rise(config, plan);
-    let horizons = if plan.needs_horizons(run) {
-        Some(find_horizons(config, plan, &first, index, least)?)
+    let skylines = if plan.needs_horizons(run) {
+        Some(find_skylines(config, plan, &first, index, least)?)
     } else {
         None
     };
@@ -135,7 +69,7 @@ pub(super) fn survey(
             sigma: plan.sigmas[sigma],
             surface: &surface,
             accelerator: &*accelerator,
-            horizons: horizons.as_deref().filter(|_| plan.way == Way::Horizons),
+            skylines: skylines.as_deref().filter(|_| plan.way == Way::Horizons),
             steeper: plan.sigmas[sigma] / plan.sigmas[0],
             azimuths: plan.azimuths(),
             index,
@@ -145,55 +79,8 @@ pub(super) fn survey(
     }
     Ok(Some(Surveyed {
         counts,
-        horizons: horizons.map(|mut all| (all.swap_remove(0), least)),
+        horizons: skylines.map(|mut all| (all.swap_remove(0).points, least)),
     }))
-}
-
-/// Horizons of all points along each azimuth.
-fn find_horizons(
-    config: &AttenuationConfig,
-    plan: &Plan,
-    surface: &Surface,
-    index: u64,
-    least: f64,
-) -> Result<Vec<Vec<Horizon>>, AttenuationError> {
-    plan.azimuths()
-        .into_iter()
-        .map(|azimuth| {
-            let horizons = Horizons::new(surface, azimuth, least)?;
-            let chunks = chunks(surface);
-            let found: Vec<Vec<Horizon>> = chunks
-                .into_par_iter()
-                .map(|chunk| {
-                    points(surface, config.run.seed, index, chunk)
-                        .map(|point| horizons.of(point.facet, point.look.origin))
-                        .collect()
-                })
-                .collect();
-            Ok(found.concat())
-        })
-        .collect()
-}
-
-/// The least rise of interest on the surface of the first sigma; on others all rises are larger or smaller as
-/// sigma is.
-fn least_rise(config: &AttenuationConfig, plan: &Plan) -> f64 {
-    let steepest = plan.sigmas.iter().copied().fold(0.0, f64::max);
-    let mut least = f64::INFINITY;
-    for direction in plan.lights.iter().chain(&plan.views) {
-        least = least.min(cotangent(direction) * plan.sigmas[0] / steepest);
-    }
-    if config.run.demarcation {
-        // More than half of all points are dark where rises are as small as this.
-        least = least.min(0.1 * plan.slopes[0].xx().sqrt());
-    }
-    // Rounding must not lift it above a cotangent; vertical light alone has none.
-    (least * (1.0 - 1e-9)).min(f64::MAX)
-}
-
-/// `cot(theta)`.
-fn cotangent(direction: &Incidence) -> f64 {
-    direction.theta().tan().recip()
 }
 
 /// One surface, and what is asked of it.
@@ -203,9 +90,9 @@ struct Site<'a> {
     sigma: f64,
     surface: &'a Surface,
     accelerator: &'a dyn Accelerator<Surface>,
-    /// Horizons of all points along each azimuth, where points see by them.
-    horizons: Option<&'a [Vec<Horizon>]>,
-    /// How many times steeper this surface is than that of the horizons.
+    /// Horizons along each azimuth, where points see by them.
+    skylines: Option<&'a [Skyline]>,
+    /// How many times steeper this surface is than that of the skylines.
     steeper: f64,
     azimuths: Vec<f64>,
     index: u64,
@@ -256,12 +143,17 @@ impl Site<'_> {
             points: points.len() as u64,
             ..Counts::default()
         };
-        let first = CHUNK * chunk;
         let plan = self.plan;
+        let first = CHUNK * chunk;
+        let mark = |direction: &Incidence, lost: &mut u64| {
+            let skyline = self.skyline(direction);
+            let horizons = skyline.map(|all| &all.points[first..first + points.len()]);
+            self.mark(direction, &points, horizons, lost)
+        };
         let views: Vec<Marks> = plan
             .views
             .iter()
-            .map(|view| self.mark(view, first, &points, &mut counts.lost))
+            .map(|view| mark(view, &mut counts.lost))
             .collect();
         counts.views = views.iter().map(Marks::count).collect();
         let bins: Vec<Option<usize>> = if self.config.run.heights {
@@ -270,7 +162,7 @@ impl Site<'_> {
             Vec::new()
         };
         for light in &plan.lights {
-            let lit = self.mark(light, first, &points, &mut counts.lost);
+            let lit = mark(light, &mut counts.lost);
             counts.lights.push(lit.count());
             counts.areas.push(area(light, &points, &lit));
             counts.pairs.extend(views.iter().map(|seen| lit.both(seen)));
@@ -282,11 +174,55 @@ impl Site<'_> {
                 counts.heights.extend(by_height(&bins, &lit));
             }
         }
+        self.count_samples(chunk, &mut counts);
         counts
     }
 
+    /// Samples that are lit and seen, for each light and view.
+    fn count_samples(&self, chunk: usize, counts: &mut Counts) {
+        let samples: Vec<Vec<Point>> = self
+            .azimuths
+            .iter()
+            .map(|&azimuth| samples(self.surface, azimuth, chunk).collect())
+            .collect();
+        counts.samples = samples[0].len() as u64;
+        let mark = |direction: &Incidence, lost: &mut u64| {
+            let skyline = self.skyline(direction);
+            let horizons = skyline.map(|all| all.samples[chunk].as_slice());
+            self.mark(direction, &samples[self.azimuth(direction)], horizons, lost)
+        };
+        let plan = self.plan;
+        let views: Vec<Marks> = plan
+            .views
+            .iter()
+            .map(|view| mark(view, &mut counts.lost))
+            .collect();
+        for light in &plan.lights {
+            let lit = mark(light, &mut counts.lost);
+            let both = views.iter().map(|seen| lit.both(seen).free);
+            counts.paper.extend(both);
+        }
+    }
+
+    /// The number of a direction's azimuth; a vertical one may have any.
+    fn azimuth(&self, direction: &Incidence) -> usize {
+        let number = self.azimuths.iter().position(|&phi| phi == direction.phi());
+        number.unwrap_or(0)
+    }
+
+    /// Horizons along the azimuth of a direction, where points see by them.
+    fn skyline(&self, direction: &Incidence) -> Option<&Skyline> {
+        self.skylines.map(|all| &all[self.azimuth(direction)])
+    }
+
     /// Which points face a direction and see it.
-    fn mark(&self, direction: &Incidence, first: usize, points: &[Point], lost: &mut u64) -> Marks {
+    fn mark(
+        &self,
+        direction: &Incidence,
+        points: &[Point],
+        horizons: Option<&[Horizon]>,
+        lost: &mut u64,
+    ) -> Marks {
         let w = direction.wi();
         let facing: Vec<bool> = points
             .iter()
@@ -297,10 +233,8 @@ impl Site<'_> {
             let free = facing.clone();
             return Marks { facing, free };
         }
-        let free = match self.horizons {
-            Some(all) => {
-                let azimuth = self.azimuths.iter().position(|&phi| phi == direction.phi());
-                let horizons = &all[azimuth.unwrap_or(0)][first..first + points.len()];
+        let free = match horizons {
+            Some(horizons) => {
                 let cotangent = cotangent(direction);
                 facing
                     .iter()
@@ -310,10 +244,7 @@ impl Site<'_> {
             }
             None => {
                 let looks = points.iter().zip(&facing).map(|(point, &facing)| {
-                    facing.then_some(Look {
-                        direction: w,
-                        ..point.look
-                    })
+                    facing.then(|| point.look_along(direction, self.surface))
                 });
                 self.free(looks, lost)
             }

@@ -27,6 +27,11 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     );
     let _ = writeln!(
         out,
+        "paper_g2: share of samples of the grid, {} a surface",
+        work.samples,
+    );
+    let _ = writeln!(
+        out,
         "errors from the scatter between surfaces; slope variance of the mesh is {:.2} % below that of the continuous surface\n",
         100.0 * outcome.mesh_slope_deficit,
     );
@@ -42,8 +47,9 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
         .rows
         .iter()
         .filter(|row| Some(row.view_theta) == first_view);
-    out.push_str(&aligned(&light_table(lights)));
-    if views.iter().any(|&theta| theta > 0.0) {
+    let slanted = views.iter().any(|&theta| theta > 0.0);
+    out.push_str(&aligned(&light_table(lights, slanted)));
+    if slanted {
         out.push('\n');
         out.push_str(&aligned(&view_table(&outcome.rows)));
     }
@@ -69,9 +75,12 @@ fn digits(value: f64) -> String {
     format!("{value:.4}")
 }
 
-/// A row a sigma and light.
-fn light_table<'a>(rows: impl Iterator<Item = &'a AttenuationRow>) -> Vec<Vec<String>> {
-    let mut table = vec![header(&[
+/// A row a sigma and light. What depends on the view is there unless views have a table of their own.
+fn light_table<'a>(
+    rows: impl Iterator<Item = &'a AttenuationRow>,
+    slanted: bool,
+) -> Vec<Vec<String>> {
+    let mut names = header(&[
         "sigma",
         "theta",
         "lit",
@@ -82,9 +91,13 @@ fn light_table<'a>(rows: impl Iterator<Item = &'a AttenuationRow>) -> Vec<Vec<St
         "Smith",
         "V-cavity",
         "mirror_g2",
-    ])];
+    ]);
+    if !slanted {
+        names.push("paper_g2".to_owned());
+    }
+    let mut table = vec![names];
     table.extend(rows.map(|row| {
-        vec![
+        let mut fields = vec![
             short(row.sigma),
             short(row.theta),
             with_error(row.lit),
@@ -95,7 +108,11 @@ fn light_table<'a>(rows: impl Iterator<Item = &'a AttenuationRow>) -> Vec<Vec<St
             digits(row.smith_g1),
             digits(row.v_cavity_g1),
             row.mirror_g2.map_or("-".to_owned(), with_error),
-        ]
+        ];
+        if !slanted {
+            fields.push(with_error(row.paper_g2));
+        }
+        fields
     }));
     table
 }
