@@ -338,7 +338,7 @@ fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
         let told = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{told}");
         assert!(
-            told.contains("theta0.json is damaged and was found anew") && told.lines().count() == 1,
+            told.contains("theta0.json is damaged and is not used") && told.lines().count() == 1,
             "{told}"
         );
         assert_eq!(fs::read_to_string(&cell).unwrap(), whole);

@@ -1,8 +1,8 @@
 //! `asperity attenuation`: shadowing and masking on explicit surfaces.
 
 use asperity_experiment::{
-    AttenuationConfig, AttenuationError, Count, Number, PerAxis, attenuation, attenuation_report,
-    attenuation_summary, attenuation_table,
+    AttenuationConfig, AttenuationError, Count, Number, OneOrMany, PerAxis, attenuation,
+    attenuation_report, attenuation_summary, attenuation_table,
 };
 use asperity_io::check_output_folder;
 
@@ -93,6 +93,11 @@ fn override_with_flags(
         view.theta = one_or_many(&command.view_theta);
     }
     view.phi = command.view_phi.map_or(view.phi, Number);
+    if command.view_phi.is_some() && view.theta == OneOrMany::One(Number(0.0)) {
+        return Err(Failure::usage(
+            "--view-phi: the eye is straight above, where no azimuth is told from another; give --view-theta too",
+        ));
+    }
 
     let run = &mut config.run;
     run.realisations = command.realisations.map_or(run.realisations, Count);

@@ -33,6 +33,8 @@ pub struct Expectation {
     records: Vec<Vec<f64>>,
     statistics: BatchStatistics,
     rays: u64,
+    /// Whether light scattered once is known without sampling.
+    exact_single: bool,
 }
 
 /// What `model` expects of light from `incidence` in a record of `layout`.
@@ -40,7 +42,8 @@ pub struct Expectation {
 /// `azimuth`: what the azimuths of a record are counted from, as in the run that it is compared with.
 /// Entries that the model does not describe are zero. Light scattered once comes from quadrature where
 /// the model has a density, to about 1e-12 of the incident flux in a bin; all else from `effort.rays`
-/// rays, divided among batches with random streams of their own: the same on any number of threads.
+/// rays, divided among batches with random streams of their own: the same on any number of threads. Where
+/// exact single scattering takes the place of sampled one, energies add up to one within errors only.
 #[must_use]
 pub fn expect(
     model: &dyn ScatteringModel,
@@ -52,6 +55,7 @@ pub fn expect(
     let single = model
         .density()
         .map(|density| single_scattering(density, incidence, layout));
+    let exact_single = single.is_some();
     let (records, rays) = match (model.walk(), single) {
         (None, single) => (vec![single.unwrap_or_else(|| vec![0.0; layout.len()])], 0),
         (Some(walk), single) => {
@@ -71,7 +75,10 @@ pub fn expect(
             (records, rays * batches)
         }
     };
-    Expectation::of(*layout, model.scope(), records, rays)
+    Expectation {
+        exact_single,
+        ..Expectation::of(*layout, model.scope(), records, rays)
+    }
 }
 
 impl Expectation {
@@ -90,6 +97,7 @@ impl Expectation {
             records,
             statistics,
             rays,
+            exact_single: false,
         }
     }
 
@@ -121,6 +129,13 @@ impl Expectation {
     #[must_use]
     pub const fn rays(&self) -> u64 {
         self.rays
+    }
+
+    /// Whether this share of the light was sampled, all of it or in part.
+    #[must_use]
+    pub fn samples(&self, share: Share) -> bool {
+        let known = share == Share::Single && self.exact_single;
+        !(self.is_exact() || known)
     }
 
     /// Whether the model says anything of this share of the light.
@@ -225,7 +240,8 @@ fn batch_of(
 }
 
 /// The stream of one batch: the ChaCha key holds a name, the seed and the model, the batch is the
-/// stream number, so that models and batches are independent of each other and of all else.
+/// stream number, so that models and batches are independent of each other and of surfaces and rays. Cases
+/// under the same seed share their numbers, as they share surfaces.
 fn walk_stream(seed: u64, model: &str, batch: u64) -> ChaCha8Rng {
     // FNV-1a of 64 bits: names are few and need not be kept from anybody.
     let hash = model.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {

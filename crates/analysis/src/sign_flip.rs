@@ -42,6 +42,8 @@ pub(crate) const MIN_SURFACES: usize = 6;
 const EXHAUSTIVE_SURFACES: usize = 13;
 /// Random flips for more surfaces, besides the data themselves.
 const RANDOM_FLIPS: usize = 4095;
+/// The least p value that any number of surfaces can give.
+pub(crate) const LEAST_P: f64 = 1.0 / (RANDOM_FLIPS as f64 + 1.0);
 
 /// What the test found on one scale.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::comparison::Comparison;
 use crate::family::sidak_level;
-use crate::sign_flip::Untested;
+use crate::sign_flip::{LEAST_P, Untested};
 
 /// The probability with which at least one model that is right may be said to fail.
 pub const DEFAULT_LEVEL: f64 = 0.01;
@@ -30,15 +30,20 @@ pub enum Unresolved {
     Untested(#[from] Untested),
     /// Even the largest deviation could not reach the level.
     #[error(
-        "too few surfaces: the least p value that they can give is {min_p:.2e}, above the level {level:.2e}; {needed} can decide"
+        "the least p value that can come out is {min_p:.2e}, above the level {level:.2e}; {}",
+        match needed {
+            Some(needed) => format!("{needed} surfaces can decide"),
+            None => "test fewer models, or at a larger alpha".to_owned(),
+        }
     )]
     LevelOutOfReach {
         /// The least p value.
         min_p: f64,
         /// The level of one test.
         level: f64,
-        /// Surfaces whose least p value is below the level.
-        needed: u32,
+        /// Surfaces whose least p value is below the level; `None` if no number of flips that is tried
+        /// reaches it.
+        needed: Option<u32>,
     },
 }
 
@@ -54,9 +59,10 @@ impl fmt::Display for Verdict {
 
 /// One verdict for each of the models compared with the same surfaces.
 ///
-/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` models, so that
-/// with probability of at least `1 - level` no model that is right fails. The tests of models on
-/// the same surfaces depend positively on each other, which errs towards holding.
+/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that
+/// no model that is right fails with a probability of `1 - level`: exactly so if they are independent. Those
+/// of models on the same surfaces, and of shares of the same light, are not; as far as they depend
+/// positively on each other, which is not proven, this errs towards holding.
 #[must_use]
 pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
     let level = sidak_level(level, comparisons.len());
@@ -67,8 +73,8 @@ pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
             Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
                 min_p: test.min_p,
                 level,
-                // R surfaces have 2^(R - 1) distinct flips.
-                needed: 2 + (-level.log2()).floor() as u32,
+                // R surfaces have 2^(R - 1) distinct flips, of which so many are tried at most.
+                needed: (level > LEAST_P).then(|| 2 + (-level.log2()).floor() as u32),
             }),
             Ok(test) if test.p < level => Verdict::Fails,
             Ok(_) => Verdict::Holds,
@@ -103,7 +109,7 @@ mod tests {
         for (count, text) in [
             (1, "not resolved: one surface shows"),
             (4, "not resolved: too few surfaces: 4, at least 6"),
-            (7, "not resolved: too few surfaces: the least p value"),
+            (7, "not resolved: the least p value"),
         ] {
             let wrong =
                 compare(&surfaces(count), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();

@@ -146,7 +146,7 @@ pub fn map(
             let path = path.display();
             outcome
                 .notes
-                .push(format!("{path} is damaged and was found anew ({reason})"));
+                .push(format!("{path} is damaged and is not used ({reason})"));
         }
         if outcome.stopped_by.is_none() {
             outcome.stopped_by = match deadline.stop() {

@@ -21,7 +21,7 @@ use crate::verify::{VerifyError, slopes};
 const ENOUGH_RAYS: f64 = 20.0;
 
 /// Batches of a model that is sampled beside a single surface.
-const BATCHES_WITHOUT_SURFACES: u64 = 16;
+pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
 
 /// A share of the light beside a model.
 #[derive(Clone, Debug)]
@@ -229,6 +229,19 @@ impl Beside<'_> {
         } else {
             1.0
         };
+        // Few rays are far from symmetric about their mean, be they the surfaces' or the model's.
+        let of_model = |share| &expectation.statistics().means()[layout.hits(share)][asked.clone()];
+        let (single_of_model, multiple_of_model) =
+            (of_model(Share::Single), of_model(Share::Multiple));
+        let model_counts = |i: usize| {
+            let found = match share {
+                Share::Single => single_of_model[i],
+                Share::Multiple => multiple_of_model[i],
+                Share::Total => single_of_model[i] + multiple_of_model[i],
+            };
+            let rays = expectation.rays() as f64;
+            !expectation.samples(share) || found * rays * bins_of_a_value >= ENOUGH_RAYS
+        };
         let enough: Vec<bool> = (0..mean.len())
             .map(|i| {
                 let found = match share {
@@ -241,7 +254,7 @@ impl Beside<'_> {
                     Some(_) => found,
                     None => found.max(mean[i]),
                 };
-                counted * rays * bins_of_a_value >= ENOUGH_RAYS
+                counted * rays * bins_of_a_value >= ENOUGH_RAYS && model_counts(i)
             })
             .collect();
         let comparison = compare(

@@ -42,6 +42,17 @@ pub(crate) const FILES: &[&str] = &[
     "map_own.png",
     "map_all.svg",
     "map_all.png",
+    "attenuation.csv",
+    "demarcation.csv",
+    "visibility.csv",
+    "attenuation_theta.svg",
+    "attenuation_theta.png",
+    "attenuation_models.svg",
+    "attenuation_models.png",
+    "attenuation_sigma.svg",
+    "attenuation_sigma.png",
+    "visibility.svg",
+    "visibility.png",
 ];
 
 /// Why results are not written.

@@ -13,25 +13,7 @@ use super::tables::attenuation_table;
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
 use crate::figures::save;
 use crate::progress::Progress;
-use crate::report::ReportError;
-
-/// Every file that a run may leave in its folder; an earlier run's are removed first. Visibility has a plot
-/// a sigma, numbered.
-const FILES: &[&str] = &[
-    "summary.json",
-    "report.txt",
-    "attenuation.csv",
-    "demarcation.csv",
-    "visibility.csv",
-    "attenuation_theta.svg",
-    "attenuation_theta.png",
-    "attenuation_models.svg",
-    "attenuation_models.png",
-    "attenuation_sigma.svg",
-    "attenuation_sigma.png",
-    "visibility.svg",
-    "visibility.png",
-];
+use crate::report::{FILES, ReportError};
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
 /// asked for, plots, report.txt, and, last, summary.json.

@@ -40,7 +40,13 @@ pub(super) fn survey(
         let field: HeightField = plan.recipes[sigma].draw(run.seed, index)?;
         Ok(Surface::new(field.with_border(plan.border)))
     };
+    let grazing = |surface: &Surface| -> Result<(), AttenuationError> {
+        let mut directions = plan.lights.iter().chain(&plan.views);
+        Ok(directions.try_for_each(|direction| check_grazing(surface, *direction))?)
+    };
     let first = draw(0)?;
+    // Before horizons are looked for, which light this flat would have to come over.
+    grazing(&first)?;
     let least = least_rise(config, plan);
     let skylines = if plan.needs_horizons(run) {
         Some(find_skylines(config, plan, &first, index, least)?)
@@ -57,9 +63,7 @@ pub(super) fn survey(
             Some(first) => first,
             None => draw(sigma)?,
         };
-        for light in plan.lights.iter().chain(&plan.views) {
-            check_grazing(&surface, *light)?;
-        }
+        grazing(&surface)?;
         let accelerator = surface
             .accelerator(AcceleratorKind::Auto)
             .map_err(RunError::from)?;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use asperity_tally::Estimate;
 
-use super::{AttenuationOutcome, AttenuationRow, Demarcation};
+use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
 use crate::case::short;
 use crate::tables::{aligned, with_error};
 
@@ -56,6 +56,10 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     if !outcome.demarcation.is_empty() {
         out.push_str("\nwhere shadow begins, degrees\n");
         out.push_str(&aligned(&demarcation_table(&outcome.demarcation)));
+    }
+    if !outcome.visibility.is_empty() {
+        out.push_str("\nvisibility of the points about height zero that face the light\n");
+        out.push_str(&aligned(&visibility_table(&outcome.visibility)));
     }
     if work.lost > 0 {
         let _ = writeln!(
@@ -140,6 +144,29 @@ fn view_table(rows: &[AttenuationRow]) -> Vec<Vec<String>> {
             digits(row.v_cavity_g2),
             with_error(row.paper_g2),
         ]
+    }));
+    table
+}
+
+/// A row a sigma and light: heights about zero alone, for which Eq. 24 stands.
+fn visibility_table(rows: &[VisibilityRow]) -> Vec<Vec<String>> {
+    let mut table = vec![header(&[
+        "sigma",
+        "theta",
+        "tan(theta) / s",
+        "explicit",
+        "Smith",
+        "Xu and Sun, Eq. 24",
+    ])];
+    table.extend(rows.iter().filter_map(|row| {
+        Some(vec![
+            short(row.sigma),
+            short(row.theta),
+            digits(row.x),
+            row.visibility.map_or("-".to_owned(), with_error),
+            digits(row.smith),
+            digits(row.xu_sun?),
+        ])
     }));
     table
 }

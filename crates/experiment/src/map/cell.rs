@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
-use crate::models::{ComparedShare, ModelOutcome};
+use crate::models::{BATCHES_WITHOUT_SURFACES, ComparedShare, ModelOutcome};
 use crate::peak::PeakDifference;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.
 pub(super) const FEWEST_SURFACES: u64 = 8;
 
-/// Rays of average flux that may have gone where none was seen: with a probability of 95 % no event of
-/// `3 / n` or more is missed by `n` rays (`0.05 = exp(-3)`, the rule of three).
+/// Rays of average flux that may have gone where none was seen: `n` independent rays miss an event of
+/// probability `3 / n`, named beforehand, in 5 % of cases (`0.05 = exp(-3)`, the rule of three).
 const UNSEEN_RAYS: f64 = 3.0;
 
 /// A lobe has a clear peak if it falls to half of it within so many degrees on either side; of a broader
@@ -22,7 +22,7 @@ const UNSEEN_RAYS: f64 = 3.0;
 const CLEAR_WITHIN_DEG: f64 = 30.0;
 
 /// Standard errors that hold 95 % of a normal distribution.
-const NORMAL_95: f64 = 1.96;
+const NORMAL_95: f64 = 1.959_964;
 
 /// The light over which a model is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -220,14 +220,22 @@ impl CellResults {
             let error = error.filter(|_| enough)?;
             Some(error.max(unseen) + mesh)
         };
-        let total = half_width(distances.noise_95, distances.mesh);
-        let total = Interval::about(distances.total_variation, total).not_below_zero();
-        let mut measures = vec![("total-variation", total, tolerances.total_variation.0)];
         let student = match self.deviation_bound {
-            // Its errors are those of a model of many rays, or none.
-            Some(_) => Some(NORMAL_95),
+            // Its errors are those of a model that was sampled in so many batches, or none.
+            Some(_) => student_95(BATCHES_WITHOUT_SURFACES),
             None => student_95(self.surfaces),
         };
+        // Flipped signs know the scatter of so few surfaces no better than a standard error does.
+        let noise = match self.deviation_bound {
+            Some(_) => distances.noise_95,
+            None => distances
+                .noise_95
+                .zip(student)
+                .map(|(n, t)| n * t / NORMAL_95),
+        };
+        let total = half_width(noise, distances.mesh);
+        let total = Interval::about(distances.total_variation, total).not_below_zero();
+        let mut measures = vec![("total-variation", total, tolerances.total_variation.0)];
         for side in &distances.sides {
             let error = |se: Option<f64>| Some(se? * student?);
             let bound = self.deviation_bound.unwrap_or(0.0);
@@ -375,5 +383,6 @@ fn noise_of_model(model: &ModelOutcome, layout: &Layout, share: Share) -> f64 {
     let bins = layout.bins(share);
     let statistics = model.expectation.statistics();
     let se = |i: usize| statistics.estimate(bins.start + i).se.unwrap_or(0.0);
-    0.5 * NORMAL_95 * layout.asked_bins().map(se).sum::<f64>()
+    let student = student_95(BATCHES_WITHOUT_SURFACES).unwrap_or(f64::INFINITY);
+    0.5 * student * layout.asked_bins().map(se).sum::<f64>()
 }
