@@ -377,3 +377,6 @@ fn noise_of_model(model: &ModelOutcome, layout: &Layout, share: Share) -> f64 {
     let se = |i: usize| statistics.estimate(bins.start + i).se.unwrap_or(0.0);
     0.5 * NORMAL_95 * layout.asked_bins().map(se).sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests;
