@@ -255,3 +255,58 @@ fn walk_stream(seed: u64, model: &str, batch: u64) -> ChaCha8Rng {
     rng.set_stream(batch);
     rng
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RayVisibility, SlopeCovariance, XuSunMonteCarlo};
+    use asperity_optics::Material;
+    use asperity_tally::HemisphereGrid;
+    use rand::RngExt;
+
+    fn first_draws(seed: u64, model: &str, batch: u64) -> [u64; 2] {
+        let mut rng = walk_stream(seed, model, batch);
+        [rng.random(), rng.random()]
+    }
+
+    #[test]
+    fn seeds_models_and_batches_have_streams_of_their_own() {
+        let mut draws = Vec::new();
+        for seed in [0, 1, 2, 1 << 40] {
+            for model in ["heitz", "xu-sun-mc", "xu-sun-mc-smith", ""] {
+                draws.extend((0..16).map(|batch| first_draws(seed, model, batch)));
+            }
+        }
+        assert_eq!(first_draws(2, "heitz", 3), first_draws(2, "heitz", 3));
+        let all = draws.len();
+        draws.sort_unstable();
+        draws.dedup();
+        assert_eq!(draws.len(), all);
+    }
+
+    #[test]
+    fn no_two_batches_are_the_same() {
+        let grid = HemisphereGrid::new(3, 4).unwrap();
+        let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
+        let slopes = SlopeCovariance::isotropic(0.5).unwrap();
+        let glass = Material::dielectric(1.5).unwrap();
+        let of = |visibility| {
+            let model = XuSunMonteCarlo::new(slopes, glass, visibility).unwrap();
+            let light = Incidence::from_degrees(50.0, 0.0).unwrap();
+            let effort = Effort {
+                rays: 160,
+                batches: 8,
+                seed: 5,
+            };
+            let found = expect(&model, light, &layout, Azimuth::From(0.0), effort);
+            found.records().to_vec()
+        };
+        let records = [of(RayVisibility::XuSun), of(RayVisibility::Smith)].concat();
+        assert_eq!(records.len(), 16);
+        for (i, a) in records.iter().enumerate() {
+            for (j, b) in records[..i].iter().enumerate() {
+                assert_ne!(a, b, "{i} {j}");
+            }
+        }
+    }
+}

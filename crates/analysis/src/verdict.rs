@@ -119,4 +119,42 @@ mod tests {
         let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
         assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Fails]);
     }
+
+    /// The Sidak level of two comparisons at 0.01 is 0.00501, of three 0.00334.
+    #[test]
+    fn comparisons_share_the_level_among_them() {
+        let of_p = |p: f64| {
+            let mut found =
+                compare(&surfaces(12), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
+            found.test.as_mut().unwrap().p = p;
+            found
+        };
+        let cases = [
+            (0.007, [Verdict::Fails, Verdict::Holds, Verdict::Holds]),
+            (0.004, [Verdict::Fails, Verdict::Fails, Verdict::Holds]),
+            (0.003, [Verdict::Fails; 3]),
+        ];
+        for (p, expected) in cases {
+            for (others, expected) in expected.into_iter().enumerate() {
+                let all = vec![of_p(p); others + 1];
+                let all: Vec<&Comparison> = all.iter().collect();
+                let found = verdicts(&all, 0.01);
+                assert_eq!(found, vec![expected; others + 1], "{p} {others}");
+            }
+        }
+    }
+
+    /// Eight surfaces reach 1/128 = 0.0078 at best: enough for one model, and for none of two.
+    #[test]
+    fn surfaces_that_suffice_for_one_model_may_be_too_few_for_two() {
+        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Fails]);
+        let reason = Unresolved::LevelOutOfReach {
+            min_p: 1.0 / 128.0,
+            level: sidak_level(0.01, 2),
+            needed: 9,
+        };
+        let expected = [Verdict::NotResolved(reason); 2];
+        assert_eq!(verdicts(&[&wrong, &wrong], 0.01), expected);
+    }
 }

@@ -293,3 +293,54 @@ impl Walk for XuSunMonteCarlo {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::xu_sun::xu_sun_visibility;
+    use asperity_optics::from_spherical;
+
+    fn model(s: f64, visibility: RayVisibility) -> XuSunMonteCarlo {
+        let slopes = SlopeCovariance::isotropic(s).unwrap();
+        XuSunMonteCarlo::new(slopes, Material::Mirror, visibility).unwrap()
+    }
+
+    /// Half of all heights are below the mean one, and `(1/2)^(K / ln 2) = exp(-K)`.
+    #[test]
+    fn at_mean_height_the_visibility_is_the_published_one() {
+        for s in [0.3, 1.0, 4.0] {
+            for theta in [20.0, 50.0, 75.0, 89.0] {
+                let w = from_spherical(f64::to_radians(theta), 0.4);
+                let published = xu_sun_visibility(w, s);
+                for w in [w, -w] {
+                    let found = model(s, RayVisibility::XuSun).visibility(w, 0.5);
+                    // An exponent of K is rounded to 2e-16 of itself.
+                    let rounding = 1e-15 * (1.0 - published.ln());
+                    println!("{s} {theta}: {found:e} of {published:e}");
+                    assert!((found - published).abs() <= rounding * published);
+                }
+            }
+        }
+    }
+
+    /// The mean of `Phi^a` over heights is `1 / (1 + a)`; at the top all is seen, at the bottom nothing.
+    #[test]
+    fn visibility_rises_with_height_by_its_exponent() {
+        let w = from_spherical(1.2, 0.4);
+        let lambda = SlopeCovariance::isotropic(0.7).unwrap().lambda(w);
+        let published = -xu_sun_visibility(w, 0.7).ln() / std::f64::consts::LN_2;
+        for (visibility, exponent) in [
+            (RayVisibility::Smith, lambda),
+            (RayVisibility::XuSun, published),
+        ] {
+            let model = model(0.7, visibility);
+            assert_eq!(model.visibility(w, 1.0), 1.0);
+            assert_eq!(model.visibility(w, 0.0), 0.0);
+            let steps = 20_000;
+            let at = |i: u32| model.visibility(w, (f64::from(i) + 0.5) / f64::from(steps));
+            let mean = (0..steps).map(at).sum::<f64>() / f64::from(steps);
+            println!("{visibility:?} {mean} of {}", 1.0 / (1.0 + exponent));
+            assert!((mean * (1.0 + exponent) - 1.0).abs() < 1e-4);
+        }
+    }
+}

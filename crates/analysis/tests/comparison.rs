@@ -333,3 +333,46 @@ fn largest_of_independent_normal_values_stays_below_the_sidak_bound() {
         .count();
     assert!((160..=240).contains(&passed), "{passed}");
 }
+
+/// The noise of a few surfaces of independent Gaussian bins, exactly.
+///
+/// A flip of the deviations from the mean is a Gaussian sum whose variance is `R (1 - m^2)` of that of a
+/// surface, `m` being the mean of the R signs: of 3, one in four has all alike and `m = 1`, the rest `1/3`;
+/// of 4, an eighth has `m = 1`, a half `1/2`, the rest `0`. The mean of `sqrt(1 - m^2)` is thus 0.7071 and 0.8080, to
+/// which comes the factor `sqrt(R / (R - 1))` that makes the mean of `1 - m^2` one.
+#[test]
+fn noise_of_few_surfaces_has_its_exact_mean() {
+    let sigma = 0.01;
+    for (surfaces, of_signs) in [
+        (3_u32, 0.75 * (8.0_f64 / 9.0).sqrt()),
+        (4, 0.5 * 0.75_f64.sqrt() + 0.375),
+    ] {
+        let r = f64::from(surfaces);
+        let of_bin = sigma * (2.0 / (std::f64::consts::PI * r)).sqrt();
+        let expected = 0.5 * BINS as f64 * of_bin * of_signs * (r / (r - 1.0)).sqrt();
+        let mut ensemble = Ensemble::new(surfaces.into());
+        let noise: Vec<f64> = (0..400)
+            .map(|seed| {
+                let surface = |_| {
+                    (0..BINS)
+                        .map(|_| 0.03 + sigma * ensemble.normal())
+                        .collect()
+                };
+                let drawn: Vec<Vec<f64>> = (0..surfaces).map(surface).collect();
+                let model = [0.03; BINS];
+                let found = compare(&drawn, Expected::Exact(&model), &[true; BINS], &[], seed);
+                found.unwrap().total_variation.noise.unwrap()
+            })
+            .collect();
+        let count = noise.len() as f64;
+        let mean = noise.iter().sum::<f64>() / count;
+        let squares: f64 = noise.iter().map(|x| (x - mean).powi(2)).sum();
+        let z = (mean - expected) / (squares / (count * (count - 1.0))).sqrt();
+        println!("{surfaces} surfaces: {mean:.6} of {expected:.6}, z = {z:.2}");
+        // Two values of z, each beyond 4 with probability 6e-5.
+        assert!(z.abs() < 4.0);
+        // Without the factor it would be 18 % or 13 % less, which must be seen.
+        let missing = 1.0 - ((r - 1.0) / r).sqrt();
+        assert!(missing * expected > 8.0 * (mean - expected) / z);
+    }
+}

@@ -113,3 +113,68 @@ fn mean_and_error(values: &[f64]) -> Estimate {
     });
     Estimate { mean, se }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_analysis::{Effort, SlopeCovariance, create_model, expect};
+    use asperity_optics::{Incidence, Material};
+    use asperity_tally::{Azimuth, HemisphereGrid};
+
+    /// Surfaces that deviate by 0, 1, 2 and 3 hundredths from the batch of a sampled model that each stands
+    /// beside. However the batches scatter, the mean is 0.015, and the squares of its distances to the four
+    /// sum up to 5e-4, so that the error is `sqrt(5e-4 / (4 * 3))`.
+    #[test]
+    fn every_surface_stands_beside_a_batch_of_its_own() {
+        let grid = HemisphereGrid::new(4, 6).unwrap();
+        let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
+        let slopes = SlopeCovariance::isotropic(0.5).unwrap();
+        let model = create_model("heitz", slopes, Material::dielectric(1.5).unwrap()).unwrap();
+        let expectation = expect(
+            model.as_ref(),
+            Incidence::from_degrees(50.0, 0.0).unwrap(),
+            &layout,
+            Azimuth::From(std::f64::consts::PI),
+            Effort {
+                rays: 400,
+                batches: 4,
+                seed: 7,
+            },
+        );
+        let mut records = expectation.records().to_vec();
+        let scatter = mean_and_error(
+            &records
+                .iter()
+                .map(|r| r[Layout::REFLECTED])
+                .collect::<Vec<_>>(),
+        );
+        println!("batches {scatter:?}");
+        assert!(scatter.se.unwrap() > 1e-4);
+        for (r, record) in records.iter_mut().enumerate() {
+            record.iter_mut().for_each(|x| *x += 0.01 * r as f64);
+        }
+        let of = |records: &[Vec<f64>]| {
+            side_differences(&layout, Share::Total, records, &expectation, false)
+        };
+        for side in of(&records) {
+            let Estimate { mean, se } = side.difference;
+            let expected = (5e-4_f64 / 12.0).sqrt();
+            println!("{:?} {mean} {se:?} of {expected}", side.side);
+            assert!((mean - 0.015).abs() < 1e-14);
+            assert!((se.unwrap() / expected - 1.0).abs() < 1e-12);
+            let model = expectation.statistics().means()[side.side.index()];
+            assert_eq!(side.model, model);
+            assert!((side.explicit - model - 0.015).abs() < 1e-14);
+        }
+        // Three surfaces have no batches of their own and are compared with the mean of all.
+        let mean = expectation.statistics().means()[Layout::REFLECTED];
+        let three = of(&records[..3])[0].difference;
+        let expected = records[..3]
+            .iter()
+            .map(|r| r[Layout::REFLECTED] - mean)
+            .sum::<f64>()
+            / 3.0;
+        assert!((three.mean - expected).abs() < 1e-14);
+        assert_eq!(of(&records[..1])[0].difference.se, None);
+    }
+}

@@ -181,4 +181,40 @@ mod tests {
         let level = sidak_level(1e-3, p_values.len());
         assert!(p_values.iter().all(|&p| p > level), "{level}");
     }
+
+    /// On slopes of some thirty a mirror holds light for long: what leaves after more than 30 reflections
+    /// must be as much by both walks, and the quick one must not end it.
+    #[test]
+    fn a_steep_mirror_sends_light_back_after_many_reflections() {
+        let slopes = SlopeCovariance::isotropic(0.05).unwrap();
+        let material = Material::Mirror;
+        let wi = from_spherical(f64::to_radians(50.0), 0.7);
+        let layout = layout();
+        let often = |walk: &dyn Walk, seed| -> [f64; 4] {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let fluxes: Vec<[f64; 2]> = (0..100)
+                .map(|_| {
+                    let mut record = Record::new(layout, Azimuth::From(0.0));
+                    (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut record));
+                    let values = record.into_fractions(80);
+                    let orders = (31..=64).map(|k| values[layout.order(Side::Reflected, k)]);
+                    [orders.sum(), values[Layout::TRUNCATED]]
+                })
+                .collect();
+            let [often, ended] = [0, 1].map(|k| {
+                let mean = fluxes.iter().map(|x| x[k]).sum::<f64>() / 100.0;
+                let squares: f64 = fluxes.iter().map(|x| (x[k] - mean).powi(2)).sum();
+                [mean, (squares / 9900.0).sqrt()]
+            });
+            [often[0], often[1], ended[0], ended[1]]
+        };
+        let [plain, plain_se, ..] = often(&Analog { slopes, material }, 251);
+        let quick = Heitz::new(slopes, material).unwrap();
+        let [quick, quick_se, ended, ended_se] = often(&quick, 252);
+        let z = [(quick - plain) / quick_se.hypot(plain_se), ended / ended_se];
+        println!("{quick:.4} and {plain:.4}, ended {ended:.4}, z {z:.2?}");
+        assert!(plain > 0.5);
+        // Two values of z, each beyond 4 with probability 6e-5.
+        assert!(z.iter().all(|z| z.abs() < 4.0));
+    }
 }

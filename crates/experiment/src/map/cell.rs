@@ -386,3 +386,6 @@ fn noise_of_model(model: &ModelOutcome, layout: &Layout, share: Share) -> f64 {
     let student = student_95(BATCHES_WITHOUT_SURFACES).unwrap_or(f64::INFINITY);
     0.5 * student * layout.asked_bins().map(se).sum::<f64>()
 }
+
+#[cfg(test)]
+mod tests;
