@@ -152,7 +152,7 @@ mod tests {
         let reason = Unresolved::LevelOutOfReach {
             min_p: 1.0 / 128.0,
             level: sidak_level(0.01, 2),
-            needed: 9,
+            needed: Some(9),
         };
         let expected = [Verdict::NotResolved(reason); 2];
         assert_eq!(verdicts(&[&wrong, &wrong], 0.01), expected);
