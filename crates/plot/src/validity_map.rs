@@ -57,7 +57,7 @@ pub struct MappedCell {
 ///     ],
 /// }
 /// .draw()?;
-/// assert!(figure.svg()?.contains("smoothness s"));
+/// assert!(figure.svg()?.contains("angle of incidence"));
 /// # Ok::<(), asperity_plot::PlotError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
