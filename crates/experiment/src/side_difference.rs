@@ -1,7 +1,7 @@
 //! What leaves on one side in all, and where it is brightest, beside a model.
 
 use asperity_analysis::Expectation;
-use asperity_tally::{Estimate, Layout, OrderClass, Share, Side};
+use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Share, Side};
 
 use crate::peak::{PeakDifference, Span, peak_difference};
 
@@ -52,7 +52,9 @@ pub(crate) fn side_differences(
                     record[entry] - model[entry]
                 })
                 .collect();
-            let difference = mean_and_error(&residuals);
+            let mut scatter = BatchStatistics::new(1);
+            residuals.iter().for_each(|&r| scatter.push(&[r]));
+            let difference = scatter.estimate(0);
             let model = mean_of_model[entry];
             let explicit = model + difference.mean;
             let profiles = |records: &[Vec<f64>]| -> Vec<Vec<f64>> {
@@ -104,16 +106,6 @@ fn intensities(
         .collect()
 }
 
-fn mean_and_error(values: &[f64]) -> Estimate {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let se = (values.len() > 1).then(|| {
-        let squares: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-        (squares / (count * (count - 1.0))).sqrt()
-    });
-    Estimate { mean, se }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -142,12 +134,7 @@ mod tests {
             },
         );
         let mut records = expectation.records().to_vec();
-        let scatter = mean_and_error(
-            &records
-                .iter()
-                .map(|r| r[Layout::REFLECTED])
-                .collect::<Vec<_>>(),
-        );
+        let scatter = expectation.statistics().estimate(Layout::REFLECTED);
         println!("batches {scatter:?}");
         assert!(scatter.se.unwrap() > 1e-4);
         for (r, record) in records.iter_mut().enumerate() {

@@ -92,12 +92,6 @@ impl<'a> Horizons<'a> {
         })
     }
 
-    /// The least rise that is told from smaller ones.
-    #[must_use]
-    pub const fn least(&self) -> f64 {
-        self.least
-    }
-
     /// The horizon of a point on a facet, tile coordinates.
     #[must_use]
     pub fn of(&self, facet: Facet, point: DVec3) -> Horizon {
