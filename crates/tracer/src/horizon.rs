@@ -17,7 +17,7 @@ pub struct Horizon {
     /// Rise of the point's own facet. The facet faces a direction of polar angle theta along the azimuth
     /// if this is below `cot(theta)`.
     pub own: f64,
-    /// Steepest rise to the surface beyond that facet, or [`Horizons::least`] if none is steeper. What
+    /// Steepest rise to the surface beyond that facet, or the least rise of interest if none is steeper. What
     /// lies beyond hides the sky at theta if this is above `cot(theta)`.
     pub beyond: f64,
 }
