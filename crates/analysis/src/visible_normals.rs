@@ -269,4 +269,29 @@ mod tests {
             }
         }
     }
+
+    /// The mean of `x` is `-(sqrt(pi) / 4) (1 + erf a)` over `(a sqrt(pi) (1 + erf a) + exp(-a^2)) / 2`, by parts:
+    /// sharper than counts in cells where the masses of the two ways of drawing meet.
+    #[test]
+    fn slopes_seen_have_their_exact_mean() {
+        let mut rng = ChaCha8Rng::seed_from_u64(17);
+        for a in [-2.0_f64, -0.3, 0.2, 0.5, 1.0, 3.0] {
+            let below = 1.0 + libm::erf(a);
+            let norm = 0.5 * (a * SQRT_PI * below + (-a * a).exp());
+            let expected = -0.25 * SQRT_PI * below / norm;
+            let n = 200_000;
+            let (mut sum, mut squares) = (0.0, 0.0);
+            for _ in 0..n {
+                let (x, _) = visible_slope(a, &mut rng);
+                sum += x;
+                squares += x * x;
+            }
+            let mean = sum / f64::from(n);
+            let se = ((squares / f64::from(n) - mean * mean) / f64::from(n)).sqrt();
+            let z = (mean - expected) / se;
+            println!("a = {a}: {mean} of {expected}, z = {z:.2}");
+            // One of six: 4.5 is exceeded with probability 4e-5.
+            assert!(z.abs() < 4.5, "{a}");
+        }
+    }
 }
