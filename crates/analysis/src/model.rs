@@ -49,11 +49,15 @@ pub trait ScatteringModel: Send + Sync {
     fn slopes(&self) -> SlopeCovariance;
 
     /// The density of light that was scattered once, if it has a closed form.
-    fn density(&self) -> Option<&dyn BsdfModel>;
+    fn density(&self) -> Option<&dyn BsdfModel> {
+        None
+    }
 
     /// How the model follows a ray, if it is evaluated so. Light that was scattered once is taken from
     /// the density where there is one, and the walk counts for what was scattered more often.
-    fn walk(&self) -> Option<&dyn Walk>;
+    fn walk(&self) -> Option<&dyn Walk> {
+        None
+    }
 }
 
 /// A model that has a density at every direction.

@@ -20,7 +20,7 @@ use glam::DVec3;
 use crate::Masking;
 use crate::facet_scattering::scattering_facet;
 use crate::kinks::Kinks;
-use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, validate};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, validate};
 use crate::slopes::SlopeCovariance;
 use crate::v_cavity::v_cavity_g2;
 
@@ -110,10 +110,6 @@ impl ScatteringModel for CookTorranceNeumann {
 
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 

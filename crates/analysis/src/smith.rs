@@ -7,7 +7,7 @@ use asperity_optics::Material;
 use glam::DVec3;
 
 use crate::facet_scattering::unmasked_bsdf;
-use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, validate};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, validate};
 use crate::slopes::SlopeCovariance;
 
 /// How shadowing of the light and masking of the view go together.
@@ -131,10 +131,6 @@ impl ScatteringModel for Smith {
 
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 

@@ -10,7 +10,7 @@ use glam::DVec3;
 
 use crate::facet_scattering::scattering_facet;
 use crate::kinks::Kinks;
-use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, validate};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, validate};
 use crate::slopes::SlopeCovariance;
 
 /// Gaussian facets in V-shaped grooves, reflection and refraction.
@@ -99,10 +99,6 @@ impl ScatteringModel for VCavity {
 
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 

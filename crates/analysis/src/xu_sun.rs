@@ -8,7 +8,7 @@ use asperity_optics::Material;
 use glam::DVec3;
 
 use crate::facet_scattering::unmasked_bsdf;
-use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, smoothness_of, validate};
+use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, smoothness_of, validate};
 use crate::slopes::SlopeCovariance;
 
 /// The constant of Eq. 24.
@@ -89,10 +89,6 @@ impl ScatteringModel for XuSun {
 
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 

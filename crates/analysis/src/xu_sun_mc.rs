@@ -49,7 +49,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::gaussian_normals::{draw_facing_normal, draw_normal};
-use crate::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk, smoothness_of, validate};
+use crate::model::{ModelError, ScatteringModel, Scope, Walk, smoothness_of, validate};
 use crate::slopes::SlopeCovariance;
 use crate::xu_sun::blocking;
 
@@ -233,10 +233,6 @@ impl ScatteringModel for XuSunMonteCarlo {
 
     fn slopes(&self) -> SlopeCovariance {
         self.slopes
-    }
-
-    fn density(&self) -> Option<&dyn BsdfModel> {
-        None
     }
 
     fn walk(&self) -> Option<&dyn Walk> {

@@ -12,7 +12,7 @@ mod common;
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
-    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, Walk, bin_fluxes, control,
+    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, bin_fluxes, control,
     hemispherical_energy, reflecting_facet, refracting_facet, sidak_z_threshold, unshadowed_fluxes,
     visible_shares,
 };
@@ -86,10 +86,6 @@ impl ScatteringModel for Unmasked {
 
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 

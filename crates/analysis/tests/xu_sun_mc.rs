@@ -10,7 +10,7 @@ use std::f64::consts::{LN_2, TAU};
 
 use asperity_analysis::{
     BsdfModel, Effort, Expectation, Masking, ModelError, ScatteringModel, Scope, SlopeCovariance,
-    Smith, Walk, bin_fluxes, chi_squared_survival, closed_form, create_model, expect,
+    Smith, bin_fluxes, chi_squared_survival, closed_form, create_model, expect,
     hemispherical_energy, xu_sun_visibility,
 };
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
@@ -122,9 +122,6 @@ impl ScatteringModel for Averaged {
     }
     fn density(&self) -> Option<&dyn BsdfModel> {
         Some(self)
-    }
-    fn walk(&self) -> Option<&dyn Walk> {
-        None
     }
 }
 
