@@ -34,6 +34,26 @@ pub fn azimuth(w: DVec3) -> f64 {
     }
 }
 
+/// The unit vector at the cosine `mu` from the unit vector `axis`, at the share `turn` of a full turn
+/// about it.
+///
+/// # Source
+/// The frame is that of Duff et al. 2017, Building an Orthonormal Basis, Revisited.
+#[must_use]
+#[inline]
+pub fn around(axis: DVec3, mu: f64, turn: f64) -> DVec3 {
+    let sign = 1.0_f64.copysign(axis.z);
+    let a = -1.0 / (sign + axis.z);
+    let b = axis.x * axis.y * a;
+    let s = DVec3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
+    let t = DVec3::new(b, sign + axis.y * axis.y * a, -axis.y);
+    let (sin_phi, cos_phi) = (TAU * turn).sin_cos();
+    let sin_theta = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
+    let w = sin_theta * (cos_phi * s + sin_phi * t) + mu * axis;
+    // Its length squared is 1 + e with e from rounding alone, which must not add up over many turns.
+    w * (1.5 - 0.5 * w.length_squared())
+}
+
 /// Why a direction of incidence is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -142,6 +162,21 @@ mod tests {
         let vertical = |theta| Incidence::from_degrees(theta, 70.0).unwrap().is_vertical();
         assert!(vertical(0.0) && vertical(-0.0));
         assert!(!vertical(1e-300) && !vertical(1e-6) && !vertical(30.0));
+    }
+
+    #[test]
+    fn directions_around_an_axis_keep_their_angle_to_it() {
+        for axis in [DVec3::Z, DVec3::NEG_Z, DVec3::X, from_spherical(2.0, 5.0)] {
+            for mu in [-1.0, -0.3, 0.0, 0.99, 1.0] {
+                for turn in [0.0, 0.2, 0.9] {
+                    let w = around(axis, mu, turn);
+                    assert!((w.dot(axis) - mu).abs() < 1e-15);
+                    assert!((w.length() - 1.0).abs() < 1e-15);
+                }
+            }
+        }
+        let quarter = around(DVec3::Z, 0.0, 0.25).cross(around(DVec3::Z, 0.0, 0.0));
+        assert!((quarter + DVec3::Z).length() < 1e-15);
     }
 
     #[test]

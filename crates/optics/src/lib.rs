@@ -1,4 +1,4 @@
-//! Interface optics: directions, the Fresnel equations and interface materials.
+//! Directions, the Fresnel equations, interface materials, and media that absorb and scatter.
 //!
 //! # Conventions
 //! The mean plane of the surface is `z = 0` and +z points into the incident medium. `wi` points
@@ -9,9 +9,15 @@
 mod direction;
 mod fresnel;
 mod interface;
+mod layer;
 mod material;
+mod participating;
+mod phase;
 
-pub use direction::{Incidence, IncidenceError, azimuth, from_spherical, polar_angle};
+pub use direction::{Incidence, IncidenceError, around, azimuth, from_spherical, polar_angle};
 pub use fresnel::{Fresnel, FresnelAmplitudes, conductor, conductor_amplitudes, dielectric};
 pub use interface::{reflect, refract};
+pub use layer::{Bottom, Layer, LayerError, Slab};
 pub use material::{Material, MaterialError};
+pub use participating::{ParticipatingMedium, ParticipatingMediumError};
+pub use phase::{PhaseFunction, PhaseFunctionError};

@@ -89,7 +89,7 @@ impl Material {
 /// Largest index, far above that of any matter: squares of it and of its inverse stay exact enough.
 const MOST: f64 = 1e6;
 
-fn valid_eta(eta: f64) -> Result<f64, MaterialError> {
+pub(crate) fn valid_eta(eta: f64) -> Result<f64, MaterialError> {
     if (1.0 / MOST..=MOST).contains(&eta) {
         Ok(eta)
     } else {
