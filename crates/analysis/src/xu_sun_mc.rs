@@ -43,7 +43,7 @@
 use std::collections::VecDeque;
 
 use asperity_optics::{Material, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
+use asperity_tally::{Event, EventPath, Exit, History, Loss, Record, Side};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -269,6 +269,7 @@ impl Walk for XuSunMonteCarlo {
                     wo: light.direction,
                     flux: light.flux,
                     path: light.path,
+                    history: History::Unscattered,
                 });
             } else if hits == MOST_HITS {
                 record.add_loss(Loss::Truncated, light.flux);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::wedge::Half;
-use crate::{EventPath, HemisphereGrid, Side, Sides};
+use crate::{EventPath, HemisphereGrid, History, Side, Sides};
 
 /// Highest order of scattering that has an entry of its own; higher ones share the last entry.
 pub const MAX_LISTED_ORDER: usize = 64;
@@ -87,6 +87,9 @@ pub enum LayoutError {
 /// | rings (theta bins, all azimuths), a side | each [`OrderClass`] |
 /// | in-plane profile, a side | each [`OrderClass`] |
 /// | number of rays, bins of the grid | single, multiple |
+/// | with histories: flux, a side | each [`History`] |
+/// | with histories: bins of the grid, number of rays there | each [`History`] |
+/// | with histories: rings and in-plane profile, a side | each [`History`] |
 ///
 /// Entries of a side that is not asked for keep their places and stay zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,6 +97,7 @@ pub struct Layout {
     grid: HemisphereGrid,
     in_plane_half_width: f64,
     sides: Sides,
+    histories: bool,
 }
 
 impl Layout {
@@ -136,6 +140,7 @@ impl Layout {
             grid,
             in_plane_half_width: half_width,
             sides: Sides::Both,
+            histories: false,
         })
     }
 
@@ -143,6 +148,21 @@ impl Layout {
     #[must_use]
     pub const fn with_sides(self, sides: Sides) -> Self {
         Self { sides, ..self }
+    }
+
+    /// The same places, followed by those of exits by [`History`].
+    #[must_use]
+    pub const fn with_histories(self) -> Self {
+        Self {
+            histories: true,
+            ..self
+        }
+    }
+
+    /// Whether exits are recorded by [`History`].
+    #[must_use]
+    pub const fn has_histories(&self) -> bool {
+        self.histories
     }
 
     /// Whether light that leaves on `side` is recorded.
@@ -183,7 +203,12 @@ impl Layout {
     /// Number of entries.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.hits_start() + 2 * self.grid.len()
+        self.histories_start()
+            + if self.histories {
+                HISTORIES * self.entries_of_history()
+            } else {
+                0
+            }
     }
 
     /// Never: a layout has at least its budget.
@@ -270,17 +295,21 @@ impl Layout {
         ring: usize,
         half: Half,
     ) -> usize {
+        self.in_plane(side, class).start + self.in_plane_number(side, ring, half)
+    }
+
+    /// Number of the in-plane bin over `ring` of `side`, on one half of the plane of incidence.
+    pub(crate) const fn in_plane_number(&self, side: Side, ring: usize, half: Half) -> usize {
         let n = self.grid.n_theta();
         // Rings count from +z; the in-plane angle counts from the side's own normal.
         let from_normal = match side {
             Side::Reflected => ring,
             Side::Transmitted => n - 1 - ring,
         };
-        self.in_plane(side, class).start
-            + match half {
-                Half::Forward => n + from_normal,
-                Half::Backward => n - 1 - from_normal,
-            }
+        match half {
+            Half::Forward => n + from_normal,
+            Half::Backward => n - 1 - from_normal,
+        }
     }
 
     /// Edges `[min, max]` of in-plane bin `i`, signed degrees.
@@ -307,6 +336,56 @@ impl Layout {
         start..start + self.grid.len()
     }
 
+    /// Flux of one history that left on `side`.
+    ///
+    /// This and all other places of histories are there only [`Layout::with_histories`].
+    #[must_use]
+    pub const fn history(&self, side: Side, history: History) -> usize {
+        self.history_start(history) + side.index()
+    }
+
+    /// Flux of one history into the bins of the grid, in its order.
+    #[must_use]
+    pub const fn history_bins(&self, history: History) -> Range<usize> {
+        let start = self.history_start(history) + 2;
+        start..start + self.grid.len()
+    }
+
+    /// Number of rays of one history per incident ray that reached the bins of the grid.
+    #[must_use]
+    pub const fn history_hits(&self, history: History) -> Range<usize> {
+        let start = self.history_bins(history).end;
+        start..start + self.grid.len()
+    }
+
+    /// Flux of one history into the theta bins of `side`, from +z, over all azimuths.
+    #[must_use]
+    pub const fn history_rings(&self, side: Side, history: History) -> Range<usize> {
+        let n = self.grid.n_theta();
+        let start = self.history_hits(history).end + side.index() * n;
+        start..start + n
+    }
+
+    /// Flux of one history into the in-plane bins of `side`, as [`Layout::in_plane`].
+    #[must_use]
+    pub const fn history_in_plane(&self, side: Side, history: History) -> Range<usize> {
+        let n = self.in_plane_len();
+        let start = self.history_hits(history).end + 2 * self.grid.n_theta() + side.index() * n;
+        start..start + n
+    }
+
+    const fn entries_of_history(&self) -> usize {
+        2 + 2 * self.grid.len() + 2 * (self.grid.n_theta() + self.in_plane_len())
+    }
+
+    const fn histories_start(&self) -> usize {
+        self.hits_start() + 2 * self.grid.len()
+    }
+
+    const fn history_start(&self, history: History) -> usize {
+        self.histories_start() + history as usize * self.entries_of_history()
+    }
+
     const fn rings_start(&self) -> usize {
         BINS_START + Share::ALL.len() * self.grid.len()
     }
@@ -320,6 +399,7 @@ impl Layout {
     }
 }
 
+const HISTORIES: usize = History::ALL.len();
 const ORDERS_START: usize = Layout::NOT_ASKED + 3;
 const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
 const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
@@ -331,6 +411,7 @@ impl Default for Layout {
             grid: HemisphereGrid::default(),
             in_plane_half_width: Self::DEFAULT_HALF_WIDTH,
             sides: Sides::Both,
+            histories: false,
         }
     }
 }
@@ -342,6 +423,8 @@ mod tests {
     #[test]
     fn entries_fill_the_record_without_overlap() {
         let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+        let plain = layout.len();
+        let layout = layout.with_histories();
         let mut seen = vec![0_u32; layout.len()];
         seen[..ORDERS_START].fill(1);
         for side in Side::BOTH {
@@ -362,6 +445,17 @@ mod tests {
         }
         for share in [Share::Single, Share::Multiple] {
             layout.hits(share).for_each(|i| seen[i] += 1);
+        }
+        assert!(seen[plain..].iter().all(|&n| n == 0));
+        for history in History::ALL {
+            layout.history_bins(history).for_each(|i| seen[i] += 1);
+            layout.history_hits(history).for_each(|i| seen[i] += 1);
+            for side in Side::BOTH {
+                seen[layout.history(side, history)] += 1;
+                let profile = layout.history_in_plane(side, history);
+                let rings = layout.history_rings(side, history);
+                rings.chain(profile).for_each(|i| seen[i] += 1);
+            }
         }
         assert!(seen.iter().all(|&n| n == 1), "{seen:?}");
     }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::finder::BinFinder;
 use crate::wedge::{Half, Wedge};
-use crate::{Control, EventPath, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
+use crate::{Control, EventPath, History, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
 
 /// Light that left the surface for good.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,8 +17,10 @@ pub struct Exit {
     pub wo: DVec3,
     /// Its flux; a whole incident ray carries 1.
     pub flux: f64,
-    /// What happened to it.
+    /// What happened to it at interfaces.
     pub path: EventPath,
+    /// What happened to it in the medium between.
+    pub history: History,
 }
 
 /// Why flux came to an end without an exit.
@@ -139,7 +141,13 @@ impl<'c> Record<'c> {
     /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
     #[inline(always)]
     fn book(&mut self, exit: &Exit, flux: f64, ring: usize) {
-        let Exit { side, wo, path, .. } = *exit;
+        let Exit {
+            side,
+            wo,
+            path,
+            history,
+            ..
+        } = *exit;
         // What the control has taken off entirely is no ray of the bin either.
         if flux == 0.0 {
             return;
@@ -161,17 +169,34 @@ impl<'c> Record<'c> {
         self.values[layout.path(side, path)] += flux;
 
         self.values[layout.rings(side, class).start + ring] += flux;
+        let histories = layout.has_histories();
+        if histories {
+            self.values[layout.history(side, history)] += flux;
+            self.values[layout.history_rings(side, history).start + ring] += flux;
+        }
         let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
         let Some(wedge) = &self.wedge else {
             // The first bin counts for its ring until the record is closed.
             self.values[layout.hits(share).start + first] += 1.0;
+            if histories {
+                self.values[layout.history_hits(history).start + first] += 1.0;
+            }
             return;
         };
         let bin = first + self.finder.sector(wo);
         self.values[layout.bins(share).start + bin] += flux;
         self.values[layout.hits(share).start + bin] += 1.0;
-        if let Some(half) = wedge.half(wo) {
+        let half = wedge.half(wo);
+        if let Some(half) = half {
             self.values[layout.in_plane_entry(side, class, ring, half)] += flux;
+        }
+        if histories {
+            self.values[layout.history_bins(history).start + bin] += flux;
+            self.values[layout.history_hits(history).start + bin] += 1.0;
+            if let Some(half) = half {
+                let i = layout.in_plane_number(side, ring, half);
+                self.values[layout.history_in_plane(side, history).start + i] += flux;
+            }
         }
     }
 
@@ -198,7 +223,12 @@ impl<'c> Record<'c> {
         let layout = self.layout;
         if self.wedge.is_none() {
             for side in layout.sides() {
-                (0..layout.grid().n_theta()).for_each(|ring| self.spread(side, ring));
+                for ring in 0..layout.grid().n_theta() {
+                    self.spread(side, ring);
+                    for history in History::ALL.into_iter().filter(|_| layout.has_histories()) {
+                        self.spread_history(side, ring, history);
+                    }
+                }
             }
         }
         for side in Side::BOTH {
@@ -252,6 +282,27 @@ impl<'c> Record<'c> {
         }
     }
 
+    /// The same by history.
+    fn spread_history(&mut self, side: Side, ring: usize, history: History) {
+        let layout = self.layout;
+        let grid = layout.grid();
+        let n_phi = grid.n_phi();
+        let flux = self.values[layout.history_rings(side, history).start + ring];
+        let share = 2.0 * layout.in_plane_half_width() / TAU;
+        for half in [Half::Forward, Half::Backward] {
+            let i = layout.in_plane_number(side, ring, half);
+            self.values[layout.history_in_plane(side, history).start + i] = share * flux;
+        }
+        let start = (side.index() * grid.n_theta() + ring) * n_phi;
+        let hits = self.values[layout.history_hits(history).start + start];
+        for (entries, of_ring) in [
+            (layout.history_bins(history), flux),
+            (layout.history_hits(history), hits),
+        ] {
+            self.values[entries][start..start + n_phi].fill(of_ring / n_phi as f64);
+        }
+    }
+
     /// Sets the flux of a side, and that of it which was scattered more than once, from its orders.
     fn sum_orders(&mut self, side: Side) {
         let order = |order| self.layout.order(side, order);
@@ -290,6 +341,7 @@ mod tests {
             wo,
             flux: 0.5,
             path,
+            history: History::of(order % 4),
         }
     }
 
@@ -366,7 +418,7 @@ mod tests {
     #[test]
     fn free_azimuth_spreads_what_is_even_as_it_was_found() {
         // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
-        let layout = Layout::default();
+        let layout = Layout::default().with_histories();
         let mut found = Record::new(layout, Azimuth::From(0.0));
         let mut free = Record::new(layout, Azimuth::Free);
         for exit in even_exits(1440) {
@@ -415,6 +467,51 @@ mod tests {
                 .flat_map(|&share| &values[layout.hits(share)])
                 .sum();
             assert!((rays - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn histories_are_parts_of_the_whole() {
+        let layout = Layout::default().with_histories();
+        for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
+            let mut record = Record::new(layout, azimuth);
+            even_exits(70).iter().for_each(|exit| record.add_exit(exit));
+            let values = record.into_fractions(10);
+            let whole = |entries: &[std::ops::Range<usize>]| -> Vec<f64> {
+                (0..entries[0].len())
+                    .map(|i| entries.iter().map(|e| values[e.start + i]).sum())
+                    .collect()
+            };
+            let same = |parts: [std::ops::Range<usize>; 3], all: &[f64]| {
+                let sums = whole(&parts);
+                assert_eq!(sums.len(), all.len());
+                assert!(all.iter().any(|x| *x > 0.0));
+                for (sum, all) in sums.iter().zip(all) {
+                    assert!((sum - all).abs() <= 1e-14 * all.abs());
+                }
+            };
+            let of = History::ALL;
+            same(
+                of.map(|h| layout.history_bins(h)),
+                &values[layout.bins(Share::Total)],
+            );
+            let rays = whole(&[Share::Single, Share::Multiple].map(|s| layout.hits(s)));
+            same(of.map(|h| layout.history_hits(h)), &rays);
+            for side in Side::BOTH {
+                let all = |entries| &values[entries];
+                let one = |i| i..i + 1;
+                same(
+                    of.map(|h| one(layout.history(side, h))),
+                    all(one(side.index())),
+                );
+                let class = OrderClass::All;
+                same(
+                    of.map(|h| layout.history_rings(side, h)),
+                    all(layout.rings(side, class)),
+                );
+                let profile = all(layout.in_plane(side, class));
+                same(of.map(|h| layout.history_in_plane(side, h)), profile);
+            }
         }
     }
 

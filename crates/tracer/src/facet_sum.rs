@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
-use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Record, Side, UnshadowedFluxes};
+use asperity_tally::{
+    Azimuth, Event, EventPath, Exit, History, Layout, Record, Side, UnshadowedFluxes,
+};
 use asperity_tally::{OrderClass, Share};
 use glam::DVec3;
 
@@ -64,6 +66,7 @@ pub fn sum_over_facets<G: Geometry>(
                         wo,
                         flux: flux * branch.share,
                         path: EventPath::default().then(branch.event),
+                        history: History::Unscattered,
                     });
                 }
             }

@@ -8,7 +8,7 @@ mod work;
 use std::f64::consts::{PI, TAU};
 
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, Control, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_tally::{Azimuth, Control, EventPath, Exit, History, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
@@ -146,6 +146,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let light = |flux| Light {
             flux,
             path: EventPath::default(),
+            scatterings: 0,
             turn: DVec2::new(turn.x, -turn.y),
         };
         match starts {
@@ -185,6 +186,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             wo: level.extend(wo.z),
             flux: light.flux,
             path: light.path,
+            history: History::of(light.scatterings),
         }
     }
 

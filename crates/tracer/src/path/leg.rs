@@ -13,6 +13,8 @@ use crate::scatter::Branch;
 pub(super) struct Light {
     pub(super) flux: f64,
     pub(super) path: EventPath,
+    /// How often it was scattered inside the medium.
+    pub(super) scatterings: u32,
     /// Cosine and sine of the angle by which what leaves is turned about the vertical.
     pub(super) turn: DVec2,
 }
@@ -76,6 +78,7 @@ pub(super) fn onward<F>(
     let light = Light {
         flux: light.flux * share,
         path: light.path.then(branch.event),
+        scatterings: light.scatterings,
         turn: light.turn,
     };
     (heading, medium, light)
