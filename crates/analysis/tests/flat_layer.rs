@@ -209,6 +209,24 @@ fn a_clear_plate_passes_what_a_stack_of_two_faces_does() {
 }
 
 #[test]
+fn light_that_returns_from_a_mirror_is_the_sum_of_its_bounces() {
+    let (eta, tau): (f64, f64) = (1.5, 0.4);
+    let model = model(eta, &slab(0.5, 0.0, tau, Bottom::Mirror), LayerPaths::All);
+    for theta in [20.0, 85.0] {
+        let wi = degrees(theta, 0.0);
+        let face = dielectric(wi.z, eta);
+        let (r, t) = (face.reflected, face.transmitted);
+        let there_and_back = (-2.0 * tau / face.cos_beta).exp();
+        let bounces = (0..60).map(|k| t * t * there_and_back.powi(k + 1) * r.powi(k));
+        let expected = r + bounces.sum::<f64>();
+        let [beam] = model.unscattered(wi)[..] else {
+            panic!("nothing passes a mirror");
+        };
+        assert!((beam.flux / expected - 1.0).abs() < 1e-13, "{theta}");
+    }
+}
+
+#[test]
 fn thin_plates_scatter_what_they_meet_and_let_go_what_is_within_the_escape_cone() {
     // To first order in tau, light crosses the medium on 1 / mu_i free paths (1 + R + R^2 ...) T = 1 times,
     // and of what is scattered evenly the share 1 - sqrt(1 - 1/eta^2) lies in the two cones that the faces let

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{FlatLayer, LayerPaths, sidak_z_threshold};
 use asperity_optics::{Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction};
-use asperity_tally::{Azimuth, HemisphereGrid, History, Layout, Side};
+use asperity_tally::{Azimuth, HemisphereGrid, History, Layout, Share, Side};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -115,14 +115,11 @@ fn model(case: &Case, paths: LayerPaths) -> FlatLayer {
     FlatLayer::new(case.eta, &layer, paths).unwrap()
 }
 
-/// Counts of the rays of each history by bin, of those that `counts` takes.
-fn counted(left: &[Left], history: History, counts: impl Fn(&Left) -> bool) -> Vec<f64> {
+/// Counts of the rays that `counts` takes, by bin.
+fn counted(left: &[Left], counts: impl Fn(&Left) -> bool) -> Vec<f64> {
     let grid = layout().grid();
     let mut bins = vec![0.0; grid.len()];
-    for ray in left
-        .iter()
-        .filter(|ray| History::of(ray.2) == history && counts(ray))
-    {
+    for ray in left.iter().filter(|ray| counts(ray)) {
         bins[grid.index_of(ray.0, glam::DVec3::from(ray.1))] += 1.0;
     }
     bins
@@ -169,33 +166,25 @@ fn rays_agree_with_both_models_in_every_bin() {
         let mut rng = ChaCha8Rng::seed_from_u64(i as u64 + 1);
         let left: Vec<Left> = (0..RAYS).filter_map(|_| follow(case, &mut rng)).collect();
         let light = Incidence::from_degrees(case.theta, 0.0).unwrap();
-        let of = |paths, history| {
-            let record = model(case, paths).record(light, &layout, Azimuth::From(PI));
-            record[layout.history_bins(history)].to_vec()
-        };
+        let record = |paths| model(case, paths).record(light, &layout, Azimuth::From(PI));
+        let exact = record(LayerPaths::All);
         for history in [History::Unscattered, History::Once] {
-            let z = z_values(
-                &counted(&left, history, |_| true),
-                &of(LayerPaths::All, history),
-            );
+            let found = counted(&left, |ray| History::of(ray.2) == history);
+            let z = z_values(&found, &exact[layout.history_bins(history)]);
             families.push((format!("case {i}, {}", history.name()), z));
         }
+        let found = counted(&left, |ray| ray.3 == 1);
+        let z = z_values(&found, &exact[layout.bins(Share::Single)]);
+        families.push((format!("case {i}, one face"), z));
         if case.bottom == Bottom::Mirror {
             continue;
         }
         // Through a face on the way in and through one on the way out, which an open bottom is not.
         let open = case.bottom == Bottom::Open;
-        let straight = |ray: &Left| {
-            ray.3
-                == if open && ray.0 == Side::Transmitted {
-                    1
-                } else {
-                    2
-                }
-        };
-        let once = of(LayerPaths::HanrahanKrueger, History::Once);
-        let z = z_values(&counted(&left, History::Once, straight), &once);
-        families.push((format!("case {i}, once, straight"), z));
+        let faces = |side| 2 - u32::from(open && side == Side::Transmitted);
+        let found = counted(&left, |ray| ray.2 == 1 && ray.3 == faces(ray.0));
+        let once = &record(LayerPaths::HanrahanKrueger)[layout.history_bins(History::Once)];
+        families.push((format!("case {i}, once, straight"), z_values(&found, once)));
     }
     let all: usize = families.iter().map(|(_, z)| z.len()).sum();
     let bound = sidak_z_threshold(1e-3, all);
