@@ -38,7 +38,7 @@ mod expectation;
 mod faces;
 mod range;
 
-use asperity_optics::{Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction, dielectric};
+use asperity_optics::{Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction, azimuth, dielectric, polar_angle};
 use asperity_tally::{Side, Sides};
 use glam::DVec3;
 use serde::Serialize;
@@ -55,6 +55,46 @@ pub enum LayerPaths {
     HanrahanKrueger,
     /// All of light never scattered and of light scattered once, with all inner reflections.
     All,
+}
+
+impl LayerPaths {
+    /// Both, in the order of [`FlatLayer::NAMES`].
+    pub const ALL: [Self; 2] = [Self::HanrahanKrueger, Self::All];
+
+    /// The name under which [`FlatLayer::by_name`] knows the model.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::HanrahanKrueger => "hanrahan-krueger",
+            Self::All => "flat-layer",
+        }
+    }
+
+    /// One line about the model and its source.
+    #[must_use]
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::HanrahanKrueger => {
+                "flat layer, light scattered inside once at most and reflected at no inner face: Hanrahan and Krueger 1993, Eqs. 18 to 21"
+            }
+            Self::All => {
+                "flat layer, light scattered inside once at most, with all reflections at its faces"
+            }
+        }
+    }
+
+    /// One sentence on where the model is meant to hold, and what it leaves out.
+    #[must_use]
+    pub const fn valid_range(self) -> &'static str {
+        match self {
+            Self::HanrahanKrueger => {
+                "flat faces, thin or absorbing media; all of light scattered once over half spaces and black bottoms, elsewhere without what inner faces reflect; no mirror or Lambertian bottom"
+            }
+            Self::All => {
+                "flat faces, thin or absorbing media; exact for light scattered once and never, without what is scattered more often; no Lambertian bottom"
+            }
+        }
+    }
 }
 
 /// A flat layer, exact for light scattered at most once inside or as Hanrahan and Krueger have it.
@@ -80,17 +120,24 @@ pub struct UnscatteredBeam {
     pub flux: f64,
 }
 
+impl UnscatteredBeam {
+    /// Polar angle from +z and azimuth, degrees, rounded to a billionth.
+    #[must_use]
+    pub fn angles_deg(&self) -> [f64; 2] {
+        [polar_angle(self.wo), azimuth(self.wo)]
+            .map(|angle| (angle.to_degrees() * 1e9).round() / 1e9)
+    }
+}
+
 /// Why a layer has no such model.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlatLayerError {
     /// No model has this name.
-    #[error("there is no model `{name}` of a layer; the models are {}", known.join(", "))]
+    #[error("there is no model `{name}` of a layer; the models are {}", FlatLayer::NAMES.join(", "))]
     Unknown {
         /// The name asked for.
         name: String,
-        /// The names that exist.
-        known: &'static [&'static str],
     },
     /// The index of the top face.
     #[error(transparent)]
@@ -108,28 +155,21 @@ pub enum FlatLayerError {
 }
 
 impl FlatLayer {
-    /// The name of [`LayerPaths::HanrahanKrueger`].
-    pub const NAME_HANRAHAN_KRUEGER: &'static str = "hanrahan-krueger";
-    /// The name of [`LayerPaths::All`].
-    pub const NAME: &'static str = "flat-layer";
-    /// All names.
-    pub const NAMES: &'static [&'static str] = &[Self::NAME_HANRAHAN_KRUEGER, Self::NAME];
+    /// The names that [`FlatLayer::by_name`] knows.
+    pub const NAMES: [&'static str; 2] =
+        [LayerPaths::HanrahanKrueger.name(), LayerPaths::All.name()];
 
     /// The model of that name of `layer` below a face of index `eta`: see [`FlatLayer::new`].
     ///
     /// # Errors
     /// [`FlatLayerError`]: an unknown name, or as [`FlatLayer::new`].
     pub fn by_name(name: &str, eta: f64, layer: &Layer) -> Result<Self, FlatLayerError> {
-        let paths = match name {
-            Self::NAME_HANRAHAN_KRUEGER => LayerPaths::HanrahanKrueger,
-            Self::NAME => LayerPaths::All,
-            _ => {
-                return Err(FlatLayerError::Unknown {
-                    name: name.to_owned(),
-                    known: Self::NAMES,
-                });
-            }
-        };
+        let known = LayerPaths::ALL
+            .into_iter()
+            .find(|paths| paths.name() == name);
+        let paths = known.ok_or_else(|| FlatLayerError::Unknown {
+            name: name.to_owned(),
+        })?;
         Self::new(eta, layer, paths)
     }
 
@@ -148,11 +188,8 @@ impl FlatLayer {
             None => (f64::INFINITY, Bottom::Absorbing),
         };
         match (bottom, paths) {
-            (Bottom::Lambertian { .. }, LayerPaths::All) => {
-                return Err(FlatLayerError::DiffuseBottom(Self::NAME));
-            }
-            (Bottom::Lambertian { .. }, LayerPaths::HanrahanKrueger) => {
-                return Err(FlatLayerError::DiffuseBottom(Self::NAME_HANRAHAN_KRUEGER));
+            (Bottom::Lambertian { .. }, _) => {
+                return Err(FlatLayerError::DiffuseBottom(paths.name()));
             }
             (Bottom::Mirror, LayerPaths::HanrahanKrueger) => {
                 return Err(FlatLayerError::MirrorBelow);
@@ -167,41 +204,6 @@ impl FlatLayer {
             bottom,
             paths,
         })
-    }
-
-    /// The name under which [`FlatLayer::by_name`] knows the model.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        match self.paths {
-            LayerPaths::HanrahanKrueger => Self::NAME_HANRAHAN_KRUEGER,
-            LayerPaths::All => Self::NAME,
-        }
-    }
-
-    /// One line about the model and its source.
-    #[must_use]
-    pub const fn description(&self) -> &'static str {
-        match self.paths {
-            LayerPaths::HanrahanKrueger => {
-                "flat layer, light scattered inside once at most and reflected at no inner face: Hanrahan and Krueger 1993, Eqs. 18 to 21"
-            }
-            LayerPaths::All => {
-                "flat layer, light scattered inside once at most, with all reflections at its faces"
-            }
-        }
-    }
-
-    /// One sentence on where the model is meant to hold, and what it leaves out.
-    #[must_use]
-    pub const fn valid_range(&self) -> &'static str {
-        match self.paths {
-            LayerPaths::HanrahanKrueger => {
-                "flat faces, thin or absorbing media; all of light scattered once over half spaces and black bottoms, elsewhere without what inner faces reflect; no mirror or Lambertian bottom"
-            }
-            LayerPaths::All => {
-                "flat faces, thin or absorbing media; exact for light scattered once and never, without what is scattered more often; no Lambertian bottom"
-            }
-        }
     }
 
     /// The paths that count.

@@ -17,7 +17,7 @@ use asperity_tally::{
 };
 use glam::DVec3;
 
-const BOTH: [LayerPaths; 2] = [LayerPaths::HanrahanKrueger, LayerPaths::All];
+const BOTH: [LayerPaths; 2] = LayerPaths::ALL;
 
 fn medium(albedo: f64, g: f64) -> ParticipatingMedium {
     let phase = PhaseFunction::henyey_greenstein(g).unwrap();
@@ -306,6 +306,16 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
     assert_eq!(model.unscattered(wi).len(), 1);
     assert_eq!(model.unscattered(wi)[0].flux, 1.0);
     assert_eq!(model.bsdf(wi, DVec3::Z), 0.0);
+    let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
+    let plate = Layer::slab(clear.unwrap(), 1.0, Bottom::Interface { eta: 1.8 }).unwrap();
+    for paths in BOTH {
+        let plate = FlatLayer::new(0.8, &plate, paths).unwrap();
+        assert_eq!(plate.unscattered(wi)[0].flux, 1.0);
+        assert_eq!(
+            of_history(&plate, critical + 0.1, History::Unscattered),
+            [1.0, 0.0]
+        );
+    }
     let wi = degrees(20.0, 0.0);
     assert!(model.bsdf(wi, degrees(critical - 0.1, 0.0)) > 0.0);
     assert_eq!(model.bsdf(wi, degrees(critical + 0.1, 0.0)), 0.0);
@@ -398,6 +408,12 @@ fn layers_without_such_a_model_are_refused() {
     assert!(refusal("kubelka-munk", 1.5, Bottom::Open).contains("hanrahan-krueger, flat-layer"));
     for name in FlatLayer::NAMES {
         let layer = slab(0.5, 0.0, 1.0, Bottom::Open);
-        assert_eq!(FlatLayer::by_name(name, 1.5, &layer).unwrap().name(), *name);
+        assert_eq!(
+            FlatLayer::by_name(name, 1.5, &layer)
+                .unwrap()
+                .paths()
+                .name(),
+            name
+        );
     }
 }

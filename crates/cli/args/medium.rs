@@ -71,6 +71,17 @@ pub(crate) enum BottomArgument {
 }
 
 impl MediumArguments {
+    /// Whether any flag is given.
+    pub(crate) fn is_given(&self) -> bool {
+        let numbers = [
+            self.mean_free_path,
+            self.albedo,
+            self.absorption,
+            self.scattering,
+        ];
+        numbers.iter().any(Option::is_some) || self.first_given_beside_medium().is_some()
+    }
+
     /// What lies below a surface of `material`; `None` if no flag is given.
     pub(crate) fn layer(&self, material: Material) -> Result<Option<Layer>, Failure> {
         let Some(medium) = self.medium()? else {
@@ -237,6 +248,19 @@ mod tests {
     #[test]
     fn no_flag_is_no_medium() {
         assert_eq!(layer(""), Ok(None));
+        assert!(!MediumArguments::default().is_given());
+        for flag in [
+            "--albedo 0.9",
+            "--scattering 1",
+            "--g 0.1",
+            "--bottom-reflectance 0.5",
+        ] {
+            let words = std::iter::once("asperity").chain(flag.split(' '));
+            assert!(
+                Flags::try_parse_from(words).unwrap().medium.is_given(),
+                "{flag}"
+            );
+        }
     }
 
     #[test]

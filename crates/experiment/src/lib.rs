@@ -25,6 +25,7 @@ mod expectation;
 mod facet_control;
 mod figures;
 mod known;
+mod layer_expectation;
 mod limits;
 mod map;
 mod mesh_error;
@@ -67,6 +68,9 @@ pub use converge::{
 pub use estimator::Estimator;
 pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
+pub use layer_expectation::{
+    layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
+};
 pub use limits::{RunError, check_memory};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, Interval, Judged, JudgedCell,

@@ -26,6 +26,10 @@ pub(super) struct Inside {
 impl Inside {
     /// What is left of it from face to face.
     pub(super) fn attenuation(&self) -> f64 {
+        // Light that is reflected whole at the top has no cosine inside, and nothing to lose.
+        if self.tau == 0.0 {
+            return 1.0;
+        }
         (-self.tau / self.mu).exp()
     }
 }
