@@ -128,6 +128,10 @@ fn layers_are_refused_what_their_models_cannot_do() {
             "smith --smoothness 3 --theta 30 --scattering 1",
             "hanrahan-krueger and flat-layer",
         ),
+        (
+            "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same",
+            "leave out --bottom-surface",
+        ),
         ("smith --theta 30", "give their --smoothness"),
     ] {
         let error = refused(folder.path(), &words(&format!("model {arguments}")), 2);

@@ -38,7 +38,10 @@ mod expectation;
 mod faces;
 mod range;
 
-use asperity_optics::{Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction, azimuth, dielectric, polar_angle};
+use asperity_optics::{
+    Bottom, Fresnel, Layer, Material, MaterialError, PhaseFunction, azimuth, dielectric,
+    polar_angle,
+};
 use asperity_tally::{Side, Sides};
 use glam::DVec3;
 use serde::Serialize;

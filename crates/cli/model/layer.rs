@@ -33,6 +33,11 @@ pub(super) fn run(
             )));
         }
     }
+    if command.medium.bottom_surface.is_some() || command.medium.max_scatterings.is_some() {
+        return Err(Failure::usage(format!(
+            "the model {name} is of flat faces and scatters once at most; leave out --bottom-surface and --max-scatterings"
+        )));
+    }
     let Some(layer) = command.medium.layer(material)? else {
         return Err(Failure::usage(format!(
             "the model {name} needs a medium: give --mean-free-path and --albedo, or --absorption and --scattering"
