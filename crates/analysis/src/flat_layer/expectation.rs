@@ -9,11 +9,21 @@ use asperity_tally::{
 };
 use rayon::prelude::*;
 
+use crate::expectation::Expectation;
+use crate::model::Scope;
+
 use super::faces::Inside;
 use super::range::Range;
 use super::{FlatLayer, LayerPaths};
 
 impl FlatLayer {
+    /// [`FlatLayer::record`] as the expectation of a model; exact.
+    #[must_use]
+    pub fn expect(&self, incidence: Incidence, layout: &Layout, azimuth: Azimuth) -> Expectation {
+        let record = self.record(incidence, layout, azimuth);
+        Expectation::of(*layout, Scope::ScatteredInside, vec![record], 0)
+    }
+
     /// What light from `incidence` is expected to leave in a record of `layout`, as shares of its flux.
     ///
     /// Unscattered light stands in the bin of its direction, or evenly in its ring where the azimuth is free.
