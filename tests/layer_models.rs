@@ -138,3 +138,189 @@ fn layers_are_refused_what_their_models_cannot_do() {
         assert!(error.contains(expected), "{arguments}: {error}");
     }
 }
+
+/// The verdict of a model on a part of the light.
+fn verdict(comparison: &Value, model: &str, part: &str) -> String {
+    let models = comparison["models"].as_array().unwrap();
+    let of_model = models.iter().find(|found| found["model"] == model).unwrap();
+    let p = &of_model[part]["p"];
+    println!("{model}, {part}: p = {p}, {}", of_model[part]["verdict"]);
+    of_model[part]["verdict"].as_str().unwrap().to_owned()
+}
+
+fn verified(flags: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    // The plane of incidence in the middle of a sector, not between two.
+    let all = format!(
+        "verify --tau 8 --size 64 --realisations 12 --eta 1.5 --theta 35 --phi 30 --bins 3x6 \
+         --mean-free-path 20 --albedo 0.9 --g 0.3 --no-plots -o out {flags}"
+    );
+    succeed(folder.path(), &words(&all));
+    let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
+    json(&summary)["comparison"].clone()
+}
+
+#[test]
+fn nearly_flat_surfaces_agree_with_all_paths_and_not_with_the_letter() {
+    let flags = "--thickness 2 --smoothness 400 --rays 1.2e5 --models flat-layer,hanrahan-krueger";
+    let found = verified(flags);
+    assert_eq!(verdict(&found, "flat-layer", "unscattered"), "holds");
+    assert_eq!(verdict(&found, "flat-layer", "once"), "holds");
+    // A third of what leaves above was reflected at the bottom before.
+    assert_eq!(verdict(&found, "hanrahan-krueger", "once"), "fails");
+    // It claims nothing of what is not scattered.
+    assert!(found["models"][1]["unscattered"].is_null());
+    assert_eq!(found["models"][0]["scope"], "scattered-inside");
+    assert_eq!(
+        found["models"][0]["verdict"],
+        found["models"][0]["once"]["verdict"]
+    );
+}
+
+#[test]
+fn the_letter_holds_where_nothing_comes_back_from_the_bottom() {
+    let flags =
+        "--thickness 20 --bottom absorbing --smoothness 400 --rays 6e4 --models hanrahan-krueger";
+    let found = verified(flags);
+    assert_eq!(verdict(&found, "hanrahan-krueger", "once"), "holds");
+}
+
+#[test]
+fn rough_surfaces_are_no_flat_layers() {
+    // By default the model of all paths, alone.
+    let found = verified("--thickness 20 --smoothness 2 --rays 6e4");
+    assert_eq!(found["models"].as_array().unwrap().len(), 1);
+    assert_eq!(verdict(&found, "flat-layer", "unscattered"), "fails");
+    assert_eq!(verdict(&found, "flat-layer", "once"), "fails");
+}
+
+#[test]
+fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (
+            "--scattering 0.1 --models smith",
+            "nothing below it that scatters",
+        ),
+        (
+            "--models flat-layer",
+            "a medium below the surface, and there is none",
+        ),
+        ("--scattering 0.1 --models ggx", "no model `ggx`"),
+        (
+            "--scattering 0.1 --thickness 50 --bottom lambertian --models flat-layer",
+            "Lambertian",
+        ),
+    ] {
+        let error = refused(
+            folder.path(),
+            &words(&format!("verify {arguments} -o out")),
+            2,
+        );
+        assert!(error.contains(expected), "{arguments}: {error}");
+    }
+}
+
+/// Columns of a table of bins.
+fn columns(folder: &std::path::Path, file: &str, names: &[&str]) -> Vec<Vec<f64>> {
+    let table = fs::read_to_string(folder.join(file)).unwrap();
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let places: Vec<usize> = names
+        .iter()
+        .map(|name| header.iter().position(|title| title == name).unwrap())
+        .collect();
+    let rows = table.lines().skip(1).map(|line| {
+        let fields: Vec<&str> = line.split(',').collect();
+        places
+            .iter()
+            .map(|&place| fields[place].parse().unwrap())
+            .collect()
+    });
+    rows.collect()
+}
+
+#[test]
+fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut squares = Vec::new();
+    for (i, bottom) in [
+        "--thickness 2",
+        "--thickness 5 --bottom open",
+        "--thickness 20 --bottom mirror",
+        "--thickness 8 --bottom-eta 0.9",
+        "",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let layer = format!(
+            "--eta 1.5 --theta 35 --phi 20 --mean-free-path 20 --albedo 0.9 --g 0.3 {bottom} --bins 6x8"
+        );
+        let layer = layer.replace("  ", " ");
+        let trace = format!("trace --flat {layer} --rays 6.4e4 --no-plots -o {i}");
+        succeed(folder.path(), &words(&trace));
+        let model = format!("model flat-layer {layer} -o {i}.csv");
+        succeed(folder.path(), &words(&model));
+        let names = ["flux_unscattered", "flux_once"];
+        let model = columns(folder.path(), &format!("{i}.csv"), &names);
+        let with_errors = [
+            "flux_unscattered",
+            "flux_unscattered_se",
+            "flux_once",
+            "flux_once_se",
+        ];
+        let found = columns(folder.path(), &format!("{i}/histogram.csv"), &with_errors);
+        for (model, found) in model.iter().zip(&found) {
+            for k in [0, 1] {
+                let (mean, se, expected) = (found[2 * k], found[2 * k + 1], model[k]);
+                // Some forty rays, to be near enough to normal.
+                if expected * 6.4e4 > 40.0 {
+                    let z = (mean - expected) / se.max(1e-9);
+                    assert!(z.abs() < 5.0, "{bottom}: {mean} +- {se}, not {expected}");
+                    squares.push(z * z);
+                }
+            }
+        }
+    }
+    let n = squares.len() as f64;
+    let mean = squares.iter().sum::<f64>() / n;
+    println!("{n} bins, mean square of z {mean:.3}");
+    // Errors from 64 blocks spread it by sqrt(2 / n) and raise it by 2 / 64.
+    assert!(n > 150.0 && (mean - 1.0 - 2.0 / 64.0).abs() < 4.0 * (2.0 / n).sqrt());
+}
+
+#[test]
+fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
+    let folder = tempfile::tempdir().unwrap();
+    // Through an open bottom nothing is caught, so that what is scattered again is of order tau ln(1 / tau).
+    let multiple_over_once = |tau: f64| {
+        let layer = format!(
+            "--eta 1.5 --theta 35 --mean-free-path 1 --albedo 1 --thickness {tau} --bottom open"
+        );
+        let trace = format!("trace --flat {layer} --rays 2e5 --json");
+        let traced = json(&succeed(folder.path(), &words(&trace)));
+        let model = json(&succeed(
+            folder.path(),
+            &words(&format!("model flat-layer {layer} --json")),
+        ));
+        let of_model = &model["energy"]["once"];
+        let once = number(&of_model["reflected"]) + number(&of_model["transmitted"]);
+        let mut all = 0.0;
+        let mut variance = 0.0;
+        for found in traced["histories"].as_array().unwrap() {
+            if found["scatterings"] != "unscattered" {
+                all += number(&found["mean"]);
+                variance += number(&found["se"]).powi(2);
+            }
+        }
+        println!(
+            "tau {tau}: scattered {all} +- {}, once by the model {once}",
+            variance.sqrt()
+        );
+        ((all - once) / once, variance.sqrt() / once)
+    };
+    let (thin, se) = multiple_over_once(0.003);
+    assert!(thin.abs() < 4.0 * se + 0.05, "{thin} +- {se}");
+    let (thick, _) = multiple_over_once(0.5);
+    assert!(thick > 0.3, "{thick}");
+}
