@@ -285,7 +285,11 @@ fn series_of(
                 }
             }
         }
-        series.push(Series::model(model.model.name(), plot_side(side), samples));
+        let name = match model.judged_part() {
+            Part::Inside(history) => format!("{}, {}", model.model.name(), history_name(history)),
+            Part::Orders(_) => model.model.name().to_owned(),
+        };
+        series.push(Series::model(name, plot_side(side), samples));
     }
     series
 }
