@@ -293,7 +293,8 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
 fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
     let folder = tempfile::tempdir().unwrap();
     // On each side, by how much of light scattered once all scattered light is more, with its error. Through
-    // an open bottom nothing is caught, so that it is of order tau ln(1 / tau).
+    // an open bottom nothing is caught, and what is scattered again is some tau / mu of it; where that turns
+    // back, it adds to reflected light that is seven times weaker, say ten tau.
     let excess = |tau: f64, rays: &str| {
         let layer = format!(
             "--eta 1.5 --theta 35 --mean-free-path 1 --albedo 1 --thickness {tau} --bottom open"
@@ -318,9 +319,9 @@ fn what_is_scattered_at_all_is_scattered_once_in_thin_layers() {
             (flux / once - 1.0, se / once)
         })
     };
-    let tau: f64 = 0.01;
+    let tau = 0.01;
     for (thin, se) in excess(tau, "8e5") {
-        assert!(thin.abs() < 4.0 * se - tau * tau.ln(), "{thin} +- {se}");
+        assert!(thin.abs() < 4.0 * se + 10.0 * tau, "{thin} +- {se}");
     }
     assert!(excess(0.5, "5e4").iter().all(|(thick, _)| *thick > 0.3));
 }
