@@ -454,4 +454,15 @@ mod tests {
             .to_string();
         assert!(error.contains("line 2") && error.contains("tua"), "{error}");
     }
+
+    #[test]
+    fn beside_a_medium_default_models_are_those_of_layers_and_named_ones_stay() {
+        let models = |text: &str| VerifyConfig::from_toml(text).unwrap().compare.models;
+        let medium = "[medium]\nscattering = 1\nthickness = 9\n";
+        assert_eq!(models("").len(), DEFAULT_MODELS.len());
+        assert_eq!(models(medium), ["flat-layer"]);
+        assert!(models(&format!("{medium}bottom = \"lambertian\"\n")).is_empty());
+        let named = "[compare]\nmodels = [\"hanrahan-krueger\"]\n";
+        assert_eq!(models(&format!("{medium}{named}")), ["hanrahan-krueger"]);
+    }
 }
