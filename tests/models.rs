@@ -31,12 +31,14 @@ fn every_model_says_where_it_holds() {
         "v-cavity",
         "cook-torrance-neumann",
         "cook-torrance-neumann-smith",
+        "hanrahan-krueger",
+        "flat-layer",
     ] {
         assert!(text.lines().any(|line| line == name), "{name} in {text}");
     }
     // Name, description, range.
-    assert_eq!(text.lines().count(), 27);
-    assert_eq!(text.matches("\n  for ").count(), 9);
+    assert_eq!(text.lines().count(), 33);
+    assert_eq!(text.matches("\n  for ").count(), 11);
 }
 
 #[test]

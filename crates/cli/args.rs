@@ -91,7 +91,7 @@ pub(crate) enum Command {
     /// Measure shadowing and masking on explicit surfaces, beside Smith and V-cavities
     Attenuation(Box<Attenuation>),
     /// Evaluate a statistical model
-    Model(Model),
+    Model(Box<Model>),
 }
 
 /// How a height map is read.

@@ -1,10 +1,12 @@
 //! `asperity model`: a statistical model, direction by direction or bin by bin.
 
+mod layer;
+
 use std::f64::consts::PI;
-use std::path::Path;
 
 use asperity_analysis::{
-    BsdfModel, Effort, MODEL_NAMES, ScatteringModel, Scope, SlopeCovariance, create_model, expect,
+    Effort, FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, Scope, SlopeCovariance,
+    create_model, expect,
 };
 use asperity_experiment::{energy_table, expectation_json, write_expectation};
 use asperity_io::{CsvField as Field, write_csv};
@@ -26,13 +28,25 @@ const UNACCOUNTED: f64 = 0.01;
 const BATCHES: u64 = 64;
 
 pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
-    let (Some(name), Some(smoothness), Some(theta)) =
-        (&command.name, command.smoothness, command.theta)
-    else {
+    let (Some(name), Some(theta)) = (&command.name, command.theta) else {
         return print(&list()?);
     };
     let material = command.interface.material()?;
     let incidence = Incidence::from_degrees(theta, command.phi).map_err(Failure::usage)?;
+    if FlatLayer::NAMES.contains(&name.as_str()) {
+        return layer::run(command, common, name, material, incidence);
+    }
+    if command.medium.is_given() {
+        return Err(Failure::usage(format!(
+            "the model {name} is of a surface with nothing below it that scatters; a medium is for {}",
+            FlatLayer::NAMES.join(" and ")
+        )));
+    }
+    let smoothness = command.smoothness.ok_or_else(|| {
+        Failure::usage(format!(
+            "the model {name} is of rough surfaces: give their --smoothness"
+        ))
+    })?;
     let slopes = slopes(smoothness, command.smoothness_y, command.azimuth)?;
     let model = create_model(name, slopes, material).map_err(Failure::usage)?;
     if model.walk().is_none() && (command.rays.is_some() || command.seed.is_some()) {
@@ -42,7 +56,14 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
     }
     match (model.density(), command.bins) {
         (Some(density), None) if !command.json && model.walk().is_none() => {
-            directions(command, common, density, &incidence)
+            let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
+            directions(
+                command,
+                common,
+                &incidence,
+                (model.description(), &[]),
+                bsdf,
+            )
         }
         _ if command.step.is_some() || command.sphere => Err(Failure::usage(format!(
             "the model {name} follows rays and has no value at a single direction; ask for --bins in place of --step and --sphere"
@@ -55,13 +76,15 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
 fn list() -> Result<String, Failure> {
     let slopes = SlopeCovariance::isotropic(3.0).map_err(Failure::usage)?;
     let mut out = String::new();
+    let mut add = |name: &str, description: &str, range: &str| {
+        out.push_str(&format!("{name}\n  {description}\n  for {range}\n"));
+    };
     for name in MODEL_NAMES {
         let model = create_model(name, slopes, Material::Mirror).map_err(Failure::usage)?;
-        out.push_str(&format!(
-            "{name}\n  {}\n  for {}\n",
-            model.description(),
-            model.valid_range()
-        ));
+        add(name, model.description(), model.valid_range());
+    }
+    for paths in LayerPaths::ALL {
+        add(paths.name(), paths.description(), paths.valid_range());
     }
     Ok(out)
 }
@@ -141,12 +164,14 @@ fn bins(
     print(&out)
 }
 
-/// Values at single directions.
+/// Values at single directions, by polar angle and azimuth in radians, of the model of that description;
+/// `notes` are said beside them.
 fn directions(
     command: &Model,
     common: &Common,
-    model: &dyn BsdfModel,
     incidence: &Incidence,
+    (description, notes): (&str, &[String]),
+    bsdf: impl Fn(f64, f64) -> f64,
 ) -> Result<(), Failure> {
     let step = command.step.unwrap_or(1.0);
     if !(step > 0.0 && step <= 45.0) {
@@ -170,10 +195,9 @@ fn directions(
     } else {
         in_plane(step, incidence)
     };
-    let wi = incidence.wi();
     let rows = directions.iter().map(|&(side, theta_deg, phi_deg)| {
-        let wo = from_spherical(f64::to_radians(theta_deg), f64::to_radians(phi_deg));
-        (side, theta_deg, phi_deg, model.bsdf(wi, wo))
+        let value = bsdf(f64::to_radians(theta_deg), f64::to_radians(phi_deg));
+        (side, theta_deg, phi_deg, value)
     });
     let header = ["side", "theta_deg", "phi_deg", "bsdf"];
     match &command.output {
@@ -190,21 +214,31 @@ fn directions(
             if common.quiet {
                 return Ok(());
             }
-            print(&written(path, model, directions.len()))
+            let mut text = String::new();
+            notes
+                .iter()
+                .for_each(|note| text.push_str(&format!("{note}\n")));
+            text.push_str(&format!(
+                "{}: {description}, {} directions\n",
+                path.display(),
+                directions.len()
+            ));
+            print(&text)
         }
         None => {
-            let mut text = format!("{}\n", header.join(","));
+            let mut text = String::new();
+            if !common.quiet {
+                notes
+                    .iter()
+                    .for_each(|note| text.push_str(&format!("# {note}\n")));
+            }
+            text.push_str(&format!("{}\n", header.join(",")));
             for (side, theta, phi, bsdf) in rows {
                 text.push_str(&format!("{side},{theta},{phi},{bsdf}\n"));
             }
             print(&text)
         }
     }
-}
-
-fn written(path: &Path, model: &dyn BsdfModel, directions: usize) -> String {
-    let path = path.display();
-    format!("{path}: {}, {directions} directions\n", model.description())
 }
 
 /// Directions every `step` degrees, by side, polar angle from +z and azimuth; those in the surface

@@ -28,6 +28,9 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
         )));
     }
     config.medium = command.medium.over(config.medium)?;
+    if command.models.is_none() {
+        config.choose_models();
+    }
     let refuse = |error: &dyn std::fmt::Display| {
         refuse_config(command.config.as_deref(), alone.as_deref(), error)
     };

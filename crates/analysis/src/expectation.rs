@@ -82,7 +82,7 @@ pub fn expect(
 }
 
 impl Expectation {
-    fn of(layout: Layout, scope: Scope, records: Vec<Vec<f64>>, rays: u64) -> Self {
+    pub(crate) fn of(layout: Layout, scope: Scope, records: Vec<Vec<f64>>, rays: u64) -> Self {
         let statistics = match records.as_slice() {
             [exact] => BatchStatistics::known(exact.clone(), vec![0.0; exact.len()]),
             batches => {
@@ -138,10 +138,14 @@ impl Expectation {
         !(self.is_exact() || known)
     }
 
-    /// Whether the model says anything of this share of the light.
+    /// Whether the model says anything of this share of the light, as the surface scatters it.
     #[must_use]
     pub fn describes(&self, share: Share) -> bool {
-        share == Share::Single || self.scope == Scope::AllOrders
+        match self.scope {
+            Scope::SingleScattering => share == Share::Single,
+            Scope::AllOrders => true,
+            Scope::ScatteredInside => false,
+        }
     }
 }
 

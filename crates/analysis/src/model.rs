@@ -18,6 +18,8 @@ pub enum Scope {
     SingleScattering,
     /// Light of all orders; compare with the total, and with single and multiple scattering apart.
     AllOrders,
+    /// Light that a medium below the surface scattered once, and light that it never scattered.
+    ScatteredInside,
 }
 
 /// A statistical model of a rough surface, whichever way it is evaluated: by the density of light that

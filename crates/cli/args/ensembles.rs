@@ -118,7 +118,7 @@ pub(crate) struct Verify {
     /// Level of the tests of a case
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) alpha: Option<f64>,
-    /// Models to compare with, by name, as `model --list` has them: xu-sun,smith; or none
+    /// Models to compare with, by name, as `model --list` has them: xu-sun,smith; or none [default beside a medium: flat-layer]
     #[arg(long, value_delimiter = ',', num_args = 1)]
     pub(crate) models: Option<Vec<String>>,
     /// Rays that a model follows which is evaluated so

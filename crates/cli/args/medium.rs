@@ -245,6 +245,19 @@ mod tests {
     #[test]
     fn no_flag_is_no_medium() {
         assert_eq!(layer(""), Ok(None));
+        assert!(!MediumArguments::default().is_given());
+        for flag in [
+            "--albedo 0.9",
+            "--scattering 1",
+            "--g 0.1",
+            "--bottom-reflectance 0.5",
+        ] {
+            let words = std::iter::once("asperity").chain(flag.split(' '));
+            assert!(
+                Flags::try_parse_from(words).unwrap().medium.is_given(),
+                "{flag}"
+            );
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use asperity_experiment::{parse_count, parse_number};
 use asperity_tally::HemisphereGrid;
 use clap::Args;
 
-use super::Interface;
+use super::{Interface, MediumArguments};
 
 #[derive(Debug, Args)]
 pub(crate) struct Model {
@@ -16,8 +16,8 @@ pub(crate) struct Model {
     /// Say which models there are, and where each is meant to hold
     #[arg(long, exclusive = true)]
     pub(crate) list: bool,
-    /// Smoothness s = tau / sigma, along the first principal axis
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true, required_unless_present = "list")]
+    /// Smoothness s = tau / sigma of a rough surface, along the first principal axis
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) smoothness: Option<f64>,
     /// The same along the second principal axis: tau_y / sigma
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
@@ -27,6 +27,8 @@ pub(crate) struct Model {
     pub(crate) azimuth: Option<f64>,
     #[command(flatten)]
     pub(crate) interface: Interface,
+    #[command(flatten)]
+    pub(crate) medium: MediumArguments,
     /// Polar angle of the direction towards the light, degrees, from 0 to below 90
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true, required_unless_present = "list")]
     pub(crate) theta: Option<f64>,

@@ -9,9 +9,9 @@ use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, Medium};
 
 use crate::case::Case;
+use crate::case_model::CaseModel;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
 use crate::estimator::Estimator;
-use crate::models::model_of;
 use crate::values::{Count, Number, OneOrMany};
 
 impl VerifyConfig {
@@ -163,7 +163,7 @@ impl VerifyConfig {
                 target.check(&settings.layout, case.material, case.layer.as_ref())?;
             }
             for name in &self.compare.models {
-                let model = model_of(name, case)?;
+                let model = CaseModel::of(name, case)?;
                 let transmits = case.material.transmitting_index().is_some();
                 let beyond = Side::BOTH.into_iter().any(|side| {
                     let leaves = transmits || side == Side::Reflected;

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, Verdict};
-use asperity_tally::{Layout, Share};
+use asperity_tally::{History, Layout, Share};
 
 use crate::case::short;
+use crate::part::Part;
 use crate::tables::distance;
 use crate::verify::CaseOutcome;
 
@@ -68,13 +69,18 @@ pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
 pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
     let level = short(round_to(case.level, 2));
     let sentences: Vec<String> = [
-        (Share::Single, "Single scattering"),
-        (Share::Multiple, "Multiple scattering"),
-        (Share::Total, "All orders together"),
+        (Part::Orders(Share::Single), "Single scattering"),
+        (Part::Orders(Share::Multiple), "Multiple scattering"),
+        (
+            Part::Inside(History::Unscattered),
+            "Light never scattered inside",
+        ),
+        (Part::Inside(History::Once), "Light scattered inside once"),
+        (Part::Orders(Share::Total), "All orders together"),
     ]
     .into_iter()
-    .filter_map(|(share, name)| {
-        let clauses = clauses(layout, case, share)?;
+    .filter_map(|(part, name)| {
+        let clauses = clauses(layout, case, part)?;
         Some(wrapped(&format!(
             "{name}, tested at level {level}: {clauses}."
         )))
@@ -83,13 +89,13 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
     sentences.join("\n")
 }
 
-/// What is said of the models that claim a share of the light; `None` if none does.
-fn clauses(layout: &Layout, case: &CaseOutcome, share: Share) -> Option<String> {
+/// What is said of the models that claim a part of the light; `None` if none does.
+fn clauses(layout: &Layout, case: &CaseOutcome, part: Part) -> Option<String> {
     let claims: Vec<(&str, &Comparison, &Verdict)> = case
         .models
         .iter()
         .filter_map(|model| {
-            let part = model.compared(share)?;
+            let part = model.compared(part)?;
             Some((model.model.name(), &part.comparison, part.verdict.as_ref()?))
         })
         .collect();

@@ -1,6 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, Heitz, ModelError, Smith, XuSun};
+use asperity_analysis::{DEFAULT_LEVEL, Heitz, LayerPaths, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
 use crate::estimator::Estimator;
-use crate::medium::{BottomSurface, MediumConfig};
+use crate::medium::{BottomKind, BottomSurface, MediumConfig};
 use crate::stopping::{Aim, Target};
 use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
 
@@ -375,9 +375,23 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = parse_toml(text)?;
+        let mut config: Self = parse_toml(text)?;
         refuse_effort_beside_target(text, &config.run)?;
+        config.choose_models();
         Ok(config)
+    }
+
+    /// Puts the model of a layer between flat faces in the place of the default models, which are of bare
+    /// surfaces, where there is a medium; none where that ends on a Lambertian bottom.
+    pub fn choose_models(&mut self) {
+        if let Some(medium) = &self.medium
+            && self.compare.models == DEFAULT_MODELS
+        {
+            self.compare.models = match medium.bottom {
+                Some(BottomKind::Lambertian) => Vec::new(),
+                _ => vec![LayerPaths::All.name().to_owned()],
+            };
+        }
     }
 
     /// The settings of the rays.
@@ -439,5 +453,16 @@ mod tests {
             .unwrap_err()
             .to_string();
         assert!(error.contains("line 2") && error.contains("tua"), "{error}");
+    }
+
+    #[test]
+    fn beside_a_medium_default_models_are_those_of_layers_and_named_ones_stay() {
+        let models = |text: &str| VerifyConfig::from_toml(text).unwrap().compare.models;
+        let medium = "[medium]\nscattering = 1\nthickness = 9\n";
+        assert_eq!(models("").len(), DEFAULT_MODELS.len());
+        assert_eq!(models(medium), ["flat-layer"]);
+        assert!(models(&format!("{medium}bottom = \"lambertian\"\n")).is_empty());
+        let named = "[compare]\nmodels = [\"hanrahan-krueger\"]\n";
+        assert_eq!(models(&format!("{medium}{named}")), ["hanrahan-krueger"]);
     }
 }

@@ -9,6 +9,7 @@ use asperity_tally::{
 
 use crate::budget::ErrorBudget;
 use crate::models::ModelOutcome;
+use crate::part::Part;
 use crate::verify::CaseOutcome;
 
 /// histogram.csv, theta.csv and in_plane.csv.
@@ -263,7 +264,7 @@ fn write_in_plane(
     write_csv(folder.join("in_plane.csv"), &header, rows)
 }
 
-/// comparison.csv: bin by bin, every share of the explicit light beside every model that describes it.
+/// comparison.csv: bin by bin, every part of the explicit light beside every model that describes it.
 pub(crate) fn write_comparison(
     folder: &Path,
     layout: &Layout,
@@ -272,36 +273,38 @@ pub(crate) fn write_comparison(
     if case.models.is_empty() {
         return Ok(());
     }
-    let shares = [
-        (Share::Single, ""),
-        (Share::Multiple, "multiple_"),
-        (Share::Total, "total_"),
-    ];
-    let claimed = |share| {
-        let described = move |m: &&ModelOutcome| m.expectation.describes(share);
+    let shown = |part: &Part| match part {
+        Part::Inside(_) => layout.has_histories(),
+        // Beside a medium, models say nothing of what the surface does alone.
+        Part::Orders(share) => *share == Share::Total || !layout.has_histories(),
+    };
+    let parts: Vec<Part> = Part::COMPARED.into_iter().filter(shown).collect();
+    let claimed = |part| {
+        let described = move |m: &&ModelOutcome| m.describes(part);
         case.models.iter().filter(described)
     };
     let mut header: Vec<String> = PLACE.map(str::to_owned).to_vec();
-    for (share, part) in shares {
-        let name = match share {
-            Share::Single => "flux_single".to_owned(),
-            _ => format!("flux_{}", part.trim_end_matches('_')),
-        };
+    for &part in &parts {
+        let name = format!("flux_{}", part.key());
         header.extend([name.clone(), format!("{name}_se")]);
-        for model in claimed(share) {
+        let of_part = match part {
+            Part::Orders(Share::Single) => String::new(),
+            _ => format!("{}_", part.key()),
+        };
+        for model in claimed(part) {
             let name = model.model.name().replace('-', "_");
-            header.extend(["flux", "z", "tested"].map(|what| format!("{what}_{part}{name}")));
+            header.extend(["flux", "z", "tested"].map(|what| format!("{what}_{of_part}{name}")));
         }
     }
     let header: Vec<&str> = header.iter().map(String::as_str).collect();
     let grid = layout.grid();
     let rows = layout.asked_bins().enumerate().map(|(compared, i)| {
         let mut row = place(&grid, i);
-        for (share, _) in shares {
+        for &part in &parts {
             row.extend(fields(
-                case.statistics.estimate(layout.bins(share).start + i),
+                case.statistics.estimate(part.bins(layout).start + i),
             ));
-            for model in claimed(share).filter_map(|model| model.compared(share)) {
+            for model in claimed(part).filter_map(|model| model.compared(part)) {
                 let bin = &model.comparison.bins[compared];
                 row.extend([bin.model.into(), bin.z.into(), u64::from(bin.tested).into()]);
             }

@@ -15,9 +15,11 @@ use asperity_tally::{BatchStatistics, History, Layout, OrderClass, Share, Side};
 use rayon::prelude::*;
 
 use crate::case::{Case, short};
+use crate::case_model::CaseModel;
 use crate::config::{Incident, VerifyConfig};
 use crate::medium::layer_name;
 use crate::models::ModelOutcome;
+use crate::part::Part;
 use crate::report::ReportError;
 use crate::tables::{SINGLE_SCATTERING, history_name, recorded_orders};
 
@@ -269,25 +271,33 @@ fn series_of(
         series.push(explicit(SINGLE_SCATTERING, of(OrderClass::First)));
     }
     for model in models.iter().filter(|m| m.model.sides().ask(side)) {
-        let mut samples = sampled_line(model, layout, side, OrderClass::All);
+        let all = match model.model {
+            CaseModel::Surface(_) => Part::Orders(Share::Total),
+            CaseModel::Layer(_) => model.judged_part(),
+        };
+        let mut samples = sampled_line(model, layout, all.in_plane(layout, side));
         if let Some(density) = model.model.density() {
             let multiple = multiple_line(model, layout, side);
             samples = density_line(density, light.incidence, layout, side);
-            if model.judged_share() == Share::Total {
+            if model.judged_part() == Part::Orders(Share::Total) {
                 for sample in &mut samples {
                     sample.value += between(&multiple, sample.theta_deg);
                 }
             }
         }
-        series.push(Series::model(model.model.name(), plot_side(side), samples));
+        let name = match model.judged_part() {
+            Part::Inside(history) => format!("{}, {}", model.model.name(), history_name(history)),
+            Part::Orders(_) => model.model.name().to_owned(),
+        };
+        series.push(Series::model(name, plot_side(side), samples));
     }
     series
 }
 
 /// What a model expects of light scattered more often than once, bin by bin.
 fn multiple_line(model: &ModelOutcome, layout: &Layout, side: Side) -> Vec<Sample> {
-    let [mut all, single] =
-        [OrderClass::All, OrderClass::First].map(|class| sampled_line(model, layout, side, class));
+    let [mut all, single] = [Share::Total, Share::Single]
+        .map(|share| sampled_line(model, layout, Part::Orders(share).in_plane(layout, side)));
     for (all, single) in all.iter_mut().zip(&single) {
         all.value -= single.value;
     }
@@ -308,13 +318,8 @@ fn between(samples: &[Sample], theta_deg: f64) -> f64 {
 }
 
 /// A model bin by bin.
-fn sampled_line(
-    model: &ModelOutcome,
-    layout: &Layout,
-    side: Side,
-    class: OrderClass,
-) -> Vec<Sample> {
-    let start = layout.in_plane(side, class).start;
+fn sampled_line(model: &ModelOutcome, layout: &Layout, profile: Range<usize>) -> Vec<Sample> {
+    let start = profile.start;
     (0..layout.in_plane_len())
         .map(|i| {
             let flux = model.expectation.statistics().estimate(start + i);

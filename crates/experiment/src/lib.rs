@@ -14,6 +14,7 @@ mod attenuation;
 mod blocks;
 mod budget;
 mod case;
+mod case_model;
 mod cases;
 mod conclusion;
 mod config;
@@ -25,6 +26,7 @@ mod expectation;
 mod facet_control;
 mod figures;
 mod known;
+mod layer_expectation;
 mod limits;
 mod map;
 mod medium;
@@ -32,6 +34,7 @@ mod mesh_error;
 mod method;
 mod models;
 mod number;
+mod part;
 mod peak;
 mod pilot;
 mod progress;
@@ -55,6 +58,7 @@ pub use attenuation::{
 pub use blocks::RaySettings;
 pub use budget::{ErrorBudget, Errors};
 pub use case::Case;
+pub use case_model::CaseModel;
 pub use cases::{check_light, check_sides};
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
@@ -68,6 +72,9 @@ pub use converge::{
 pub use estimator::Estimator;
 pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
+pub use layer_expectation::{
+    layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
+};
 pub use limits::{RunError, check_memory};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, Interval, Judged, JudgedCell,
@@ -78,6 +85,7 @@ pub use medium::{BottomKind, BottomSurface, MediumConfig, PhaseKind, layer_name}
 pub use method::ControlMean;
 pub use models::{ComparedShare, ModelOutcome};
 pub use number::{parse_count, parse_number, parse_order, parse_seconds};
+pub use part::Part;
 pub use peak::PeakDifference;
 pub use progress::{Deadline, Progress, Silent};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};

@@ -3,18 +3,19 @@
 use std::f64::consts::PI;
 
 use asperity_analysis::{
-    Comparison, Effort, Expectation, Expected, Grouping, ModelError, ScatteringModel, Scope,
-    Verdict, compare, create_model, expect, verdicts,
+    Comparison, Effort, Expectation, Expected, Grouping, Verdict, compare, verdicts,
 };
 use asperity_tally::{Azimuth, BatchStatistics, Estimate, Layout, Share, Side};
 use rayon::prelude::*;
 
 use crate::case::Case;
+use crate::case_model::CaseModel;
 use crate::config::VerifyConfig;
 use crate::ensemble::Ensemble;
 use crate::method::Method;
+use crate::part::Part;
 use crate::side_difference::{SideDifference, side_differences};
-use crate::verify::{VerifyError, slopes};
+use crate::verify::VerifyError;
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
 /// azimuth, a bin stands for its ring, and the rays of the ring count.
@@ -22,6 +23,9 @@ const ENOUGH_RAYS: f64 = 20.0;
 
 /// Batches of a model that is sampled beside a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
+
+/// What every model is compared with, whatever it describes.
+const ALL_LIGHT: Part = Part::Orders(Share::Total);
 
 /// A share of the light beside a model.
 #[derive(Clone, Debug)]
@@ -37,71 +41,65 @@ pub struct ComparedShare {
 /// One model beside the explicit surfaces of a case.
 pub struct ModelOutcome {
     /// The model.
-    pub model: Box<dyn ScatteringModel>,
+    pub model: CaseModel,
     /// What it expects.
     pub expectation: Expectation,
-    /// Light scattered once.
-    pub single: ComparedShare,
-    /// Light scattered more often, if the model describes it.
-    pub multiple: Option<ComparedShare>,
+    /// The parts of the light that it is compared with, without all light.
+    pub parts: Vec<(Part, ComparedShare)>,
     /// All light, whether or not the model describes it.
     pub total: ComparedShare,
 }
 
 impl ModelOutcome {
-    /// A share of the light; `None` for multiple scattering that the model does not describe.
+    /// A part of the light; `None` where it is not compared.
     #[must_use]
-    pub const fn compared(&self, share: Share) -> Option<&ComparedShare> {
-        match share {
-            Share::Single => Some(&self.single),
-            Share::Multiple => self.multiple.as_ref(),
-            Share::Total => Some(&self.total),
+    pub fn compared(&self, part: Part) -> Option<&ComparedShare> {
+        if part == ALL_LIGHT {
+            return Some(&self.total);
         }
+        let found = self.parts.iter().find(|(compared, _)| *compared == part);
+        found.map(|(_, compared)| compared)
     }
 
-    /// The share by which the model is judged: all that it describes.
+    /// The part by which the model is judged: all that it describes.
     #[must_use]
-    pub fn judged_share(&self) -> Share {
-        match self.model.scope() {
-            Scope::AllOrders => Share::Total,
-            _ => Share::Single,
-        }
+    pub fn judged_part(&self) -> Part {
+        self.model.judged_part()
     }
 
     /// The comparison with all light that the model describes.
     #[must_use]
     pub fn judged(&self) -> &ComparedShare {
-        match self.judged_share() {
-            Share::Total => &self.total,
-            _ => &self.single,
+        self.compared(self.judged_part()).unwrap_or(&self.total)
+    }
+
+    /// Whether the model says anything of a part of the light.
+    #[must_use]
+    pub fn describes(&self, part: Part) -> bool {
+        match part {
+            Part::Orders(share) => self.expectation.describes(share),
+            Part::Inside(_) => self.compared(part).is_some(),
         }
     }
 
-    /// The flux that the model expects on `side`, if it describes that share.
+    /// The flux that the model expects on `side`, if it describes that part.
     #[must_use]
-    pub fn energy(&self, share: Share, side: Side) -> Option<Estimate> {
-        let layout = self.expectation.layout();
-        let entry = match share {
-            Share::Single => layout.order(side, 1),
-            Share::Multiple => layout.multiple(side),
-            Share::Total => side.index(),
-        };
-        self.expectation
-            .describes(share)
+    pub fn energy(&self, part: Part, side: Side) -> Option<Estimate> {
+        let entry = part.on_side(self.expectation.layout(), side);
+        self.describes(part)
             .then(|| self.expectation.statistics().estimate(entry))
     }
 
     fn claimed(&mut self) -> impl Iterator<Item = &mut ComparedShare> {
-        let all_orders = self.model.scope() == Scope::AllOrders;
-        std::iter::once(&mut self.single)
-            .chain(self.multiple.as_mut())
-            .chain(Some(&mut self.total).filter(|_| all_orders))
+        let claims = self.model.claims();
+        let claimed = move |part: &Part| claims.contains(part);
+        self.parts
+            .iter_mut()
+            .map(|(part, compared)| (*part, compared))
+            .chain([(ALL_LIGHT, &mut self.total)])
+            .filter(move |(part, _)| claimed(part))
+            .map(|(_, compared)| compared)
     }
-}
-
-/// The model of that name for the surfaces and the material of `case`.
-pub(crate) fn model_of(name: &str, case: &Case) -> Result<Box<dyn ScatteringModel>, ModelError> {
-    create_model(name, slopes(&case.psd)?, case.material)
 }
 
 /// Compares every model of the configuration with the surfaces of a case.
@@ -120,7 +118,7 @@ pub(crate) fn compare_models(
         .models
         .par_iter()
         .map(|name| {
-            let model = model_of(name, case)?;
+            let model = CaseModel::of(name, case)?;
             let beside = Beside {
                 config,
                 layout,
@@ -154,7 +152,7 @@ struct Beside<'a> {
 }
 
 impl Beside<'_> {
-    fn compare(&self, model: Box<dyn ScatteringModel>) -> Result<ModelOutcome, VerifyError> {
+    fn compare(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
         let surfaces = self.ensemble.records.len() as u64;
         let effort = Effort {
             rays: self.config.compare.model_rays.0,
@@ -169,60 +167,49 @@ impl Beside<'_> {
         } else {
             Azimuth::From(self.case.incidence.phi() + PI)
         };
-        let expectation = expect(
-            model.as_ref(),
-            self.case.incidence,
-            self.layout,
-            azimuth,
-            effort,
-        );
-        let against = |share| self.against(&expectation, share);
-        let ((single, total), multiple) = rayon::join(
-            || rayon::join(|| against(Share::Single), || against(Share::Total)),
+        let expectation = model.expect(self.case.incidence, self.layout, azimuth, effort);
+        let claims = model.claims();
+        let apart = claims.into_par_iter().filter(|&part| part != ALL_LIGHT);
+        let against = |part| self.against(&expectation, part);
+        let (total, parts) = rayon::join(
+            || against(ALL_LIGHT),
             || {
-                let described = expectation.describes(Share::Multiple);
-                described.then(|| against(Share::Multiple)).transpose()
+                let parts = apart.map(|part| Ok((part, against(part)?)));
+                parts.collect::<Result<_, VerifyError>>()
             },
         );
         Ok(ModelOutcome {
-            single: single?,
-            multiple: multiple?,
+            parts: parts?,
             total: total?,
             expectation,
             model,
         })
     }
 
-    /// One share of the light beside what the model expects of it.
-    fn against(
-        &self,
-        expectation: &Expectation,
-        share: Share,
-    ) -> Result<ComparedShare, VerifyError> {
+    /// One part of the light beside what the model expects of it.
+    fn against(&self, expectation: &Expectation, part: Part) -> Result<ComparedShare, VerifyError> {
         let layout = self.layout;
         let asked = layout.asked_bins();
-        fn of_record<'a>(layout: &Layout, share: Share, record: &'a [f64]) -> &'a [f64] {
-            &record[layout.bins(share)][layout.asked_bins()]
+        fn of_record<'a>(layout: &Layout, part: Part, record: &'a [f64]) -> &'a [f64] {
+            &record[part.bins(layout)][layout.asked_bins()]
         }
         let surfaces: Vec<Vec<f64>> = self
             .ensemble
             .records
             .iter()
-            .map(|record| of_record(layout, share, record).to_vec())
+            .map(|record| of_record(layout, part, record).to_vec())
             .collect();
-        let mean = of_record(layout, share, expectation.statistics().means());
+        let mean = of_record(layout, part, expectation.statistics().means());
         let batches: Vec<&[f64]> = expectation
             .records()
             .iter()
-            .map(|record| of_record(layout, share, record))
+            .map(|record| of_record(layout, part, record))
             .collect();
         let expected = if batches.len() == surfaces.len() && !expectation.is_exact() {
             Expected::Batches(&batches)
         } else {
             Expected::Exact(mean)
         };
-        let hits = |share| &self.statistics.means()[layout.hits(share)][asked.clone()];
-        let (single, multiple) = (hits(Share::Single), hits(Share::Multiple));
         let rays = self.ensemble.work.rays as f64;
         let bins_of_a_value = if self.config.free_azimuth(self.case) {
             layout.grid().n_phi() as f64
@@ -230,25 +217,18 @@ impl Beside<'_> {
             1.0
         };
         // Few rays are far from symmetric about their mean, be they the surfaces' or the model's.
-        let of_model = |share| &expectation.statistics().means()[layout.hits(share)][asked.clone()];
-        let (single_of_model, multiple_of_model) =
-            (of_model(Share::Single), of_model(Share::Multiple));
+        let of_model = expectation.statistics().means();
         let model_counts = |i: usize| {
-            let found = match share {
-                Share::Single => single_of_model[i],
-                Share::Multiple => multiple_of_model[i],
-                Share::Total => single_of_model[i] + multiple_of_model[i],
+            let sampled = match part {
+                Part::Orders(share) => expectation.samples(share),
+                Part::Inside(_) => !expectation.is_exact(),
             };
-            let rays = expectation.rays() as f64;
-            !expectation.samples(share) || found * rays * bins_of_a_value >= ENOUGH_RAYS
+            let found = part.hits(layout, of_model, asked.start + i);
+            !sampled || found * expectation.rays() as f64 * bins_of_a_value >= ENOUGH_RAYS
         };
         let enough: Vec<bool> = (0..mean.len())
             .map(|i| {
-                let found = match share {
-                    Share::Single => single[i],
-                    Share::Multiple => multiple[i],
-                    Share::Total => single[i] + multiple[i],
-                };
+                let found = part.hits(layout, self.statistics.means(), asked.start + i);
                 // Under a control a ray counts only if it deviates from what is expected.
                 let counted = match self.method.control {
                     Some(_) => found,
@@ -264,11 +244,11 @@ impl Beside<'_> {
             &rings_and_sides(layout),
             self.config.run.seed,
         )?;
-        let sides = match share {
-            Share::Multiple => Vec::new(),
+        let sides = match part {
+            Part::Orders(Share::Multiple) => Vec::new(),
             _ => side_differences(
                 layout,
-                share,
+                part,
                 &self.ensemble.records,
                 expectation,
                 self.config.free_azimuth(self.case),

@@ -6,12 +6,14 @@ use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, w
 use asperity_plot::PlotError;
 use asperity_tally::{Layout, Share, Side};
 use rayon::prelude::*;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
+use crate::case_model::CaseModel;
 use crate::conclusion::{conclusion, verdict_word};
 use crate::csv::{write_comparison, write_tables};
 use crate::figures::{self, Light};
 use crate::models::ComparedShare;
+use crate::part::Part;
 use crate::progress::Progress;
 use crate::summary::Summary;
 use crate::tables::{case_table, verify_table, warnings};
@@ -285,32 +287,38 @@ fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
                     "verdict": part.verdict.as_ref().map(verdict_word),
                 })
             };
-            let energy = |share| {
-                let of = |side| model.energy(share, side).filter(|_| layout.asks(side));
+            let energy = |part| {
+                let of = |side| model.energy(part, side).filter(|_| layout.asks(side));
                 json!({ "reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted) })
             };
             let judged = |side| {
-                let energy = model.energy(model.judged_share(), side);
+                let energy = model.energy(model.judged_part(), side);
                 energy
                     .filter(|_| layout.asks(side))
                     .map(|energy| energy.mean)
             };
-            json!({
+            let mut found = json!({
                 "model": model.model.name(),
                 "scope": model.model.scope(),
                 "reflected": judged(Side::Reflected),
                 "transmitted": judged(Side::Transmitted),
                 "rays": (!model.expectation.is_exact()).then(|| model.expectation.rays()),
-                "energy": {
-                    "single": energy(Share::Single),
-                    "multiple": model.multiple.as_ref().map(|_| energy(Share::Multiple)),
-                    "total": model.multiple.as_ref().map(|_| energy(Share::Total)),
-                },
                 "verdict": model.judged().verdict.as_ref().map(verdict_word),
-                "single": against(&model.single),
-                "multiple": model.multiple.as_ref().map(against),
-                "total": against(&model.total),
-            })
+            });
+            let of_layer = matches!(model.model, CaseModel::Layer(_));
+            let parts = Part::COMPARED.into_iter().filter(|part| match part {
+                Part::Orders(share) => *share == Share::Total || !of_layer,
+                Part::Inside(_) => of_layer,
+            });
+            let mut energies = Map::new();
+            for part in parts {
+                let key = part.key().to_owned();
+                let described = model.describes(part).then(|| energy(part));
+                energies.insert(key.clone(), json!(described));
+                found[key] = json!(model.compared(part).map(against));
+            }
+            found["energy"] = json!(energies);
+            found
         })
         .collect();
     json!({ "level": case.level, "models": models, "conclusion": conclusion(layout, case).replace('\n', " ") })

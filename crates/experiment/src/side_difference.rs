@@ -1,8 +1,9 @@
 //! What leaves on one side in all, and where it is brightest, beside a model.
 
 use asperity_analysis::Expectation;
-use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Share, Side};
+use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
 
+use crate::part::Part;
 use crate::peak::{PeakDifference, Span, peak_difference};
 
 /// Flux fraction below which a side has too little light for a peak that matters.
@@ -24,12 +25,12 @@ pub struct SideDifference {
     pub peak: Option<PeakDifference>,
 }
 
-/// Compares the sides that are asked for. `share`: light scattered once, or all.
+/// Compares the sides that are asked for. `part`: any but multiple scattering alone.
 ///
 /// `records`: one a surface, by `layout`. `free_azimuth`: whether light is spread evenly over azimuth.
 pub(crate) fn side_differences(
     layout: &Layout,
-    share: Share,
+    part: Part,
     records: &[Vec<f64>],
     expectation: &Expectation,
     free_azimuth: bool,
@@ -37,10 +38,8 @@ pub(crate) fn side_differences(
     layout
         .sides()
         .map(|side| {
-            let (entry, class) = match share {
-                Share::Single => (layout.order(side, 1), OrderClass::First),
-                _ => (side.index(), OrderClass::All),
-            };
+            let entry = part.on_side(layout, side);
+            let profile = part.in_plane(layout, side);
             let expected = expectation.records();
             let paired = expected.len() == records.len() && !expectation.is_exact();
             let mean_of_model = expectation.statistics().means();
@@ -58,9 +57,9 @@ pub(crate) fn side_differences(
             let model = mean_of_model[entry];
             let explicit = model + difference.mean;
             let profiles = |records: &[Vec<f64>]| -> Vec<Vec<f64>> {
-                let profile =
-                    |record: &Vec<f64>| intensities(layout, side, class, record, free_azimuth);
-                records.iter().map(profile).collect()
+                let of =
+                    |record: &Vec<f64>| intensities(layout, &record[profile.clone()], free_azimuth);
+                records.iter().map(of).collect()
             };
             let span = if free_azimuth {
                 Span::Forward
@@ -88,21 +87,14 @@ pub(crate) fn side_differences(
 }
 
 /// In-plane intensities, 1/sr.
-fn intensities(
-    layout: &Layout,
-    side: Side,
-    class: OrderClass,
-    record: &[f64],
-    forward_alone: bool,
-) -> Vec<f64> {
+fn intensities(layout: &Layout, profile: &[f64], forward_alone: bool) -> Vec<f64> {
     let first = if forward_alone {
         layout.in_plane_len() / 2
     } else {
         0
     };
-    let start = layout.in_plane(side, class).start;
     (first..layout.in_plane_len())
-        .map(|i| record[start + i] / layout.in_plane_solid_angle(i))
+        .map(|i| profile[i] / layout.in_plane_solid_angle(i))
         .collect()
 }
 
@@ -111,6 +103,7 @@ mod tests {
     use super::*;
     use asperity_analysis::{Effort, SlopeCovariance, create_model, expect};
     use asperity_optics::{Incidence, Material};
+    use asperity_tally::Share;
     use asperity_tally::{Azimuth, HemisphereGrid};
 
     /// Surfaces that deviate by 0, 1, 2 and 3 hundredths from the batch of a sampled model that each stands
@@ -141,7 +134,13 @@ mod tests {
             record.iter_mut().for_each(|x| *x += 0.01 * r as f64);
         }
         let of = |records: &[Vec<f64>]| {
-            side_differences(&layout, Share::Total, records, &expectation, false)
+            side_differences(
+                &layout,
+                Part::Orders(Share::Total),
+                records,
+                &expectation,
+                false,
+            )
         };
         for side in of(&records) {
             let Estimate { mean, se } = side.difference;

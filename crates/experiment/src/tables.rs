@@ -11,6 +11,7 @@ use crate::case::short;
 use crate::conclusion::{conclusion, strongest_deviation, verdict_word};
 use crate::method::ControlMean;
 use crate::models::{ComparedShare, ModelOutcome};
+use crate::part::Part;
 use crate::stopping::Stopping;
 use crate::summary::SummaryWork;
 use crate::verify::{CaseOutcome, VerifyOutcome};
@@ -286,12 +287,15 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             .collect(),
     ];
     for side in outcome.layout.sides() {
-        for (part, share, estimate) in parts(&outcome.layout, case, side) {
-            let mut row = vec![format!("{side} {part}"), with_error(estimate)];
+        for (name, part) in parts(&outcome.layout) {
+            let estimate = case
+                .statistics
+                .estimate(part.on_side(&outcome.layout, side));
+            let mut row = vec![format!("{side} {name}"), with_error(estimate)];
             row.extend(
                 case.models
                     .iter()
-                    .map(|model| beside(model, side, share, estimate)),
+                    .map(|model| beside(model, side, part, estimate)),
             );
             rows.push(row);
         }
@@ -303,19 +307,14 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         ]);
     }
     out.push_str(&aligned(&rows));
-    for side in outcome.layout.sides() {
-        if let Some(line) = by_history(&outcome.layout, &case.statistics, side) {
-            let _ = writeln!(out, "{line}");
-        }
-    }
     out.push('\n');
     out.push_str(&errors_table(&outcome.layout, &case.errors));
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
     if !case.models.is_empty() {
-        for share in Share::ALL {
-            let table = distribution_table(&outcome.layout, case, share, &orders);
+        for part in Part::COMPARED {
+            let table = distribution_table(&outcome.layout, case, part, &orders);
             if !table.is_empty() {
                 let _ = write!(out, "\n{table}");
             }
@@ -328,12 +327,13 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out
 }
 
-/// What a share of the light is called; `orders` names all light that was recorded.
-fn share_name(share: Share, orders: &str) -> String {
-    match share {
-        Share::Single => SINGLE_SCATTERING.to_owned(),
-        Share::Multiple => "multiple scattering".to_owned(),
-        Share::Total => orders.to_owned(),
+/// What a part of the light is called; `orders` names all light that was recorded.
+fn part_name(part: Part, orders: &str) -> String {
+    match part {
+        Part::Orders(Share::Single) => SINGLE_SCATTERING.to_owned(),
+        Part::Orders(Share::Multiple) => "multiple scattering".to_owned(),
+        Part::Orders(Share::Total) => orders.to_owned(),
+        Part::Inside(history) => inside(history).to_owned(),
     }
 }
 
@@ -353,19 +353,33 @@ fn sampled_models(case: &CaseOutcome) -> Option<String> {
     ))
 }
 
-/// The parts of the light of one side: scattered once, more often, and all.
-fn parts(layout: &Layout, case: &CaseOutcome, side: Side) -> [(&'static str, Share, Estimate); 3] {
-    let estimate = |i| case.statistics.estimate(i);
-    [
-        ("single", Share::Single, estimate(layout.order(side, 1))),
-        ("multiple", Share::Multiple, estimate(layout.multiple(side))),
-        ("total", Share::Total, estimate(side.index())),
-    ]
+/// The parts of the light of one side: by how often the surface scattered it, or what is inside; and all.
+fn parts(layout: &Layout) -> Vec<(&'static str, Part)> {
+    let of_medium = History::ALL.map(|history| (inside(history), Part::Inside(history)));
+    let of_surface = [Share::Single, Share::Multiple]
+        .map(Part::Orders)
+        .map(|part| (part.key(), part));
+    let mut parts = if layout.has_histories() {
+        of_medium.to_vec()
+    } else {
+        of_surface.to_vec()
+    };
+    parts.push(("total", Part::Orders(Share::Total)));
+    parts
+}
+
+/// What light is called that was scattered inside a medium so often, without more words about it.
+const fn inside(history: History) -> &'static str {
+    match history {
+        History::Unscattered => "never scattered inside",
+        History::Once => "scattered inside once",
+        History::More => "scattered inside more often",
+    }
 }
 
 /// A model's energy and its distance from the explicit one in standard errors of the difference.
-fn beside(model: &ModelOutcome, side: Side, share: Share, explicit: Estimate) -> String {
-    let Some(energy) = model.energy(share, side) else {
+fn beside(model: &ModelOutcome, side: Side, part: Part, explicit: Estimate) -> String {
+    let Some(energy) = model.energy(part, side) else {
         return "-".to_owned();
     };
     if !model.model.sides().ask(side) {
@@ -382,13 +396,13 @@ fn beside(model: &ModelOutcome, side: Side, share: Share, explicit: Estimate) ->
     }
 }
 
-/// Total variation, p value and verdict of every model that describes a share of the light; `orders`
+/// Total variation, p value and verdict of every model that describes a part of the light; `orders`
 /// names all light that was recorded. Empty if none does.
-fn distribution_table(layout: &Layout, case: &CaseOutcome, share: Share, orders: &str) -> String {
+fn distribution_table(layout: &Layout, case: &CaseOutcome, part: Part, orders: &str) -> String {
     type Cell<'a> = Box<dyn Fn(&ModelOutcome, &ComparedShare) -> String + 'a>;
     let mut rows: Vec<(String, Cell<'_>)> = vec![
         (
-            share_name(share, orders),
+            part_name(part, orders),
             Box::new(|m, _| m.model.name().to_owned()),
         ),
         (
@@ -450,7 +464,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, share: Share, orders:
             }),
         ),
     ];
-    if share == Share::Single {
+    if part != Part::Orders(Share::Total) && case.models.iter().any(|m| m.judged_part() == part) {
         rows.push((
             format!("total variation from {orders}"),
             Box::new(|m, _| distance(m.total.comparison.total_variation.observed)),
@@ -459,8 +473,8 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, share: Share, orders:
     let models: Vec<(&ModelOutcome, &ComparedShare)> = case
         .models
         .iter()
-        .filter(|model| model.expectation.describes(share))
-        .filter_map(|model| Some((model, model.compared(share)?)))
+        .filter(|model| model.describes(part))
+        .filter_map(|model| Some((model, model.compared(part)?)))
         .collect();
     if models.is_empty() {
         return String::new();
@@ -533,9 +547,10 @@ fn overview(outcome: &VerifyOutcome) -> String {
             rows.push(vec![
                 case.case.to_string(),
                 model.model.name().to_owned(),
-                match model.judged_share() {
-                    Share::Total => "all",
-                    _ => "single",
+                match model.judged_part() {
+                    Part::Orders(Share::Total) => "all",
+                    Part::Inside(_) => "once inside",
+                    Part::Orders(_) => "single",
                 }
                 .to_owned(),
                 format!("{} ({noise})", distance(found.observed)),

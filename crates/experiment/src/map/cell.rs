@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
-use crate::models::{BATCHES_WITHOUT_SURFACES, ComparedShare, ModelOutcome};
+use crate::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
+use crate::part::Part;
 use crate::peak::PeakDifference;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
@@ -185,13 +186,13 @@ impl CellResults {
     pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
         let layout = &outcome.layout;
         let models = case.models.iter().map(|model| {
-            let of = |share| distances(layout, case, model, share);
+            let of = |part| distances(layout, case, model, part);
             CellModel {
                 name: model.model.name().to_owned(),
                 all_orders: model.model.scope() == Scope::AllOrders,
                 rays: model.expectation.rays(),
-                own: of(model.judged_share()),
-                all: of(Share::Total),
+                own: of(model.judged_part()),
+                all: of(Part::Orders(Share::Total)),
             }
         });
         Self {
@@ -311,24 +312,21 @@ impl CellResults {
     }
 }
 
-/// The distances of one model over one share of the light.
+/// The distances of one model over one part of the light.
 fn distances(
     layout: &Layout,
     case: &CaseOutcome,
     model: &ModelOutcome,
-    share: Share,
+    part: Part,
 ) -> CellDistances {
-    let compared: &ComparedShare = match share {
-        Share::Total => &model.total,
-        _ => &model.single,
-    };
+    let compared = model.compared(part).unwrap_or(&model.total);
     let mesh = |entry: usize| case.errors.errors(entry).mesh.map_or(0.0, f64::abs);
     let transmits = case.case.material.transmitting_index().is_some();
-    let bins = layout.bins(share);
+    let bins = part.bins(layout);
     let total = compared.comparison.total_variation;
     let noise_95 = match case.deviation_bound {
         // The bound holds for sums over any bins; the noise of a model adds to it.
-        Some(bound) => Some(bound + noise_of_model(model, layout, share)),
+        Some(bound) => Some(bound + noise_of_model(model, layout, part)),
         None => total.noise_95,
     };
     CellDistances {
@@ -344,10 +342,7 @@ fn distances(
             .iter()
             .filter(|of| transmits || of.side == Side::Reflected)
             .map(|of| {
-                let entry = match share {
-                    Share::Total => of.side.index(),
-                    _ => layout.order(of.side, 1),
-                };
+                let entry = part.on_side(layout, of.side);
                 let se_of_model = model.expectation.statistics().estimate(entry).se;
                 CellSide {
                     side: of.side,
@@ -379,8 +374,8 @@ fn certain_peak(model: &ModelOutcome, bound: f64, flux: f64) -> Option<f64> {
 }
 
 /// What the noise of a sampled model adds to the total variation, at most, with 95 %.
-fn noise_of_model(model: &ModelOutcome, layout: &Layout, share: Share) -> f64 {
-    let bins = layout.bins(share);
+fn noise_of_model(model: &ModelOutcome, layout: &Layout, part: Part) -> f64 {
+    let bins = part.bins(layout);
     let statistics = model.expectation.statistics();
     let se = |i: usize| statistics.estimate(bins.start + i).se.unwrap_or(0.0);
     let student = student_95(BATCHES_WITHOUT_SURFACES).unwrap_or(f64::INFINITY);

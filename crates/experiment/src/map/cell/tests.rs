@@ -188,7 +188,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
         assert!(expected > 1e-4 && (own.mesh / expected - 1.0).abs() < 1e-12);
         let observed = match share {
             Share::Total => &case.models[model].total,
-            _ => &case.models[model].single,
+            _ => case.models[model].judged(),
         };
         let total = observed.comparison.total_variation;
         // By the quantile of so few surfaces it may be a little more.
@@ -219,7 +219,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
 #[test]
 fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let mut outcome = run();
-    let light = outcome.cases[0].models[1].single.sides.clone();
+    let light = outcome.cases[0].models[1].judged().sides.clone();
     let mut peaks_at = |share: f64, side: usize| {
         outcome.cases[0].deviation_bound = Some(share * light[side].explicit);
         let known = CellResults::of(&outcome, &outcome.cases[0]);

@@ -1,0 +1,125 @@
+//! The model of a case by its name: of the surface, or of what lies below it.
+
+use asperity_analysis::{
+    BsdfModel, Effort, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, Scope,
+    create_model, expect,
+};
+use asperity_optics::{Incidence, Material};
+use asperity_tally::{Azimuth, History, Layout, Share, Sides};
+
+use crate::case::Case;
+use crate::config::ConfigError;
+use crate::part::Part;
+use crate::verify::slopes;
+
+/// A model beside a case.
+pub enum CaseModel {
+    /// Of a rough surface with nothing below that scatters.
+    Surface(Box<dyn ScatteringModel>),
+    /// Of a medium between flat faces.
+    Layer(FlatLayer),
+}
+
+impl CaseModel {
+    /// The model of that name for the surfaces, the material and the medium of `case`.
+    pub(crate) fn of(name: &str, case: &Case) -> Result<Self, ConfigError> {
+        let refuse = |reason: String| Err(ConfigError::Contradiction(reason));
+        let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
+        match (&case.layer, case.material) {
+            (Some(layer), Material::Dielectric { eta }) if of_layers => {
+                match FlatLayer::by_name(name, eta, layer) {
+                    Ok(model) => Ok(Self::Layer(model)),
+                    Err(error) => refuse(error.to_string()),
+                }
+            }
+            (Some(_), _) if MODEL_NAMES.contains(&name) => refuse(format!(
+                "the model {name} is of a surface with nothing below it that scatters; beside a medium, take {}",
+                FlatLayer::NAMES.join(" or ")
+            )),
+            (None, _) if of_layers => refuse(format!(
+                "the model {name} is of a medium below the surface, and there is none"
+            )),
+            _ => {
+                let slopes = slopes(&case.psd).map_err(asperity_analysis::ModelError::from)?;
+                Ok(Self::Surface(create_model(name, slopes, case.material)?))
+            }
+        }
+    }
+
+    /// The name that it is asked for by.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Surface(model) => model.name(),
+            Self::Layer(model) => model.paths().name(),
+        }
+    }
+
+    /// The light that it describes.
+    #[must_use]
+    pub fn scope(&self) -> Scope {
+        match self {
+            Self::Surface(model) => model.scope(),
+            Self::Layer(_) => Scope::ScatteredInside,
+        }
+    }
+
+    /// The sides whose light it describes.
+    #[must_use]
+    pub fn sides(&self) -> Sides {
+        match self {
+            Self::Surface(model) => model.sides(),
+            // Nothing leaves on the other.
+            Self::Layer(_) => Sides::Both,
+        }
+    }
+
+    /// The density of light that the surface scattered once, if it has a closed form.
+    #[must_use]
+    pub fn density(&self) -> Option<&dyn BsdfModel> {
+        match self {
+            Self::Surface(model) => model.density(),
+            Self::Layer(_) => None,
+        }
+    }
+
+    /// The parts of the light that it claims to describe.
+    pub(crate) fn claims(&self) -> Vec<Part> {
+        match self {
+            Self::Surface(model) if model.scope() == Scope::AllOrders => {
+                Share::ALL.map(Part::Orders).to_vec()
+            }
+            Self::Surface(_) => vec![Part::Orders(Share::Single)],
+            Self::Layer(model) => match model.paths() {
+                // The paper is about what the medium scatters.
+                LayerPaths::HanrahanKrueger => vec![Part::Inside(History::Once)],
+                LayerPaths::All => [History::Unscattered, History::Once]
+                    .map(Part::Inside)
+                    .to_vec(),
+            },
+        }
+    }
+
+    /// The part by which it is judged.
+    pub(crate) fn judged_part(&self) -> Part {
+        match self.scope() {
+            Scope::AllOrders => Part::Orders(Share::Total),
+            Scope::ScatteredInside => Part::Inside(History::Once),
+            _ => Part::Orders(Share::Single),
+        }
+    }
+
+    /// What it expects in a record of `layout`.
+    pub(crate) fn expect(
+        &self,
+        incidence: Incidence,
+        layout: &Layout,
+        azimuth: Azimuth,
+        effort: Effort,
+    ) -> Expectation {
+        match self {
+            Self::Surface(model) => expect(model.as_ref(), incidence, layout, azimuth, effort),
+            Self::Layer(model) => model.expect(incidence, layout, azimuth),
+        }
+    }
+}
