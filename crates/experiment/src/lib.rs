@@ -38,6 +38,7 @@ mod report;
 mod sharing;
 mod side_difference;
 mod stopping;
+mod store;
 mod stream;
 mod summary;
 mod tables;
