@@ -10,6 +10,7 @@
 //! reduced in the order of their index. The same configuration gives the same bytes, whatever the
 //! number of threads.
 
+mod alone;
 mod attenuation;
 mod blocks;
 mod budget;

@@ -4,12 +4,17 @@
 //! refused, what is damaged is found anew.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use asperity_analysis::fnv1a;
 use asperity_io::{ReadError, WriteError, read_text, write_json};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+
+use crate::progress::{Deadline, Progress};
+use crate::stopping::StoppedBy;
+use crate::values::Seconds;
 
 /// What the files look like; another number is another form.
 const SCHEMA: u64 = 1;
@@ -150,4 +155,94 @@ fn first_difference(
         });
     }
     Some((key.to_owned(), found.to_string(), expected.to_string()))
+}
+
+/// Pieces that are there, and how they came to be.
+pub(crate) struct Finished<T> {
+    /// Those of all pieces, in their order; `None` where the run ended before.
+    pub(crate) results: Vec<Option<T>>,
+    /// Pieces that an earlier run had left.
+    pub(crate) taken_up: usize,
+    /// Pieces found by this run.
+    pub(crate) computed: usize,
+    /// What a reader should know of the files that were there: a sentence each.
+    pub(crate) notes: Vec<String>,
+    /// What ended the run before all pieces were there.
+    pub(crate) stopped_by: Option<StoppedBy>,
+}
+
+/// Finds the pieces that are not there yet, one after the other. `name_of` names a piece and its file, and
+/// `find` finds one and writes its file, or says `None` if an interrupt came before it was whole.
+///
+/// When the time is over no piece is begun, but one is finished in any case, so that runs come to an end
+/// however short their time; an interrupt gives up the piece that is being found.
+pub(crate) fn finish<P, T, E>(
+    stage: &str,
+    pieces: Vec<(P, Stored<T>)>,
+    max_time: Option<Seconds>,
+    progress: &dyn Progress,
+    name_of: impl Fn(&P) -> (String, PathBuf),
+    mut find: impl FnMut(&P) -> Result<Option<T>, E>,
+) -> Result<Finished<T>, E> {
+    let time = max_time.and_then(|time| Duration::try_from_secs_f64(time.0).ok());
+    let deadline = Deadline::new(progress, time);
+    let there = |(_, stored): &&(P, Stored<T>)| matches!(stored, Stored::Results(_));
+    let taken_up = pieces.iter().filter(there).count();
+    let all = pieces.len();
+    progress.begin(stage, (all - taken_up) as u64);
+    let mut finished = Finished {
+        results: Vec::with_capacity(all),
+        taken_up,
+        computed: 0,
+        notes: Vec::new(),
+        stopped_by: None,
+    };
+    for (piece, stored) in pieces {
+        let (name, path) = name_of(&piece);
+        if let Stored::Damaged(reason) = &stored {
+            let (path, reason) = (path.display(), reason.replace('\n', " "));
+            finished
+                .notes
+                .push(format!("{path} is damaged and is not used ({reason})"));
+        }
+        if finished.stopped_by.is_none() {
+            finished.stopped_by = match deadline.stop() {
+                Some(StoppedBy::Time) if finished.computed == 0 => None,
+                stop => stop,
+            };
+        }
+        let results = match stored {
+            Stored::Results(results) => Some(results),
+            _ if finished.stopped_by.is_some() => None,
+            _ => {
+                progress.note(&name);
+                let results = find(&piece)?;
+                if results.is_some() {
+                    finished.computed += 1;
+                    progress.advance(1);
+                } else {
+                    finished.stopped_by = progress.stop();
+                }
+                results
+            }
+        };
+        finished.results.push(results);
+    }
+    progress.end();
+    if finished.results.iter().all(Option::is_some) {
+        finished.stopped_by = None;
+    }
+    Ok(finished)
+}
+
+/// Passes on the stop and keeps the steps within a piece to itself.
+pub(crate) struct Unseen<'a>(pub(crate) &'a dyn Progress);
+
+impl Progress for Unseen<'_> {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        self.0.stop()
+    }
 }
