@@ -2,7 +2,8 @@
 //!
 //! [`trace`] and [`trace_mesh`] send light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
 //! and compares what comes out with statistical models; [`converge()`] measures what the ways of
-//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold. Threads, seeds and progress live here and
+//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold; [`gonio()`]
+//! measures the whole BRDF and BTDF, direction by direction. Threads, seeds and progress live here and
 //! nowhere else.
 //!
 //! # Random streams
@@ -25,6 +26,7 @@ mod estimator;
 mod expectation;
 mod facet_control;
 mod figures;
+mod gonio;
 mod known;
 mod limits;
 mod map;
@@ -69,6 +71,11 @@ pub use converge::{
 pub use estimator::Estimator;
 pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
+pub use gonio::{
+    Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
+    Means, MeasuredConfig, Part, PlotScale, Sample, SampleShape, Setting, gonio, gonio_report,
+    gonio_summary, gonio_table,
+};
 pub use limits::{RunError, check_memory};
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, Interval, Judged, JudgedCell,
