@@ -21,7 +21,7 @@ use crate::values::{Number, OneOrMany, PerAxis};
 use crate::verify::VerifyError;
 
 /// `[measured]`: one given surface, from a file or flat, in place of random ones.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeasuredConfig {
     /// Height map or triangle mesh.
@@ -42,7 +42,6 @@ pub struct MeasuredConfig {
     #[serde(with = "MissingName")]
     pub missing: MissingPolicy,
     /// Form to remove by least squares.
-    #[serde(default = "no_form")]
     pub remove: Form,
 }
 
@@ -54,8 +53,19 @@ enum MissingName {
     Fill,
 }
 
-const fn no_form() -> Form {
-    Form::None
+impl Default for MeasuredConfig {
+    /// None.
+    fn default() -> Self {
+        Self {
+            file: None,
+            flat: false,
+            border: None,
+            spacing: None,
+            unit: None,
+            missing: MissingPolicy::Refuse,
+            remove: Form::None,
+        }
+    }
 }
 
 impl MeasuredConfig {
@@ -71,15 +81,10 @@ impl MeasuredConfig {
             return contradiction("give either a file or flat = true, not both");
         }
         let reading = Self {
-            file: None,
             flat: false,
             ..self.clone()
         };
-        let plain = Self {
-            remove: self.remove,
-            ..Self::default()
-        };
-        if self.file.is_none() && (reading != plain || self.remove != Form::None) {
+        if self.file.is_none() && reading != Self::default() {
             return contradiction(
                 "border, spacing, unit, missing and remove say how a file is read, and there is none",
             );
