@@ -3,11 +3,14 @@
 mod attenuation;
 mod ensembles;
 mod gonio;
+mod medium;
 mod model;
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Aim, Estimator, parse_count, parse_number, parse_order, parse_seconds};
+use asperity_experiment::{
+    Aim, Azimuth, Estimator, parse_count, parse_number, parse_order, parse_seconds,
+};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
@@ -17,7 +20,8 @@ use crate::output::say;
 
 pub(crate) use attenuation::Attenuation;
 pub(crate) use ensembles::{Converge, Ensemble, Map, Verify};
-pub(crate) use gonio::{AzimuthArgument, Gonio};
+pub(crate) use gonio::Gonio;
+pub(crate) use medium::MediumArguments;
 pub(crate) use model::Model;
 
 /// Light on explicit rough surfaces: generate or read a height map, mesh it, trace real reflection
@@ -215,6 +219,24 @@ pub(crate) enum FromArgument {
     Below,
 }
 
+/// How the azimuth of the light is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AzimuthArgument {
+    /// Every ray comes from an azimuth of its own; results are turned back to --phi
+    Random,
+    /// All light comes from --phi
+    Fixed,
+}
+
+impl From<AzimuthArgument> for Azimuth {
+    fn from(azimuth: AzimuthArgument) -> Self {
+        match azimuth {
+            AzimuthArgument::Random => Self::Random,
+            AzimuthArgument::Fixed => Self::Fixed,
+        }
+    }
+}
+
 /// Both branches or one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BranchingArgument {
@@ -275,6 +297,11 @@ pub(crate) struct Trace {
     /// The side that the light comes from
     #[arg(long, value_enum, default_value = "above")]
     pub(crate) from: FromArgument,
+    /// Whether each ray comes from an azimuth of its own, and what leaves is turned back
+    #[arg(long, value_enum, default_value = "fixed")]
+    pub(crate) light_azimuth: AzimuthArgument,
+    #[command(flatten)]
+    pub(crate) medium: MediumArguments,
     /// Rays in all
     #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
     pub(crate) rays: u64,

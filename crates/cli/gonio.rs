@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use asperity_experiment::{
-    Azimuth, Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds,
+    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds,
     StoppedBy, VerifyError, gonio, gonio_report, gonio_summary, gonio_table,
 };
 use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_surface::HeightField;
 use serde_json::json;
 
-use crate::args::{AzimuthArgument, Common, Gonio, MaterialArgument, Reading};
+use crate::args::{Common, Gonio, MaterialArgument, Reading};
 use crate::failure::Failure;
 use crate::input::{
     incident, material_kind, name_of, one_or_many, per_axis, read_config, read_mesh_surface,
@@ -122,6 +122,14 @@ fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failur
     }
     material.kappa = flags.kappa.map(Number).or(material.kappa);
 
+    if let Some(file) = flags.medium.bottom_file() {
+        return Err(Failure::usage(format!(
+            "--bottom-surface {}: what lies below is drawn here or flat; take flat, same or independent",
+            file.display()
+        )));
+    }
+    config.medium = flags.medium.over(config.medium.take())?;
+
     let light = &mut config.light;
     if !flags.theta.is_empty() || !flags.phi.is_empty() {
         light.directions = None;
@@ -135,11 +143,7 @@ fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failur
     if flags.directions.is_some() {
         (light.theta, light.phi, light.directions) = (None, None, flags.directions);
     }
-    light.azimuth = match flags.light_azimuth {
-        Some(AzimuthArgument::Random) => Some(Azimuth::Random),
-        Some(AzimuthArgument::Fixed) => Some(Azimuth::Fixed),
-        None => light.azimuth,
-    };
+    light.azimuth = flags.light_azimuth.map(Into::into).or(light.azimuth);
     light.from = flags.from.map_or(light.from, incident);
 
     let run = &mut config.run;

@@ -6,9 +6,9 @@ use asperity_experiment::{parse_count, parse_number, parse_order, parse_seconds}
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Sampling};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
-use super::{BranchingArgument, FromArgument, MaterialArgument};
+use super::{AzimuthArgument, BranchingArgument, FromArgument, MaterialArgument, MediumArguments};
 
 #[derive(Debug, Args)]
 pub(crate) struct Gonio {
@@ -62,6 +62,8 @@ pub(crate) struct Gonio {
     /// Absorption index of a conductor
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) kappa: Option<f64>,
+    #[command(flatten)]
+    pub(crate) medium: MediumArguments,
     /// Polar angle of the direction towards the light, degrees, one or several: 0,30,60
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) theta: Vec<f64>,
@@ -71,7 +73,7 @@ pub(crate) struct Gonio {
     /// Directions at the centres of the bins of a hemisphere, THETAxPHI, instead of --theta and --phi
     #[arg(long, value_name = "GRID", conflicts_with_all = ["theta", "phi"])]
     pub(crate) directions: Option<HemisphereGrid>,
-    /// Whether each ray comes from an azimuth of its own, or all from --phi [default: random on isotropic random surfaces]
+    /// Whether each ray comes from an azimuth of its own, or all from --phi [default: random where surfaces are drawn and isotropic]
     #[arg(long, value_enum)]
     pub(crate) light_azimuth: Option<AzimuthArgument>,
     /// The side that the light comes from
@@ -116,13 +118,4 @@ pub(crate) struct Gonio {
     /// Print summary.json on standard output, instead of the tables
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-/// How the azimuth of the light is chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum AzimuthArgument {
-    /// Every ray comes from an azimuth of its own; results are turned back
-    Random,
-    /// All light comes from --phi
-    Fixed,
 }

@@ -25,7 +25,7 @@ use crate::progress::Progress;
 use crate::stopping::StoppedBy;
 use crate::store::{self, CHANGED, StoreError, Unseen, finish};
 use crate::tables::lost_warning;
-use crate::trace::{trace, trace_mesh};
+use crate::trace::{Scene, trace, trace_mesh};
 use crate::verify::{VerifyError, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
@@ -147,7 +147,7 @@ pub fn gonio(
     progress: &dyn Progress,
 ) -> Result<GonioOutcome, GonioError> {
     let (settings, plans) = config.plans(sample)?;
-    let layout = config.run.ray_settings()?.layout;
+    let layout = config.ray_settings()?.layout;
     let path_of = |plan: &Plan| folder.join(FOLDER).join(format!("{}.json", plan.name));
     // All files are looked at before the first is written.
     let pieces = plans
@@ -258,15 +258,19 @@ fn on_sample(
     sample: &Sample,
     progress: &dyn Progress,
 ) -> Result<DirectionResults, VerifyError> {
-    let (material, from) = (setting.material, config.light.from.into());
+    let scene = Scene {
+        material: setting.material,
+        layer: setting.layer,
+        incidence: plan.incidence,
+        incident: config.light.from.into(),
+        any_azimuth: config.any_azimuth(),
+    };
     let outcome: Result<_, RunError> = match &sample.shape {
         SampleShape::Field(field) => {
-            let field = field.clone();
-            trace(field, material, plan.incidence, from, rays, progress)
+            trace(field.clone(), None, &scene, rays, progress)
         }
         SampleShape::Mesh(mesh) => {
-            let mesh = mesh.clone();
-            trace_mesh(mesh, material, plan.incidence, from, rays, progress)
+            trace_mesh(mesh.clone(), None, &scene, rays, progress)
         }
     };
     let outcome = outcome?;

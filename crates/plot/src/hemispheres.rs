@@ -36,8 +36,9 @@ pub struct Hemisphere {
 ///
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
-/// value of those that share them; values below zero, which noise makes, look like zero. Faint circles are at
-/// 30 and 60 degrees from the normal.
+/// value of those that share them; values below zero, which noise makes, look like zero. Where few bins outshine
+/// all others, the scale ends where all but 1 % of the discs lie, and an arrow at its end says so. Faint circles
+/// are at 30 and 60 degrees from the normal.
 ///
 /// ```
 /// use asperity_plot::{ColourScale, Hemisphere, Hemispheres, Side};
@@ -102,6 +103,9 @@ const BAR_WIDTH: f64 = 16.0;
 const BAR_GAP: f64 = 20.0;
 /// Right of the discs.
 const BAR_ROOM: f64 = 112.0;
+/// Share of the solid angle that may lie beyond a scale, and how many times above its end something must.
+const OUTSHINING: f64 = 0.01;
+const FAR_ABOVE: f64 = 1.6;
 /// Pixels of a picture a point.
 const PIXELS: f64 = 2.0;
 
@@ -137,37 +141,39 @@ impl Hemispheres {
         let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
         let row_height = diameter + GAP + if notes { NOTE_DEPTH } else { 0.0 };
         let top = y;
+        let mut clipped = false;
         for (row, name) in self.rows.iter().enumerate() {
             let centre_y = y + 0.5 * diameter;
             let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
             scene.text(name, (left - TICK - 6.0, centre_y), look);
-            let most = match self.scale {
-                ColourScale::Common => self.largest(0..self.rows.len()),
-                ColourScale::Rows => self.largest(row..row + 1),
+            let end = match self.scale {
+                ColourScale::Common => self.scale_end(0..self.rows.len()),
+                ColourScale::Rows => self.scale_end(row..row + 1),
             };
+            clipped |= end.1;
             for column in 0..self.columns.len() {
                 let x = left + column as f64 * (diameter + GAP) + 0.5 * diameter;
                 let cell = self.cells[row * self.columns.len() + column].as_ref();
-                self.draw_disc(&mut scene, (x, centre_y), 0.5 * diameter, cell, most);
+                self.draw_disc(&mut scene, (x, centre_y), 0.5 * diameter, cell, end.0);
             }
             if self.scale == ColourScale::Rows {
                 let bar = bar_beside(right, [y, y + diameter]);
-                self.draw_colour_bar(&mut scene, bar, most)?;
+                self.draw_colour_bar(&mut scene, bar, end)?;
             }
             y += row_height;
         }
         y -= GAP;
         let discs = [top, y - if notes { NOTE_DEPTH } else { 0.0 }];
         if self.scale == ColourScale::Common {
-            let most = self.largest(0..self.rows.len());
-            self.draw_colour_bar(&mut scene, bar_beside(right, discs), most)?;
+            let end = self.scale_end(0..self.rows.len());
+            self.draw_colour_bar(&mut scene, bar_beside(right, discs), end)?;
         }
         if !self.row_title.is_empty() {
             let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
             let at = (theme::MARGIN, 0.5 * (discs[0] + discs[1]));
             scene.text_upwards(&self.row_title, at, look);
         }
-        y = self.draw_remarks(&mut scene, y + 8.0, figure_width)?;
+        y = self.draw_remarks(&mut scene, y + 10.0, figure_width, clipped)?;
         scene.width = figure_width as u32;
         scene.height = (y + theme::MARGIN).round() as u32;
         Ok(Figure::new(scene))
@@ -204,13 +210,33 @@ impl Hemispheres {
         Ok(())
     }
 
-    /// Largest value of some rows; one if none lies above zero.
-    fn largest(&self, rows: std::ops::Range<usize>) -> f64 {
+    /// Where the scale of some rows ends, and whether values lie beyond: at the largest value, or, where that is
+    /// far above, at what all but a hundredth of the solid angle stays below.
+    fn scale_end(&self, rows: std::ops::Range<usize>) -> (f64, bool) {
         let n = self.columns.len();
+        let [rings, sectors] = self.bins;
+        let edge = |ring: usize| (FRAC_PI_2 * ring as f64 / rings as f64).cos();
+        let areas: Vec<f64> = (0..rings).map(|ring| edge(ring) - edge(ring + 1)).collect();
         let cells = self.cells[rows.start * n..rows.end * n].iter().flatten();
-        let values = cells.flat_map(|cell| &cell.values);
-        let most = values.fold(0.0_f64, |most, value| most.max(*value));
-        if most > 0.0 { most } else { 1.0 }
+        let mut bins: Vec<(f64, f64)> = cells
+            .flat_map(|cell| cell.values.iter().enumerate())
+            .map(|(bin, value)| (*value, areas[bin / sectors]))
+            .collect();
+        bins.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let most = bins.first().map_or(0.0, |bin| bin.0);
+        if most <= 0.0 {
+            return (1.0, false);
+        }
+        let all: f64 = bins.iter().map(|bin| bin.1).sum();
+        let mut beyond = 0.0;
+        let below = bins.iter().find(|bin| {
+            beyond += bin.1;
+            beyond > OUTSHINING * all
+        });
+        match below {
+            Some(bin) if bin.0 > 0.0 && most > FAR_ABOVE * bin.0 => (bin.0, true),
+            _ => (most, false),
+        }
     }
 
     /// Returns the y below.
@@ -310,7 +336,12 @@ impl Hemispheres {
         (0..n * n).map(pixel).collect()
     }
 
-    fn draw_colour_bar(&self, scene: &mut Scene, bar: Rect, most: f64) -> Result<(), PlotError> {
+    fn draw_colour_bar(
+        &self,
+        scene: &mut Scene,
+        bar: Rect,
+        (most, clipped): (f64, bool),
+    ) -> Result<(), PlotError> {
         scene.pictures.push(Picture {
             frame: bar,
             columns: 1,
@@ -319,6 +350,15 @@ impl Hemispheres {
         });
         let pen = Pen::solid(theme::INK, theme::FRAME_WIDTH);
         scene.rect_outline(bar, pen);
+        if clipped {
+            let (x, half) = (bar.centre().0, 0.5 * bar.width());
+            let arrow = vec![
+                (x, bar.top - 11.0),
+                (x - half, bar.top - 2.0),
+                (x + half, bar.top - 2.0),
+            ];
+            scene.polygon(arrow, ViridisRGB.get_color(1.0));
+        }
         let exponent = display_exponent(most);
         let count = (bar.height() / 34.0).floor().clamp(2.0, 8.0) as usize;
         let axis = Axis::linear(0.0, most, count, exponent);
@@ -339,7 +379,13 @@ impl Hemispheres {
     }
 
     /// How to read the discs; returns the y below.
-    fn draw_remarks(&self, scene: &mut Scene, top: f64, width: f64) -> Result<f64, PlotError> {
+    fn draw_remarks(
+        &self,
+        scene: &mut Scene,
+        top: f64,
+        width: f64,
+        clipped: bool,
+    ) -> Result<f64, PlotError> {
         let seen = match self.side {
             Side::Reflected => "Reflected light seen from above",
             Side::Transmitted => "Transmitted light seen from above, through the surface",
@@ -352,8 +398,12 @@ impl Hemispheres {
             true => " The tick mark is at the azimuth of the light.",
             false => "",
         };
+        let beyond = match clipped {
+            true => " Arrows: bins beyond the scale look like its end.",
+            false => "",
+        };
         let text = format!(
-            "{seen}, in equal areas; circles at 30° and 60° from the normal; {shared}.{ticks}"
+            "{seen}, in equal areas; circles at 30° and 60° from the normal; {shared}.{ticks}{beyond}"
         );
         let look = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Top).muted();
         let mut y = top;
@@ -444,5 +494,18 @@ mod tests {
         assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
         // Nothing above zero has a scale all the same.
         assert!(of_one(vec![-1.0; 8], [2, 4]).draw().is_ok());
+    }
+
+    #[test]
+    fn few_bins_that_outshine_all_do_not_make_the_scale() {
+        // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
+        let mut values = vec![0.3; 18 * 36];
+        values[0] = 0.4;
+        assert_eq!(of_one(values.clone(), [18, 36]).scale_end(0..1), (0.4, false));
+        values[0] = 30.0;
+        assert_eq!(of_one(values.clone(), [18, 36]).scale_end(0..1), (0.3, true));
+        // A quarter of the outer ring holds 2 %.
+        values[17 * 36..17 * 36 + 9].fill(20.0);
+        assert_eq!(of_one(values, [18, 36]).scale_end(0..1), (20.0, false));
     }
 }

@@ -59,7 +59,7 @@ pub struct ProfileGrid {
 }
 
 const PANEL: (f64, f64) = (268.0, 210.0);
-const GAP: f64 = 20.0;
+const GAP: f64 = 40.0;
 const MOST_IN_A_ROW: usize = 4;
 const Y_AXIS_ROOM: f64 = 76.0;
 /// Standard errors to either side of a curve.
@@ -101,7 +101,7 @@ impl ProfileGrid {
             scene.text(name, (frame.centre().0, y), look);
             let x = Axis::degrees(-90.0, 90.0);
             let x = match lowest {
-                true => x.with_label("angle from the normal (°), forward > 0"),
+                true => x.with_label("angle from the normal (°)"),
                 false => x.without_texts(),
             };
             let values = match column {
@@ -248,6 +248,7 @@ impl ProfileGrid {
         {
             entries.push((None, "bands: ±2 standard errors".into()));
         }
+        entries.push((None, "forward > 0".into()));
         let look = TextLook::new(theme::LEGEND_SIZE, Align::Left, Level::Middle);
         let (mut x, mut y) = (theme::MARGIN, top + 0.5 * theme::LEGEND_SIZE);
         for (pen, text) in entries {

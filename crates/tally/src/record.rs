@@ -487,7 +487,8 @@ mod tests {
                 assert_eq!(sums.len(), all.len());
                 assert!(all.iter().any(|x| *x > 0.0));
                 for (sum, all) in sums.iter().zip(all) {
-                    assert!((sum - all).abs() <= 1e-14 * all.abs());
+                    // Up to 4200 terms, added in another order.
+                    assert!((sum - all).abs() <= 1e-12 * all.abs());
                 }
             };
             let of = History::ALL;

@@ -191,6 +191,30 @@ pub(crate) fn mirror_image<G: Geometry>(geometry: &G, mut heading: Heading) -> H
     heading
 }
 
+/// Moves a place into the tile that it lies over, in the orientation of that tile or its mirror image;
+/// false if there is none, beside an open patch.
+#[inline]
+pub(crate) fn come_home<G: Geometry>(geometry: &G, heading: &mut Heading) -> bool {
+    for (axis, size) in geometry.extent().into_iter().enumerate() {
+        let place = heading.origin[axis];
+        if (0.0..size).contains(&place) {
+            continue;
+        }
+        let border = geometry.border();
+        if border == Border::Open {
+            return false;
+        }
+        let tile = (place / size).floor();
+        let image = border == Border::Mirrored && tile.rem_euclid(2.0) == 1.0;
+        heading.origin[axis] = from_tile(tile, image, size, place);
+        if image {
+            heading.direction[axis] = -heading.direction[axis];
+            heading.mirrored[axis] = !heading.mirrored[axis];
+        }
+    }
+    true
+}
+
 /// How the way of a ray ends if no tile has anything in it.
 fn nothing_met(border: Border, direction: DVec3, medium: Medium) -> End {
     if medium.sign() * direction.z > 0.0 {
@@ -258,6 +282,20 @@ impl Way {
             None => self.crossing = Some(Box::new(crossing)),
         }
         None
+    }
+
+    /// Ray parameter at which the ray enters the current tile, at the least.
+    pub(crate) fn entered(&self) -> f64 {
+        self.crossing.as_ref().map_or(0.0, |c| c.entered)
+    }
+
+    /// The heading with which the ray set out, in the orientation of the current tile.
+    pub(crate) const fn beginning(&self, query: &Query) -> Heading {
+        Heading {
+            origin: query.ray.origin,
+            direction: self.direction,
+            mirrored: self.mirrored,
+        }
     }
 
     /// The heading with which a ray comes to what it hits in the current tile.

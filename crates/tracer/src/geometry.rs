@@ -6,7 +6,7 @@ use asperity_surface::Border;
 use glam::DVec3;
 
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
-use crate::ray::{Medium, TileRay};
+use crate::ray::{Hit, Medium, TileRay};
 
 /// Triangles that light meets.
 ///
@@ -25,6 +25,9 @@ pub trait Geometry: Sized + Send + Sync {
 
     /// What turns the y component of a physical direction into tile coordinates.
     fn aspect(&self) -> f64;
+
+    /// Lengths of the world a unit of tile coordinates.
+    fn unit(&self) -> f64;
 
     /// Lowest and highest z, `[-a, a]`.
     fn z_range(&self) -> [f64; 2];
@@ -58,6 +61,16 @@ pub trait Geometry: Sized + Send + Sync {
     /// A ray above passes a facet only against its normal, a ray below only along it.
     fn intersect(&self, facet: Self::Facet, ray: &TileRay, medium: Medium) -> Option<f64>;
 
+    /// What a ray in `medium` meets before `t` exceeds `reach`, where that can be told without a search:
+    /// the facet that a search would find, if any.
+    fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Self::Facet> {
+        if is_beside(self.z_range(), ray, medium, reach) {
+            Nearby::Clear
+        } else {
+            Nearby::Unknown
+        }
+    }
+
     /// Whether a point at the border of the tile lies on the other side of the surface than `medium`;
     /// false where the geometry cannot tell.
     fn is_beyond(&self, _p: DVec3, _medium: Medium) -> bool {
@@ -73,6 +86,32 @@ pub trait Geometry: Sized + Send + Sync {
     /// # Errors
     /// [`BuildError`] if there is none of this kind for this geometry.
     fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError>;
+}
+
+/// What is known of the first stretch of a ray without a search.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Nearby<F> {
+    /// It meets nothing.
+    Clear,
+    /// It meets this.
+    Met(Hit<F>),
+    /// A search must tell.
+    Unknown,
+}
+
+/// Whether the stretch of a ray up to `reach` lies beyond all heights, on the side of its `medium`.
+///
+/// A stretch that only touches the highest or lowest point does not pass through a facet.
+#[inline]
+pub(crate) fn is_beside(
+    [_, half_range]: [f64; 2],
+    ray: &TileRay,
+    medium: Medium,
+    reach: f64,
+) -> bool {
+    let q = medium.sign();
+    let (z, rise) = (q * ray.origin.z, q * ray.direction.z);
+    z >= half_range && (rise >= 0.0 || z + reach * rise >= half_range)
 }
 
 /// Which bound tells that a ray meets nothing more.

@@ -313,6 +313,10 @@ impl Geometry for MeshSurface {
         [self.extent.x, self.extent.y]
     }
 
+    fn unit(&self) -> f64 {
+        self.unit
+    }
+
     /// One: all axes have the same unit.
     fn aspect(&self) -> f64 {
         1.0

@@ -2,6 +2,7 @@
 
 mod hidden;
 mod illumination;
+mod inside;
 mod leg;
 mod work;
 
@@ -19,11 +20,13 @@ use crate::geometry::Geometry;
 use crate::path_settings::{Branching, PathSettings};
 use crate::ray::{Hit, Medium};
 use crate::sampling::Places;
-use crate::scatter::{Scattered, scatter};
+use crate::scatter::{Branch, Scattered, scatter};
+use crate::substrate::{Face, Substrate};
 
 pub use illumination::{Illumination, Starts};
 pub use work::Work;
 
+use inside::Inside;
 use leg::{Arrival, Errand, InFlight, Leg, Light, onward};
 
 /// Legs that are followed together: enough to fill wide searches, few enough for them and the surface
@@ -37,6 +40,7 @@ pub struct Tracer<'a, G: Geometry> {
     material: Material,
     incident: Medium,
     settings: PathSettings,
+    substrate: Option<Substrate<'a, G>>,
 }
 
 /// The state of one batch.
@@ -44,7 +48,10 @@ struct Batch<'r, F, R> {
     record: Record<'r>,
     work: Work,
     rng: &'r mut R,
-    next: InFlight<F>,
+    /// Legs to be searched next, by the face that they may meet.
+    next: [InFlight<F>; 2],
+    /// Light that sets out inside the layer.
+    inside: Vec<Inside>,
     /// How many of the next legs may have another one behind them.
     lasting: usize,
 }
@@ -67,6 +74,23 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             material,
             incident,
             settings,
+            substrate: None,
+        }
+    }
+
+    /// The same with a layer of medium below the surface.
+    ///
+    /// # Panics
+    /// Unless the light comes from above onto a dielectric: there is no medium elsewhere.
+    #[must_use]
+    pub fn over(self, substrate: Substrate<'a, G>) -> Self {
+        assert!(
+            self.incident == Medium::Above && self.material.transmitting_index().is_some(),
+            "a medium lies below a dielectric that is lit from above"
+        );
+        Self {
+            substrate: Some(substrate),
+            ..self
         }
     }
 
@@ -80,7 +104,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// accelerators give the same result.
     ///
     /// # Panics
-    /// If the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    /// If there is both a layer and a control, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         illumination: &Illumination,
@@ -89,6 +113,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         control: Option<&Control>,
         rng: &mut R,
     ) -> (Vec<f64>, Work) {
+        assert!(
+            self.substrate.is_none() || control.is_none(),
+            "no control knows of a layer"
+        );
         let incidence = illumination.incidence;
         // Vertical light has no azimuth to draw.
         let free = illumination.any_azimuth && incidence.is_vertical();
@@ -103,11 +131,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             record: Record::new(layout, azimuth).under(control),
             work: Work::default(),
             rng,
-            next: InFlight::new(),
+            next: [InFlight::new(), InFlight::new()],
+            inside: Vec::new(),
             lasting: 0,
         };
         let beam = Beam::new(self.geometry, self.incident, incidence);
-        let (mut now, mut hits) = (InFlight::new(), Vec::new());
+        let mut now = [InFlight::new(), InFlight::new()];
+        let mut hits = Vec::new();
         loop {
             // Legs that end in any case do not count, so that when a ray starts, and which random
             // numbers it draws, does not depend on whether they are followed; see `set_out_if_asked`.
@@ -116,19 +146,25 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             {
                 let turn = DVec2::from_angle(TAU * azimuth);
                 self.start(&beam, illumination.starts, [u, v], turn, &mut batch);
+                self.fly_on(&mut batch);
                 batch.work.rays += 1;
             }
             std::mem::swap(&mut now, &mut batch.next);
             batch.lasting = 0;
-            if now.legs.is_empty() {
+            if now.iter().all(|now| now.legs.is_empty()) {
                 break;
             }
-            self.accelerator
-                .closest_hits(self.geometry, &now.queries, &mut hits);
-            for ((leg, query), hit) in now.legs.drain(..).zip(&mut now.queries).zip(&hits) {
-                self.arrive(leg, query, hit, &mut batch);
+            for (face, now) in [Face::Top, Face::Bottom].into_iter().zip(&mut now) {
+                let Some((geometry, accelerator)) = self.face(face) else {
+                    continue;
+                };
+                accelerator.closest_hits(geometry, &now.queries, &mut hits);
+                for ((leg, query), hit) in now.legs.drain(..).zip(&mut now.queries).zip(&hits) {
+                    self.arrive(face, leg, query, hit, &mut batch);
+                    self.fly_on(&mut batch);
+                }
+                now.queries.clear();
             }
-            now.queries.clear();
         }
         (batch.record.into_fractions(batch.work.rays), batch.work)
     }
@@ -152,7 +188,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         match starts {
             Starts::FromAbove => {
                 let heading = beam.ray(place, turn);
-                self.set_out(heading, self.incident, light(1.0), Errand::Light, batch);
+                let (light, errand) = (light(1.0), Errand::Light);
+                self.set_out(Face::Top, heading, self.incident, light, errand, batch);
             }
             Starts::OnSurface => {
                 let Some((heading, facet, flux)) = beam.point(self.geometry, place, turn) else {
@@ -177,12 +214,27 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         DVec3::new(w.x, w.y, w.z * self.incident.sign())
     }
 
-    /// Light that leaves in the `direction` given, or would.
-    fn exit(&self, direction: DVec3, medium: Medium, light: &Light) -> Exit {
+    /// A surface that rays meet, and how hits on it are found.
+    #[inline]
+    fn face(&self, face: Face) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
+        match face {
+            Face::Top => Some((self.geometry, self.accelerator)),
+            Face::Bottom => self.substrate.as_ref().and_then(Substrate::surface),
+        }
+    }
+
+    /// The surface alone.
+    #[inline]
+    fn geometry_of(&self, face: Face) -> Option<&'a G> {
+        self.face(face).map(|(geometry, _)| geometry)
+    }
+
+    /// Light that leaves in the `direction` given, or would, from one of the faces.
+    fn exit(&self, direction: DVec3, face: Face, medium: Medium, light: &Light) -> Exit {
         let wo = self.turned_upright(direction);
         let level = light.turn.rotate(wo.truncate());
         Exit {
-            side: self.side_of(medium),
+            side: self.side_of(face, medium),
             wo: level.extend(wo.z),
             flux: light.flux,
             path: light.path,
@@ -193,60 +245,86 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Lets a leg begin, or ends it at once if it meets nothing.
     fn set_out<R: Rng>(
         &self,
+        face: Face,
         mut heading: Heading,
         medium: Medium,
         light: Light,
         errand: Errand<G::Facet>,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        if let Some(end) = set_out(self.geometry, &mut heading, medium) {
-            self.end(
-                end,
-                heading.world_direction(),
-                medium,
-                &light,
-                &errand,
-                batch,
-            );
+        if let Some(substrate) = &self.substrate
+            && medium == face.inside()
+        {
+            let heading = substrate.from_face(face, heading);
+            batch.inside.push(Inside { heading, light });
+            return;
+        }
+        let Some(geometry) = self.geometry_of(face) else {
+            return;
+        };
+        if let Some(end) = set_out(geometry, &mut heading, medium) {
+            let direction = heading.world_direction();
+            self.end(end, direction, (face, medium), &light, &errand, batch);
         } else {
-            let way = Way::new(&heading);
-            let query = heading.query(self.geometry, medium);
-            self.push(Leg { way, light, errand }, query, batch);
+            let leg = Leg {
+                way: Way::new(&heading),
+                light,
+                errand,
+                flight: f64::INFINITY,
+            };
+            self.push(face, leg, heading.query(geometry, medium), batch);
         }
     }
 
     /// Has a leg searched next.
     #[inline]
-    fn push<R>(&self, leg: Leg<G::Facet>, query: Query, batch: &mut Batch<'_, G::Facet, R>) {
+    fn push<R>(
+        &self,
+        face: Face,
+        leg: Leg<G::Facet>,
+        query: Query,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
         let last = matches!(leg.errand, Errand::Light)
             && leg.light.path.order() >= self.settings.max_order;
         batch.lasting += usize::from(!last);
-        batch.next.legs.push(leg);
-        batch.next.queries.push(query);
+        let next = &mut batch.next[face as usize];
+        next.legs.push(leg);
+        next.queries.push(query);
     }
 
     /// Goes on from what a leg has met in the current tile, be it nothing.
     fn arrive<R: Rng>(
         &self,
+        face: Face,
         mut leg: Leg<G::Facet>,
         query: &mut Query,
         hit: &Option<Hit<G::Facet>>,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
+        if let Some(substrate) = &self.substrate
+            && query.medium == face.inside()
+        {
+            return self.arrive_inside(substrate, face, leg, query, hit, batch);
+        }
+        let Some(geometry) = self.geometry_of(face) else {
+            return;
+        };
         let Some(hit) = hit else {
-            match leg.way.go_on(self.geometry, query) {
+            match leg.way.go_on(geometry, query) {
                 Some(end) => {
                     let direction = leg.way.world_direction();
-                    self.end(end, direction, query.medium, &leg.light, &leg.errand, batch);
+                    let place = (face, query.medium);
+                    self.end(end, direction, place, &leg.light, &leg.errand, batch);
                 }
-                None => self.push(leg, *query, batch),
+                None => self.push(face, leg, *query, batch),
             }
             return;
         };
         batch.work.segments += 1;
         let light = &leg.light;
         let arrival = || Arrival {
-            heading: leg.way.arrival(self.geometry, query, hit),
+            heading: leg.way.arrival(geometry, query, hit),
             facet: hit.facet,
         };
         match &leg.errand {
@@ -257,20 +335,36 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                     self.unlit(&at, light, batch);
                 }
                 let behind = query.medium.other();
-                self.set_out(at.heading, behind, *light, Errand::Shadow, batch);
+                let errand = Errand::Shadow;
+                self.set_out(face, at.heading, behind, *light, errand, batch);
             }
             Errand::Light => {
                 self.unseen(leg.way.world_direction(), query.medium, light, batch);
-                if light.path.order() >= self.settings.max_order {
-                    batch.record.add_loss(Loss::Truncated, light.flux);
-                    return;
-                }
-                let at = arrival();
-                self.interact(&at, query.medium, light, batch);
-                if batch.record.control().is_some() {
-                    self.look_into_shadow(at, query.medium.other(), light, batch);
-                }
+                self.meet(face, arrival(), query.medium, light, batch);
             }
+        }
+    }
+
+    /// What becomes of light that has come to a facet through `medium`.
+    #[inline]
+    fn meet<R: Rng>(
+        &self,
+        face: Face,
+        at: Arrival<G::Facet>,
+        medium: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if light.path.order() >= self.settings.max_order {
+            batch.record.add_loss(Loss::Truncated, light.flux);
+            return;
+        }
+        match face {
+            Face::Top => self.interact(&at, medium, light, batch),
+            Face::Bottom => self.interact_at_bottom(&at, medium, light, batch),
+        }
+        if batch.record.control().is_some() {
+            self.look_into_shadow(at, medium.other(), light, batch);
         }
     }
 
@@ -279,7 +373,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         &self,
         end: End,
         direction: DVec3,
-        medium: Medium,
+        (face, medium): (Face, Medium),
         light: &Light,
         errand: &Errand<G::Facet>,
         batch: &mut Batch<'_, G::Facet, R>,
@@ -292,7 +386,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
         match end {
             End::Escaped | End::EscapedUnsearched(_) => {
-                batch.record.add_exit(&self.exit(direction, medium, light));
+                let exit = self.exit(direction, face, medium, light);
+                batch.record.add_exit(&exit);
                 return;
             }
             End::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
@@ -319,56 +414,61 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         let scattered = self.scattered(at, medium);
-        let transmits = self.material.transmitting_index().is_some();
-        if transmits && self.settings.branching == Branching::Pick {
-            let [transmitted, reflected] = &scattered.branches;
-            let picked = if batch.rng.random::<f64>() < reflected.share {
-                reflected
-            } else {
-                transmitted
-            };
-            let (heading, medium, light) = onward(at, medium, light, picked, 1.0);
-            self.set_out_if_asked(heading, medium, light, batch);
-            return;
-        }
         let absorbed = light.flux * scattered.absorbed;
         if light.path.order() == 0 {
             batch.record.add_first_absorbed(absorbed);
         } else {
             batch.record.add_loss(Loss::Absorbed, absorbed);
         }
-        for branch in &scattered.branches {
-            if branch.share > 0.0 {
-                let (heading, medium, light) = onward(at, medium, light, branch, branch.share);
-                self.set_out_or_end(heading, medium, light, batch);
+        let divides = self.material.transmitting_index().is_some();
+        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
+            let (heading, medium, mut light) = onward(at, medium, light, &branch, share);
+            if self.survives(&mut light, batch) {
+                self.set_out_if_asked(heading, medium, light, batch);
             }
         }
     }
 
-    /// Russian roulette: a weak branch goes on with a probability proportional to its flux, and then
-    /// carries the threshold. What that removes or adds is booked as truncated, zero on average.
+    /// The branches that are followed, each with the share of the flux that it takes, of what `divides`
+    /// light, or only reflects it.
+    #[inline(always)]
+    fn followed<R: Rng>(
+        &self,
+        scattered: &Scattered,
+        divides: bool,
+        rng: &mut R,
+    ) -> impl Iterator<Item = (Branch, f64)> + use<'_, 'a, R, G> {
+        let [transmitted, reflected] = scattered.branches;
+        let shares = if divides && self.settings.branching == Branching::Pick {
+            if rng.random::<f64>() < reflected.share {
+                [0.0, 1.0]
+            } else {
+                [1.0, 0.0]
+            }
+        } else {
+            [transmitted.share, reflected.share]
+        };
+        [transmitted, reflected]
+            .into_iter()
+            .zip(shares)
+            .filter(|(_, share)| *share > 0.0)
+    }
+
+    /// Russian roulette: weak light goes on with a probability proportional to its flux, and then
+    /// carries the threshold; false if it ends. What that removes or adds is booked as truncated, zero on average.
     ///
     /// Under a control the first branches are all followed: what cancels must not be left to chance.
     #[inline(always)]
-    fn set_out_or_end<R: Rng>(
-        &self,
-        heading: Heading,
-        medium: Medium,
-        mut light: Light,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
+    fn survives<R: Rng>(&self, light: &mut Light, batch: &mut Batch<'_, G::Facet, R>) -> bool {
         let threshold = self.settings.roulette_below;
         let cancels = light.path.order() == 1 && batch.record.control().is_some();
         if light.flux < threshold && !cancels {
             let survives = batch.rng.random::<f64>() * threshold < light.flux;
             let kept = if survives { threshold } else { 0.0 };
             batch.record.add_loss(Loss::Truncated, light.flux - kept);
-            if !survives {
-                return;
-            }
             light.flux = kept;
         }
-        self.set_out_if_asked(heading, medium, light, batch);
+        light.flux > 0.0
     }
 
     /// Lets a branch set out, unless it can end only where nobody asks.
@@ -386,19 +486,21 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         light: Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let last = light.path.order() >= self.settings.max_order;
-        if last && !batch.record.asks(self.side_of(medium)) {
+        // Inside a layer it may yet be absorbed, or come out elsewhere.
+        let inside = self.substrate.is_some() && medium == Medium::Below;
+        let last = light.path.order() >= self.settings.max_order && !inside;
+        if last && !batch.record.asks(self.side_of(Face::Top, medium)) {
             batch.record.add_loss(Loss::NotAsked, light.flux);
             self.unseen(heading.world_direction(), medium, &light, batch);
             batch.work.branches_not_asked += 1;
         } else {
-            self.set_out(heading, medium, light, Errand::Light, batch);
+            self.set_out(Face::Top, heading, medium, light, Errand::Light, batch);
         }
     }
 
-    /// The side on which light leaves that escapes through `medium`.
-    fn side_of(&self, medium: Medium) -> Side {
-        if medium == self.incident {
+    /// The side on which light leaves that escapes from a face through `medium`.
+    fn side_of(&self, face: Face, medium: Medium) -> Side {
+        if face == Face::Top && medium == self.incident {
             Side::Reflected
         } else {
             Side::Transmitted

@@ -10,9 +10,12 @@ use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
 use crate::accelerators::tile_bvh::TileBvh;
 use crate::cell::{Cell, Size};
-use crate::geometry::{Escape, Geometry};
+use crate::geometry::{Escape, Geometry, Nearby, is_beside};
 use crate::ray::{Hit, Medium, TileRay};
 use crate::steepness::Steepness;
+
+/// Columns or rows that a stretch may extend over for its cells to be looked at one by one.
+const MOST_CELLS_NEARBY: f64 = 2.0;
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -230,6 +233,10 @@ impl Geometry for Surface {
         self.aspect
     }
 
+    fn unit(&self) -> f64 {
+        self.field.spacing()[0]
+    }
+
     #[inline]
     fn z_range(&self) -> [f64; 2] {
         [-self.size.reach, self.size.reach]
@@ -310,6 +317,53 @@ impl Geometry for Surface {
         };
         let facet = Facet { iy, ix, triangle };
         Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
+    }
+
+    /// By the height range, or by looking at the cells over a stretch that covers few of them.
+    #[inline]
+    fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
+        if is_beside(self.z_range(), ray, medium, reach) {
+            return Nearby::Clear;
+        }
+        let mut cells = [[0_u32; 2]; 2];
+        for axis in 0..2 {
+            let start = ray.origin[axis];
+            let end = start + reach * ray.direction[axis];
+            // What rounding may add to the way, and far more.
+            let margin = 1e-9 * (1.0 + start.abs() + end.abs());
+            let [low, high] = [start.min(end) - margin, start.max(end) + margin];
+            if !(low >= 0.0 && high < self.extent[axis] && high - low <= MOST_CELLS_NEARBY) {
+                return Nearby::Unknown;
+            }
+            cells[axis] = [low as u32, high as u32];
+        }
+        let [[x0, x1], [y0, y1]] = cells;
+        let q = medium.sign();
+        // The point of the stretch that is nearest to the other side.
+        let z = q * ray.origin.z + (reach * q * ray.direction.z).min(0.0);
+        let mut closest = None;
+        for iy in y0..=y1 {
+            for ix in x0..=x1 {
+                let cell = self.cell([ix, iy]);
+                let heights = [cell.z00, cell.z10, cell.z01, cell.z11];
+                if heights.iter().all(|h| z > q * h) {
+                    continue;
+                }
+                for triangle in [Triangle::Lower, Triangle::Upper] {
+                    let facet = Facet { iy, ix, triangle };
+                    if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
+                        let hit = Hit { t, facet };
+                        if hit.is_before(&closest) {
+                            closest = Some(hit);
+                        }
+                    }
+                }
+            }
+        }
+        match closest {
+            Some(hit) if hit.t <= reach => Nearby::Met(hit),
+            _ => Nearby::Clear,
+        }
     }
 
     fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {

@@ -11,12 +11,13 @@ use serde_json::{Value, json};
 use super::sample::Sample;
 use super::setting::Setting;
 use crate::blocks::RaySettings;
-use crate::cases::check_sides;
+use crate::cases::{check_light, check_sides};
 use crate::config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
     RunConfig, SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
 };
 use crate::limits::{check_memory, check_results};
+use crate::medium::{BottomSurface, MediumConfig};
 use crate::values::{Number, OneOrMany, PerAxis};
 use crate::verify::VerifyError;
 
@@ -217,6 +218,9 @@ pub struct GonioConfig {
     pub measured: MeasuredConfig,
     /// What they are made of.
     pub material: MaterialConfig,
+    /// What lies below, if there is anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub medium: Option<MediumConfig>,
     /// The directions that light comes from.
     pub light: GonioLight,
     /// How much is traced for each direction.
@@ -272,7 +276,7 @@ impl GonioConfig {
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
         let (settings, plans) = self.plans(sample)?;
-        let rays = self.run.ray_settings()?;
+        let rays = self.ray_settings()?;
         check_results(&rays.layout, self.run.realisations.0, 1, rays.refine)?;
         let values = rays.layout.len() as f64 * 2.0 * plans.len() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
@@ -282,7 +286,7 @@ impl GonioConfig {
             }
         }
         for setting in settings {
-            check_sides(self.run.side, setting.material)?;
+            check_sides(self.run.side, setting.material, setting.layer.as_ref())?;
         }
         Ok(())
     }
@@ -290,7 +294,18 @@ impl GonioConfig {
     /// Whether every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
-        !self.measured.is_given() && self.of_azimuth(0.0).any_azimuth()
+        match self.light.azimuth {
+            None if self.measured.is_given() => false,
+            _ => self.of_azimuth(0.0).any_azimuth(),
+        }
+    }
+
+    /// The settings of the rays of a direction.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range.
+    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+        self.of_azimuth(0.0).ray_settings()
     }
 
     /// What is measured, and the directions of each in the order of their files: settings, polar angles,
@@ -312,11 +327,11 @@ impl GonioConfig {
 
     /// The verification of all settings and polar angles at one azimuth.
     fn of_azimuth(&self, phi: f64) -> VerifyConfig {
-        let thetas = self.light.angles().unwrap_or_default();
-        let [thetas, _] = thetas;
+        let [thetas, _] = self.light.angles().unwrap_or_default();
         VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
+            medium: self.medium.clone(),
             light: LightConfig {
                 theta: OneOrMany::Many(thetas.into_iter().map(Number).collect()),
                 phi: Number(phi),
@@ -378,22 +393,31 @@ impl GonioConfig {
                 "random surfaces and a measured one are both described; give either [surface] or [measured]",
             );
         }
-        if self.light.azimuth == Some(Azimuth::Random) {
+        let run = self.ray_settings()?;
+        if run.bottom == BottomSurface::Independent {
             return contradiction(
-                "a measured surface is lit from the azimuth that is asked for; random azimuth is for random surfaces",
+                "a measured surface has no others like it that could lie below; take bottom_surface flat or same",
             );
         }
-        let run = self.run.ray_settings()?;
-        let settings: Vec<Setting> = self
-            .material
-            .materials()?
-            .into_iter()
-            .map(Setting::of_material)
-            .collect();
+        if self.medium.is_some() {
+            check_light(self.light.from.into(), self.run.estimator)?;
+        }
+        let mut settings = Vec::new();
+        for material in self.material.materials()? {
+            match &self.medium {
+                None => settings.push(Setting::of_given(material, None)),
+                Some(medium) => settings.extend(
+                    medium
+                        .layers(material)?
+                        .into_iter()
+                        .map(|layer| Setting::of_given(material, Some(layer))),
+                ),
+            }
+        }
         let mut plans: Vec<Plan> = Vec::new();
         for (number, setting) in settings.iter().enumerate() {
             if let Some(target) = run.target {
-                target.check(&run.layout, setting.material)?;
+                target.check(&run.layout, setting.material, setting.layer.as_ref())?;
             }
             for theta in &thetas {
                 for phi in &phis {
@@ -416,7 +440,16 @@ impl GonioConfig {
                         identity: json!({
                             "measured": sample.description,
                             "material": setting.material,
-                            "light": { "theta": theta, "phi": phi, "from": self.light.from },
+                            "layer": setting.layer,
+                            "medium": self.medium.as_ref().map(|medium| {
+                                json!([medium.bottom_surface, medium.max_scatterings])
+                            }),
+                            "light": {
+                                "theta": theta,
+                                "phi": phi,
+                                "any_azimuth": self.any_azimuth(),
+                                "from": self.light.from,
+                            },
                             "run": self.piece_run(),
                         }),
                         work: Work::Given(run),

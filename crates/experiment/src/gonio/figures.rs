@@ -121,6 +121,13 @@ fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
 /// Names of the columns: the settings, told apart.
 fn columns(outcome: &GonioOutcome) -> (String, Vec<String>) {
     let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    // A letter alone is no heading.
+    let title = match title.as_str() {
+        "s" => "smoothness s".to_owned(),
+        "n" => "refractive index n".to_owned(),
+        "g" => "mean cosine of scattering g".to_owned(),
+        _ => title,
+    };
     (title, labels)
 }
 
@@ -217,7 +224,7 @@ fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
 fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
     let layout = &outcome.layout;
     let names = part_names(layout);
-    let (title, labels) = columns(outcome);
+    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
     let settings = 0..outcome.settings.len();
     let samples = |part: usize, setting: usize| -> Vec<Sample> {
         let results = outcome.direction(setting, theta, 0).results.as_ref();

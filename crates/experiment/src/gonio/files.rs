@@ -6,10 +6,11 @@ use asperity_io::{
     CsvField as Field, WriteError, create_output_folder, remove_files, write_array, write_bytes,
     write_csv, write_json,
 };
-use asperity_optics::Material;
+use asperity_optics::{Material, PhaseFunction};
 use asperity_tally::{Estimate, Layout, Side};
 
 use super::results::part_names;
+use super::setting::bottom_in_words;
 use super::summary::{gonio_summary, gonio_table};
 use super::{Direction, DirectionResults, FOLDER, GonioOutcome, Setting, figures};
 use crate::csv::{PLACE, fields, place};
@@ -115,7 +116,20 @@ fn part_columns(layout: &Layout, quantity: &str) -> Vec<String> {
 }
 
 /// Columns that say what was measured from where.
-const SETTING: [&str; 6] = ["theta_i_deg", "phi_i_deg", "s", "material", "eta", "kappa"];
+const SETTING: [&str; 12] = [
+    "theta_i_deg",
+    "phi_i_deg",
+    "s",
+    "material",
+    "eta",
+    "kappa",
+    "mean_free_path",
+    "albedo",
+    "phase",
+    "g",
+    "thickness",
+    "bottom",
+];
 
 fn setting_fields(setting: &Setting, direction: &Direction) -> Vec<Field<'static>> {
     let (kind, eta, kappa) = match setting.material {
@@ -123,6 +137,8 @@ fn setting_fields(setting: &Setting, direction: &Direction) -> Vec<Field<'static
         Material::Conductor { eta, kappa } => ("conductor", Some(eta), Some(kappa)),
         _ => ("mirror", None, None),
     };
+    let medium = setting.layer.map(|layer| layer.medium());
+    let slab = setting.layer.and_then(|layer| layer.end());
     vec![
         direction.incidence.theta_deg().into(),
         direction.incidence.phi_deg().into(),
@@ -130,7 +146,22 @@ fn setting_fields(setting: &Setting, direction: &Direction) -> Vec<Field<'static
         kind.into(),
         eta.into(),
         kappa.into(),
+        // That of a clear medium is infinite, which no field holds.
+        medium.map(|m| m.mean_free_path()).filter(|path| path.is_finite()).into(),
+        medium.map(|m| m.albedo()).into(),
+        medium.map(|m| phase_name(m.phase())).into(),
+        medium.map(|m| m.phase().mean_cosine()).into(),
+        slab.map(|slab| slab.thickness).into(),
+        slab.map(|slab| bottom_in_words(slab.bottom)).into(),
     ]
+}
+
+const fn phase_name(phase: PhaseFunction) -> &'static str {
+    match phase {
+        PhaseFunction::Isotropic => "isotropic",
+        PhaseFunction::Rayleigh => "rayleigh",
+        _ => "henyey-greenstein",
+    }
 }
 
 /// gonio.csv: a row a direction, with its fluxes.

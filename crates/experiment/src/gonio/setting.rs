@@ -1,9 +1,10 @@
 //! What is measured from all directions: one surface, one material.
 
-use asperity_optics::Material;
+use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
 use serde::Serialize;
 
 use crate::case::{Case, short};
+use crate::medium::layer_folder;
 
 /// One combination of surface and material, measured from all directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -15,6 +16,9 @@ pub struct Setting {
     pub grooves: Option<String>,
     /// The material.
     pub material: Material,
+    /// What lies below, if there is anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<Layer>,
 }
 
 impl Setting {
@@ -23,23 +27,29 @@ impl Setting {
             smoothness: Some(case.smoothness),
             grooves: case.grooves(),
             material: case.material,
+            layer: case.layer,
         }
     }
 
-    pub(super) const fn of_material(material: Material) -> Self {
+    pub(super) const fn of_given(material: Material, layer: Option<Layer>) -> Self {
         Self {
             smoothness: None,
             grooves: None,
             material,
+            layer,
         }
     }
 
-    /// A name for files, as in `n1.5`.
+    /// A name for files, as in `n1.5_mfp0.1_albedo0.9`.
     pub(super) fn name(&self) -> String {
-        match self.material {
+        let material = match self.material {
             Material::Dielectric { eta } => format!("n{}", short(eta)),
             Material::Conductor { eta, kappa } => format!("n{}k{}", short(eta), short(kappa)),
             _ => "mirror".to_owned(),
+        };
+        match &self.layer {
+            Some(layer) => format!("{material}_{}", layer_folder(layer)),
+            None => material,
         }
     }
 
@@ -59,7 +69,43 @@ impl Setting {
             }
             _ => parameters.push(("material", "mirror".to_owned())),
         }
+        if let Some(layer) = &self.layer {
+            parameters.extend(parameters_of(layer));
+        }
         parameters
+    }
+}
+
+/// What makes up a layer, by name.
+fn parameters_of(layer: &Layer) -> Vec<(&'static str, String)> {
+    let medium = layer.medium();
+    let mut parameters = Vec::new();
+    if medium.is_clear() {
+        parameters.push(("medium", "clear medium".to_owned()));
+    } else {
+        parameters.push(("mean free path", short(medium.mean_free_path())));
+        parameters.push(("albedo", short(medium.albedo())));
+        match medium.phase() {
+            PhaseFunction::Rayleigh => parameters.push(("phase", "Rayleigh".to_owned())),
+            phase => parameters.push(("g", short(phase.mean_cosine()))),
+        }
+    }
+    if let Some(slab) = layer.end() {
+        parameters.push(("thickness", short(slab.thickness)));
+        parameters.push(("bottom", bottom_in_words(slab.bottom)));
+    }
+    parameters
+}
+
+/// What a layer ends on.
+pub(super) fn bottom_in_words(bottom: Bottom) -> String {
+    match bottom {
+        Bottom::Open => "open below".to_owned(),
+        Bottom::Interface { eta } => format!("interface of n = {} below", short(eta)),
+        Bottom::Absorbing => "black bottom".to_owned(),
+        Bottom::Mirror => "mirror below".to_owned(),
+        Bottom::Lambertian { reflectance } => format!("Lambertian bottom of {}", short(reflectance)),
+        _ => String::new(),
     }
 }
 
@@ -94,7 +140,7 @@ impl Distinction {
                 let value = value(of, name)?;
                 // A record's own words need no name before them.
                 Some(match *name {
-                    "grooves" | "material" => value,
+                    "grooves" | "material" | "medium" | "phase" | "bottom" => value,
                     name if named => format!("{name} = {value}"),
                     _ => value,
                 })
@@ -129,6 +175,7 @@ mod tests {
             smoothness: Some(s),
             grooves: None,
             material: Material::Dielectric { eta },
+            layer: None,
         };
         let by_eta = Distinction::of(&[glass(3.0, 1.3), glass(3.0, 1.5)]);
         assert_eq!(

@@ -9,6 +9,7 @@ use super::{Batch, Tracer};
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::Geometry;
 use crate::ray::Medium;
+use crate::substrate::Face;
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Looks along `towards_light` whether a facet is lit.
@@ -29,8 +30,13 @@ impl<G: Geometry> Tracer<'_, G> {
             None => {
                 let way = Way::new(&towards_light);
                 let query = towards_light.query(self.geometry, self.incident);
-                let errand = Errand::Sight(Box::new(at));
-                self.push(Leg { way, light, errand }, query, batch);
+                let leg = Leg {
+                    way,
+                    light,
+                    errand: Errand::Sight(Box::new(at)),
+                    flight: f64::INFINITY,
+                };
+                self.push(Face::Top, leg, query, batch);
             }
         }
     }
@@ -74,7 +80,7 @@ impl<G: Geometry> Tracer<'_, G> {
             flux: light.flux / probability,
             ..*light
         };
-        self.set_out(at.heading, behind, line, Errand::Shadow, batch);
+        self.set_out(Face::Top, at.heading, behind, line, Errand::Shadow, batch);
     }
 
     /// Takes note that light on its way from its first facet does not get away.
@@ -86,7 +92,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         if light.path.order() == 1 && batch.record.control().is_some() {
-            let exit = self.exit(direction, medium, light);
+            let exit = self.exit(direction, Face::Top, medium, light);
             batch.record.add_unseen(&exit);
         }
     }
@@ -107,7 +113,7 @@ impl<G: Geometry> Tracer<'_, G> {
             if branch.share > 0.0 {
                 let (heading, medium, light) =
                     onward(at, self.incident, light, &branch, branch.share);
-                let exit = self.exit(heading.world_direction(), medium, &light);
+                let exit = self.exit(heading.world_direction(), Face::Top, medium, &light);
                 batch.record.add_unseen(&exit);
             }
         }

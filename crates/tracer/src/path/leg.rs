@@ -19,6 +19,18 @@ pub(super) struct Light {
     pub(super) turn: DVec2,
 }
 
+impl Light {
+    /// What goes on along `branch`, with a `share` of the flux.
+    #[inline(always)]
+    pub(super) fn onward(&self, branch: &Branch, share: f64) -> Self {
+        Self {
+            flux: self.flux * share,
+            path: self.path.then(branch.event),
+            ..*self
+        }
+    }
+}
+
 /// A facet, and light that comes to it.
 pub(super) struct Arrival<F> {
     /// At the facet, in the direction of the light.
@@ -42,6 +54,8 @@ pub(super) struct Leg<F> {
     pub(super) way: Way,
     pub(super) light: Light,
     pub(super) errand: Errand<F>,
+    /// How far it goes before it interacts with a medium; infinite where there is none.
+    pub(super) flight: f64,
 }
 
 /// Legs that are next to be searched, and what to ask about each.
@@ -75,11 +89,5 @@ pub(super) fn onward<F>(
         direction: branch.direction,
         ..at.heading
     };
-    let light = Light {
-        flux: light.flux * share,
-        path: light.path.then(branch.event),
-        scatterings: light.scatterings,
-        turn: light.turn,
-    };
-    (heading, medium, light)
+    (heading, medium, light.onward(branch, share))
 }

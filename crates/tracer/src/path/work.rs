@@ -12,12 +12,16 @@ pub struct Work {
     pub rays: u64,
     /// Segments searched for a hit.
     pub segments: u64,
-    /// Segments that needed no search.
+    /// Segments that needed no search, free flights inside a medium among them.
     pub segments_skipped: u64,
     /// Those of them that the slopes nearby excused, not those of the whole surface.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not asked for.
     pub branches_not_asked: u64,
+    /// Scatterings inside the medium below.
+    pub scatterings: u64,
+    /// Most scatterings of one path.
+    pub most_scatterings: u32,
 }
 
 impl Work {
@@ -39,5 +43,7 @@ impl std::ops::AddAssign for Work {
         self.segments_skipped += other.segments_skipped;
         self.segments_skipped_nearby += other.segments_skipped_nearby;
         self.branches_not_asked += other.branches_not_asked;
+        self.scatterings += other.scatterings;
+        self.most_scatterings = self.most_scatterings.max(other.most_scatterings);
     }
 }

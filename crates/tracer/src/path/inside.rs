@@ -1,0 +1,337 @@
+//! Light inside the layer below a surface: free flights, scattering, and the bottom.
+//!
+//! A flight is searched for facets only where a look at the heights nearby cannot tell; most are not,
+//! and are followed at once, one after the other. Where one ends at a facet and light is divided, what stays
+//! inside waits in [`Batch::inside`] for its turn, so that paths go on without limit in constant memory.
+
+use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_tally::{Event, Loss};
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+use super::leg::{Arrival, Errand, Leg, Light, onward};
+use super::{Batch, Tracer};
+use crate::accelerator::Query;
+use crate::border::{End, Heading, Way, come_home, set_out};
+use crate::geometry::{Geometry, Nearby};
+use crate::ray::{Hit, Medium};
+use crate::scatter::{Branch, Scattered, scatter};
+use crate::substrate::{Face, Substrate};
+
+/// Light that sets out inside the layer, in the coordinates of the upper surface.
+pub(super) struct Inside {
+    pub(super) heading: Heading,
+    pub(super) light: Light,
+}
+
+/// What is known of a flight and one of the faces.
+enum Ahead<F> {
+    Clear,
+    Met(Arrival<F>),
+    /// A search must tell, which begins here.
+    Search(Heading),
+    Lost,
+}
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Follows everything that waits inside, until each has left, ended or needs a search.
+    pub(super) fn fly_on<R: Rng>(&self, batch: &mut Batch<'_, G::Facet, R>) {
+        let Some(substrate) = &self.substrate else {
+            return;
+        };
+        while let Some(Inside { heading, light }) = batch.inside.pop() {
+            let flight = substrate.free_flight(batch.rng);
+            self.fly(substrate, heading, light, flight, 0, batch);
+        }
+    }
+
+    /// Follows light from flight to flight, the first of which is known to pass clear of so many of the
+    /// faces ahead.
+    fn fly<R: Rng>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        mut heading: Heading,
+        mut light: Light,
+        mut flight: f64,
+        mut clear_of: usize,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        loop {
+            let to_bottom = substrate.to_flat_bottom(&heading);
+            let reach = flight.min(to_bottom);
+            let faces = Substrate::<G>::faces_ahead(heading.direction);
+            for face in &faces[clear_of..] {
+                let Some(geometry) = self.geometry_of(*face) else {
+                    continue;
+                };
+                match ahead(geometry, *face, substrate.to_face(*face, heading), reach) {
+                    Ahead::Clear => {}
+                    Ahead::Met(at) => {
+                        batch.work.segments_skipped += 1;
+                        self.meet(*face, at, face.inside(), &light, batch);
+                        return;
+                    }
+                    Ahead::Search(heading) => {
+                        let way = Way::new(&heading);
+                        let query = heading.query(geometry, face.inside());
+                        let leg = Leg {
+                            way,
+                            light,
+                            errand: Errand::Light,
+                            flight,
+                        };
+                        self.push(*face, leg, query, batch);
+                        return;
+                    }
+                    Ahead::Lost => {
+                        batch.work.segments += 1;
+                        batch.record.add_loss(Loss::Lost, light.flux);
+                        return;
+                    }
+                }
+            }
+            if clear_of == 0 {
+                batch.work.segments_skipped += 1;
+            } else {
+                batch.work.segments += 1;
+                clear_of = 0;
+            }
+            if reach.is_infinite() {
+                // Nothing ends a clear medium.
+                let exit = self.exit(
+                    heading.world_direction(),
+                    Face::Bottom,
+                    Medium::Below,
+                    &light,
+                );
+                batch.record.add_exit(&exit);
+                return;
+            }
+            heading.origin += reach * heading.query(self.geometry, Medium::Below).ray.direction;
+            if !come_home(self.geometry, &mut heading) {
+                batch.record.add_loss(Loss::LeftPatch, light.flux);
+                return;
+            }
+            if to_bottom <= flight {
+                substrate.put_onto_bottom(&mut heading.origin);
+                self.meet_flat_bottom(heading, &light, batch);
+                return;
+            }
+            if !self.collide(substrate, &mut light, batch) {
+                return;
+            }
+            heading.direction = substrate.scattered(heading.direction, batch.rng);
+            flight = substrate.free_flight(batch.rng);
+        }
+    }
+
+    /// Absorbs the share of an interaction that does not scatter; false if nothing goes on.
+    #[inline]
+    fn collide<R: Rng>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        light: &mut Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) -> bool {
+        let kept = light.flux * substrate.albedo();
+        batch.record.add_loss(Loss::Absorbed, light.flux - kept);
+        if kept == 0.0 {
+            return false;
+        }
+        if light.scatterings == substrate.most_scatterings() {
+            batch.record.add_loss(Loss::Truncated, kept);
+            return false;
+        }
+        light.flux = kept;
+        light.scatterings += 1;
+        batch.work.scatterings += 1;
+        batch.work.most_scatterings = batch.work.most_scatterings.max(light.scatterings);
+        self.survives(light, batch)
+    }
+
+    /// Goes on with a leg inside that has been searched for in one tile.
+    pub(super) fn arrive_inside<R: Rng>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        face: Face,
+        mut leg: Leg<G::Facet>,
+        query: &mut Query,
+        hit: &Option<Hit<G::Facet>>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(geometry) = self.geometry_of(face) else {
+            return;
+        };
+        let beginning = leg.way.beginning(query);
+        let from = substrate.from_face(face, beginning);
+        let reach = leg.flight.min(substrate.to_flat_bottom(&from));
+        let end = match hit {
+            Some(hit) if hit.t <= reach => {
+                batch.work.segments += 1;
+                let at = Arrival {
+                    heading: leg.way.arrival(geometry, query, hit),
+                    facet: hit.facet,
+                };
+                self.meet(face, at, face.inside(), &leg.light, batch);
+                return;
+            }
+            // It meets the face only after its flight has ended.
+            Some(_) => None,
+            None => match leg.way.go_on(geometry, query) {
+                Some(end) => Some(end),
+                None if leg.way.entered() <= reach => return self.push(face, leg, *query, batch),
+                None => None,
+            },
+        };
+        if end == Some(End::Lost) && leg.way.entered() <= reach {
+            batch.work.segments += 1;
+            batch.record.add_loss(Loss::Lost, leg.light.flux);
+            return;
+        }
+        let ahead = Substrate::<G>::faces_ahead(from.direction);
+        let clear_of = 1 + ahead.iter().position(|f| *f == face).unwrap_or(0);
+        self.fly(substrate, from, leg.light, leg.flight, clear_of, batch);
+    }
+
+    /// What light does that has come to a flat bottom.
+    fn meet_flat_bottom<R: Rng>(
+        &self,
+        mut heading: Heading,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(bottom) = self.substrate.as_ref().and_then(Substrate::bottom) else {
+            return;
+        };
+        if bottom == Bottom::Open {
+            let exit = self.exit(
+                heading.world_direction(),
+                Face::Bottom,
+                Medium::Below,
+                light,
+            );
+            batch.record.add_exit(&exit);
+            return;
+        }
+        if light.path.order() >= self.settings.max_order {
+            batch.record.add_loss(Loss::Truncated, light.flux);
+            return;
+        }
+        let scattered = scatter_at_bottom(
+            bottom,
+            Medium::Above,
+            -heading.direction,
+            DVec3::Z,
+            batch.rng,
+        );
+        batch
+            .record
+            .add_loss(Loss::Absorbed, light.flux * scattered.absorbed);
+        let divides = matches!(bottom, Bottom::Interface { .. });
+        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
+            let mut light = light.onward(&branch, share);
+            if !self.survives(&mut light, batch) {
+                continue;
+            }
+            heading.direction = branch.direction;
+            match branch.event {
+                Event::Reflection => batch.inside.push(Inside { heading, light }),
+                Event::Transmission => {
+                    let direction = heading.world_direction();
+                    let exit = self.exit(direction, Face::Bottom, Medium::Below, &light);
+                    batch.record.add_exit(&exit);
+                }
+            }
+        }
+    }
+
+    /// Reflects, transmits or absorbs light that has arrived at a facet of the bottom through `medium`.
+    pub(super) fn interact_at_bottom<R: Rng>(
+        &self,
+        at: &Arrival<G::Facet>,
+        medium: Medium,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let (Some(bottom), Some(geometry)) = (
+            self.substrate.as_ref().and_then(Substrate::bottom),
+            self.geometry_of(Face::Bottom),
+        ) else {
+            return;
+        };
+        let m = medium.sign() * geometry.normal(at.facet);
+        let wi = -at.heading.direction;
+        let scattered = scatter_at_bottom(bottom, medium, wi, m, batch.rng);
+        batch
+            .record
+            .add_loss(Loss::Absorbed, light.flux * scattered.absorbed);
+        let divides = matches!(bottom, Bottom::Interface { .. });
+        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
+            let (heading, medium, mut light) = onward(at, medium, light, &branch, share);
+            if self.survives(&mut light, batch) {
+                self.set_out(Face::Bottom, heading, medium, light, Errand::Light, batch);
+            }
+        }
+    }
+}
+
+/// What is known of a flight up to `reach` and a face, in the coordinates of which `heading` is.
+#[inline]
+fn ahead<G: Geometry>(
+    geometry: &G,
+    face: Face,
+    mut heading: Heading,
+    reach: f64,
+) -> Ahead<G::Facet> {
+    let query = heading.query(geometry, face.inside());
+    match geometry.nearby(&query.ray, query.medium, reach) {
+        Nearby::Clear => Ahead::Clear,
+        Nearby::Met(hit) => Ahead::Met(Arrival {
+            heading: Way::new(&heading).arrival(geometry, &query, &hit),
+            facet: hit.facet,
+        }),
+        Nearby::Unknown => match set_out(geometry, &mut heading, face.inside()) {
+            None => Ahead::Search(heading),
+            Some(End::Lost) => Ahead::Lost,
+            Some(End::Escaped | End::EscapedUnsearched(_) | End::LeftPatch) => Ahead::Clear,
+        },
+    }
+}
+
+/// What a bottom does with light that comes through `medium` from `wi` to a place of normal `m`, on the
+/// side of `wi`.
+fn scatter_at_bottom<R: Rng>(
+    bottom: Bottom,
+    medium: Medium,
+    wi: DVec3,
+    m: DVec3,
+    rng: &mut R,
+) -> Scattered {
+    let reflected = |share, direction| {
+        let branch = |event, share| Branch {
+            event,
+            direction,
+            share,
+        };
+        Scattered {
+            branches: [
+                branch(Event::Transmission, 0.0),
+                branch(Event::Reflection, share),
+            ],
+            absorbed: 1.0 - share,
+        }
+    };
+    match bottom {
+        Bottom::Interface { eta } => {
+            let material = Material::Dielectric { eta };
+            scatter(material, medium == Medium::Above, wi, m)
+        }
+        Bottom::Mirror => reflected(1.0, reflect(wi, m)),
+        Bottom::Lambertian { reflectance } => {
+            // Lambert: the squared sine of the angle to the normal is evenly distributed.
+            let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
+            reflected(reflectance, around(m, (1.0 - u).sqrt(), v))
+        }
+        _ => reflected(0.0, DVec3::ZERO),
+    }
+}

@@ -1,0 +1,242 @@
+//! What lies below a surface that light is traced on: a medium, and the bottom that it ends on.
+
+use asperity_optics::{Bottom, Layer, PhaseFunction};
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+use crate::accelerator::Accelerator;
+use crate::border::Heading;
+use crate::geometry::Geometry;
+use crate::ray::Medium;
+
+/// The shape of a layer's bottom.
+pub enum BottomShape<'a, G: Geometry> {
+    /// A plane.
+    Flat,
+    /// A surface of its own, over the same tile as the one above.
+    Surface {
+        /// The surface.
+        geometry: &'a G,
+        /// How hits on it are found.
+        accelerator: &'a dyn Accelerator<G>,
+    },
+}
+
+/// A layer below a surface, in the tile coordinates of that surface.
+pub struct Substrate<'a, G: Geometry> {
+    shape: BottomShape<'a, G>,
+    bottom: Option<Bottom>,
+    /// z of the mean plane of the bottom; far below everything if there is none.
+    bottom_z: f64,
+    /// What is added to z to come from the coordinates of the upper surface to those of the bottom.
+    shift: f64,
+    mean_free_path: f64,
+    albedo: f64,
+    phase: PhaseFunction,
+    most_scatterings: u32,
+}
+
+/// Why a layer does not fit below a surface.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SubstrateError {
+    /// The surfaces would touch.
+    #[error(
+        "the thickness {thickness} is too small for the relief: the surface goes {depth:.6} below its mean plane and the bottom {height:.6} above its own, so more than {} is needed",
+        depth + height
+    )]
+    TooThin {
+        /// Between both mean planes.
+        thickness: f64,
+        /// How far the surface goes down.
+        depth: f64,
+        /// How far the bottom rises.
+        height: f64,
+    },
+    /// The bottom has another tile.
+    #[error(
+        "the bottom does not lie under the surface: its tile is {bottom:?} {bottom_border}, that of the surface {top:?} {top_border}"
+    )]
+    OtherTile {
+        /// Extent of the surface along x and y.
+        top: [f64; 2],
+        /// How the surface goes on.
+        top_border: asperity_surface::Border,
+        /// Extent of the bottom.
+        bottom: [f64; 2],
+        /// How the bottom goes on.
+        bottom_border: asperity_surface::Border,
+    },
+    /// An open bottom is no interface.
+    #[error("an open bottom is no interface, so it has no shape: take a flat one, or another kind")]
+    OpenShape,
+}
+
+/// One of the two surfaces of a layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Face {
+    Top,
+    Bottom,
+}
+
+impl<'a, G: Geometry> Substrate<'a, G> {
+    /// Scatterings after which a path is truncated unless another number is given.
+    pub const DEFAULT_MOST_SCATTERINGS: u32 = 100_000;
+
+    /// A layer below `top`; light that is scattered inside `most_scatterings` times is truncated.
+    ///
+    /// # Errors
+    /// [`SubstrateError`] if the layer is thinner than the relief, or its bottom another tile.
+    pub fn new(
+        top: &G,
+        layer: &Layer,
+        shape: BottomShape<'a, G>,
+        most_scatterings: u32,
+    ) -> Result<Self, SubstrateError> {
+        let unit = top.unit();
+        let medium = layer.medium();
+        let mut substrate = Self {
+            shape,
+            bottom: None,
+            bottom_z: f64::NEG_INFINITY,
+            shift: 0.0,
+            mean_free_path: medium.mean_free_path() / unit,
+            albedo: medium.albedo(),
+            phase: medium.phase(),
+            most_scatterings,
+        };
+        let Some(slab) = layer.end() else {
+            substrate.shape = BottomShape::Flat;
+            return Ok(substrate);
+        };
+        substrate.bottom = Some(slab.bottom);
+        substrate.bottom_z = top.mean_plane() - slab.thickness / unit;
+        let mut height = 0.0;
+        if let BottomShape::Surface { geometry, .. } = &substrate.shape {
+            if slab.bottom == Bottom::Open {
+                return Err(SubstrateError::OpenShape);
+            }
+            let tile = |of: &G| of.extent().map(|e| e * of.unit());
+            let same = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
+                // Spacings that were read from files may differ by rounding.
+                (a - c).abs() <= 1e-9 * a && (b - d).abs() <= 1e-9 * b
+            };
+            let same_cells =
+                same(top.extent(), geometry.extent()) && same([unit; 2], [geometry.unit(); 2]);
+            if !same_cells || top.border() != geometry.border() {
+                return Err(SubstrateError::OtherTile {
+                    top: tile(top),
+                    top_border: top.border(),
+                    bottom: tile(geometry),
+                    bottom_border: geometry.border(),
+                });
+            }
+            substrate.shift = geometry.mean_plane() - substrate.bottom_z;
+            height = geometry.z_range()[1] - geometry.mean_plane();
+        }
+        let depth = top.mean_plane() - top.z_range()[0];
+        if depth + height >= slab.thickness / unit {
+            return Err(SubstrateError::TooThin {
+                thickness: slab.thickness,
+                depth: depth * unit,
+                height: height * unit,
+            });
+        }
+        Ok(substrate)
+    }
+
+    /// What the layer ends on, if it ends.
+    pub(crate) const fn bottom(&self) -> Option<Bottom> {
+        self.bottom
+    }
+
+    /// The bottom where it is a surface of its own.
+    pub(crate) const fn surface(&self) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
+        match self.shape {
+            BottomShape::Flat => None,
+            BottomShape::Surface {
+                geometry,
+                accelerator,
+            } => Some((geometry, accelerator)),
+        }
+    }
+
+    /// Share of an interaction inside that scatters.
+    pub(crate) const fn albedo(&self) -> f64 {
+        self.albedo
+    }
+
+    /// Scatterings after which a path is truncated.
+    pub(crate) const fn most_scatterings(&self) -> u32 {
+        self.most_scatterings
+    }
+
+    /// How far light goes before it interacts, tile coordinates: exponentially distributed.
+    #[inline]
+    pub(crate) fn free_flight<R: Rng>(&self, rng: &mut R) -> f64 {
+        if self.mean_free_path.is_infinite() {
+            return f64::INFINITY;
+        }
+        // One minus a number below one is above zero.
+        -(1.0 - rng.random::<f64>()).ln() * self.mean_free_path
+    }
+
+    /// The direction in which light goes on that is scattered while it travels along `d`.
+    #[inline]
+    pub(crate) fn scattered<R: Rng>(&self, d: DVec3, rng: &mut R) -> DVec3 {
+        self.phase.sample(d, [rng.random(), rng.random()])
+    }
+
+    /// How far it is to a flat bottom; infinite if there is none on the way.
+    #[inline]
+    pub(crate) fn to_flat_bottom(&self, heading: &Heading) -> f64 {
+        let fall = -heading.direction.z;
+        match self.shape {
+            BottomShape::Flat if fall > 0.0 => ((heading.origin.z - self.bottom_z) / fall).max(0.0),
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Puts a point onto the plane of a flat bottom.
+    pub(crate) const fn put_onto_bottom(&self, origin: &mut DVec3) {
+        origin.z = self.bottom_z;
+    }
+
+    /// A heading between the coordinates of the upper surface and those of `face`.
+    #[inline]
+    pub(crate) fn to_face(&self, face: Face, mut heading: Heading) -> Heading {
+        if face == Face::Bottom {
+            heading.origin.z += self.shift;
+        }
+        heading
+    }
+
+    /// The same way back.
+    #[inline]
+    pub(crate) fn from_face(&self, face: Face, mut heading: Heading) -> Heading {
+        if face == Face::Bottom {
+            heading.origin.z -= self.shift;
+        }
+        heading
+    }
+
+    /// The faces in the order in which light inside comes to them.
+    #[inline]
+    pub(crate) fn faces_ahead(direction: DVec3) -> [Face; 2] {
+        if direction.z > 0.0 {
+            [Face::Bottom, Face::Top]
+        } else {
+            [Face::Top, Face::Bottom]
+        }
+    }
+}
+
+impl Face {
+    /// The medium of the layer, seen from this face.
+    pub(crate) const fn inside(self) -> Medium {
+        match self {
+            Self::Top => Medium::Below,
+            Self::Bottom => Medium::Above,
+        }
+    }
+}
