@@ -399,7 +399,6 @@ pub(crate) fn substrate<'a, G: Geometry>(
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::config::VerifyConfig;
 
     fn cases(text: &str) -> Result<Vec<String>, String> {

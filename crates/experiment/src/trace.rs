@@ -64,6 +64,20 @@ pub struct Scene {
     pub any_azimuth: bool,
 }
 
+impl Scene {
+    /// Light from above onto a surface with nothing but its material below.
+    #[must_use]
+    pub const fn new(material: Material, incidence: Incidence) -> Self {
+        Self {
+            material,
+            layer: None,
+            incidence,
+            incident: Medium::Above,
+            any_azimuth: false,
+        }
+    }
+}
+
 /// Traces light onto one surface; `bottom` is the surface on which a layer below it ends, where that has a
 /// shape of its own.
 ///

@@ -255,7 +255,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         if let Some(substrate) = &self.substrate
             && medium == face.inside()
         {
-            let heading = substrate.from_face(face, heading);
+            let heading = substrate.back_from(face, heading);
             batch.inside.push(Inside { heading, light });
             return;
         }

@@ -213,7 +213,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
 
     /// The same way back.
     #[inline]
-    pub(crate) fn from_face(&self, face: Face, mut heading: Heading) -> Heading {
+    pub(crate) fn back_from(&self, face: Face, mut heading: Heading) -> Heading {
         if face == Face::Bottom {
             heading.origin.z -= self.shift;
         }

@@ -326,7 +326,7 @@ impl Geometry for Surface {
             return Nearby::Clear;
         }
         let mut cells = [[0_u32; 2]; 2];
-        for axis in 0..2 {
+        for (axis, cells) in cells.iter_mut().enumerate() {
             let start = ray.origin[axis];
             let end = start + reach * ray.direction[axis];
             // What rounding may add to the way, and far more.
@@ -335,7 +335,7 @@ impl Geometry for Surface {
             if !(low >= 0.0 && high < self.extent[axis] && high - low <= MOST_CELLS_NEARBY) {
                 return Nearby::Unknown;
             }
-            cells[axis] = [low as u32, high as u32];
+            *cells = [low as u32, high as u32];
         }
         let [[x0, x1], [y0, y1]] = cells;
         let q = medium.sign();

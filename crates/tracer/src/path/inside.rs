@@ -163,7 +163,7 @@ impl<G: Geometry> Tracer<'_, G> {
             return;
         };
         let beginning = leg.way.beginning(query);
-        let from = substrate.from_face(face, beginning);
+        let from = substrate.back_from(face, beginning);
         let reach = leg.flight.min(substrate.to_flat_bottom(&from));
         let end = match hit {
             Some(hit) if hit.t <= reach => {
