@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use asperity_experiment::{
-    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds,
-    StoppedBy, VerifyError, gonio, gonio_report, gonio_summary, gonio_table,
+    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds, StoppedBy,
+    VerifyError, gonio, gonio_report, gonio_summary, gonio_table,
 };
 use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_surface::HeightField;

@@ -59,20 +59,22 @@ fn each_medium(medium: &MediumConfig) -> Vec<MediumConfig> {
         |m| &mut m.g,
         |m| &mut m.thickness,
     ];
-    places.into_iter().fold(vec![medium.clone()], |media, place| {
-        let each_value = |mut medium: MediumConfig| match place(&mut medium).clone() {
-            Some(OneOrMany::Many(list)) => list
-                .into_iter()
-                .map(|value| {
-                    let mut one = medium.clone();
-                    *place(&mut one) = Some(OneOrMany::One(value));
-                    one
-                })
-                .collect(),
-            _ => vec![medium],
-        };
-        media.into_iter().flat_map(each_value).collect()
-    })
+    places
+        .into_iter()
+        .fold(vec![medium.clone()], |media, place| {
+            let each_value = |mut medium: MediumConfig| match place(&mut medium).clone() {
+                Some(OneOrMany::Many(list)) => list
+                    .into_iter()
+                    .map(|value| {
+                        let mut one = medium.clone();
+                        *place(&mut one) = Some(OneOrMany::One(value));
+                        one
+                    })
+                    .collect(),
+                _ => vec![medium],
+            };
+            media.into_iter().flat_map(each_value).collect()
+        })
 }
 
 #[cfg(test)]

@@ -266,12 +266,8 @@ fn on_sample(
         any_azimuth: config.any_azimuth(),
     };
     let outcome: Result<_, RunError> = match &sample.shape {
-        SampleShape::Field(field) => {
-            trace(field.clone(), None, &scene, rays, progress)
-        }
-        SampleShape::Mesh(mesh) => {
-            trace_mesh(mesh.clone(), None, &scene, rays, progress)
-        }
+        SampleShape::Field(field) => trace(field.clone(), None, &scene, rays, progress),
+        SampleShape::Mesh(mesh) => trace_mesh(mesh.clone(), None, &scene, rays, progress),
     };
     let outcome = outcome?;
     let mut warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();

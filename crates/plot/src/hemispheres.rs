@@ -501,9 +501,15 @@ mod tests {
         // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
         let mut values = vec![0.3; 18 * 36];
         values[0] = 0.4;
-        assert_eq!(of_one(values.clone(), [18, 36]).scale_end(0..1), (0.4, false));
+        assert_eq!(
+            of_one(values.clone(), [18, 36]).scale_end(0..1),
+            (0.4, false)
+        );
         values[0] = 30.0;
-        assert_eq!(of_one(values.clone(), [18, 36]).scale_end(0..1), (0.3, true));
+        assert_eq!(
+            of_one(values.clone(), [18, 36]).scale_end(0..1),
+            (0.3, true)
+        );
         // A quarter of the outer ring holds 2 %.
         values[17 * 36..17 * 36 + 9].fill(20.0);
         assert_eq!(of_one(values, [18, 36]).scale_end(0..1), (20.0, false));

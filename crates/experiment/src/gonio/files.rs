@@ -147,7 +147,10 @@ fn setting_fields(setting: &Setting, direction: &Direction) -> Vec<Field<'static
         eta.into(),
         kappa.into(),
         // That of a clear medium is infinite, which no field holds.
-        medium.map(|m| m.mean_free_path()).filter(|path| path.is_finite()).into(),
+        medium
+            .map(|m| m.mean_free_path())
+            .filter(|path| path.is_finite())
+            .into(),
         medium.map(|m| m.albedo()).into(),
         medium.map(|m| phase_name(m.phase())).into(),
         medium.map(|m| m.phase().mean_cosine()).into(),

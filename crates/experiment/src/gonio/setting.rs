@@ -104,7 +104,9 @@ pub(super) fn bottom_in_words(bottom: Bottom) -> String {
         Bottom::Interface { eta } => format!("interface of n = {} below", short(eta)),
         Bottom::Absorbing => "black bottom".to_owned(),
         Bottom::Mirror => "mirror below".to_owned(),
-        Bottom::Lambertian { reflectance } => format!("Lambertian bottom of {}", short(reflectance)),
+        Bottom::Lambertian { reflectance } => {
+            format!("Lambertian bottom of {}", short(reflectance))
+        }
         _ => String::new(),
     }
 }
