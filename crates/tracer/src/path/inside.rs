@@ -5,6 +5,7 @@
 //! inside waits in [`Batch::inside`] for its turn, so that paths go on without limit in constant memory.
 
 use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_surface::Border;
 use asperity_tally::{Event, Loss};
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -17,6 +18,12 @@ use crate::geometry::{Geometry, Nearby};
 use crate::ray::{Hit, Medium};
 use crate::scatter::{Branch, Scattered, scatter};
 use crate::substrate::{Face, Substrate};
+
+/// Inside, roulette begins at so many times the flux at which it begins elsewhere.
+///
+/// A path that is scattered goes on for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
+/// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
+const EAGERNESS: f64 = 30.0;
 
 /// Light that sets out inside the layer, in the coordinates of the upper surface.
 pub(super) struct Inside {
@@ -97,15 +104,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 clear_of = 0;
             }
             if reach.is_infinite() {
-                // Nothing ends a clear medium.
-                let exit = self.exit(
-                    heading.world_direction(),
-                    Face::Bottom,
-                    Medium::Below,
-                    &light,
-                );
-                batch.record.add_exit(&exit);
-                return;
+                return self.leave_clear(substrate, &heading, &light, batch);
             }
             heading.origin += reach * heading.query(self.geometry, Medium::Below).ray.direction;
             if !come_home(self.geometry, &mut heading) {
@@ -122,6 +121,28 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             heading.direction = substrate.scattered(heading.direction, batch.rng);
             flight = substrate.free_flight(batch.rng);
+        }
+    }
+
+    /// Books light that meets nothing more in a clear medium: it goes down for ever where that has no end,
+    /// or leaves an open patch, below the surface or beside a bottom of its own.
+    fn leave_clear<R>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        heading: &Heading,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if heading.direction.z < 0.0 && substrate.bottom().is_none() {
+            let direction = heading.world_direction();
+            let exit = self.exit(direction, Face::Bottom, Medium::Below, light);
+            batch.record.add_exit(&exit);
+        } else {
+            let loss = match self.geometry.border() {
+                Border::Open => Loss::LeftPatch,
+                Border::Periodic | Border::Mirrored => Loss::Lost,
+            };
+            batch.record.add_loss(loss, light.flux);
         }
     }
 
@@ -146,7 +167,8 @@ impl<G: Geometry> Tracer<'_, G> {
         light.scatterings += 1;
         batch.work.scatterings += 1;
         batch.work.most_scatterings = batch.work.most_scatterings.max(light.scatterings);
-        self.survives(light, batch)
+        let threshold = (EAGERNESS * self.settings.roulette_below).min(1.0);
+        self.survives_below(threshold, light, batch)
     }
 
     /// Goes on with a leg inside that has been searched for in one tile.
