@@ -190,8 +190,6 @@ fn a_direction_is_what_verify_finds() {
 fn a_measurement_goes_on_where_it_was_left_and_threads_change_no_byte() {
     let folder = with_config();
     let folder = folder.path();
-    let with_plots = CONFIG.replace("plots = false", "scale = \"common\"");
-    fs::write(folder.join("g.toml"), with_plots).unwrap();
     succeed(folder, &words("gonio g.toml --threads 1 -o whole"));
     let whole = folder.join("whole");
     assert_eq!(files(&whole.join("directions")).len(), 2 * NAMES.len());
@@ -220,6 +218,16 @@ fn a_measurement_goes_on_where_it_was_left_and_threads_change_no_byte() {
         assert!(said.contains("is damaged and is not used"), "{said}");
         assert_same_bytes(&whole, &folder.join("pieces"));
     }
+    // Plots too depend on the directions alone.
+    let with_plots = CONFIG.replace("plots = false", "scale = \"common\"");
+    fs::write(folder.join("g.toml"), with_plots).unwrap();
+    for (threads, out) in [("1", "whole"), ("3", "pieces")] {
+        let line = format!("gonio g.toml --threads {threads} -o {out}");
+        succeed(folder, &words(&line));
+    }
+    // A matrix, and for each angle parts and profiles, of reflected light alone: none is transmitted.
+    assert_eq!(files(&whole.join("plots")).len(), 2 * (1 + 2 * 2));
+    assert_same_bytes(&whole, &folder.join("pieces"));
     // More directions join those that are there; plots that are not asked for go.
     succeed(
         folder,
@@ -337,6 +345,41 @@ fn a_bare_medium_is_even_across_the_plane_of_incidence() {
         println!("z = {z:.2}");
         assert!(z.abs() < 4.0);
     }
+}
+
+/// What `translucent_matrix.toml` says of its surface: 11 maxima along a line of 512 samples, by Rice's formula
+/// sqrt(m4 / m2) / (2 pi) = sqrt(6) / (2 pi tau), and some 6.9 sigma from the lowest to the highest point.
+#[test]
+fn bumps_are_as_many_and_as_high_as_the_example_says() {
+    let tau = 0.0354 * 512.0;
+    let psd = asperity_surface::Psd::gaussian(1.0, tau).unwrap();
+    let synthesis = asperity_surface::Synthesis::new(psd, [512, 512], [1.0, 1.0], false).unwrap();
+    let expected = 512.0 * 6.0_f64.sqrt() / (2.0 * std::f64::consts::PI * tau);
+    assert!((expected - 11.0).abs() < 0.05, "{expected}");
+    let surfaces: Vec<[f64; 2]> = (0..6)
+        .map(|realisation| {
+            let field = synthesis.draw(1, realisation).unwrap();
+            let heights = field.heights();
+            let maxima = heights.chunks(512).map(|row| {
+                let at = |i: usize| row[i % 512];
+                let is_maximum = |i: &usize| at(i + 1) > at(*i) && at(i + 1) > at(i + 2);
+                (0..512).filter(is_maximum).count() as f64
+            });
+            let range = heights.iter().copied().fold(f64::MIN, f64::max)
+                - heights.iter().copied().fold(f64::MAX, f64::min);
+            [maxima.sum::<f64>() / 512.0, range]
+        })
+        .collect();
+    let [maxima, range] = [0, 1].map(|i| {
+        let mean = surfaces.iter().map(|s| s[i]).sum::<f64>() / 6.0;
+        let square = surfaces.iter().map(|s| (s[i] - mean).powi(2)).sum::<f64>();
+        (mean, (square / 30.0).sqrt())
+    });
+    println!("maxima {maxima:?}, expected {expected}; range {range:?} sigma");
+    // Student's t of five degrees of freedom is below 6.9 but for one in a thousand.
+    assert!((maxima.0 - expected).abs() < 6.9 * maxima.1);
+    assert!((range.0 - 6.9).abs() < 6.9 * range.1);
+    assert!(maxima.1 < 0.2 && range.1 < 0.4);
 }
 
 #[test]

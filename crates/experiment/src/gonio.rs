@@ -7,6 +7,7 @@
 mod config;
 mod figures;
 mod files;
+mod plan;
 mod results;
 mod sample;
 mod setting;
@@ -35,7 +36,7 @@ pub use sample::{Sample, SampleShape};
 pub use setting::Setting;
 pub use summary::{gonio_summary, gonio_table};
 
-use config::{Plan, Work};
+use plan::{Plan, Work};
 
 /// Why there is no measurement.
 #[derive(Debug, thiserror::Error)]

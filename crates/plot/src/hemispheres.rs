@@ -1,11 +1,11 @@
 //! Scattered light over whole hemispheres, a disc a measurement, in rows and columns.
 
-use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
+use std::f64::consts::{SQRT_2, TAU};
 
-use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
 use crate::axis::{Axis, display_exponent, per_steradian};
+use crate::disc::{disc_pixels, palette, scale_end};
 use crate::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
 use crate::series::check_finite;
 use crate::text::{header, text_width, wrap};
@@ -103,9 +103,6 @@ const BAR_WIDTH: f64 = 16.0;
 const BAR_GAP: f64 = 20.0;
 /// Right of the discs.
 const BAR_ROOM: f64 = 112.0;
-/// Share of the solid angle that may lie beyond a scale, and how many times above its end something must.
-const OUTSHINING: f64 = 0.01;
-const FAR_ABOVE: f64 = 1.6;
 /// Pixels of a picture a point.
 const PIXELS: f64 = 2.0;
 
@@ -210,33 +207,11 @@ impl Hemispheres {
         Ok(())
     }
 
-    /// Where the scale of some rows ends, and whether values lie beyond: at the largest value, or, where that is
-    /// far above, at what all but a hundredth of the solid angle stays below.
+    /// Where the scale of some rows ends, and whether values lie beyond.
     fn scale_end(&self, rows: std::ops::Range<usize>) -> (f64, bool) {
         let n = self.columns.len();
-        let [rings, sectors] = self.bins;
-        let edge = |ring: usize| (FRAC_PI_2 * ring as f64 / rings as f64).cos();
-        let areas: Vec<f64> = (0..rings).map(|ring| edge(ring) - edge(ring + 1)).collect();
         let cells = self.cells[rows.start * n..rows.end * n].iter().flatten();
-        let mut bins: Vec<(f64, f64)> = cells
-            .flat_map(|cell| cell.values.iter().enumerate())
-            .map(|(bin, value)| (*value, areas[bin / sectors]))
-            .collect();
-        bins.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let most = bins.first().map_or(0.0, |bin| bin.0);
-        if most <= 0.0 {
-            return (1.0, false);
-        }
-        let all: f64 = bins.iter().map(|bin| bin.1).sum();
-        let mut beyond = 0.0;
-        let below = bins.iter().find(|bin| {
-            beyond += bin.1;
-            beyond > OUTSHINING * all
-        });
-        match below {
-            Some(bin) if bin.0 > 0.0 && most > FAR_ABOVE * bin.0 => (bin.0, true),
-            _ => (most, false),
-        }
+        scale_end(self.bins, cells.map(|cell| cell.values.as_slice()))
     }
 
     /// Returns the y below.
@@ -295,7 +270,12 @@ impl Hemispheres {
                 bottom: centre.1 + radius,
             },
             columns: (2.0 * PIXELS * radius) as usize,
-            pixels: self.pixels(&cell.values, (2.0 * PIXELS * radius) as usize, most),
+            pixels: disc_pixels(
+                self.bins,
+                &cell.values,
+                (2.0 * PIXELS * radius) as usize,
+                most,
+            ),
             palette: palette(),
         });
         for theta in [30.0_f64, 60.0] {
@@ -313,27 +293,6 @@ impl Hemispheres {
             let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
             scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), look);
         }
-    }
-
-    /// The disc over a square of `n` by `n` pixels: 0 outside, and 1 to 255 by value.
-    fn pixels(&self, values: &[f64], n: usize, most: f64) -> Vec<u8> {
-        let [rings, sectors] = self.bins;
-        let place = |i: usize| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
-        let pixel = |i: usize| {
-            let (x, y) = (place(i % n), -place(i / n));
-            let r = x.hypot(y);
-            if r >= 1.0 {
-                return 0;
-            }
-            // Lambert's azimuthal projection of a hemisphere onto the unit disc.
-            let theta = 2.0 * (r / SQRT_2).asin();
-            let phi = y.atan2(x).rem_euclid(TAU);
-            let ring = ((theta / FRAC_PI_2 * rings as f64) as usize).min(rings - 1);
-            let sector = ((phi / TAU * sectors as f64) as usize).min(sectors - 1);
-            let t = (values[ring * sectors + sector] / most).clamp(0.0, 1.0);
-            1 + (254.0 * t).round() as u8
-        };
-        (0..n * n).map(pixel).collect()
     }
 
     fn draw_colour_bar(
@@ -425,12 +384,6 @@ fn bar_beside(right: f64, [top, bottom]: [f64; 2]) -> Rect {
     }
 }
 
-/// White for what lies outside of a disc, then *viridis*.
-fn palette() -> Vec<RGBColor> {
-    let colours = (0..=254u8).map(|i| ViridisRGB.get_color(f64::from(i) / 254.0));
-    std::iter::once(theme::WHITE).chain(colours).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -455,33 +408,6 @@ mod tests {
         }
     }
 
-    /// Bins of equal solid angle get equal areas: rings of 45 degrees hold 1 - cos 45 and cos 45.
-    #[test]
-    fn discs_have_equal_areas_and_azimuth_runs_counterclockwise() {
-        let figure = of_one(vec![0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.0, 0.0], [2, 4]);
-        let n = 400;
-        let values = figure.cells[0].as_ref().unwrap().values.clone();
-        let pixels = figure.pixels(&values, n, 1.0);
-        let inside = pixels.iter().filter(|p| **p > 0).count() as f64;
-        assert!((inside / (n * n) as f64 - 0.25 * std::f64::consts::PI).abs() < 1e-3);
-        // A quarter of the inner cap: (1 - cos 45 deg) / 4 of the disc.
-        let of = |t: f64| {
-            let index = 1 + (254.0 * t).round() as u8;
-            pixels.iter().filter(|p| **p == index).count() as f64 / inside
-        };
-        let cap = 0.25 * (1.0 - 0.5_f64.sqrt());
-        assert!((of(0.5) - cap).abs() < 1e-3, "{}", of(0.5));
-        assert!((of(1.0) - 0.25 * 0.5_f64.sqrt()).abs() < 1e-3);
-        // The first sector of the outer ring is at the upper right.
-        let at = |x: f64, y: f64| {
-            let [column, row] = [x, -y].map(|v| ((0.5 * (v + 1.0)) * n as f64) as usize);
-            pixels[row * n + column]
-        };
-        assert_eq!(at(0.6, 0.6), 255);
-        assert_eq!([at(-0.6, 0.6), at(-0.6, -0.6), at(0.6, -0.6)], [1; 3]);
-        assert_eq!(at(-0.1, 0.1), 1 + (254.0_f64 * 0.25).round() as u8);
-    }
-
     #[test]
     fn lengths_and_numbers_are_checked() {
         assert!(of_one(vec![1.0; 7], [2, 4]).draw().is_err());
@@ -494,24 +420,5 @@ mod tests {
         assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
         // Nothing above zero has a scale all the same.
         assert!(of_one(vec![-1.0; 8], [2, 4]).draw().is_ok());
-    }
-
-    #[test]
-    fn few_bins_that_outshine_all_do_not_make_the_scale() {
-        // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
-        let mut values = vec![0.3; 18 * 36];
-        values[0] = 0.4;
-        assert_eq!(
-            of_one(values.clone(), [18, 36]).scale_end(0..1),
-            (0.4, false)
-        );
-        values[0] = 30.0;
-        assert_eq!(
-            of_one(values.clone(), [18, 36]).scale_end(0..1),
-            (0.3, true)
-        );
-        // A quarter of the outer ring holds 2 %.
-        values[17 * 36..17 * 36 + 9].fill(20.0);
-        assert_eq!(of_one(values, [18, 36]).scale_end(0..1), (20.0, false));
     }
 }

@@ -50,6 +50,7 @@
 
 mod axis;
 mod curves;
+mod disc;
 mod error;
 mod error_over_time;
 mod figure;

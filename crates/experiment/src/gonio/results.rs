@@ -249,3 +249,63 @@ impl DirectionResults {
             && self.parts.iter().all(fills_sides)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_tally::HemisphereGrid;
+
+    /// Results of a record whose bins, sides and parts hold what adds up.
+    fn results(layout: &Layout) -> DirectionResults {
+        let grid = layout.grid();
+        let mut record = vec![0.0; layout.len()];
+        for (history, share) in History::ALL.into_iter().zip([0.5, 0.25, 0.25]) {
+            let bin = layout.history_bins(history).start + 1;
+            let in_plane = layout.history_in_plane(Side::Reflected, history).start;
+            let side = layout.history(Side::Reflected, history);
+            (record[bin], record[in_plane], record[side]) =
+                (0.75 * share, 0.1 * share, 0.75 * share);
+        }
+        assert!(grid.len() > 1);
+        record[layout.bins(Share::Total).start + 1] = 0.75;
+        record[layout.in_plane(Side::Reflected, OrderClass::All).start] = 0.1;
+        record[Layout::REFLECTED] = 0.75;
+        record[Layout::ABSORBED] = 0.25;
+        let mut statistics = BatchStatistics::new(layout.len());
+        (0..2).for_each(|_| statistics.push(&record));
+        DirectionResults::of(layout, &statistics, (2, 100), "surfaces", Vec::new())
+    }
+
+    #[test]
+    fn numbers_that_no_run_finds_are_not_believed() {
+        let grid = HemisphereGrid::new(2, 3).unwrap();
+        let layout = Layout::new(grid, 0.1).unwrap().with_histories();
+        assert!(results(&layout).is_sound(&layout));
+        // Another grid, other parts.
+        let other = HemisphereGrid::new(3, 2).unwrap();
+        let other = Layout::new(other, 0.1).unwrap().with_histories();
+        assert!(!results(&layout).is_sound(&other));
+        assert!(!results(&layout).is_sound(&Layout::new(grid, 0.1).unwrap()));
+        type Spoil = fn(&mut DirectionResults);
+        let spoilt: [(&str, Spoil); 9] = [
+            ("budget", |r| r.budget.mean[0] = 0.3),
+            ("side", |r| r.parts[0].sides.mean[0] = 0.7),
+            ("bin", |r| r.parts[0].bins.mean[1] = 0.7),
+            ("bin of a part", |r| r.parts[2].bins.mean[0] = 0.1),
+            ("profile", |r| r.parts[1].in_plane.mean[0] = 0.2),
+            ("name", |r| r.parts[1].name = "once".to_owned()),
+            ("part", |r| drop(r.parts.pop())),
+            ("error below zero", |r| {
+                r.parts[0].bins.se = Some(vec![-1.0; 12]);
+            }),
+            ("errors of other bins", |r| {
+                r.parts[0].bins.se = Some(vec![0.0; 3])
+            }),
+        ];
+        for (what, spoil) in spoilt {
+            let mut results = results(&layout);
+            spoil(&mut results);
+            assert!(!results.is_sound(&layout), "{what}");
+        }
+    }
+}
