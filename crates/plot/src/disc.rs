@@ -8,11 +8,11 @@ use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 use crate::theme;
 
 /// Share of the solid angle that may lie beyond a scale, and how many times above its end something must.
-const OUTSHINING: f64 = 0.01;
+const OUTSHINING: f64 = 0.02;
 const FAR_ABOVE: f64 = 1.6;
 
 /// Where a scale from zero ends that hemispheres of `[rings, sectors]` bins share, and whether values lie beyond:
-/// at the largest value, or, where that is far above, at what all but a hundredth of the solid angle stays below.
+/// at the largest value, or, where that is far above, at what all but a fiftieth of the solid angle stays below.
 pub(crate) fn scale_end<'a>(
     [rings, sectors]: [usize; 2],
     hemispheres: impl Iterator<Item = &'a [f64]>,
@@ -110,8 +110,8 @@ mod tests {
         assert_eq!(end(&values), (0.4, false));
         values[0] = 30.0;
         assert_eq!(end(&values), (0.3, true));
-        // A quarter of the outer ring holds 2 %.
-        values[17 * 36..17 * 36 + 9].fill(20.0);
+        // Half of the outer ring holds 4 %.
+        values[17 * 36..17 * 36 + 18].fill(20.0);
         assert_eq!(end(&values), (20.0, false));
         assert_eq!(end(&[-1.0; 18 * 36]), (1.0, false));
     }

@@ -37,7 +37,7 @@ pub struct Hemisphere {
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
 /// value of those that share them; values below zero, which noise makes, look like zero. Where few bins outshine
-/// all others, the scale ends where all but 1 % of the discs lie, and an arrow at its end says so. Faint circles
+/// all others, the scale ends where all but 2 % of the discs lie, and an arrow at its end says so. Faint circles
 /// are at 30 and 60 degrees from the normal.
 ///
 /// ```

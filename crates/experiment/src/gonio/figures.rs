@@ -303,11 +303,7 @@ fn hemisphere(
     let part = &direction.results.as_ref()?.parts[part];
     let [rings, sectors] = bins(layout);
     let values = (0..rings).flat_map(|ring| {
-        // Rings of the grid count from +z.
-        let ring = match side {
-            Side::Reflected => ring,
-            Side::Transmitted => rings + rings - 1 - ring,
-        };
+        let ring = row_of(side, ring, rings);
         (0..sectors).map(move |sector| ring * sectors + sector)
     });
     let bsdf = |bin| {
@@ -326,9 +322,40 @@ fn hemisphere(
     })
 }
 
+/// Row of the grid's bins that holds ring `ring` of `rings` from the normal of `side`: its rings count from +z, first
+/// those of reflected light.
+const fn row_of(side: Side, ring: usize, rings: usize) -> usize {
+    match side {
+        Side::Reflected => ring,
+        Side::Transmitted => rings + rings - 1 - ring,
+    }
+}
+
 /// A share of the light, to three digits.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     let digits = if percent.abs() >= 10.0 { 1 } else { 2 };
     format!("{percent:.digits$} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_tally::HemisphereGrid;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn rings_of_a_disc_count_from_the_normal_of_its_side() {
+        let grid = HemisphereGrid::new(3, 4).unwrap();
+        for (side, ring, edge) in [
+            (Side::Reflected, 0, 0.0),
+            (Side::Reflected, 2, FRAC_PI_2),
+            (Side::Transmitted, 0, PI),
+            (Side::Transmitted, 2, FRAC_PI_2),
+        ] {
+            let bin = grid.bin(row_of(side, ring, 3) * 4);
+            assert_eq!(bin.side, side);
+            assert!(bin.theta.contains(&edge), "{side} {ring}: {:?}", bin.theta);
+        }
+    }
 }
