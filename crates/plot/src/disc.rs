@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(end(&values), (0.3, true));
         // Half of the outer ring holds 4 %.
         values[17 * 36..17 * 36 + 18].fill(20.0);
-        assert_eq!(end(&values), (20.0, false));
+        assert_eq!(end(&values), (30.0, false));
         assert_eq!(end(&[-1.0; 18 * 36]), (1.0, false));
     }
 }
