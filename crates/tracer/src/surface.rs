@@ -20,6 +20,9 @@ use crate::steepness::Steepness;
 /// Columns or rows of cells that are looked at one by one.
 const FEW: u32 = 2;
 
+/// Columns or rows under a stretch beyond which a search, of many at once, is quicker than a look nearby.
+const FAR: u32 = 8;
+
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Facet {
@@ -262,10 +265,23 @@ impl Surface {
             }
             for iy in y0..=y1 {
                 for ix in x0..=x1 {
-                    if let Some(hit) = self.intersect_cell([ix, iy], ray, medium)
-                        && hit.is_before(&closest)
+                    let cell = self.cell([ix, iy]);
+                    let q = medium.sign();
+                    // Beyond all four corners the stretch is beyond both facets.
+                    if [cell.z00, cell.z10, cell.z01, cell.z11]
+                        .iter()
+                        .all(|corner| q * z > q * corner)
                     {
-                        closest = Some(hit);
+                        continue;
+                    }
+                    for triangle in [Triangle::Lower, Triangle::Upper] {
+                        let facet = Facet { iy, ix, triangle };
+                        if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
+                            let hit = Hit { t, facet };
+                            if hit.is_before(&closest) {
+                                closest = Some(hit);
+                            }
+                        }
                     }
                 }
             }
@@ -397,8 +413,8 @@ impl Geometry for Surface {
         self.relief.get_or_init(relief);
     }
 
-    /// By the heights of blocks of cells under the stretch; where these do not tell, half by half, down to
-    /// the cells.
+    /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
+    /// stretch is short, half by half, down to the cells.
     #[inline]
     fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
         if is_beside(self.z_range(), ray, medium, reach) {
@@ -408,8 +424,14 @@ impl Geometry for Surface {
         else {
             return Nearby::Unknown;
         };
-        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach])) {
+        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach]))
+            || self.escapes(ray, medium).is_some()
+        {
             return Nearby::Clear;
+        }
+        let [[x0, x1], [y0, y1]] = cells;
+        if x1 - x0 > FAR || y1 - y0 > FAR {
+            return Nearby::Unknown;
         }
         self.nearby_by_halves(relief, ray, medium, reach)
     }
