@@ -115,7 +115,7 @@ fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
     words
         .filter(|w| !w.is_empty())
         .collect::<Vec<_>>()
-        .join(", ")
+        .join("; ")
 }
 
 /// Names of the columns: the settings, told apart.
