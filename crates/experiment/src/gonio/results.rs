@@ -46,7 +46,7 @@ impl Means {
 /// Flux fractions of one part of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
-    /// `all`, or one of what [`parts_of`] names.
+    /// `all`; `unscattered`, `once` or `more` with a medium; `single` or `multiple` without.
     pub name: String,
     /// By side, of those asked for.
     pub sides: Means,
