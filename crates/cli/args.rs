@@ -2,6 +2,7 @@
 
 mod attenuation;
 mod ensembles;
+mod gonio;
 mod medium;
 mod model;
 
@@ -19,6 +20,7 @@ use crate::output::say;
 
 pub(crate) use attenuation::Attenuation;
 pub(crate) use ensembles::{Converge, Ensemble, Map, Verify};
+pub(crate) use gonio::Gonio;
 pub(crate) use medium::MediumArguments;
 pub(crate) use model::Model;
 
@@ -86,6 +88,8 @@ pub(crate) enum Command {
     Verify(Box<Verify>),
     /// Map where each model holds, over smoothness, material and angle; goes on where it was left
     Map(Box<Map>),
+    /// Measure the whole BRDF and BTDF, direction by direction; goes on where it was left
+    Gonio(Box<Gonio>),
     /// Measure run time against error for estimators, samplings, accelerators and spacings
     Converge(Box<Converge>),
     /// Measure shadowing and masking on explicit surfaces, beside Smith and V-cavities

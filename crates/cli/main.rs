@@ -5,6 +5,7 @@ mod attenuation;
 mod converge;
 mod failure;
 mod generate;
+mod gonio;
 mod input;
 mod inspect;
 mod interrupt;
@@ -71,6 +72,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Trace(command) => trace::run(command, common),
         Command::Verify(command) => verify::run(command, common),
         Command::Map(command) => map::run(command, common),
+        Command::Gonio(command) => gonio::run(command, common),
         Command::Converge(command) => converge::run(command, common),
         Command::Attenuation(command) => attenuation::run(command, common),
         Command::Model(command) => model::run(command, common),

@@ -252,7 +252,7 @@ impl Subject {
                 "form_removed": command.reading.remove.to_string(),
                 "generated": field.provenance(),
             }),
-            warnings: warnings(&field, input.notes),
+            warnings: field_warnings(&field, input.notes),
             shape: Shape::Field(field),
         }
     }
@@ -277,7 +277,7 @@ impl Subject {
 }
 
 /// One flat periodic cell.
-fn flat() -> Result<HeightField, Failure> {
+pub(crate) fn flat() -> Result<HeightField, Failure> {
     HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).map_err(Failure::failed)
 }
 
@@ -338,7 +338,7 @@ fn config(command: &Trace, scene: &Scene, surface: Value, below: Option<Value>) 
 const STEEP: f64 = 50.0;
 
 /// What a reader of the results should know about the surface.
-fn warnings(field: &HeightField, mut warnings: Vec<String>) -> Vec<String> {
+pub(crate) fn field_warnings(field: &HeightField, mut warnings: Vec<String>) -> Vec<String> {
     let steepest = Roughness::of(field).steepest;
     if steepest.slope > STEEP {
         warnings.push(format!(
@@ -352,7 +352,7 @@ fn warnings(field: &HeightField, mut warnings: Vec<String>) -> Vec<String> {
 }
 
 /// What a reader of the results should know about the mesh.
-fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
+pub(crate) fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
     let repairs = mesh.repairs();
     let mut warnings = Vec::new();
     if repairs.turned_over {

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::energy::hemispherical_energy;
 use crate::flux::{bin_fluxes_of, in_plane_fluxes};
+use crate::hash::fnv1a;
 use crate::model::{BsdfModel, ScatteringModel, Scope, Walk};
 
 /// How much a model that follows rays is given to do.
@@ -247,14 +248,10 @@ fn batch_of(
 /// stream number, so that models and batches are independent of each other and of surfaces and rays. Cases
 /// under the same seed share their numbers, as they share surfaces.
 fn walk_stream(seed: u64, model: &str, batch: u64) -> ChaCha8Rng {
-    // FNV-1a of 64 bits: names are few and need not be kept from anybody.
-    let hash = model.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
     let mut key = [0_u8; 32];
     key[..16].copy_from_slice(b"asperity walk v1");
     key[16..24].copy_from_slice(&seed.to_le_bytes());
-    key[24..].copy_from_slice(&hash.to_le_bytes());
+    key[24..].copy_from_slice(&fnv1a(model.as_bytes()).to_le_bytes());
     let mut rng = ChaCha8Rng::from_seed(key);
     rng.set_stream(batch);
     rng

@@ -34,7 +34,7 @@ fn errors_of(errors: &ErrorBudget, entry: usize) -> [Field<'static>; 3] {
 }
 
 /// A mean and its error as two fields.
-pub(crate) fn fields(estimate: Estimate) -> [Field<'static>; 2] {
+pub(crate) fn fields<'a>(estimate: Estimate) -> [Field<'a>; 2] {
     [estimate.mean.into(), estimate.se.into()]
 }
 

@@ -2,7 +2,8 @@
 //!
 //! [`trace`] and [`trace_mesh`] send light onto one surface; [`verify`] draws fresh surfaces, sends light onto each,
 //! and compares what comes out with statistical models; [`converge()`] measures what the ways of
-//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold. Threads, seeds and progress live here and
+//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold; [`gonio()`]
+//! measures the whole BRDF and BTDF, direction by direction. Threads, seeds and progress live here and
 //! nowhere else.
 //!
 //! # Random streams
@@ -10,6 +11,7 @@
 //! reduced in the order of their index. The same configuration gives the same bytes, whatever the
 //! number of threads.
 
+mod alone;
 mod attenuation;
 mod blocks;
 mod budget;
@@ -25,6 +27,7 @@ mod estimator;
 mod expectation;
 mod facet_control;
 mod figures;
+mod gonio;
 mod known;
 mod layer_expectation;
 mod limits;
@@ -42,6 +45,7 @@ mod report;
 mod sharing;
 mod side_difference;
 mod stopping;
+mod store;
 mod stream;
 mod summary;
 mod tables;
@@ -72,6 +76,11 @@ pub use converge::{
 pub use estimator::Estimator;
 pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
+pub use gonio::{
+    Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
+    Means, MeasuredConfig, Part, PlotScale, Sample, SampleShape, Setting, gonio, gonio_report,
+    gonio_summary, gonio_table,
+};
 pub use layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
 };

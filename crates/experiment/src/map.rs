@@ -17,8 +17,9 @@ use asperity_io::{ReadError, WriteError, create_output_folder};
 
 use crate::case::Case;
 use crate::config::ConfigError;
-use crate::progress::{Deadline, Progress};
+use crate::progress::Progress;
 use crate::stopping::StoppedBy;
+use crate::store::{Unseen, finish};
 use crate::verify::{VerifyError, verify};
 
 pub use cell::{CellDistances, CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare};
@@ -26,8 +27,6 @@ pub use config::{MapConfig, ToleranceConfig};
 pub use files::{map_report, map_summary};
 pub use interval::{CellVerdict, Interval};
 pub use summary::{ModelSummary, map_table, summarise};
-
-use store::Stored;
 
 /// Why there is no map.
 #[derive(Debug, thiserror::Error)]
@@ -117,69 +116,43 @@ pub fn map(
     folder: &Path,
     progress: &dyn Progress,
 ) -> Result<MapOutcome, MapError> {
-    let time = config.run.max_time.map(|time| time.0);
-    let time = time.and_then(|time| std::time::Duration::try_from_secs_f64(time).ok());
-    let deadline = Deadline::new(progress, time);
     let plans = config.cells()?;
     // All files are looked at before the first is written.
-    let stored = plans
-        .iter()
-        .map(|plan| store::read(folder, plan))
-        .collect::<Result<Vec<Stored>, _>>()?;
-    let there = |stored: &&Stored| matches!(stored, Stored::Results(_));
-    let taken_up = stored.iter().filter(there).count();
+    let pieces = plans
+        .into_iter()
+        .map(|plan| {
+            let stored = store::read(folder, &plan)?;
+            Ok((plan, stored))
+        })
+        .collect::<Result<Vec<_>, MapError>>()?;
     create_output_folder(store::folder_of(folder))?;
-
-    progress.begin("cells", (plans.len() - taken_up) as u64);
-    let mut outcome = MapOutcome {
-        config: config.clone(),
-        cells: Vec::with_capacity(plans.len()),
-        taken_up,
-        computed: 0,
-        notes: Vec::new(),
-        stopped_by: None,
-    };
-    for (plan, stored) in plans.iter().zip(stored) {
-        if let Stored::Damaged(reason) = &stored {
-            let path = store::path_of(folder, plan);
-            let reason = reason.replace('\n', " ");
-            let path = path.display();
-            outcome
-                .notes
-                .push(format!("{path} is damaged and is not used ({reason})"));
-        }
-        if outcome.stopped_by.is_none() {
-            outcome.stopped_by = match deadline.stop() {
-                Some(StoppedBy::Time) if outcome.computed == 0 => None,
-                stop => stop,
-            };
-        }
-        let results = match stored {
-            Stored::Results(results) => Some(results),
-            _ if outcome.stopped_by.is_some() => None,
-            _ => {
-                progress.note(&plan.case.to_string());
-                let results = fill(plan, progress)?;
-                if let Some(results) = &results {
-                    store::write(folder, plan, results)?;
-                    outcome.computed += 1;
-                    progress.advance(1);
-                } else {
-                    outcome.stopped_by = progress.stop();
-                }
-                results
+    let cases: Vec<Case> = pieces.iter().map(|(plan, _)| plan.case).collect();
+    let finished = finish(
+        "cells",
+        pieces,
+        config.run.max_time,
+        progress,
+        |plan| (plan.case.to_string(), store::path_of(folder, plan)),
+        |plan| {
+            let results = fill(plan, progress)?;
+            if let Some(results) = &results {
+                store::write(folder, plan, results)?;
             }
-        };
-        outcome.cells.push(MapCell {
-            case: plan.case,
-            results,
-        });
-    }
-    progress.end();
-    if outcome.missing() == 0 {
-        outcome.stopped_by = None;
-    }
-    if outcome.missing() == plans.len() {
+            Ok::<_, MapError>(results)
+        },
+    )?;
+    let cells = cases.into_iter().zip(finished.results);
+    let outcome = MapOutcome {
+        config: config.clone(),
+        cells: cells
+            .map(|(case, results)| MapCell { case, results })
+            .collect(),
+        taken_up: finished.taken_up,
+        computed: finished.computed,
+        notes: finished.notes,
+        stopped_by: finished.stopped_by,
+    };
+    if outcome.missing() == outcome.cells.len() {
         return Err(MapError::Interrupted);
     }
     Ok(outcome)
@@ -200,16 +173,4 @@ fn fill(plan: &config::CellPlan, progress: &dyn Progress) -> Result<Option<CellR
     }
     let results = outcome.cases.first();
     Ok(results.map(|case| CellResults::of(&outcome, case)))
-}
-
-/// Passes on the stop and keeps the steps within a cell to itself.
-struct Unseen<'a>(&'a dyn Progress);
-
-impl Progress for Unseen<'_> {
-    fn begin(&self, _stage: &str, _total: u64) {}
-    fn advance(&self, _steps: u64) {}
-    fn end(&self) {}
-    fn stop(&self) -> Option<StoppedBy> {
-        self.0.stop()
-    }
 }

@@ -55,6 +55,10 @@ pub(crate) const FILES: &[&str] = &[
     "attenuation_sigma.png",
     "visibility.svg",
     "visibility.png",
+    "gonio.csv",
+    "bsdf.csv",
+    "bsdf.npy",
+    "bsdf_se.npy",
 ];
 
 /// Why results are not written.

@@ -1,5 +1,6 @@
 //! Random streams of ray blocks.
 
+use asperity_analysis::fnv1a;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -13,11 +14,7 @@ pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng 
 
 /// The stream that seeds repeat `repeat` of the run `name` of a convergence measurement under `seed`.
 pub(crate) fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8Rng {
-    // FNV-1a of 64 bits: names are few and need not be kept from anybody.
-    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    stream(b"asperity conv v1", [seed, hash], repeat)
+    stream(b"asperity conv v1", [seed, fnv1a(name.as_bytes())], repeat)
 }
 
 /// The stream of chunk `chunk` of the points on realisation `realisation` under `seed`.

@@ -56,4 +56,5 @@ pub use error::{ReadError, WriteError};
 pub use format::{HeightMapFormat, SurfaceFormat, read_height_map, write_height_map};
 pub use memory::available_memory;
 pub use mesh::{MeshData, MeshFormat, MeshView, read_mesh, write_mesh};
+pub use npy::write_array;
 pub use text_file::{read_json, read_text};

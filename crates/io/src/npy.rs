@@ -3,7 +3,7 @@
 //! Written: `float64`, C order, shape `[ny, nx]`; heights are exact, but spacing, unit, border and
 //! provenance have no place in the format. Read: any array of two axes `[ny, nx]` of whole numbers
 //! or of single or double precision, in either byte order and in C or Fortran order; spacing 1,
-//! arbitrary unit, NaN for missing points.
+//! arbitrary unit, NaN for missing points. [`write_array`] writes arrays of any shape that are no height maps.
 
 use std::io::{Read, Write};
 use std::path::Path;
@@ -11,6 +11,7 @@ use std::path::Path;
 use asperity_surface::{HeightField, RawHeightMap};
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, WriterBuilder};
 
+use crate::atomic::replace;
 use crate::error::{ReadError, WriteError};
 use crate::format::HeightMapFormat;
 use crate::samples::{SampleKind, check_plain_data, guarded, room};
@@ -189,15 +190,51 @@ pub(crate) fn write<W: Write>(
     field: &HeightField,
     out: &mut W,
 ) -> Result<(), WriteError> {
+    fill(path, &field.shape(), field.heights(), out)
+}
+
+/// Writes an array of numbers as NPY, `float64` in C order, whole or not at all.
+///
+/// ```
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("cube.npy");
+/// asperity_io::write_array(&path, &[2, 1, 3], &[0.0, 1.0, 2.0, 3.0, 4.0, f64::NAN])?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`WriteError`] if the file cannot be written.
+///
+/// # Panics
+/// If there are not as many values as the shape holds.
+pub fn write_array(
+    path: impl AsRef<Path>,
+    shape: &[usize],
+    values: &[f64],
+) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    assert_eq!(
+        shape.iter().product::<usize>(),
+        values.len(),
+        "values that do not fill their shape"
+    );
+    replace(path, |out| fill(path, shape, values, out))
+}
+
+fn fill<W: Write>(
+    path: &Path,
+    shape: &[usize],
+    values: &[f64],
+    out: &mut W,
+) -> Result<(), WriteError> {
     let io = WriteError::io(path);
+    let shape: Vec<u64> = shape.iter().map(|n| *n as u64).collect();
     let mut writer = npyz::WriteOptions::<f64>::new()
         .default_dtype()
-        .shape(&field.shape().map(|n| n as u64))
+        .shape(&shape)
         .writer(out)
         .begin_nd()
         .map_err(&io)?;
-    writer
-        .extend(field.heights().iter().copied())
-        .map_err(&io)?;
+    writer.extend(values.iter().copied()).map_err(&io)?;
     writer.finish().map_err(&io)
 }

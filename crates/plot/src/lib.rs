@@ -1,5 +1,5 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, plain curves, errors over run time, and
-//! validity maps.
+//! Figures of the project: height maps, polar lobes, in-plane curves, hemispheres, plain curves, errors over
+//! run time, and validity maps.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -11,6 +11,8 @@
 //! | [`PolarLobes`] | [`Series`] over signed angles | reflected and transmitted lobes around the surface |
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
+//! | [`Hemispheres`] | [`Hemisphere`]s: values of bins | light over whole hemispheres, in rows and columns |
+//! | [`ProfileGrid`] | [`ProfilePart`]s: [`Sample`]s a panel | parts of the light in the plane of incidence |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
@@ -48,13 +50,16 @@
 
 mod axis;
 mod curves;
+mod disc;
 mod error;
 mod error_over_time;
 mod figure;
 mod height_map;
+mod hemispheres;
 mod in_plane_curves;
 mod legend;
 mod polar_lobes;
+mod profile_grid;
 mod scene;
 mod series;
 mod text;
@@ -66,7 +71,9 @@ pub use error::PlotError;
 pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figure::Figure;
 pub use height_map::HeightMapFigure;
+pub use hemispheres::{ColourScale, Hemisphere, Hemispheres};
 pub use in_plane_curves::InPlaneCurves;
 pub use polar_lobes::{PolarLobes, Sides};
+pub use profile_grid::{ProfileGrid, ProfilePart};
 pub use series::{Sample, Series, SeriesKind, Side};
 pub use validity_map::{MapVerdict, MappedCell, ValidityMap};

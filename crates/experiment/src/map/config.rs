@@ -8,7 +8,7 @@ use crate::config::{
     SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
 };
 use crate::limits::check_results;
-use crate::values::{Number, OneOrMany};
+use crate::values::Number;
 use crate::verify::VerifyError;
 
 /// `[map]`: how far a model may be off and still hold.
@@ -133,32 +133,8 @@ impl MapConfig {
             compare: self.compare.clone(),
             output: OutputConfig::default(),
         };
-        let cases = all.cases()?;
-        // As they are written: a height that became a smoothness need not come back as it was.
-        let surface = &self.surface;
-        let (smoothness, sigma) = (&surface.smoothness, &surface.sigma);
-        let heights = match (smoothness, sigma) {
-            (Some(list), _) => list.values("smoothness")?,
-            (None, Some(list)) => list.values("sigma")?,
-            (None, None) => Vec::new(),
-        };
-        let etas = match &self.material.eta {
-            Some(list) => list.values("eta")?,
-            None => Vec::new(),
-        };
-        let thetas = self.light.theta.values("theta")?;
-        let of_material = thetas.len();
-        let of_height = of_material * etas.len().max(1);
-        let cells = cases.into_iter().enumerate().map(|(i, case)| {
-            let mut config = all.clone();
-            let height = heights.get(i / of_height).map(|h| OneOrMany::One(*h));
-            config.surface.smoothness = height.clone().filter(|_| smoothness.is_some());
-            config.surface.sigma = height.filter(|_| smoothness.is_none());
-            let eta = etas.get(i % of_height / of_material);
-            config.material.eta = eta.map(|eta| OneOrMany::One(*eta));
-            config.light.theta = OneOrMany::One(thetas[i % of_material]);
-            CellPlan { case, config }
-        });
+        let cells = all.each_alone()?.into_iter();
+        let cells = cells.map(|(case, config)| CellPlan { case, config });
         Ok(cells.collect())
     }
 }

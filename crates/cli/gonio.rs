@@ -1,0 +1,238 @@
+//! `asperity gonio`: the whole BRDF and BTDF.
+
+use std::path::Path;
+
+use asperity_experiment::{
+    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds, StoppedBy,
+    VerifyError, gonio, gonio_report, gonio_summary, gonio_table,
+};
+use asperity_io::{SurfaceFormat, check_output_folder};
+use asperity_surface::HeightField;
+use serde_json::json;
+
+use crate::args::{Common, Gonio, MaterialArgument, Reading};
+use crate::failure::Failure;
+use crate::input::{
+    incident, material_kind, name_of, one_or_many, per_axis, read_config, read_mesh_surface,
+    read_surface, refuse_config, refuse_surface,
+};
+use crate::interrupt;
+use crate::output::{print, print_json, say};
+use crate::progress::Bar;
+use crate::trace::{field_warnings, flat, mesh_warnings};
+
+pub(crate) fn run(command: &Gonio, common: &Common) -> Result<(), Failure> {
+    let file = command.config.as_deref();
+    let mut config = read_config(file, "gonio", GonioConfig::from_toml)?;
+    let alone = match config.measured.is_given() {
+        // What a file of a surface makes wrong is known when it is read.
+        true => None,
+        false => config.check(None).err().map(|error| error.to_string()),
+    };
+    override_config(&mut config, command)?;
+    let sample = read_sample(&config.measured, common)?;
+    let sample = sample.as_ref();
+    let refuse = |error: &dyn std::fmt::Display| refuse_config(file, alone.as_deref(), error);
+    // Everything is checked before a ray is traced.
+    config.check(sample).map_err(|error| match error {
+        VerifyError::Synthesis(error) => refuse_surface(error),
+        VerifyError::Run(error) => Failure::failed(error),
+        error => refuse(&error),
+    })?;
+    let folder = &command.output;
+    check_output_folder(folder).map_err(Failure::failed)?;
+
+    let bar = Bar::new(common);
+    interrupt::listen();
+    let outcome = gonio(&config, sample, folder, &bar).map_err(|error| match error {
+        GonioError::Config(error) => refuse(&error),
+        _ => Failure::failed(error),
+    })?;
+    gonio_report(folder, &outcome).map_err(Failure::failed)?;
+    for note in &outcome.notes {
+        say(&format!("note: {note}"));
+    }
+    common.say(|| {
+        let (old, new) = (outcome.taken_up, outcome.computed);
+        format!("{old} directions were there, {new} were found")
+    });
+    if let Some(stop) = outcome.stopped_by {
+        let why = match stop {
+            StoppedBy::Time => "the time is over",
+            _ => "interrupted",
+        };
+        say(&format!(
+            "{why}; {} of {} directions are there, and the same command goes on from there",
+            outcome.directions.len() - outcome.missing(),
+            outcome.directions.len()
+        ));
+    }
+    if command.json {
+        return print_json(&gonio_summary(&outcome));
+    }
+    if common.quiet {
+        return Ok(());
+    }
+    print(&format!(
+        "{}\nresults in {}\n",
+        gonio_table(&outcome),
+        folder.display()
+    ))
+}
+
+/// Puts the values of flags in the place of those of the file.
+fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failure> {
+    let random = flags.tau.is_some()
+        || flags.tau_y.is_some()
+        || !flags.smoothness.is_empty()
+        || !flags.sigma.is_empty()
+        || !flags.size.is_empty()
+        || flags.insist;
+    if flags.surface.is_some() || flags.flat {
+        if random || flags.realisations.is_some() {
+            return Err(Failure::usage(
+                "--surface and --flat take the place of random surfaces: leave out --tau, --tau-y, --smoothness, --sigma, --size, --insist and --realisations",
+            ));
+        }
+        config.surface = Default::default();
+        config.measured = MeasuredConfig {
+            file: flags.surface.clone(),
+            flat: flags.flat,
+            ..Default::default()
+        };
+    } else if random {
+        config.measured = MeasuredConfig::default();
+    }
+    override_measured(&mut config.measured, flags)?;
+    override_surface(config, flags)?;
+
+    let material = &mut config.material;
+    if let Some(kind) = flags.material {
+        material.kind = material_kind(kind);
+        // Indices of another material do not carry over.
+        if kind == MaterialArgument::Mirror {
+            material.eta = None;
+        }
+        if kind != MaterialArgument::Conductor {
+            material.kappa = None;
+        }
+    }
+    if !flags.eta.is_empty() {
+        material.eta = Some(one_or_many(&flags.eta));
+    }
+    material.kappa = flags.kappa.map(Number).or(material.kappa);
+
+    if let Some(file) = flags.medium.bottom_file() {
+        return Err(Failure::usage(format!(
+            "--bottom-surface {}: what lies below is drawn here or flat; take flat, same or independent",
+            file.display()
+        )));
+    }
+    config.medium = flags.medium.over(config.medium.take())?;
+
+    let light = &mut config.light;
+    if !flags.theta.is_empty() || !flags.phi.is_empty() {
+        light.directions = None;
+    }
+    if !flags.theta.is_empty() {
+        light.theta = Some(one_or_many(&flags.theta));
+    }
+    if !flags.phi.is_empty() {
+        light.phi = Some(one_or_many(&flags.phi));
+    }
+    if flags.directions.is_some() {
+        (light.theta, light.phi, light.directions) = (None, None, flags.directions);
+    }
+    light.azimuth = flags.light_azimuth.map(Into::into).or(light.azimuth);
+    light.from = flags.from.map_or(light.from, incident);
+
+    let run = &mut config.run;
+    if flags.realisations.is_some() || flags.rays.is_some() {
+        // As many as are asked for, and not as a target of the file asks for.
+        (run.target_error, run.of) = (None, None);
+    }
+    run.realisations = flags.realisations.map_or(run.realisations, Count);
+    run.rays = flags.rays.map_or(run.rays, Count);
+    run.max_time = flags.max_time.map(Seconds).or(run.max_time);
+    run.seed = flags.seed.unwrap_or(run.seed);
+    run.bins = flags.bins.unwrap_or(run.bins);
+    run.side = flags.side.unwrap_or(run.side);
+    run.branching = flags.branching.map_or(run.branching, Into::into);
+    run.max_order = flags.max_order.unwrap_or(run.max_order);
+    run.accelerator = flags.accelerator.unwrap_or(run.accelerator);
+    run.sampling = flags.sampling.unwrap_or(run.sampling);
+    config.output.plots &= !flags.no_plots;
+    Ok(())
+}
+
+fn override_measured(measured: &mut MeasuredConfig, flags: &Gonio) -> Result<(), Failure> {
+    measured.border = flags.border.or(measured.border);
+    measured.unit = flags.unit.or(measured.unit);
+    measured.missing = flags.missing.unwrap_or(measured.missing);
+    measured.remove = flags.remove.unwrap_or(measured.remove);
+    if measured.is_given() && !flags.spacing.is_empty() {
+        let spacing = per_axis(&flags.spacing, "--spacing")?.map(Number);
+        measured.spacing = Some(PerAxis::Each(spacing));
+    }
+    Ok(())
+}
+
+fn override_surface(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failure> {
+    let surface = &mut config.surface;
+    surface.tau = flags.tau.map_or(surface.tau, Number);
+    surface.tau_y = flags.tau_y.map(Number).or(surface.tau_y);
+    if !flags.smoothness.is_empty() {
+        surface.smoothness = Some(one_or_many(&flags.smoothness));
+        surface.sigma = None;
+    }
+    if !flags.sigma.is_empty() {
+        surface.sigma = Some(one_or_many(&flags.sigma));
+        surface.smoothness = None;
+    }
+    if !flags.size.is_empty() {
+        surface.size = PerAxis::Each(per_axis(&flags.size, "--size")?.map(Count));
+    }
+    if !config.measured.is_given() && !flags.spacing.is_empty() {
+        surface.spacing = PerAxis::Each(per_axis(&flags.spacing, "--spacing")?.map(Number));
+    }
+    surface.insist |= flags.insist;
+    Ok(())
+}
+
+/// Reads the given surface, if there is one.
+fn read_sample(measured: &MeasuredConfig, common: &Common) -> Result<Option<Sample>, Failure> {
+    if measured.flat {
+        let field: HeightField = flat()?;
+        let name = "flat surface".to_owned();
+        return Ok(Some(Sample::of_field(field, name, json!(null), Vec::new())));
+    }
+    let Some(path) = &measured.file else {
+        return Ok(None);
+    };
+    let path: &Path = path;
+    let reading = Reading {
+        border: measured.border,
+        spacing: (measured.spacing).map_or(Vec::new(), |s| s.xy().map(|n| n.0).to_vec()),
+        unit: measured.unit,
+        missing: measured.missing,
+        remove: measured.remove,
+    };
+    match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
+        SurfaceFormat::Mesh(_) => {
+            let mesh = read_mesh_surface(path, &reading, common)?;
+            let warnings = mesh_warnings(&mesh);
+            Ok(Some(Sample::of_mesh(mesh, name_of(path), warnings)))
+        }
+        SurfaceFormat::HeightMap(_) => {
+            let input = read_surface(path, &reading, common)?;
+            let warnings = field_warnings(&input.field, input.notes);
+            let read = json!({
+                "points_filled": input.filled,
+                "form_removed": reading.remove.to_string(),
+                "generated": input.field.provenance(),
+            });
+            let sample = Sample::of_field(input.field, name_of(path), read, warnings);
+            Ok(Some(sample))
+        }
+    }
+}

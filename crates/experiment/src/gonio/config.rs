@@ -1,0 +1,360 @@
+//! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
+
+use std::path::PathBuf;
+
+use asperity_optics::Incidence;
+use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
+use asperity_tally::HemisphereGrid;
+use serde::{Deserialize, Serialize};
+
+use super::plan::Work;
+use super::sample::Sample;
+use crate::blocks::RaySettings;
+use crate::cases::check_sides;
+use crate::config::{
+    Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
+    RunConfig, SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
+};
+use crate::limits::{check_memory, check_results};
+use crate::medium::MediumConfig;
+use crate::values::{Number, OneOrMany, PerAxis};
+use crate::verify::VerifyError;
+
+/// `[measured]`: one given surface, from a file or flat, in place of random ones.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MeasuredConfig {
+    /// Height map or triangle mesh.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub file: Option<PathBuf>,
+    /// A flat surface in place of a file.
+    pub flat: bool,
+    /// What lies beyond the border; as the file says unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub border: Option<Border>,
+    /// Length units a sample along x and y; as the file says unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<PerAxis<Number>>,
+    /// Length unit of heights and spacing; as the file says unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<LengthUnit>,
+    /// What to do with missing points.
+    #[serde(with = "MissingName")]
+    pub missing: MissingPolicy,
+    /// Form to remove by least squares.
+    pub remove: Form,
+}
+
+/// Names of [`MissingPolicy`] in files.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "MissingPolicy", rename_all = "lowercase")]
+enum MissingName {
+    Refuse,
+    Fill,
+}
+
+impl Default for MeasuredConfig {
+    /// None.
+    fn default() -> Self {
+        Self {
+            file: None,
+            flat: false,
+            border: None,
+            spacing: None,
+            unit: None,
+            missing: MissingPolicy::Refuse,
+            remove: Form::None,
+        }
+    }
+}
+
+impl MeasuredConfig {
+    /// Whether there is one.
+    #[must_use]
+    pub const fn is_given(&self) -> bool {
+        self.flat || self.file.is_some()
+    }
+
+    pub(super) fn check(&self) -> Result<(), ConfigError> {
+        let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
+        if self.flat && self.file.is_some() {
+            return contradiction("give either a file or flat = true, not both");
+        }
+        let reading = Self {
+            flat: false,
+            ..self.clone()
+        };
+        if self.file.is_none() && reading != Self::default() {
+            return contradiction(
+                "border, spacing, unit, missing and remove say how a file is read, and there is none",
+            );
+        }
+        Ok(())
+    }
+}
+
+/// `[light]`: the directions that light comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GonioLight {
+    /// Polar angle of the direction towards the light, degrees, one or several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub theta: Option<OneOrMany<Number>>,
+    /// Azimuth of the direction towards the light, degrees, one or several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phi: Option<OneOrMany<Number>>,
+    /// The centres of the bins of a hemisphere, `THETAxPHI`, instead of `theta` and `phi`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directions: Option<HemisphereGrid>,
+    /// Random or fixed azimuth; random by default where surfaces are drawn and isotropic.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub azimuth: Option<Azimuth>,
+    /// The side that it comes from.
+    pub from: Incident,
+}
+
+impl Default for GonioLight {
+    fn default() -> Self {
+        Self {
+            theta: None,
+            phi: None,
+            directions: None,
+            azimuth: None,
+            from: Incident::Above,
+        }
+    }
+}
+
+/// Polar angles unless others are given, degrees.
+const THETAS: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+
+impl GonioLight {
+    /// Polar angles and azimuths, degrees; every pair is a direction.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a list is empty, both a grid and a list are given, or an angle is out of range.
+    pub fn angles(&self) -> Result<[Vec<f64>; 2], ConfigError> {
+        let plain = |list: Vec<Number>| list.into_iter().map(|n| n.0).collect::<Vec<f64>>();
+        let [thetas, phis] = match (&self.directions, &self.theta, &self.phi) {
+            (Some(grid), None, None) => {
+                let centres = |n: usize, span: f64| {
+                    (0..n)
+                        .map(|i| span * (i as f64 + 0.5) / n as f64)
+                        .collect::<Vec<f64>>()
+                };
+                [centres(grid.n_theta(), 90.0), centres(grid.n_phi(), 360.0)]
+            }
+            (Some(_), _, _) => {
+                return Err(ConfigError::Contradiction(
+                    "give either directions, a grid, or theta and phi, not both".into(),
+                ));
+            }
+            (None, thetas, phis) => [
+                match thetas {
+                    Some(list) => plain(list.values("theta")?),
+                    None => THETAS.to_vec(),
+                },
+                match phis {
+                    Some(list) => plain(list.values("phi")?),
+                    None => vec![0.0],
+                },
+            ],
+        };
+        for theta in &thetas {
+            for phi in &phis {
+                Incidence::from_degrees(*theta, *phi)?;
+            }
+        }
+        for (name, angles) in [("theta", &thetas), ("phi", &phis)] {
+            let mut sorted = angles.clone();
+            sorted.sort_by(f64::total_cmp);
+            if sorted.windows(2).any(|pair| pair[0] == pair[1]) {
+                let text = format!("{name} has a value twice; give each once");
+                return Err(ConfigError::Contradiction(text));
+            }
+        }
+        Ok([thetas, phis])
+    }
+}
+
+/// The discs of a plot that share their colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum PlotScale {
+    /// All discs.
+    Common,
+    /// Those of a row: of an angle of incidence.
+    #[default]
+    Rows,
+}
+
+/// `[output]`: what is written beside the numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GonioOutput {
+    /// Draw plots.
+    pub plots: bool,
+    /// The discs that share their colours.
+    pub scale: PlotScale,
+}
+
+impl Default for GonioOutput {
+    fn default() -> Self {
+        Self {
+            plots: true,
+            scale: PlotScale::default(),
+        }
+    }
+}
+
+/// A measurement: surfaces, materials, directions and effort. Every key has a default.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GonioConfig {
+    /// The random surfaces.
+    pub surface: SurfaceConfig,
+    /// One given surface in their place.
+    pub measured: MeasuredConfig,
+    /// What they are made of.
+    pub material: MaterialConfig,
+    /// What lies below, if there is anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub medium: Option<MediumConfig>,
+    /// The directions that light comes from.
+    pub light: GonioLight,
+    /// How much is traced for each direction.
+    pub run: RunConfig,
+    /// What is written.
+    pub output: GonioOutput,
+}
+
+impl GonioConfig {
+    /// Reads a configuration from the text of a TOML file.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with line and key if the text is no such configuration.
+    pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
+        let config: Self = parse_toml(text)?;
+        refuse_effort_beside_target(text, &config.run)?;
+        let file: toml::Table = parse_toml(text)?;
+        let realisations = |run: &toml::Value| run.get("realisations").is_some();
+        if config.measured.is_given() && file.get("run").is_some_and(realisations) {
+            return Err(ConfigError::Contradiction(
+                "realisations is for random surfaces; a measured surface is one".into(),
+            ));
+        }
+        Ok(config)
+    }
+
+    /// Checks everything that can be known before a ray is traced; `sample` is the given surface, if there
+    /// is one.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
+        let (settings, plans) = self.plans(sample)?;
+        let rays = self.ray_settings()?;
+        check_results(&rays.layout, self.run.realisations.0, 1, rays.refine)?;
+        let values = rays.layout.len() as f64 * 2.0 * plans.len() as f64;
+        check_memory("the table of all directions", (8.0 * values) as usize)?;
+        for plan in &plans {
+            if let Work::Fresh(config) = &plan.work {
+                config.check_surfaces()?;
+            }
+        }
+        for setting in settings {
+            check_sides(self.run.side, setting.material, setting.layer.as_ref())?;
+        }
+        Ok(())
+    }
+
+    /// Whether every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.
+    #[must_use]
+    pub fn any_azimuth(&self) -> bool {
+        match self.light.azimuth {
+            None if self.measured.is_given() => false,
+            _ => self.of_azimuth(0.0).any_azimuth(),
+        }
+    }
+
+    /// The settings of the rays of a direction.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range.
+    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+        self.of_azimuth(0.0).ray_settings()
+    }
+
+    /// The verification of all settings and polar angles at one azimuth.
+    pub(super) fn of_azimuth(&self, phi: f64) -> VerifyConfig {
+        let [thetas, _] = self.light.angles().unwrap_or_default();
+        VerifyConfig {
+            surface: self.surface.clone(),
+            material: self.material.clone(),
+            medium: self.medium.clone(),
+            light: LightConfig {
+                theta: OneOrMany::Many(thetas.into_iter().map(Number).collect()),
+                phi: Number(phi),
+                azimuth: self.light.azimuth,
+                from: self.light.from,
+            },
+            run: self.piece_run(),
+            compare: CompareConfig {
+                models: Vec::new(),
+                ..CompareConfig::default()
+            },
+            output: OutputConfig::default(),
+        }
+    }
+
+    /// The effort of one direction: the time is that of all.
+    pub(super) fn piece_run(&self) -> RunConfig {
+        RunConfig {
+            max_time: None,
+            ..self.run.clone()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bad_values_get_a_sentence() {
+        for (text, expected) in [
+            ("[light]\ntheta = []", "empty list"),
+            ("[light]\ntheta = [0, 90]", "below 90"),
+            ("[light]\nphi = [0, inf]", "must be finite"),
+            ("[light]\ntheta = [1, 1]", "theta has a value twice"),
+            ("[light]\ndirections = \"0x4\"", "bins"),
+            (
+                "[light]\ndirections = \"3x4\"\ntheta = 3",
+                "either directions",
+            ),
+            ("[light]\ntehta = 3", "tehta"),
+            ("[compare]\nmodels = []", "compare"),
+            ("[output]\nscale = \"log\"", "log"),
+            ("[measured]\nflat = true\nfile = \"a.exr\"", "either a file"),
+            ("[measured]\nborder = \"open\"", "there is none"),
+            ("[measured]\nremove = \"plane\"", "there is none"),
+            ("[measured]\nmissing = \"guess\"", "guess"),
+            (
+                "[measured]\nflat = true\n[run]\nrealisations = 3",
+                "a measured surface is one",
+            ),
+            (
+                "[run]\ntarget_error = 1e-3\nrays = 10",
+                "either target_error",
+            ),
+            ("[surface]\nsmoothness = [3, 3]", "same folder"),
+        ] {
+            let error = GonioConfig::from_toml(text)
+                .and_then(|config| config.plans(None).map(|_| ()))
+                .unwrap_err()
+                .to_string();
+            assert!(error.contains(expected), "{text}: {error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+    }
+}

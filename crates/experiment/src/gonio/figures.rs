@@ -1,0 +1,361 @@
+//! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by parts.
+
+use std::path::Path;
+
+use asperity_io::{create_output_folder, remove_files};
+use asperity_plot::{
+    ColourScale, Figure, Hemisphere, Hemispheres, PlotError, ProfileGrid, ProfilePart, Sample,
+    Side as PlotSide,
+};
+use asperity_tally::{Layout, Side};
+use rayon::prelude::*;
+
+use super::config::PlotScale;
+use super::files::{over, projected_in_plane, projected_solid_angle};
+use super::results::part_names;
+use super::setting::Distinction;
+use super::summary::labelled;
+use super::{Direction, GonioOutcome};
+use crate::case::short;
+use crate::figures::save;
+use crate::report::ReportError;
+
+/// Folder of the plots.
+pub(super) const PLOTS: &str = "plots";
+/// What names of plots begin with.
+const KINDS: [&str; 3] = ["matrix_", "parts_", "profiles_"];
+
+/// Which rows a matrix has.
+#[derive(Clone, Copy)]
+enum Rows {
+    Thetas,
+    Phis,
+}
+
+/// Draws all plots into a folder of their own; an earlier run's are removed first.
+pub(super) fn draw(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportError> {
+    let plots = folder.join(PLOTS);
+    remove_plots(&plots)?;
+    if !outcome.config.output.plots {
+        return Ok(());
+    }
+    create_output_folder(&plots)?;
+    let shown: Vec<Side> = outcome
+        .layout
+        .sides()
+        .filter(|side| outcome.directions.iter().any(|d| leaves(outcome, d, *side)))
+        .collect();
+    type Job<'a> = (
+        String,
+        Box<dyn Fn() -> Result<Figure, PlotError> + Send + Sync + 'a>,
+    );
+    let mut jobs: Vec<Job<'_>> = Vec::new();
+    for side in shown {
+        let matrix = move || matrix(outcome, side).draw();
+        jobs.push((format!("matrix_{side}"), Box::new(matrix)));
+        for (number, theta) in outcome.thetas.iter().enumerate() {
+            let any = |setting| outcome.direction(setting, number, 0).results.is_some();
+            if !(0..outcome.settings.len()).any(any) {
+                continue;
+            }
+            let theta = short(*theta);
+            let parts = move || parts(outcome, side, number).draw();
+            jobs.push((format!("parts_theta{theta}_{side}"), Box::new(parts)));
+            let profiles = move || profiles(outcome, side, number).draw();
+            jobs.push((format!("profiles_theta{theta}_{side}"), Box::new(profiles)));
+        }
+    }
+    jobs.into_par_iter()
+        .try_for_each(|(name, figure)| save(&[&plots], &name, &figure()?))
+}
+
+/// Removes plots that this run may not replace.
+fn remove_plots(folder: &Path) -> Result<(), ReportError> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Ok(());
+    };
+    let names: Vec<String> = entries
+        .flatten()
+        .filter_map(|entry| entry.file_name().into_string().ok())
+        .filter(|name| {
+            let ours = KINDS.iter().any(|kind| name.starts_with(kind));
+            ours && (name.ends_with(".svg") || name.ends_with(".png"))
+        })
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    Ok(remove_files(folder, &names)?)
+}
+
+/// Whether any light of a direction left on `side`.
+fn leaves(outcome: &GonioOutcome, direction: &Direction, side: Side) -> bool {
+    let flux = |results: &super::DirectionResults| results.parts[0].side(&outcome.layout, side);
+    let flux = direction.results.as_ref().and_then(flux);
+    flux.is_some_and(|flux| flux.mean != 0.0)
+}
+
+fn quantity(side: Side) -> &'static str {
+    match side {
+        Side::Reflected => "BRDF",
+        Side::Transmitted => "BTDF",
+    }
+}
+
+fn plot_side(side: Side) -> PlotSide {
+    match side {
+        Side::Reflected => PlotSide::Reflected,
+        Side::Transmitted => PlotSide::Transmitted,
+    }
+}
+
+/// What all discs have in common, in words.
+fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
+    let name = outcome.sample.as_ref().map(|(name, ..)| name.clone());
+    let common = Distinction::of(&outcome.settings).common;
+    let words = name.into_iter().chain([common, more.to_owned()]);
+    words
+        .filter(|w| !w.is_empty())
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+/// Names of the columns: the settings, told apart.
+fn columns(outcome: &GonioOutcome) -> (String, Vec<String>) {
+    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    // A letter alone is no heading.
+    let title = match title.as_str() {
+        "s" => "smoothness s".to_owned(),
+        "n" => "refractive index n".to_owned(),
+        "g" => "mean cosine of scattering g".to_owned(),
+        _ => title,
+    };
+    (title, labels)
+}
+
+fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
+    let rows = match (outcome.thetas.len(), outcome.phis.len()) {
+        (1, several) if several > 1 => Rows::Phis,
+        _ => Rows::Thetas,
+    };
+    let (row_title, angles, more) = match rows {
+        Rows::Phis => (
+            "azimuth of the light φᵢ",
+            &outcome.phis,
+            format!("θᵢ = {}°", short(outcome.thetas[0])),
+        ),
+        Rows::Thetas if outcome.phis.len() > 1 => (
+            "angle of incidence θᵢ",
+            &outcome.thetas,
+            format!("φᵢ = {}°", short(outcome.phis[0])),
+        ),
+        Rows::Thetas => ("angle of incidence θᵢ", &outcome.thetas, String::new()),
+    };
+    let (column_title, columns) = columns(outcome);
+    let cells = (0..angles.len()).flat_map(|row| {
+        (0..columns.len()).map(move |setting| {
+            let direction = match rows {
+                Rows::Thetas => outcome.direction(setting, row, 0),
+                Rows::Phis => outcome.direction(setting, 0, row),
+            };
+            hemisphere(outcome, direction, side, 0)
+        })
+    });
+    let (what, share) = match side {
+        Side::Reflected => ("Reflected light by angle of incidence", "R"),
+        Side::Transmitted => ("Transmitted light by angle of incidence", "T"),
+    };
+    Hemispheres {
+        title: what.to_owned(),
+        subtitle: subtitle(
+            outcome,
+            &[
+                more,
+                format!("{share}: share of the light that leaves on this side"),
+            ]
+            .into_iter()
+            .filter(|w| !w.is_empty())
+            .collect::<Vec<_>>()
+            .join("; "),
+        ),
+        quantity: quantity(side).to_owned(),
+        side: plot_side(side),
+        row_title: row_title.to_owned(),
+        column_title,
+        rows: angles
+            .iter()
+            .map(|angle| format!("{}°", short(*angle)))
+            .collect(),
+        bins: bins(&outcome.layout),
+        scale: match outcome.config.output.scale {
+            PlotScale::Common => ColourScale::Common,
+            PlotScale::Rows => ColourScale::Rows,
+        },
+        cells: cells.collect(),
+        columns,
+    }
+}
+
+fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
+    let names = part_names(&outcome.layout);
+    let (column_title, columns) = columns(outcome);
+    let cells = (0..names.len()).flat_map(|part| {
+        (0..columns.len()).map(move |setting| {
+            hemisphere(outcome, outcome.direction(setting, theta, 0), side, part)
+        })
+    });
+    Hemispheres {
+        title: format!(
+            "{} light by parts, θᵢ = {}°",
+            word(side),
+            short(outcome.thetas[theta])
+        ),
+        subtitle: subtitle(outcome, meaning(&outcome.layout)),
+        quantity: quantity(side).to_owned(),
+        side: plot_side(side),
+        row_title: String::new(),
+        column_title,
+        rows: names.iter().map(|name| (*name).to_owned()).collect(),
+        bins: bins(&outcome.layout),
+        scale: ColourScale::Rows,
+        cells: cells.collect(),
+        columns,
+    }
+}
+
+fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
+    let layout = &outcome.layout;
+    let names = part_names(layout);
+    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    let settings = 0..outcome.settings.len();
+    let samples = |part: usize, setting: usize| -> Vec<Sample> {
+        let results = outcome.direction(setting, theta, 0).results.as_ref();
+        let bins = 0..layout.in_plane_len();
+        let sample = |i: usize| {
+            let flux = results?.parts[part].in_plane(layout, side, i)?;
+            let bsdf = over(flux, projected_in_plane(layout, i));
+            let [from, to] = layout.in_plane_edges_deg(i);
+            Some(Sample {
+                theta_deg: 0.5 * (from + to),
+                value: bsdf.mean,
+                se: bsdf.se,
+            })
+        };
+        bins.filter_map(sample).collect()
+    };
+    let incidence = outcome.directions[theta * outcome.phis.len()].incidence;
+    // Light goes back where it came from on the near side alone; into a medium it goes on in no direction.
+    let (light_deg, mirror_deg) = match side {
+        Side::Reflected => (Some(-incidence.theta_deg()), Some(incidence.theta_deg())),
+        Side::Transmitted => (None, None),
+    };
+    ProfileGrid {
+        title: format!(
+            "{} light in the plane of incidence, θᵢ = {}°",
+            word(side),
+            short(outcome.thetas[theta])
+        ),
+        subtitle: subtitle(outcome, meaning(layout)),
+        quantity: quantity(side).to_owned(),
+        panels: labels.iter().map(|label| labelled(&title, label)).collect(),
+        light_deg,
+        mirror_deg,
+        parts: names
+            .iter()
+            .enumerate()
+            .map(|(part, name)| ProfilePart {
+                name: (*name).to_owned(),
+                samples: settings
+                    .clone()
+                    .map(|setting| samples(part, setting))
+                    .collect(),
+            })
+            .collect(),
+    }
+}
+
+fn word(side: Side) -> &'static str {
+    match side {
+        Side::Reflected => "Reflected",
+        Side::Transmitted => "Transmitted",
+    }
+}
+
+/// What the names of parts mean.
+fn meaning(layout: &Layout) -> &'static str {
+    if layout.has_histories() {
+        "by how often it was scattered inside the medium"
+    } else {
+        "by whether it met the surface once or more often"
+    }
+}
+
+fn bins(layout: &Layout) -> [usize; 2] {
+    [layout.grid().n_theta(), layout.grid().n_phi()]
+}
+
+/// The BSDF of one part of one direction, ring by ring from the normal of `side`.
+fn hemisphere(
+    outcome: &GonioOutcome,
+    direction: &Direction,
+    side: Side,
+    part: usize,
+) -> Option<Hemisphere> {
+    let layout = &outcome.layout;
+    let part = &direction.results.as_ref()?.parts[part];
+    let [rings, sectors] = bins(layout);
+    let values = (0..rings).flat_map(|ring| {
+        let ring = row_of(side, ring, rings);
+        (0..sectors).map(move |sector| ring * sectors + sector)
+    });
+    let bsdf = |bin| {
+        let flux = part.bin(layout, bin)?;
+        Some(flux.mean / projected_solid_angle(layout, bin))
+    };
+    let share = part.side(layout, side)?.mean;
+    let letter = match side {
+        Side::Reflected => "R",
+        Side::Transmitted => "T",
+    };
+    Some(Hemisphere {
+        values: values.map(bsdf).collect::<Option<_>>()?,
+        light_deg: (!direction.incidence.is_vertical()).then(|| direction.incidence.phi_deg()),
+        note: format!("{letter} = {}", percent(share)),
+    })
+}
+
+/// Row of the grid's bins that holds ring `ring` of `rings` from the normal of `side`: its rings count from +z, first
+/// those of reflected light.
+const fn row_of(side: Side, ring: usize, rings: usize) -> usize {
+    match side {
+        Side::Reflected => ring,
+        Side::Transmitted => rings + rings - 1 - ring,
+    }
+}
+
+/// A share of the light, to three digits.
+fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    let digits = if percent.abs() >= 10.0 { 1 } else { 2 };
+    format!("{percent:.digits$} %")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_tally::HemisphereGrid;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    #[test]
+    fn rings_of_a_disc_count_from_the_normal_of_its_side() {
+        let grid = HemisphereGrid::new(3, 4).unwrap();
+        for (side, ring, edge) in [
+            (Side::Reflected, 0, 0.0),
+            (Side::Reflected, 2, FRAC_PI_2),
+            (Side::Transmitted, 0, PI),
+            (Side::Transmitted, 2, FRAC_PI_2),
+        ] {
+            let bin = grid.bin(row_of(side, ring, 3) * 4);
+            assert_eq!(bin.side, side);
+            assert!(bin.theta.contains(&edge), "{side} {ring}: {:?}", bin.theta);
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! What a configuration stands for: settings, their directions, and how each is measured.
+
+use asperity_optics::Incidence;
+use serde_json::{Value, json};
+
+use super::config::GonioConfig;
+use super::sample::Sample;
+use super::setting::Setting;
+use crate::blocks::RaySettings;
+use crate::case::short;
+use crate::cases::check_light;
+use crate::config::{ConfigError, SurfaceConfig, VerifyConfig};
+use crate::medium::BottomSurface;
+
+/// One direction of one setting, and how it is measured.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    /// Number of the setting.
+    pub(super) setting: usize,
+    pub(super) incidence: Incidence,
+    /// Name of its files.
+    pub(super) name: String,
+    /// All that its results depend on.
+    pub(super) identity: Value,
+    pub(super) work: Work,
+}
+
+/// How a direction is measured.
+#[derive(Clone, Debug)]
+pub(super) enum Work {
+    /// On fresh surfaces.
+    Fresh(Box<VerifyConfig>),
+    /// On the given one.
+    Given(RaySettings),
+}
+
+impl GonioConfig {
+    /// What is measured, and the directions of each in the order of their files: settings, polar angles,
+    /// azimuths, in that order of nesting.
+    pub(super) fn plans(
+        &self,
+        sample: Option<&Sample>,
+    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+        self.measured.check()?;
+        let angles = self.light.angles()?;
+        match sample {
+            None if self.measured.is_given() => Err(ConfigError::Contradiction(
+                "the measured surface was not read".into(),
+            )),
+            None => self.fresh(angles),
+            Some(sample) => self.given(sample, angles),
+        }
+    }
+
+    fn fresh(
+        &self,
+        [thetas, phis]: [Vec<f64>; 2],
+    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+        let by_phi = phis
+            .iter()
+            .map(|phi| self.of_azimuth(*phi).each_alone())
+            .collect::<Result<Vec<_>, _>>()?;
+        let (mut settings, mut plans) = (Vec::new(), Vec::new());
+        for i in 0..by_phi[0].len() {
+            if i % thetas.len() == 0 {
+                settings.push(Setting::of_case(&by_phi[0][i].0));
+            }
+            for of_phi in &by_phi {
+                let (case, config) = &of_phi[i];
+                plans.push(Plan {
+                    setting: settings.len() - 1,
+                    incidence: case.incidence,
+                    name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
+                    identity: json!(config),
+                    work: Work::Fresh(Box::new(config.clone())),
+                });
+            }
+        }
+        Ok((settings, plans))
+    }
+
+    fn given(
+        &self,
+        sample: &Sample,
+        [thetas, phis]: [Vec<f64>; 2],
+    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+        let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
+        if self.surface != SurfaceConfig::default() {
+            return contradiction(
+                "random surfaces and a measured one are both described; give either [surface] or [measured]",
+            );
+        }
+        let run = self.ray_settings()?;
+        if run.bottom == BottomSurface::Independent {
+            return contradiction(
+                "a measured surface has no others like it that could lie below; take bottom_surface flat or same",
+            );
+        }
+        if self.medium.is_some() {
+            check_light(self.light.from.into(), self.run.estimator)?;
+        }
+        let mut settings = Vec::new();
+        for material in self.material.materials()? {
+            match &self.medium {
+                None => settings.push(Setting::of_given(material, None)),
+                Some(medium) => settings.extend(
+                    medium
+                        .layers(material)?
+                        .into_iter()
+                        .map(|layer| Setting::of_given(material, Some(layer))),
+                ),
+            }
+        }
+        let mut plans: Vec<Plan> = Vec::new();
+        for (number, setting) in settings.iter().enumerate() {
+            if let Some(target) = run.target {
+                target.check(&run.layout, setting.material, setting.layer.as_ref())?;
+            }
+            for theta in &thetas {
+                for phi in &phis {
+                    let incidence = Incidence::from_degrees(*theta, *phi)?;
+                    let name = format!(
+                        "{}_theta{}_{}",
+                        setting.name(),
+                        short(*theta),
+                        phi_name(incidence)
+                    );
+                    if plans.iter().any(|plan| plan.name == name) {
+                        let text = format!(
+                            "two directions would share the same file {name}; give each value once, and values that differ in six digits"
+                        );
+                        return Err(ConfigError::Contradiction(text));
+                    }
+                    plans.push(Plan {
+                        setting: number,
+                        incidence,
+                        identity: json!({
+                            "measured": sample.description,
+                            "material": setting.material,
+                            "layer": setting.layer,
+                            "medium": self.medium.as_ref().map(|medium| {
+                                json!([medium.bottom_surface, medium.max_scatterings])
+                            }),
+                            "light": {
+                                "theta": theta,
+                                "phi": phi,
+                                "any_azimuth": self.any_azimuth(),
+                                "from": self.light.from,
+                            },
+                            "run": self.piece_run(),
+                        }),
+                        work: Work::Given(run),
+                        name,
+                    });
+                }
+            }
+        }
+        Ok((settings, plans))
+    }
+}
+
+fn phi_name(incidence: Incidence) -> String {
+    format!("phi{}", short(incidence.phi_deg()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_multiply_and_a_grid_holds_the_centres_of_its_bins() {
+        let config = GonioConfig::from_toml(
+            "[material]\neta = [1.3, 1.5]\n[light]\ntheta = [0, 40]\nphi = [0, 90, 180]\nazimuth = \"fixed\"",
+        )
+        .unwrap();
+        let (settings, plans) = config.plans(None).unwrap();
+        assert_eq!((settings.len(), plans.len()), (2, 12));
+        assert_eq!(plans[0].name, "s3_n1.3_theta0_phi0");
+        assert_eq!(plans[4].name, "s3_n1.3_theta40_phi90");
+        assert_eq!(plans[11].name, "s3_n1.5_theta40_phi180");
+        assert_eq!(plans[11].setting, 1);
+        let grid = GonioConfig::from_toml("[light]\ndirections = \"3x2\"").unwrap();
+        assert_eq!(
+            grid.light.angles().unwrap(),
+            [vec![15.0, 45.0, 75.0], vec![90.0, 270.0]]
+        );
+    }
+}

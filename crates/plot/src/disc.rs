@@ -1,0 +1,118 @@
+//! A hemisphere of bins as a disc of equal areas, and the scale of its colours.
+
+use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
+
+use plotters::style::RGBColor;
+use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
+
+use crate::theme;
+
+/// Share of the solid angle that may lie beyond a scale, and how many times above its end something must.
+const OUTSHINING: f64 = 0.02;
+const FAR_ABOVE: f64 = 1.6;
+
+/// Where a scale from zero ends that hemispheres of `[rings, sectors]` bins share, and whether values lie beyond:
+/// at the largest value, or, where that is far above, at what all but a fiftieth of the solid angle stays below.
+pub(crate) fn scale_end<'a>(
+    [rings, sectors]: [usize; 2],
+    hemispheres: impl Iterator<Item = &'a [f64]>,
+) -> (f64, bool) {
+    let edge = |ring: usize| (FRAC_PI_2 * ring as f64 / rings as f64).cos();
+    let areas: Vec<f64> = (0..rings).map(|ring| edge(ring) - edge(ring + 1)).collect();
+    let mut bins: Vec<(f64, f64)> = hemispheres
+        .flat_map(|values| values.iter().enumerate())
+        .map(|(bin, value)| (*value, areas[bin / sectors]))
+        .collect();
+    bins.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let most = bins.first().map_or(0.0, |bin| bin.0);
+    if most <= 0.0 {
+        return (1.0, false);
+    }
+    let all: f64 = bins.iter().map(|bin| bin.1).sum();
+    let mut beyond = 0.0;
+    let below = bins.iter().find(|bin| {
+        beyond += bin.1;
+        beyond > OUTSHINING * all
+    });
+    match below {
+        Some(bin) if bin.0 > 0.0 && most > FAR_ABOVE * bin.0 => (bin.0, true),
+        _ => (most, false),
+    }
+}
+
+/// The disc over a square of `n` by `n` pixels, for [`palette`]: 0 outside, and 1 to 255 from zero to `most`.
+pub(crate) fn disc_pixels(
+    [rings, sectors]: [usize; 2],
+    values: &[f64],
+    n: usize,
+    most: f64,
+) -> Vec<u8> {
+    let place = |i: usize| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
+    let pixel = |i: usize| {
+        let (x, y) = (place(i % n), -place(i / n));
+        let r = x.hypot(y);
+        if r >= 1.0 {
+            return 0;
+        }
+        // Lambert's azimuthal projection of a hemisphere onto the unit disc.
+        let theta = 2.0 * (r / SQRT_2).asin();
+        let phi = y.atan2(x).rem_euclid(TAU);
+        let ring = ((theta / FRAC_PI_2 * rings as f64) as usize).min(rings - 1);
+        let sector = ((phi / TAU * sectors as f64) as usize).min(sectors - 1);
+        let t = (values[ring * sectors + sector] / most).clamp(0.0, 1.0);
+        1 + (254.0 * t).round() as u8
+    };
+    (0..n * n).map(pixel).collect()
+}
+
+/// White for what lies outside of a disc, then *viridis*.
+pub(crate) fn palette() -> Vec<RGBColor> {
+    let colours = (0..=254u8).map(|i| ViridisRGB.get_color(f64::from(i) / 254.0));
+    std::iter::once(theme::WHITE).chain(colours).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Bins of equal solid angle get equal areas: rings of 45 degrees hold 1 - cos 45 and cos 45. A picture of
+    /// 400 x 400 tells areas to a thousandth: its outline of 1257 pixels over 125664.
+    #[test]
+    fn discs_have_equal_areas_and_azimuth_runs_counterclockwise() {
+        let n = 400;
+        let pixels = disc_pixels([2, 4], &[0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.0, 0.0], n, 1.0);
+        let inside = pixels.iter().filter(|p| **p > 0).count() as f64;
+        assert!((inside / (n * n) as f64 - 0.25 * std::f64::consts::PI).abs() < 1e-3);
+        // A quarter of the inner cap: (1 - cos 45 deg) / 4 of the disc.
+        let of = |t: f64| {
+            let index = 1 + (254.0 * t).round() as u8;
+            pixels.iter().filter(|p| **p == index).count() as f64 / inside
+        };
+        let cap = 0.25 * (1.0 - 0.5_f64.sqrt());
+        assert!((of(0.5) - cap).abs() < 1e-3, "{}", of(0.5));
+        assert!((of(1.0) - 0.25 * 0.5_f64.sqrt()).abs() < 1e-3);
+        // The first sector of the outer ring is at the upper right.
+        let at = |x: f64, y: f64| {
+            let [column, row] = [x, -y].map(|v| ((0.5 * (v + 1.0)) * n as f64) as usize);
+            pixels[row * n + column]
+        };
+        assert_eq!(at(0.6, 0.6), 255);
+        assert_eq!([at(-0.6, 0.6), at(-0.6, -0.6), at(0.6, -0.6)], [1; 3]);
+        assert_eq!(at(-0.1, 0.1), 1 + (254.0_f64 * 0.25).round() as u8);
+    }
+
+    #[test]
+    fn few_bins_that_outshine_all_do_not_make_the_scale() {
+        let end = |values: &[f64]| scale_end([18, 36], std::iter::once(values));
+        // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
+        let mut values = vec![0.3; 18 * 36];
+        values[0] = 0.4;
+        assert_eq!(end(&values), (0.4, false));
+        values[0] = 30.0;
+        assert_eq!(end(&values), (0.3, true));
+        // Half of the outer ring holds 4 %.
+        values[17 * 36..17 * 36 + 18].fill(20.0);
+        assert_eq!(end(&values), (30.0, false));
+        assert_eq!(end(&[-1.0; 18 * 36]), (1.0, false));
+    }
+}
