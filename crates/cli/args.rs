@@ -2,6 +2,7 @@
 
 mod attenuation;
 mod ensembles;
+mod medium;
 mod model;
 
 use std::path::PathBuf;
@@ -16,6 +17,7 @@ use crate::output::say;
 
 pub(crate) use attenuation::Attenuation;
 pub(crate) use ensembles::{Converge, Ensemble, Map, Verify};
+pub(crate) use medium::MediumArguments;
 pub(crate) use model::Model;
 
 /// Light on explicit rough surfaces: generate or read a height map, mesh it, trace real reflection
