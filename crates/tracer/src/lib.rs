@@ -34,6 +34,7 @@ mod sight;
 mod steepness;
 mod substrate;
 mod surface;
+mod walk;
 
 pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 pub use accelerators::brute_force::BruteForce;
@@ -53,3 +54,4 @@ pub use sampling::Sampling;
 pub use sight::{Look, Sight, look};
 pub use substrate::{BottomShape, Substrate, SubstrateError};
 pub use surface::{Facet, Surface};
+pub use walk::{Search, Walk, WalkEnd, Walked};
