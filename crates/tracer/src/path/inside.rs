@@ -5,6 +5,7 @@
 //! inside waits in [`Batch::inside`] for its turn, so that paths go on without limit in constant memory.
 
 use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_surface::Border;
 use asperity_tally::{Event, Loss};
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -97,15 +98,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 clear_of = 0;
             }
             if reach.is_infinite() {
-                // Nothing ends a clear medium.
-                let exit = self.exit(
-                    heading.world_direction(),
-                    Face::Bottom,
-                    Medium::Below,
-                    &light,
-                );
-                batch.record.add_exit(&exit);
-                return;
+                return self.leave_clear(substrate, &heading, &light, batch);
             }
             heading.origin += reach * heading.query(self.geometry, Medium::Below).ray.direction;
             if !come_home(self.geometry, &mut heading) {
@@ -122,6 +115,28 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             heading.direction = substrate.scattered(heading.direction, batch.rng);
             flight = substrate.free_flight(batch.rng);
+        }
+    }
+
+    /// Books light that meets nothing more in a clear medium: it goes down for ever where that has no end,
+    /// or leaves an open patch, below the surface or beside a bottom of its own.
+    fn leave_clear<R>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        heading: &Heading,
+        light: &Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if heading.direction.z < 0.0 && substrate.bottom().is_none() {
+            let direction = heading.world_direction();
+            let exit = self.exit(direction, Face::Bottom, Medium::Below, light);
+            batch.record.add_exit(&exit);
+        } else {
+            let loss = match self.geometry.border() {
+                Border::Open => Loss::LeftPatch,
+                Border::Periodic | Border::Mirrored => Loss::Lost,
+            };
+            batch.record.add_loss(loss, light.flux);
         }
     }
 
