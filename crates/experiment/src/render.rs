@@ -5,6 +5,10 @@
 //! square of the index at each interface, and back again, so that for paths that begin and end above all
 //! factors cancel, and a path may be followed as light is ([`asperity_tracer::Walk`]).
 //!
+//! A sun behind a refracting surface is hardly found by chance. Where a path is scattered inside a medium, the
+//! facets that light it from one direction of the sun's disc are looked for ([`asperity_tracer::Sunbeams`]), a
+//! direction for each pass; chance finds the rest: what is reflected, or meets several facets on its way.
+//!
 //! A picture is made in passes, each with as many lines a pixel, spread evenly over it; every row of a pass
 //! has a random stream of its own. Errors are those of the mean over passes.
 
@@ -18,8 +22,8 @@ use asperity_optics::{Layer, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildError, Geometry, MeshSurface, PathSettings, Search,
-    Substrate, SubstrateError, Surface, Walk, WalkEnd, Walked,
+    AcceleratorKind, BottomShape, BuildError, Geometry, MeshSurface, PathSettings, Search, Seen,
+    Substrate, SubstrateError, Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -160,6 +164,7 @@ fn render_on<G: Geometry>(
             Substrate::new(&geometry, layer, BottomShape::Flat, most)
         })
         .transpose()?;
+    let scatters = layer.is_some_and(|layer| !layer.medium().is_clear());
     let place = Place::of(&geometry);
     let scene = Scene {
         camera: settings.view.camera(settings.size, place.highest())?,
@@ -184,7 +189,21 @@ fn render_on<G: Geometry>(
     let mut coverage = vec![0.0; columns * rows];
     let mut losses = Losses::default();
     progress.begin("rendering", passes * rows as u64);
+    let mut beams = None;
+    let sun_shift = {
+        let mut rng = picture_stream(settings.seed, passes, 0);
+        [rng.random::<f64>(), rng.random::<f64>()]
+    };
     for pass in 0..passes {
+        // Under a medium the sun is looked for in one direction a pass.
+        if let (Some(sun), true) = (settings.lights.sun(), scatters) {
+            let towards = sun.point(spread(pass, sun_shift));
+            match &mut beams {
+                None => beams = Some(Sunbeams::new(&geometry, material, towards)),
+                Some(beams) => beams.aim(&geometry, towards),
+            }
+        }
+        let beams = beams.as_ref();
         let surely = pass < PASSES_IN_ANY_CASE;
         let done: Option<Vec<Row>> = (0..rows)
             .into_par_iter()
@@ -194,7 +213,7 @@ fn render_on<G: Geometry>(
                     return None;
                 }
                 let mut rng = picture_stream(settings.seed, pass, row as u64);
-                let row = scene.row(row, of_pass, &mut rng);
+                let row = scene.row(row, of_pass, beams, &mut rng);
                 progress.advance(1);
                 Some(row)
             })
@@ -286,7 +305,13 @@ struct Scene<'a, G: Geometry> {
 }
 
 impl<G: Geometry> Scene<'_, G> {
-    fn row<R: Rng>(&self, row: usize, samples: u64, rng: &mut R) -> Row {
+    fn row<R: Rng>(
+        &self,
+        row: usize,
+        samples: u64,
+        beams: Option<&Sunbeams<G>>,
+        rng: &mut R,
+    ) -> Row {
         let [columns, rows] = self.size;
         let mut out = Row {
             radiance: Vec::with_capacity(columns),
@@ -305,10 +330,14 @@ impl<G: Geometry> Scene<'_, G> {
                 let (origin, direction) = self.camera.line(point);
                 let mut meets = false;
                 let origin = self.place.in_tile(origin);
-                self.walk.follow_both(origin, direction, rng, |walked| {
-                    meets |= walked.path.order() > 0;
-                    radiance += self.radiance(&walked, &mut out.losses);
-                });
+                self.walk
+                    .look(origin, direction, beams, rng, |seen| match seen {
+                        Seen::End(walked) => {
+                            meets |= walked.path.order() > 0;
+                            radiance += self.radiance(&walked, &mut out.losses);
+                        }
+                        Seen::Sunlit(lit) => radiance += self.sunlit(&lit, beams),
+                    });
                 met += u64::from(meets);
             }
             out.radiance.push(radiance / samples as f64);
@@ -317,9 +346,19 @@ impl<G: Geometry> Scene<'_, G> {
         out
     }
 
+    /// What the sun adds where it is found inside the medium.
+    fn sunlit(&self, lit: &Sunlit, beams: Option<&Sunbeams<G>>) -> f64 {
+        let (Some(sun), Some(beams)) = (self.lights.sun(), beams) else {
+            return 0.0;
+        };
+        let place = self.place.on_mean_plane(lit.origin, beams.towards());
+        lit.share * sun.collimated(place)
+    }
+
     /// What comes along a path, from where it leaves.
     fn radiance(&self, walked: &Walked, losses: &mut Losses) -> f64 {
         let radiance = match walked.end {
+            WalkEnd::Above if walked.told => self.lights.sky(),
             WalkEnd::Above => {
                 let place = || self.place.on_mean_plane(walked.origin, walked.direction);
                 self.lights.above(walked.direction, place)

@@ -33,6 +33,7 @@ mod scatter;
 mod sight;
 mod steepness;
 mod substrate;
+mod sunbeams;
 mod surface;
 mod walk;
 
@@ -53,5 +54,6 @@ pub use ray::{Hit, Medium, TileRay};
 pub use sampling::Sampling;
 pub use sight::{Look, Sight, look};
 pub use substrate::{BottomShape, Substrate, SubstrateError};
+pub use sunbeams::Sunbeams;
 pub use surface::{Facet, Surface};
-pub use walk::{Search, Walk, WalkEnd, Walked};
+pub use walk::{Search, Seen, Sunlit, Walk, WalkEnd, Walked};

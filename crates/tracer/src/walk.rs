@@ -6,6 +6,7 @@
 //! through a camera: light is reversible, so that a path may as well be followed from the eye.
 
 use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_surface::Border;
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -17,6 +18,7 @@ use crate::path_settings::PathSettings;
 use crate::ray::Medium;
 use crate::scatter::{Branch, Scattered, scatter};
 use crate::substrate::{Face, Substrate};
+use crate::sunbeams::Sunbeams;
 
 /// Follows light that comes from above, one path at a time.
 ///
@@ -55,10 +57,31 @@ pub struct Walked {
     pub path: EventPath,
     /// How often it was scattered inside the layer.
     pub scatterings: u32,
+    /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
+    /// after it was scattered inside, and sunbeams were asked for.
+    pub told: bool,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,
     /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
     /// without end.
+    pub origin: DVec3,
+}
+
+/// What is seen along a path that is followed from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// Its end.
+    End(Walked),
+    /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
+    Sunlit(Sunlit),
+}
+
+/// Light that is scattered into a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sunlit {
+    /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
+    pub share: f64,
+    /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
     pub origin: DVec3,
 }
 
@@ -99,6 +122,8 @@ struct Path {
     absorbed: f64,
     truncated: f64,
     events: EventPath,
+    /// Events since it was last scattered.
+    events_since: u32,
     scatterings: u32,
 }
 
@@ -151,26 +176,31 @@ impl<'a, G: Geometry> Walk<'a, G> {
     pub fn follow<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> Walked {
         let mut path = Path::new(origin, direction);
         loop {
-            if let Some(end) = self.step(&mut path, rng) {
+            if let Some(end) = self.step(&mut path, None, rng, &mut |_| {}) {
                 return path.ended(end);
             }
         }
     }
 
-    /// The same, but of the first interaction, should the surface divide the light there, both branches are
-    /// followed, each with its share of the flux: one or two paths.
-    pub fn follow_both<R: Rng>(
+    /// Looks along a straight line from above: the same, but where the surface divides the light first, both
+    /// branches are followed, each with its share of the flux, so that there are one or two ends.
+    ///
+    /// With `beams` it also tells of light from their direction that is scattered into the path inside the
+    /// layer. They are left out under a mirrored border, where a direction has several images.
+    pub fn look<R: Rng>(
         &self,
         origin: DVec3,
         direction: DVec3,
+        beams: Option<&Sunbeams<G>>,
         rng: &mut R,
-        mut each: impl FnMut(Walked),
+        mut each: impl FnMut(Seen),
     ) {
+        let beams = beams.filter(|_| self.geometry.border() != Border::Mirrored);
         let mut path = Path::new(origin, direction);
         let (facet, at, t) = match self.next(&path, rng) {
             Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
-            Next::End(end) => return each(path.ended(end)),
-            _ => return each(path.ended(WalkEnd::Lost)),
+            Next::End(end) => return each(Seen::End(path.ended(end))),
+            _ => return each(Seen::End(path.ended(WalkEnd::Lost))),
         };
         self.advance(&mut path, t);
         path.heading = at;
@@ -183,17 +213,30 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 path.absorbed = std::mem::take(&mut absorbed);
                 path.go_on(Face::Top, &branch);
                 let end = loop {
-                    if let Some(end) = self.step(&mut path, rng) {
+                    if let Some(end) = self.step(&mut path, beams, rng, &mut each) {
                         break end;
                     }
                 };
-                each(path.ended(end));
+                let told = beams.is_some()
+                    && end == WalkEnd::Above
+                    && path.scatterings > 0
+                    && path.events_since == 1;
+                each(Seen::End(Walked {
+                    told,
+                    ..path.ended(end)
+                }));
             }
         }
     }
 
     /// Goes to the next interaction and beyond it, or to the end.
-    fn step<R: Rng>(&self, path: &mut Path, rng: &mut R) -> Option<WalkEnd> {
+    fn step<R: Rng>(
+        &self,
+        path: &mut Path,
+        beams: Option<&Sunbeams<G>>,
+        rng: &mut R,
+        each: &mut impl FnMut(Seen),
+    ) -> Option<WalkEnd> {
         match self.next(path, rng) {
             Next::End(end) => Some(end),
             Next::Facet(face, facet, at, t) => {
@@ -239,10 +282,68 @@ impl<'a, G: Geometry> Walk<'a, G> {
                     return Some(WalkEnd::Truncated);
                 }
                 path.scatterings += 1;
+                path.events_since = 0;
+                if let Some(beams) = beams {
+                    self.find_sun(substrate, path, beams, rng, each);
+                }
                 path.heading.direction = substrate.scattered(path.heading.direction, rng);
                 self.roulette(path, rng)
             }
         }
+    }
+
+    /// Tells of the light of beams that is scattered into a path where it is now.
+    ///
+    /// The light must reach from the facet to here without an interaction, of which a free flight of its own
+    /// decides, and nothing may stand in its way inside and above.
+    fn find_sun<R: Rng>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        path: &Path,
+        beams: &Sunbeams<G>,
+        rng: &mut R,
+        each: &mut impl FnMut(Seen),
+    ) {
+        let reach = substrate.free_flight(rng);
+        let goes_on = self.geometry.border() != Border::Open;
+        let x = path.heading.origin;
+        beams.holding(self.geometry, x, reach, goes_on, |beam| {
+            let back = Heading {
+                direction: -beam.direction,
+                ..path.heading
+            };
+            let near = beam.t * (1.0 + 1e-9) + 1e-9;
+            let Ok(Next::Facet(_, facet, at, t)) = self.meet(Face::Top, &back, Medium::Below, near)
+            else {
+                return;
+            };
+            if facet != beam.facet || t > near {
+                return;
+            }
+            if let Ok(Next::Facet(_, _, _, t)) = self.meet(Face::Bottom, &back, Medium::Above, near)
+                && t <= near
+            {
+                return;
+            }
+            let up = Heading {
+                direction: beams.towards(),
+                ..at
+            };
+            let sees = travel(self.geometry, self.accelerator, up, Medium::Above);
+            if !matches!(
+                sees,
+                Travel::Ended(End::Escaped | End::EscapedUnsearched(_))
+            ) {
+                return;
+            }
+            let d = beam.direction;
+            let phase = substrate.phase_density(path.heading.direction.dot(-d));
+            let level = DVec2::new(d.x, d.y * self.geometry.aspect());
+            each(Seen::Sunlit(Sunlit {
+                share: path.flux * phase * beam.share,
+                origin: (path.place - beam.t * level).extend(at.origin.z),
+            }));
+        });
     }
 
     /// What a path comes to next on its straight line.
@@ -424,6 +525,7 @@ impl Path {
             absorbed: 0.0,
             truncated: 0.0,
             events: EventPath::default(),
+            events_since: 0,
             scatterings: 0,
         }
     }
@@ -432,6 +534,7 @@ impl Path {
     fn go_on(&mut self, face: Face, branch: &Branch) {
         self.heading.direction = branch.direction;
         self.events = self.events.then(branch.event);
+        self.events_since += 1;
         if branch.event == Event::Transmission {
             self.space = match (face, self.space) {
                 (Face::Top, Space::Above) | (Face::Bottom, Space::Beyond) => Space::Inside,
@@ -449,6 +552,7 @@ impl Path {
             truncated: self.truncated,
             path: self.events,
             scatterings: self.scatterings,
+            told: false,
             direction: self.heading.world_direction(),
             origin: self.place.extend(self.heading.origin.z),
         }

@@ -1,6 +1,8 @@
 //! What shines on a surface in a picture: a sky, a sun, and light from below.
 
-use asperity_optics::Incidence;
+use std::f64::consts::TAU;
+
+use asperity_optics::{Incidence, around};
 use glam::{DVec2, DVec3};
 
 /// Light from all sides. Radiance is relative to a unit of the user's choice.
@@ -62,6 +64,16 @@ impl Lights {
         Ok(Self { sky, below, sun })
     }
 
+    /// The sun, if there is one.
+    pub(crate) const fn sun(&self) -> Option<&Sun> {
+        self.sun.as_ref()
+    }
+
+    /// Radiance of the sky.
+    pub(crate) const fn sky(&self) -> f64 {
+        self.sky
+    }
+
     /// Radiance that comes from the direction `towards`, on a line that meets the mean plane at `place`.
     pub(crate) fn above(&self, towards: DVec3, place: impl FnOnce() -> DVec2) -> f64 {
         let sun = self.sun.as_ref().filter(|sun| sun.shines(towards, place));
@@ -106,6 +118,22 @@ impl Sun {
     /// Radiance of the disc: its irradiance `pi strength` over its projected solid angle `pi sin^2`.
     fn radiance(&self) -> f64 {
         self.strength / (self.sin_radius * self.sin_radius)
+    }
+
+    /// The direction of a point of the disc, by two uniform numbers that spread evenly over its solid angle.
+    pub(crate) fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
+        around(self.towards, 1.0 - u * (1.0 - self.cos_radius), v)
+    }
+
+    /// Radiance times solid angle, which light from one direction stands for on a line that meets the mean
+    /// plane at `place`.
+    pub(crate) fn collimated(&self, place: DVec2) -> f64 {
+        let lit = self.patch.is_none_or(|patch| patch.contains(place));
+        if lit {
+            TAU * (1.0 - self.cos_radius) * self.radiance()
+        } else {
+            0.0
+        }
     }
 
     fn shines(&self, towards: DVec3, place: impl FnOnce() -> DVec2) -> bool {
@@ -160,7 +188,7 @@ mod tests {
                 .map(|i| {
                     let theta = (f64::from(i) + 0.5) * step;
                     let radiance = lights.above(from_spherical(theta, 1.0), || DVec2::ZERO);
-                    std::f64::consts::TAU * radiance * theta.sin() * theta.cos() * step
+                    TAU * radiance * theta.sin() * theta.cos() * step
                 })
                 .sum();
             let expected = 0.7 * std::f64::consts::PI;
