@@ -9,7 +9,7 @@ use asperity_experiment::{
 use asperity_io::{PictureFormat, SurfaceFormat, write_picture};
 use asperity_optics::Incidence;
 use asperity_surface::HeightField;
-use asperity_tracer::{AcceleratorKind, MeshSurface, PathSettings};
+use asperity_tracer::{AcceleratorKind, Branching, MeshSurface, PathSettings};
 
 use crate::args::{CameraArgument, CameraArguments, Common, LightsArguments, Render};
 use crate::failure::Failure;
@@ -20,6 +20,9 @@ use crate::progress::Bar;
 
 /// What the values of an EXR are.
 const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: share of the pixel that shows the surface";
+
+/// Flux below which roulette decides: pictures are noisy by other causes, and weak paths take long.
+const ROULETTE: f64 = 0.2;
 
 /// Vertical field of view of a pinhole camera, degrees, unless one is given.
 const FIELD_OF_VIEW: f64 = 40.0;
@@ -42,7 +45,8 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
         size: image.size,
         samples: image.samples,
         seed: image.seed,
-        paths: PathSettings::default(),
+        paths: PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER)
+            .map_err(Failure::usage)?,
         accelerator: AcceleratorKind::Auto,
     };
 

@@ -97,7 +97,7 @@ pub(crate) struct ImageArguments {
     #[arg(long, value_parser = parse_size, default_value = "640x480")]
     pub(crate) size: [usize; 2],
     /// Lines of sight a pixel, at least
-    #[arg(long, value_parser = parse_count, default_value = "64", allow_negative_numbers = true)]
+    #[arg(long, value_parser = parse_count, default_value = "16", allow_negative_numbers = true)]
     pub(crate) samples: u64,
     /// Time after which the passes that are complete make the picture: seconds, or as 10m or 2h
     #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]

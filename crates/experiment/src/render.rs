@@ -428,3 +428,6 @@ impl Place {
         there * self.unit
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -172,7 +172,7 @@ mod tests {
     fn both_cameras_see_the_target_in_the_middle_and_its_width_across() {
         for projection in [Projection::Orthographic, PINHOLE] {
             for theta in [0.0, 30.0, 75.0] {
-                let camera = view(projection, theta).camera([200, 100], 1.5).unwrap();
+                let camera = view(projection, theta).camera([200, 100], 1.0).unwrap();
                 let at = |u, v| footprint(camera.line([u, v]));
                 let near = |p: DVec2, x: f64, y: f64| (p - DVec2::new(x, y)).length() < 1e-12;
                 assert!(near(at(0.5, 0.5), 3.0, 5.0), "{projection:?} {theta}");
