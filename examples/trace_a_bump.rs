@@ -8,11 +8,13 @@
 
 use std::f64::consts::TAU;
 
-use asperity_experiment::{Estimator, RaySettings, Silent, energy_table, trace};
+use asperity_experiment::{
+    BottomSurface, Estimator, RaySettings, Scene, Silent, energy_table, trace,
+};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::HeightField;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, Medium, PathSettings, Sampling};
+use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 64 x 64 samples of 0.1 um, one period of cosines 1 um high.
@@ -34,15 +36,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         sampling: Sampling::Stratified,
         refine: false,
         target: None,
+        bottom: BottomSurface::Flat,
+        most_scatterings: 0,
     };
-    let outcome = trace(
-        crate_of_eggs,
-        Material::dielectric(1.5)?,
-        Incidence::from_degrees(60.0, 0.0)?,
-        Medium::Above,
-        &settings,
-        &Silent,
-    )?;
+    let incidence = Incidence::from_degrees(60.0, 0.0)?;
+    let scene = Scene::new(Material::dielectric(1.5)?, incidence);
+    let outcome = trace(crate_of_eggs, None, &scene, &settings, &Silent)?;
     print!("{}", energy_table(&layout, &outcome.statistics));
     Ok(())
 }

@@ -12,8 +12,8 @@
 )]
 
 use asperity_experiment::{
-    ControlMean, Count, Estimator, RaySettings, RunConfig, Silent, VerifyConfig, VerifyOutcome,
-    trace, verify,
+    ControlMean, Count, Estimator, RaySettings, RunConfig, Scene, Silent, VerifyConfig,
+    VerifyOutcome, trace, verify,
 };
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, Psd, Synthesis};
@@ -190,7 +190,11 @@ fn estimators_agree_on_a_given_surface() {
                 ..run.ray_settings().unwrap()
             };
             let field = synthesis.draw(7, 0).unwrap().with_border(border);
-            trace(field, material, incidence, incident, &settings, &Silent).unwrap()
+            let scene = Scene {
+                incident,
+                ..Scene::new(material, incidence)
+            };
+            trace(field, None, &scene, &settings, &Silent).unwrap()
         };
         let plain = traced(Estimator::Plain, 1);
         let controlled = traced(Estimator::Controlled, 2);

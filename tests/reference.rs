@@ -11,12 +11,14 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Estimator, RaySettings, Silent, VerifyConfig, trace, verify};
+use asperity_experiment::{
+    BottomSurface, Estimator, RaySettings, Scene, Silent, VerifyConfig, trace, verify,
+};
 use asperity_io::read_height_map;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
-use asperity_tracer::{AcceleratorKind, Medium, PathSettings, Sampling};
+use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 use serde_json::Value;
 
 fn shared(name: &str) -> Option<PathBuf> {
@@ -136,15 +138,16 @@ fn one_surface_agrees_with_an_independent_tracer() {
             sampling: Sampling::Stratified,
             refine: false,
             target: None,
+            bottom: BottomSurface::Flat,
+            most_scatterings: 0,
         };
         // Reference light travels towards +x: it comes from azimuth 180 deg.
         let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
         let glass = Material::dielectric(1.5).unwrap();
         let outcome = trace(
             field.clone(),
-            glass,
-            incidence,
-            Medium::Above,
+            None,
+            &Scene::new(glass, incidence),
             &settings,
             &Silent,
         )

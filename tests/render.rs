@@ -76,6 +76,10 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
             "too small for the relief",
         ),
+        (
+            "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",
+            "none is drawn",
+        ),
     ] {
         let command = format!("{SMALL} {flags}");
         // What is given twice is given as the last says, but for outputs.

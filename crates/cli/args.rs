@@ -8,7 +8,9 @@ mod render;
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Aim, Estimator, parse_count, parse_number, parse_order, parse_seconds};
+use asperity_experiment::{
+    Aim, Azimuth, Estimator, parse_count, parse_number, parse_order, parse_seconds,
+};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};
@@ -217,6 +219,24 @@ pub(crate) enum FromArgument {
     Below,
 }
 
+/// How the azimuth of the light is chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum AzimuthArgument {
+    /// Every ray comes from an azimuth of its own; results are turned back to --phi
+    Random,
+    /// All light comes from --phi
+    Fixed,
+}
+
+impl From<AzimuthArgument> for Azimuth {
+    fn from(azimuth: AzimuthArgument) -> Self {
+        match azimuth {
+            AzimuthArgument::Random => Self::Random,
+            AzimuthArgument::Fixed => Self::Fixed,
+        }
+    }
+}
+
 /// Both branches or one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BranchingArgument {
@@ -277,6 +297,11 @@ pub(crate) struct Trace {
     /// The side that the light comes from
     #[arg(long, value_enum, default_value = "above")]
     pub(crate) from: FromArgument,
+    /// Whether each ray comes from an azimuth of its own, and what leaves is turned back
+    #[arg(long, value_enum, default_value = "fixed")]
+    pub(crate) light_azimuth: AzimuthArgument,
+    #[command(flatten)]
+    pub(crate) medium: MediumArguments,
     /// Rays in all
     #[arg(long, value_parser = parse_count, default_value = "1e6", allow_negative_numbers = true)]
     pub(crate) rays: u64,

@@ -337,6 +337,7 @@ pub(crate) fn override_ensemble(
     if let Some(phi) = flags.phi {
         light.phi = Number(phi);
     }
+    light.azimuth = flags.light_azimuth.map(Into::into).or(light.azimuth);
     if let Some(from) = flags.from {
         light.from = incident(from);
     }

@@ -21,6 +21,11 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
     let parts = (&mut config.surface, &mut config.material, &mut config.light);
     let efforts = (&mut config.run, &mut config.compare, &mut config.output);
     override_verification(parts, efforts, of_verify)?;
+    if of_verify.medium.is_given() {
+        return Err(Failure::usage(
+            "a map is of models of surfaces alone, which know of no medium below",
+        ));
+    }
     let tolerances = &mut config.map;
     for (flag, tolerance) in [
         (

@@ -1,10 +1,11 @@
 //! `asperity render`: a picture of one surface.
 
+use std::path::Path;
 use std::time::Duration;
 
 use asperity_experiment::{
-    Deadline, Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View,
-    exposure, render, render_mesh,
+    BottomSurface, Deadline, Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings,
+    Sun, View, exposure, render, render_mesh,
 };
 use asperity_io::{PictureFormat, SurfaceFormat, write_picture};
 use asperity_optics::Incidence;
@@ -38,7 +39,23 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     if image.exposure.is_some_and(|factor| factor <= 0.0) {
         return Err(Failure::usage("the exposure must be a factor above zero"));
     }
-    let (name, subject, notes) = Subject::of(command, common)?;
+    let medium = command.medium.over(None)?;
+    let bottom_surface = medium
+        .as_ref()
+        .map_or(BottomSurface::Flat, |medium| medium.bottom_surface);
+    if bottom_surface == BottomSurface::Independent {
+        return Err(Failure::usage(
+            "--bottom-surface independent: one surface is seen here, and none is drawn; take flat, same or a file",
+        ));
+    }
+    let (name, subject, notes) = match &command.file {
+        Some(path) => Subject::read(path, command, common)?,
+        None => Subject::flat()?,
+    };
+    let bottom = match command.medium.bottom_file() {
+        Some(path) => Some(Subject::read(path, command, common)?.1),
+        None => None,
+    };
     let settings = RenderSettings {
         view: command.camera.view(subject.size())?,
         lights,
@@ -48,6 +65,11 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
         paths: PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER)
             .map_err(Failure::usage)?,
         accelerator: AcceleratorKind::Auto,
+        bottom: bottom_surface,
+        most_scatterings: match &medium {
+            Some(medium) => medium.most_scatterings().map_err(Failure::usage)?,
+            None => 0,
+        },
     };
 
     let bar = Bar::new(common);
@@ -55,9 +77,20 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     let time = image.max_time.map(Duration::try_from_secs_f64);
     let bar = Deadline::new(&bar, time.and_then(Result::ok));
     let layer = layer.as_ref();
-    let outcome = match subject {
-        Subject::Field(field) => render(field, material, layer, &settings, &bar),
-        Subject::Mesh(mesh) => render_mesh(mesh, material, layer, &settings, &bar),
+    let outcome = match (subject, bottom) {
+        (Subject::Field(field), None) => render(field, None, material, layer, &settings, &bar),
+        (Subject::Mesh(mesh), None) => render_mesh(mesh, None, material, layer, &settings, &bar),
+        (Subject::Field(field), Some(Subject::Field(bottom))) => {
+            render(field, Some(bottom), material, layer, &settings, &bar)
+        }
+        (Subject::Mesh(mesh), Some(Subject::Mesh(bottom))) => {
+            render_mesh(mesh, Some(bottom), material, layer, &settings, &bar)
+        }
+        _ => {
+            return Err(Failure::usage(
+                "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
+            ));
+        }
     };
     let outcome = outcome.map_err(|error| match error {
         RenderError::View(_) | RenderError::Substrate(_) | RenderError::BadSize(..) => {
@@ -85,13 +118,19 @@ enum Subject {
 }
 
 impl Subject {
-    /// What the command asks for, its name, and what a reader should know about it.
-    fn of(command: &Render, common: &Common) -> Result<(String, Self, Vec<String>), Failure> {
-        let Some(path) = &command.file else {
-            let field = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]);
-            let field = field.map_err(Failure::failed)?;
-            return Ok(("flat surface".to_owned(), Self::Field(field), Vec::new()));
-        };
+    /// One flat cell.
+    fn flat() -> Result<(String, Self, Vec<String>), Failure> {
+        let field = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]);
+        let field = field.map_err(Failure::failed)?;
+        Ok(("flat surface".to_owned(), Self::Field(field), Vec::new()))
+    }
+
+    /// What a file holds, its name, and what a reader should know about it.
+    fn read(
+        path: &Path,
+        command: &Render,
+        common: &Common,
+    ) -> Result<(String, Self, Vec<String>), Failure> {
         let name = name_of(path);
         match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
             SurfaceFormat::Mesh(_) => {

@@ -4,17 +4,18 @@ use std::path::Path;
 use std::time::Duration;
 
 use asperity_experiment::{
-    Deadline, Light, RaySettings, RunError, Stopping, Summary, Surroundings, Target, check_sides,
-    energy_table, errors_table, lost_warning, trace, trace_mesh, trace_report, work_line,
+    Azimuth, BottomSurface, Deadline, Light, RaySettings, RunError, Scene, Stopping, Summary,
+    Surroundings, Target, check_light, check_sides, energy_table, errors_table, layer_name,
+    lost_warning, trace, trace_mesh, trace_report, work_line,
 };
 use asperity_io::{SurfaceFormat, check_output_folder};
-use asperity_optics::{Incidence, Material};
+use asperity_optics::Material;
 use asperity_surface::{Border, HeightField, RefinementError, Roughness};
 use asperity_tally::Layout;
 use asperity_tracer::{BuildError, Geometry, Medium, MeshSurface, PathSettings};
 use serde_json::{Value, json};
 
-use crate::args::{Common, Trace};
+use crate::args::{AzimuthArgument, Common, Trace};
 use crate::failure::Failure;
 use crate::input::{Input, incident, name_of, read_mesh_surface, read_surface};
 use crate::interrupt;
@@ -25,10 +26,21 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let material = command.interface.material()?;
     let incidence = command.light.incidence()?;
     let half_width = command.in_plane_half_width.to_radians();
-    check_sides(command.side, material).map_err(Failure::usage)?;
+    let medium = command.medium.over(None)?;
+    let layer = command.medium.layer(material)?;
+    let incident_medium = Medium::from(incident(command.from));
+    if layer.is_some() {
+        check_light(incident_medium, command.estimator).map_err(Failure::usage)?;
+    }
+    check_sides(command.side, material, layer.as_ref()).map_err(Failure::usage)?;
     let layout = Layout::new(command.bins, half_width)
         .map_err(Failure::usage)?
         .with_sides(command.side);
+    let layout = if layer.is_some() {
+        layout.with_histories()
+    } else {
+        layout
+    };
     let branching = command.branching.into();
     let settings = RaySettings {
         rays: command.rays,
@@ -41,12 +53,44 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         sampling: command.sampling,
         refine: command.refine,
         target: Target::new(command.target_error, command.of).map_err(Failure::usage)?,
+        bottom: medium
+            .as_ref()
+            .map_or(BottomSurface::Flat, |medium| medium.bottom_surface),
+        most_scatterings: match &medium {
+            Some(medium) => medium.most_scatterings().map_err(Failure::usage)?,
+            None => 0,
+        },
     };
+    if settings.bottom == BottomSurface::Independent {
+        return Err(Failure::usage(
+            "--bottom-surface independent: one surface is traced here, and none is drawn; take flat, same or a file",
+        ));
+    }
     if let Some(target) = settings.target {
-        target.check(&layout, material).map_err(Failure::usage)?;
+        target
+            .check(&layout, material, layer.as_ref())
+            .map_err(Failure::usage)?;
     }
     let subject = Subject::of(command, common)?;
-    let config = config(command, material, incidence, subject.description);
+    let bottom = match command.medium.bottom_file() {
+        Some(path) => Some(Subject::read(path, command, common)?),
+        None => None,
+    };
+    let scene = Scene {
+        material,
+        layer,
+        incidence,
+        incident: incident_medium,
+        any_azimuth: command.light_azimuth == AzimuthArgument::Random,
+    };
+    let below = medium.zip(layer).map(|(medium, layer)| {
+        json!({
+            "medium": medium,
+            "layer": layer,
+            "bottom": bottom.as_ref().map(|bottom| &bottom.description),
+        })
+    });
+    let config = config(command, &scene, subject.description, below);
     let (name, mut warnings) = (subject.name, subject.warnings);
     if let Some(folder) = &command.output {
         check_output_folder(folder).map_err(Failure::failed)?;
@@ -56,16 +100,27 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     interrupt::listen();
     let time = command.max_time.map(Duration::try_from_secs_f64);
     let bar = Deadline::new(&bar, time.and_then(Result::ok));
-    let medium = Medium::from(incident(command.from));
     let plots = command.output.is_some() && !command.no_plots;
-    let outcome = match subject.shape {
-        Shape::Field(field) => trace(field, material, incidence, medium, &settings, &bar),
-        Shape::Mesh(mesh) => trace_mesh(mesh, material, incidence, medium, &settings, &bar),
+    let outcome = match (subject.shape, bottom.map(|bottom| bottom.shape)) {
+        (Shape::Field(field), None) => trace(field, None, &scene, &settings, &bar),
+        (Shape::Mesh(mesh), None) => trace_mesh(mesh, None, &scene, &settings, &bar),
+        (Shape::Field(field), Some(Shape::Field(bottom))) => {
+            trace(field, Some(bottom), &scene, &settings, &bar)
+        }
+        (Shape::Mesh(mesh), Some(Shape::Mesh(bottom))) => {
+            trace_mesh(mesh, Some(bottom), &scene, &settings, &bar)
+        }
+        _ => {
+            return Err(Failure::usage(
+                "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
+            ));
+        }
     };
     let outcome = outcome.map_err(|error| match error {
         RunError::Build(BuildError::NeedsHeightField { .. } | BuildError::NotFlat)
         | RunError::OpenControl
         | RunError::MeshControl
+        | RunError::Layer(_)
         | RunError::Model(_) => Failure::usage(error),
         RunError::Refinement(RefinementError::Open) => Failure::usage(format!("--refine: {error}")),
         _ => Failure::failed(error),
@@ -89,6 +144,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         let light = Light {
             incidence,
             material,
+            layer,
             from: incident(command.from),
             max_order: command.max_order,
             case: None,
@@ -116,7 +172,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     }
     let mut text = format!(
         "{name}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
-        light_line(material, incidence, command),
+        light_line(&scene, command),
         statistics.batches(),
         energy_table(&layout, statistics),
         errors_table(&layout, &outcome.errors),
@@ -158,8 +214,14 @@ impl Subject {
                 filled: 0,
                 notes: Vec::new(),
             };
-            return Ok(Self::of_field(command, input, "flat surface".to_owned()));
+            let name = "flat surface".to_owned();
+            return Ok(Self::of_field(command, None, input, name));
         };
+        Self::read(path, command, common)
+    }
+
+    /// Reads a surface from a file.
+    fn read(path: &Path, command: &Trace, common: &Common) -> Result<Self, Failure> {
         match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
             SurfaceFormat::Mesh(_) if command.refine => Err(Failure::usage(format!(
                 "--refine: {} is a triangle mesh, which says nothing of the surface between its corners; only height maps can be refined",
@@ -171,17 +233,17 @@ impl Subject {
             }
             SurfaceFormat::HeightMap(_) => {
                 let input = read_surface(path, &command.reading, common)?;
-                Ok(Self::of_field(command, input, name_of(path)))
+                Ok(Self::of_field(command, Some(path), input, name_of(path)))
             }
         }
     }
 
-    fn of_field(command: &Trace, input: Input, name: String) -> Self {
+    fn of_field(command: &Trace, path: Option<&Path>, input: Input, name: String) -> Self {
         let field = input.field;
         Self {
             name,
             description: json!({
-                "file": command.file,
+                "file": path,
                 "shape": field.shape(),
                 "spacing": field.spacing(),
                 "unit": field.unit(),
@@ -219,8 +281,9 @@ fn flat() -> Result<HeightField, Failure> {
     HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).map_err(Failure::failed)
 }
 
-fn light_line(material: Material, incidence: Incidence, command: &Trace) -> String {
-    let material = match material {
+fn light_line(scene: &Scene, command: &Trace) -> String {
+    let incidence = scene.incidence;
+    let material = match scene.material {
         Material::Dielectric { eta } => format!("eta {eta}"),
         Material::Conductor { eta, kappa } => format!("conductor {eta} + {kappa} i"),
         _ => "mirror".to_owned(),
@@ -229,20 +292,25 @@ fn light_line(material: Material, incidence: Incidence, command: &Trace) -> Stri
         crate::args::FromArgument::Above => "above",
         crate::args::FromArgument::Below => "below",
     };
+    let below = scene.layer.map_or(String::new(), |layer| {
+        format!(" over a medium ({})", layer_name(&layer))
+    });
     format!(
-        "{material}, light from {side} at theta {} deg, phi {} deg",
+        "{material}{below}, light from {side} at theta {} deg, phi {} deg",
         incidence.theta_deg(),
         incidence.phi_deg()
     )
 }
 
-fn config(command: &Trace, material: Material, incidence: Incidence, surface: Value) -> Value {
-    json!({
+fn config(command: &Trace, scene: &Scene, surface: Value, below: Option<Value>) -> Value {
+    let incidence = scene.incidence;
+    let mut config = json!({
         "surface": surface,
-        "material": material,
+        "material": scene.material,
         "light": {
             "theta_deg": incidence.theta_deg(),
             "phi_deg": incidence.phi_deg(),
+            "azimuth": Azimuth::from(command.light_azimuth),
             "from": incident(command.from),
         },
         "rays": command.target_error.is_none().then_some(command.rays),
@@ -259,7 +327,11 @@ fn config(command: &Trace, material: Material, incidence: Incidence, surface: Va
         "estimator": command.estimator,
         "sampling": command.sampling,
         "refine": command.refine,
-    })
+    });
+    if let Some(below) = below {
+        config["below"] = below;
+    }
+    config
 }
 
 /// Slope above which a facet is pointed out.

@@ -16,17 +16,24 @@ use crate::progress::Bar;
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
     let mut config = read_config(command.config.as_deref(), "verify", VerifyConfig::from_toml)?;
     let alone = (config.cases().err().map(|error| error.to_string()))
-        .or_else(|| Some(config.run.ray_settings().err()?.to_string()))
+        .or_else(|| Some(config.ray_settings().err()?.to_string()))
         .or_else(|| Some(config.check_surfaces().err()?.to_string()));
     let parts = (&mut config.surface, &mut config.material, &mut config.light);
     let efforts = (&mut config.run, &mut config.compare, &mut config.output);
     override_verification(parts, efforts, command)?;
+    if let Some(file) = command.medium.bottom_file() {
+        return Err(Failure::usage(format!(
+            "--bottom-surface {}: surfaces are drawn here, and so is what lies below them; take flat, same or independent",
+            file.display()
+        )));
+    }
+    config.medium = command.medium.over(config.medium)?;
     let refuse = |error: &dyn std::fmt::Display| {
         refuse_config(command.config.as_deref(), alone.as_deref(), error)
     };
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;
-    config.run.ray_settings().map_err(|error| refuse(&error))?;
+    config.ray_settings().map_err(|error| refuse(&error))?;
     config.check_surfaces().map_err(|error| match error {
         VerifyError::Synthesis(error) => refuse_surface(error),
         error => refuse(&error),

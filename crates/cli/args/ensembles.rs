@@ -7,7 +7,7 @@ use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Sampling};
 use clap::Args;
 
-use super::{BranchingArgument, FromArgument, MaterialArgument};
+use super::{AzimuthArgument, BranchingArgument, FromArgument, MaterialArgument, MediumArguments};
 
 /// The surfaces, the material and the light of an ensemble; flags override the file.
 #[derive(Debug, Args)]
@@ -54,6 +54,9 @@ pub(crate) struct Ensemble {
     /// The side that the light comes from
     #[arg(long, value_enum)]
     pub(crate) from: Option<FromArgument>,
+    /// Whether every ray comes from an azimuth of its own, and what leaves is turned back [default: random where surfaces are isotropic]
+    #[arg(long, value_enum)]
+    pub(crate) light_azimuth: Option<AzimuthArgument>,
 }
 
 #[derive(Debug, Args)]
@@ -62,6 +65,8 @@ pub(crate) struct Verify {
     pub(crate) config: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) ensemble: Ensemble,
+    #[command(flatten)]
+    pub(crate) medium: MediumArguments,
     /// Surfaces drawn for each case
     #[arg(long, value_parser = parse_count, allow_negative_numbers = true)]
     pub(crate) realisations: Option<u64>,

@@ -7,6 +7,7 @@ use asperity_tracer::{
 use rayon::prelude::*;
 
 use crate::estimator::Estimator;
+use crate::medium::BottomSurface;
 use crate::progress::Progress;
 use crate::stopping::Target;
 use crate::stream::ray_stream;
@@ -33,6 +34,10 @@ pub struct RaySettings {
     pub refine: bool,
     /// The error to reach, instead of a number of rays.
     pub target: Option<Target>,
+    /// The shape of the bottom of a layer, where there is one.
+    pub bottom: BottomSurface,
+    /// Scatterings inside a medium after which a path is truncated.
+    pub most_scatterings: u32,
 }
 
 /// One mesh of a surface with the light that falls on it.

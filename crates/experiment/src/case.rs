@@ -2,9 +2,11 @@
 
 use std::fmt;
 
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::Psd;
 use serde::Serialize;
+
+use crate::medium::{layer_folder, layer_name};
 
 /// One combination of smoothness, material and direction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -15,6 +17,9 @@ pub struct Case {
     pub psd: Psd,
     /// The material.
     pub material: Material,
+    /// What lies below, if there is anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub layer: Option<Layer>,
     /// The direction towards the light.
     #[serde(serialize_with = "in_degrees")]
     pub incidence: Incidence,
@@ -44,7 +49,11 @@ impl fmt::Display for Case {
             }
             _ => write!(f, "mirror, ")?,
         }
-        write!(f, "theta = {} deg", short(self.incidence.theta_deg()))
+        write!(f, "theta = {} deg", short(self.incidence.theta_deg()))?;
+        match &self.layer {
+            Some(layer) => write!(f, ", {}", layer_name(layer)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -67,7 +76,10 @@ impl Case {
             _ => "mirror".to_owned(),
         };
         let theta = short(self.incidence.theta_deg());
-        format!("s{}_{material}_theta{theta}", short(self.smoothness))
+        let layer = self
+            .layer
+            .map_or(String::new(), |layer| format!("_{}", layer_folder(&layer)));
+        format!("s{}_{material}_theta{theta}{layer}", short(self.smoothness))
     }
 }
 

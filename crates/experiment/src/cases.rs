@@ -3,18 +3,19 @@
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::Psd;
 use asperity_tally::{Side, Sides};
-use asperity_tracer::AcceleratorKind;
+use asperity_tracer::{AcceleratorKind, Medium};
 
 use crate::case::Case;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
+use crate::estimator::Estimator;
 use crate::models::model_of;
 use crate::values::{Count, Number, OneOrMany};
 
 impl VerifyConfig {
-    /// Every combination of smoothness, material and polar angle, in that order of nesting.
+    /// Every combination of smoothness, material, medium and polar angle, in that order of nesting.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
@@ -51,14 +52,21 @@ impl VerifyConfig {
         for (smoothness, sigma) in heights {
             let psd = Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?;
             for &material in &materials {
-                for theta in &thetas {
-                    let incidence = Incidence::from_degrees(theta.0, self.light.phi.0)?;
-                    cases.push(Case {
-                        smoothness,
-                        psd,
-                        material,
-                        incidence,
-                    });
+                let layers = match &self.medium {
+                    Some(medium) => medium.layers(material)?.into_iter().map(Some).collect(),
+                    None => vec![None],
+                };
+                for layer in layers {
+                    for theta in &thetas {
+                        let incidence = Incidence::from_degrees(theta.0, self.light.phi.0)?;
+                        cases.push(Case {
+                            smoothness,
+                            psd,
+                            material,
+                            layer,
+                            incidence,
+                        });
+                    }
                 }
             }
         }
@@ -113,7 +121,7 @@ impl VerifyConfig {
 
     fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-        let settings = self.run.ray_settings()?;
+        let settings = self.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return contradiction(
@@ -125,6 +133,9 @@ impl VerifyConfig {
                 "alpha is {}; the level of a test lies between 0 and 1",
                 self.compare.alpha
             )));
+        }
+        if self.medium.is_some() {
+            check_light(self.light.from.into(), self.run.estimator)?;
         }
         if self.run.accelerator == AcceleratorKind::Flat {
             return contradiction(
@@ -147,9 +158,9 @@ impl VerifyConfig {
                     case.folder()
                 )));
             }
-            check_sides(self.run.side, case.material)?;
+            check_sides(self.run.side, case.material, case.layer.as_ref())?;
             if let Some(target) = settings.target {
-                target.check(&settings.layout, case.material)?;
+                target.check(&settings.layout, case.material, case.layer.as_ref())?;
             }
             for name in &self.compare.models {
                 let model = model_of(name, case)?;
@@ -171,13 +182,44 @@ impl VerifyConfig {
 ///
 /// # Errors
 /// [`ConfigError::Contradiction`] if transmitted light alone is asked of a surface that transmits none.
-pub fn check_sides(sides: Sides, material: Material) -> Result<(), ConfigError> {
-    if sides != Sides::Transmitted || material.transmitting_index().is_some() {
+pub fn check_sides(
+    sides: Sides,
+    material: Material,
+    layer: Option<&Layer>,
+) -> Result<(), ConfigError> {
+    if sides != Sides::Transmitted {
+        return Ok(());
+    }
+    if layer.is_some_and(|layer| !layer.transmits()) {
+        return Err(ConfigError::Contradiction(
+            "nothing leaves below a medium without end, or one that ends on a black, mirror or Lambertian bottom; ask for side reflected or both".into(),
+        ));
+    }
+    if material.transmitting_index().is_some() {
         return Ok(());
     }
     Err(ConfigError::Contradiction(
         "nothing is transmitted by a conductor or a mirror; ask for side reflected or both".into(),
     ))
+}
+
+/// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
+///
+/// # Errors
+/// [`ConfigError::Contradiction`] if it comes from below, or a control is asked for.
+pub fn check_light(incident: Medium, estimator: Estimator) -> Result<(), ConfigError> {
+    let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
+    if incident == Medium::Below {
+        return contradiction(
+            "the medium lies below the surface, so the light must come from above",
+        );
+    }
+    if estimator == Estimator::Controlled {
+        return contradiction(
+            "the controlled estimator knows no medium below the surface; take auto or plain",
+        );
+    }
+    Ok(())
 }
 
 fn check_smoothness(smoothness: f64) -> Result<(), ConfigError> {

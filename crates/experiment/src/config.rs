@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::blocks::RaySettings;
 use crate::estimator::Estimator;
+use crate::medium::{BottomSurface, MediumConfig};
 use crate::stopping::{Aim, Target};
 use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
 
@@ -284,7 +285,7 @@ impl Default for RunConfig {
 }
 
 impl RunConfig {
-    /// The settings of the rays.
+    /// The settings of rays that meet no medium.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
@@ -300,6 +301,8 @@ impl RunConfig {
             sampling: self.sampling,
             refine: self.refine,
             target: Target::new(self.target_error.map(|error| error.0), self.of)?,
+            bottom: BottomSurface::Flat,
+            most_scatterings: 0,
         })
     }
 }
@@ -353,6 +356,9 @@ pub struct VerifyConfig {
     pub surface: SurfaceConfig,
     /// What they are made of.
     pub material: MaterialConfig,
+    /// What lies below, if there is anything.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub medium: Option<MediumConfig>,
     /// Where the light comes from.
     pub light: LightConfig,
     /// How much is traced.
@@ -372,6 +378,23 @@ impl VerifyConfig {
         let config: Self = parse_toml(text)?;
         refuse_effort_beside_target(text, &config.run)?;
         Ok(config)
+    }
+
+    /// The settings of the rays.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range.
+    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+        let settings = self.run.ray_settings()?;
+        let Some(medium) = &self.medium else {
+            return Ok(settings);
+        };
+        Ok(RaySettings {
+            layout: settings.layout.with_histories(),
+            bottom: medium.bottom_surface,
+            most_scatterings: medium.most_scatterings()?,
+            ..settings
+        })
     }
 }
 

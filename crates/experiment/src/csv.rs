@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use asperity_io::{CsvField as Field, WriteError, write_csv};
-use asperity_tally::{BatchStatistics, Estimate, HemisphereGrid, Layout, OrderClass, Share};
+use asperity_tally::{
+    BatchStatistics, Estimate, HemisphereGrid, History, Layout, OrderClass, Share,
+};
 
 use crate::budget::ErrorBudget;
 use crate::models::ModelOutcome;
@@ -59,6 +61,31 @@ pub(crate) fn place(grid: &HemisphereGrid, i: usize) -> Vec<Field<'static>> {
     ]
 }
 
+/// Columns of what light did that was scattered inside a medium never, once and more often.
+fn history_header(layout: &Layout) -> Vec<String> {
+    History::ALL
+        .iter()
+        .filter(|_| layout.has_histories())
+        .flat_map(|history| {
+            let name = format!("flux_{}", history.name());
+            [name.clone(), format!("{name}_se")]
+        })
+        .collect()
+}
+
+/// The fields of [`history_header`], by the entry of each history.
+fn of_histories(
+    layout: &Layout,
+    statistics: &BatchStatistics,
+    entry: impl Fn(History) -> usize,
+) -> Vec<Field<'static>> {
+    History::ALL
+        .into_iter()
+        .filter(|_| layout.has_histories())
+        .flat_map(|history| fields(statistics.estimate(entry(history))))
+        .collect()
+}
+
 fn write_histogram(
     folder: &Path,
     layout: &Layout,
@@ -79,6 +106,8 @@ fn write_histogram(
         "flux_multiple",
         "flux_multiple_se",
     ]);
+    let histories = history_header(layout);
+    header.extend(histories.iter().map(String::as_str));
     header.extend(ERRORS);
     let grid = layout.grid();
     let rows = layout.asked_bins().map(|i| {
@@ -102,6 +131,9 @@ fn write_histogram(
         ]);
         row.extend(fields(single));
         row.extend(fields(multiple));
+        row.extend(of_histories(layout, statistics, |history| {
+            layout.history_bins(history).start + i
+        }));
         row.extend(errors_of(errors, layout.bins(Share::Total).start + i));
         row
     });
@@ -133,7 +165,8 @@ fn write_theta(
 ) -> Result<(), WriteError> {
     let orders = order_header();
     let mut header = vec!["side", "theta_min_deg", "theta_max_deg", "flux", "flux_se"];
-    header.extend(orders.iter().map(String::as_str));
+    let histories = history_header(layout);
+    header.extend(orders.iter().chain(&histories).map(String::as_str));
     header.extend(ERRORS);
     let mut rows = Vec::new();
     for side in layout.sides() {
@@ -151,6 +184,9 @@ fn write_theta(
                     .iter()
                     .flat_map(|&class| fields(of(class))),
             );
+            row.extend(of_histories(layout, statistics, |history| {
+                layout.history_rings(side, history).start + ring
+            }));
             let entry = layout.rings(side, OrderClass::All).start + ring;
             row.extend(errors_of(errors, entry));
             rows.push(row);
@@ -184,7 +220,9 @@ fn write_in_plane(
         "intensity",
         "intensity_se",
     ];
-    header.extend(orders.iter().chain(&of_models).map(String::as_str));
+    let histories = history_header(layout);
+    let columns = orders.iter().chain(&histories).chain(&of_models);
+    header.extend(columns.map(String::as_str));
     header.extend(ERRORS);
     let mut rows = Vec::new();
     for side in layout.sides() {
@@ -207,6 +245,9 @@ fn write_in_plane(
                     .iter()
                     .flat_map(|&class| fields(of(class))),
             );
+            row.extend(of_histories(layout, statistics, |history| {
+                layout.history_in_plane(side, history).start + i
+            }));
             let entry = layout.in_plane(side, OrderClass::All).start + i;
             for model in models {
                 let flux = model.expectation.statistics().estimate(entry);

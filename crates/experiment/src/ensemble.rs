@@ -6,14 +6,15 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
-use asperity_surface::Synthesis;
+use asperity_surface::{HeightField, Synthesis};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, Tracer, Work};
+use asperity_tracer::{Medium, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
 use crate::case::Case;
 use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
+use crate::medium::{BottomSurface, substrate};
 use crate::mesh_error::{MeshStatistics, Meshes};
 use crate::method::Method;
 use crate::progress::Progress;
@@ -33,6 +34,9 @@ const FEWEST_BLOCKS_OF_ONE: u64 = 2;
 
 /// Surfaces after which the error so far is worth to be shown.
 const WORTH_SHOWING: u64 = 4;
+
+/// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
+const FIRST_BOTTOM: u64 = 1 << 50;
 
 /// What one surface did with the light of every case.
 struct Realisation {
@@ -152,12 +156,17 @@ pub(crate) struct Group<'a> {
 /// Memory that one surface takes at its peak.
 pub(crate) fn surface_bytes(synthesis: &Synthesis, settings: &RaySettings) -> usize {
     // A surface that is drawn is not flat.
-    synthesis.peak_bytes().max(meshes_bytes(
+    let traced = meshes_bytes(
         synthesis.shape(),
         settings.accelerator,
         false,
         settings.refine,
-    ))
+    );
+    // A bottom of its own is drawn while the surface above is held.
+    match settings.bottom {
+        BottomSurface::Independent => traced.saturating_add(synthesis.peak_bytes().max(traced)),
+        BottomSurface::Flat | BottomSurface::Same => synthesis.peak_bytes().max(traced),
+    }
 }
 
 impl Group<'_> {
@@ -299,6 +308,18 @@ impl Group<'_> {
         }
     }
 
+    /// Draws the surface of that number in the memory given.
+    fn draw(&self, index: u64, memory: Vec<f64>) -> Result<HeightField, VerifyError> {
+        let field = self
+            .synthesis
+            .draw_into(self.settings.seed, index, memory)?;
+        Ok(if self.coarsened {
+            field.coarsened()?
+        } else {
+            field
+        })
+    }
+
     /// Draws one surface in `room` and traces all cases on it.
     fn one(
         &self,
@@ -308,42 +329,45 @@ impl Group<'_> {
     ) -> Result<Realisation, VerifyError> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
-        let memory = std::mem::take(room);
-        let field = self
-            .synthesis
-            .draw_into(self.settings.seed, index, memory)?;
-        let field = if self.coarsened {
-            field.coarsened()?
+        let field = self.draw(index, std::mem::take(room))?;
+        let bottom = if self.settings.bottom == BottomSurface::Independent {
+            Some(self.draw(FIRST_BOTTOM + index, Vec::new())?)
         } else {
-            field
+            None
         };
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let meshes = Meshes::new(field, self.settings.refine)?;
         let surfaces = &meshes.surfaces;
-        let accelerators = surfaces
-            .iter()
-            .map(|surface| surface.accelerator(self.settings.accelerator))
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(RunError::from)?;
+        let accelerators = meshes.accelerators(self.settings.accelerator)?;
+        let bottoms = bottom
+            .map(|field| Meshes::new(field, self.settings.refine))
+            .transpose()?;
+        let below = match &bottoms {
+            Some(bottoms) => bottoms.accelerators(self.settings.accelerator)?,
+            None => Vec::new(),
+        };
         seconds.build = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
         let mut cases = Vec::new();
         for (case, method) in self.cases.iter().zip(self.methods) {
             let mut traced = Vec::new();
-            for (surface, accelerator) in surfaces.iter().zip(&accelerators) {
+            for (i, (surface, accelerator)) in surfaces.iter().zip(&accelerators).enumerate() {
                 check_grazing(surface, case.incidence)?;
                 let (light, paths) = (case.incidence, self.settings.paths);
+                let (material, incident) = (case.material, self.incident);
+                let mut tracer = Tracer::new(surface, &**accelerator, material, incident, paths);
+                if let Some(layer) = &case.layer {
+                    let own = bottoms.as_ref().map(|b| (&b.surfaces[i], &*below[i]));
+                    let shape = (self.settings.bottom, own);
+                    let most = self.settings.most_scatterings;
+                    let below = substrate((surface, &**accelerator), layer, shape, most);
+                    tracer = tracer.over(below.map_err(RunError::from)?);
+                }
                 traced.push(LitMesh {
-                    tracer: Tracer::new(
-                        surface,
-                        &**accelerator,
-                        case.material,
-                        self.incident,
-                        paths,
-                    ),
+                    tracer,
                     light: method.illumination(light, self.any_azimuth, self.settings),
                     control: method.control(),
                 });
@@ -368,7 +392,7 @@ impl Group<'_> {
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = Used::of(&*accelerators[0]);
-        drop(accelerators);
+        drop((accelerators, below));
         *room = meshes.into_given().into_heights();
         let complete = cases
             .iter()

@@ -1,23 +1,25 @@
 //! The plots of a run, as SVG and PNG.
 
+use std::ops::Range;
 use std::path::Path;
 
 use asperity_analysis::{BsdfModel, in_plane_flux};
 use asperity_io::write_bytes;
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Bottom, Incidence, Layer, Material};
 use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, PolarLobes, Sample, Series, Side as PlotSide,
     Sides as PlotSides,
 };
 use asperity_surface::HeightField;
-use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
+use asperity_tally::{BatchStatistics, History, Layout, OrderClass, Share, Side};
 use rayon::prelude::*;
 
 use crate::case::{Case, short};
 use crate::config::{Incident, VerifyConfig};
+use crate::medium::layer_name;
 use crate::models::ModelOutcome;
 use crate::report::ReportError;
-use crate::tables::{SINGLE_SCATTERING, recorded_orders};
+use crate::tables::{SINGLE_SCATTERING, history_name, recorded_orders};
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;
@@ -29,6 +31,8 @@ pub struct Light {
     pub incidence: Incidence,
     /// The material.
     pub material: Material,
+    /// What lies below, if there is anything.
+    pub layer: Option<Layer>,
     /// The side that it comes from, which plots show as the upper one.
     pub from: Incident,
     /// Interactions after which its paths were ended.
@@ -42,6 +46,7 @@ impl Light {
         Self {
             incidence: case.incidence,
             material: case.material,
+            layer: case.layer,
             from: config.light.from,
             max_order: config.run.max_order,
             case: Some(*case),
@@ -62,7 +67,13 @@ impl Light {
             None => {
                 let theta = short(self.incidence.theta_deg());
                 let phi = short(self.incidence.phi_deg());
+                let layer = self
+                    .layer
+                    .map_or(String::new(), |layer| format!(", {}", layer_name(&layer)));
                 match self.material {
+                    Material::Dielectric { eta } if self.layer.is_some() => {
+                        format!("n = {}, θᵢ = {theta}°, φᵢ = {phi}°{layer}", short(eta))
+                    }
                     Material::Dielectric { eta } => {
                         format!("n = {}, θᵢ = {theta}°, φᵢ = {phi}°", short(eta))
                     }
@@ -82,7 +93,15 @@ impl Light {
         match side {
             Side::Reflected => Some(self.incidence.theta_deg()),
             Side::Transmitted => {
-                let sin_beta = self.incidence.theta().sin() / self.material.transmitting_index()?;
+                let below = match self.layer.and_then(|layer| layer.end()) {
+                    Some(slab) => match slab.bottom {
+                        Bottom::Interface { eta } => eta,
+                        _ => 1.0,
+                    },
+                    None => 1.0,
+                };
+                let index = below * self.material.transmitting_index()?;
+                let sin_beta = self.incidence.theta().sin() / index;
                 (sin_beta <= 1.0).then(|| sin_beta.asin().to_degrees())
             }
         }
@@ -151,7 +170,10 @@ pub(crate) fn lobes_and_curves(
     statistics: &BatchStatistics,
     models: &[ModelOutcome],
 ) -> Result<(), ReportError> {
-    let transmits = light.material.transmitting_index().is_some();
+    let transmits = match &light.layer {
+        Some(layer) => layer.transmits(),
+        None => light.material.transmitting_index().is_some(),
+    };
     let leaves = |side| side == Side::Reflected || transmits;
     let sides: Vec<Side> = layout.sides().filter(|&side| leaves(side)).collect();
     let mut subtitle = light.subtitle();
@@ -203,7 +225,8 @@ const fn plot_side(side: Side) -> PlotSide {
     }
 }
 
-/// Explicit points, of all recorded orders and of light scattered once, and the models' lines, in 1/sr.
+/// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
+/// inside a medium, and the models' lines, in 1/sr.
 fn series_of(
     light: &Light,
     layout: &Layout,
@@ -212,10 +235,10 @@ fn series_of(
     side: Side,
 ) -> Vec<Series> {
     let width = 90.0 / layout.grid().n_theta() as f64;
-    let explicit = |orders: &str, class: OrderClass| {
+    let explicit = |orders: &str, entries: Range<usize>| {
         let samples = (0..layout.in_plane_len())
             .map(|i| {
-                let flux = statistics.estimate(layout.in_plane(side, class).start + i);
+                let flux = statistics.estimate(entries.start + i);
                 let solid_angle = layout.in_plane_solid_angle(i);
                 let [from, to] = layout.in_plane_edges_deg(i);
                 Sample {
@@ -228,10 +251,22 @@ fn series_of(
         let name = format!("explicit, {orders}");
         Series::explicit(name, plot_side(side), samples).with_bin_width(width)
     };
-    let mut series = vec![explicit(&recorded_orders(light.max_order), OrderClass::All)];
+    let of = |class| layout.in_plane(side, class);
+    let mut series = vec![explicit(
+        &recorded_orders(light.max_order),
+        of(OrderClass::All),
+    )];
+    if layout.has_histories() {
+        for history in History::ALL {
+            if statistics.means()[layout.history(side, history)] != 0.0 {
+                let entries = layout.history_in_plane(side, history);
+                series.push(explicit(history_name(history), entries));
+            }
+        }
+    } else
     // Without multiple scattering both are the same, and one would hide the other.
     if statistics.means()[layout.multiple(side)] != 0.0 {
-        series.push(explicit(SINGLE_SCATTERING, OrderClass::First));
+        series.push(explicit(SINGLE_SCATTERING, of(OrderClass::First)));
     }
     for model in models.iter().filter(|m| m.model.sides().ask(side)) {
         let mut samples = sampled_line(model, layout, side, OrderClass::All);

@@ -31,7 +31,7 @@ impl Known {
         let Some(target) = settings.target else {
             return Ok(None);
         };
-        if settings.estimator == Estimator::Plain {
+        if settings.estimator == Estimator::Plain || case.layer.is_some() {
             return Ok(None);
         }
         let bound = deviation_bound(slopes, case.material, case.incidence);

@@ -27,6 +27,7 @@ mod figures;
 mod known;
 mod limits;
 mod map;
+mod medium;
 mod mesh_error;
 mod method;
 mod models;
@@ -55,7 +56,7 @@ pub use attenuation::{
 pub use blocks::RaySettings;
 pub use budget::{ErrorBudget, Errors};
 pub use case::Case;
-pub use cases::check_sides;
+pub use cases::{check_light, check_sides};
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
     OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
@@ -74,6 +75,7 @@ pub use map::{
     LightShare, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
+pub use medium::{BottomKind, BottomSurface, MediumConfig, PhaseKind, layer_name};
 pub use method::ControlMean;
 pub use models::{ComparedShare, ModelOutcome};
 pub use number::{parse_count, parse_number, parse_order, parse_seconds};
@@ -88,6 +90,6 @@ pub use side_difference::SideDifference;
 pub use stopping::{Aim, PilotFigures, StoppedBy, Stopping, Target};
 pub use summary::{Summary, SummaryWork};
 pub use tables::{energy_table, errors_table, lost_warning, verify_table, work_line};
-pub use trace::{TraceOutcome, trace, trace_mesh};
+pub use trace::{Scene, TraceOutcome, trace, trace_mesh};
 pub use values::{Count, Number, OneOrMany, PerAxis, Seconds};
 pub use verify::{CaseOutcome, VerifyError, VerifyOutcome, verify};

@@ -5,7 +5,7 @@ use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_surface::RefinementError;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, BuildError, Geometry, border};
+use asperity_tracer::{AcceleratorKind, BuildError, Geometry, SubstrateError, border};
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
@@ -46,6 +46,9 @@ pub enum RunError {
         /// GiB available.
         available: f64,
     },
+    /// A layer that does not fit below the surface.
+    #[error(transparent)]
+    Layer(#[from] SubstrateError),
     /// A control of light on an open patch.
     #[error(
         "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"

@@ -4,7 +4,7 @@
 use asperity_analysis::{ModelError, SlopeCovariance, control, unshadowed_fluxes};
 use asperity_surface::{HeightField, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Control, Estimate, Layout, UnshadowedFluxes};
-use asperity_tracer::Surface;
+use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Surface};
 
 use crate::case::Case;
 use crate::limits::RunError;
@@ -35,12 +35,23 @@ pub(crate) struct Meshes<G = Surface> {
     pub(crate) surfaces: Vec<G>,
 }
 
-impl<G> Meshes<G> {
+impl<G: Geometry> Meshes<G> {
     /// One mesh alone.
     pub(crate) fn of_one(surface: G) -> Self {
         Self {
             surfaces: vec![surface],
         }
+    }
+
+    /// An accelerator for each mesh.
+    pub(crate) fn accelerators(
+        &self,
+        kind: AcceleratorKind,
+    ) -> Result<Vec<Box<dyn Accelerator<G>>>, RunError> {
+        self.surfaces
+            .iter()
+            .map(|surface| Ok(surface.accelerator(kind)?))
+            .collect()
     }
 }
 
@@ -286,6 +297,9 @@ impl MeshErrors {
                 }
                 Err(error) => ways[1] = format!("not estimated: {error}"),
             },
+            None if case.layer.is_some() => {
+                ways[0].push_str("; nothing is known beforehand of a surface with a medium below");
+            }
             None if refinement.is_none() => match first_order.shift(synthesis) {
                 Ok(values) => {
                     ways[0] = format!(

@@ -22,14 +22,15 @@ use asperity_optics::{Layer, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildError, Geometry, MeshSurface, PathSettings, Search, Seen,
-    Substrate, SubstrateError, Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked,
+    AcceleratorKind, BuildError, Geometry, MeshSurface, PathSettings, Search, Seen, SubstrateError,
+    Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
 
 use crate::limits::{RunError, check_memory, hierarchy_bytes, meshes_bytes};
+use crate::medium::{BottomSurface, substrate};
 use crate::progress::Progress;
 use crate::stopping::StoppedBy;
 use crate::stream::picture_stream;
@@ -55,6 +56,10 @@ pub struct RenderSettings {
     pub paths: PathSettings,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
+    /// The shape of the bottom, unless one of its own is given; none is drawn here.
+    pub bottom: BottomSurface,
+    /// Scatterings inside a layer after which a path is truncated.
+    pub most_scatterings: u32,
 }
 
 /// A picture, and how it came about.
@@ -108,7 +113,8 @@ const PASSES: u64 = 16;
 /// Passes that are made even if the run is to stop: fewer give no error.
 const PASSES_IN_ANY_CASE: u64 = 2;
 
-/// Makes a picture of a surface of `material`, with a layer below it or nothing.
+/// Makes a picture of a surface of `material`, with a layer below it or nothing; `bottom` is the bottom's own
+/// surface, if it has one.
 ///
 /// A run that is to stop ends with the passes that are complete.
 ///
@@ -116,14 +122,20 @@ const PASSES_IN_ANY_CASE: u64 = 2;
 /// [`RenderError`] if the surface or the picture is too large, the layer too thin, or the eye too low.
 pub fn render(
     field: HeightField,
+    bottom: Option<HeightField>,
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
     progress: &dyn Progress,
 ) -> Result<RenderOutcome, RenderError> {
-    let bytes = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
-    check_memory("this surface", bytes - size_of_val(field.heights()))?;
-    render_on(|| Surface::new(field), material, layer, settings, progress)
+    let bytes = |field: &HeightField| {
+        let all = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
+        all.saturating_sub(size_of_val(field.heights()))
+    };
+    let both = bytes(&field).saturating_add(bottom.as_ref().map_or(0, bytes));
+    check_memory("this surface", both)?;
+    let build = || (Surface::new(field), bottom.map(Surface::new));
+    render_on(build, material, layer, settings, progress)
 }
 
 /// [`render()`] of a triangle mesh.
@@ -132,18 +144,20 @@ pub fn render(
 /// As [`render()`].
 pub fn render_mesh(
     mesh: MeshSurface,
+    bottom: Option<MeshSurface>,
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
     progress: &dyn Progress,
 ) -> Result<RenderOutcome, RenderError> {
-    let bytes = hierarchy_bytes(mesh.facet_count());
+    let bottom_count = bottom.as_ref().map_or(0, Geometry::facet_count);
+    let bytes = hierarchy_bytes(mesh.facet_count().saturating_add(bottom_count));
     check_memory("this mesh with its hierarchy", bytes)?;
-    render_on(|| mesh, material, layer, settings, progress)
+    render_on(|| (mesh, bottom), material, layer, settings, progress)
 }
 
 fn render_on<G: Geometry>(
-    build: impl FnOnce() -> G,
+    build: impl FnOnce() -> (G, Option<G>),
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
@@ -156,12 +170,22 @@ fn render_on<G: Geometry>(
     }
     // Means, squares, a pass, coverage and the picture.
     check_memory("this picture", 64 * columns * rows)?;
-    let geometry = build();
+    let (geometry, bottom) = build();
     let accelerator = geometry.accelerator(settings.accelerator)?;
+    let bottom_accelerator = bottom
+        .as_ref()
+        .map(|bottom| bottom.accelerator(settings.accelerator))
+        .transpose()?;
+    let own = bottom.as_ref().zip(bottom_accelerator.as_deref());
     let substrate = layer
         .map(|layer| {
-            let most = Substrate::<G>::DEFAULT_MOST_SCATTERINGS;
-            Substrate::new(&geometry, layer, BottomShape::Flat, most)
+            let shape = (settings.bottom, own);
+            substrate(
+                (&geometry, &*accelerator),
+                layer,
+                shape,
+                settings.most_scatterings,
+            )
         })
         .transpose()?;
     let scatters = layer.is_some_and(|layer| !layer.medium().is_clear());

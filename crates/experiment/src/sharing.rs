@@ -94,6 +94,11 @@ impl Sharing {
         let methods = traced
             .par_iter()
             .map(|case| {
+                // No control knows of a medium.
+                let estimator = match case.layer {
+                    Some(_) => Estimator::Plain,
+                    None => estimator,
+                };
                 Ok(Method::of_ensemble(
                     estimator,
                     &slopes(&case.psd)?,

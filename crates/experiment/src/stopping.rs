@@ -3,7 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use asperity_optics::Material;
+use asperity_optics::{Layer, Material};
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
 use serde::{Deserialize, Serialize};
 
@@ -90,15 +90,25 @@ impl Aim {
     }
 
     /// Refuses what a material has not, or nobody asks for.
-    fn check(self, layout: &Layout, material: Material) -> Result<(), ConfigError> {
+    fn check(
+        self,
+        layout: &Layout,
+        material: Material,
+        layer: Option<&Layer>,
+    ) -> Result<(), ConfigError> {
         let refuse = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         match (self, material) {
             (Self::Transmitted, _) if material.transmitting_index().is_none() => refuse(
                 "nothing is transmitted by a conductor or a mirror, so no error of transmitted can be asked for",
             ),
-            (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) => refuse(
-                "nothing is absorbed by a dielectric or a mirror, so no error of absorbed can be asked for",
+            (Self::Transmitted, _) if layer.is_some_and(|layer| !layer.transmits()) => refuse(
+                "nothing leaves below this medium, so no error of transmitted can be asked for",
             ),
+            (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) if layer.is_none() => {
+                refuse(
+                    "nothing is absorbed by a dielectric or a mirror, so no error of absorbed can be asked for",
+                )
+            }
             (Self::Reflected, _) if !layout.asks(Side::Reflected) => {
                 refuse("the side reflected is not recorded, so no error of it can be asked for")
             }
@@ -178,12 +188,17 @@ impl Target {
         self.of
     }
 
-    /// Refuses a target that no result of `material`, recorded by `layout`, has.
+    /// Refuses a target that no result of `material` over `layer`, recorded by `layout`, has.
     ///
     /// # Errors
     /// [`ConfigError::Contradiction`].
-    pub fn check(&self, layout: &Layout, material: Material) -> Result<(), ConfigError> {
-        self.of.check(layout, material)
+    pub fn check(
+        &self,
+        layout: &Layout,
+        material: Material,
+        layer: Option<&Layer>,
+    ) -> Result<(), ConfigError> {
+        self.of.check(layout, material, layer)
     }
 }
 

@@ -1,7 +1,7 @@
 //! summary.json: totals, orders, event paths and work.
 
 use asperity_tally::{
-    BatchStatistics, Estimate, EventPath, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
+    BatchStatistics, Estimate, EventPath, History, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
 };
 use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
 use serde::Serialize;
@@ -25,6 +25,12 @@ pub struct SummaryWork {
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not asked for.
     pub branches_not_asked: u64,
+    /// Scatterings inside a medium.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub scatterings: u64,
+    /// Most scatterings of one path.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub most_scatterings: u64,
     /// Accelerator used.
     pub accelerator: AcceleratorKind,
     /// Instructions with which it searches, where there is a choice.
@@ -84,6 +90,8 @@ impl SummaryWork {
             segments_skipped: work.segments_skipped,
             segments_skipped_nearby: work.segments_skipped_nearby,
             branches_not_asked: work.branches_not_asked,
+            scatterings: work.scatterings,
+            most_scatterings: work.most_scatterings.into(),
             accelerator: used.accelerator,
             instructions: used.instructions,
             estimator: method.estimator(),
@@ -97,6 +105,10 @@ impl SummaryWork {
             threads: rayon::current_num_threads(),
         }
     }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -137,6 +149,14 @@ struct Path {
     flux: Estimate,
 }
 
+#[derive(Clone, Debug, Serialize)]
+struct Inside {
+    scatterings: History,
+    side: Side,
+    #[serde(flatten)]
+    flux: Estimate,
+}
+
 /// The contents of summary.json.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
@@ -153,6 +173,9 @@ pub struct Summary {
     error_budget: Option<serde_json::Value>,
     orders: Orders,
     paths: Vec<Path>,
+    /// By how often light was scattered inside a medium, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    histories: Option<Vec<Inside>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<serde_json::Value>,
     warnings: Vec<String>,
@@ -201,6 +224,9 @@ impl Summary {
                 transmitted: orders(Side::Transmitted),
             },
             paths: paths(layout, statistics),
+            histories: layout
+                .has_histories()
+                .then(|| histories(layout, statistics)),
             comparison: None,
             warnings: Vec::new(),
             stopping: None,
@@ -256,6 +282,20 @@ pub(crate) fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) 
             order,
             and_above: order == MAX_LISTED_ORDER,
             flux: statistics.estimate(layout.order(side, order)),
+        })
+        .collect()
+}
+
+/// Fluxes by how often light was scattered inside.
+fn histories(layout: &Layout, statistics: &BatchStatistics) -> Vec<Inside> {
+    layout
+        .sides()
+        .flat_map(|side| {
+            History::ALL.map(|history| Inside {
+                scatterings: history,
+                side,
+                flux: statistics.estimate(layout.history(side, history)),
+            })
         })
         .collect()
 }

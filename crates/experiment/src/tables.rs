@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use asperity_analysis::SignFlipTest;
-use asperity_tally::{BatchStatistics, Estimate, Layout, MAX_LISTED_ORDER, Share, Side};
+use asperity_tally::{BatchStatistics, Estimate, History, Layout, MAX_LISTED_ORDER, Share, Side};
 use asperity_tracer::PathSettings;
 
 use crate::budget::ErrorBudget;
@@ -49,6 +49,27 @@ pub(crate) fn recorded_orders(max_order: u32) -> String {
     }
 }
 
+/// What light is called that was scattered inside a medium so often.
+pub(crate) const fn history_name(history: History) -> &'static str {
+    match history {
+        History::Unscattered => "never scattered inside",
+        History::Once => "once",
+        History::More => "more often",
+    }
+}
+
+/// The parts of the light of one side by how often it was scattered inside a medium.
+fn by_history(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
+    if !layout.has_histories() || statistics.means()[side.index()] == 0.0 {
+        return None;
+    }
+    let parts = History::ALL.map(|history| {
+        let flux = statistics.estimate(layout.history(side, history));
+        format!("{}: {}", history_name(history), with_error(flux))
+    });
+    Some(format!("{side} {}", parts.join(",  ")))
+}
+
 /// Energies, orders and event paths of one run.
 #[must_use]
 pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
@@ -75,6 +96,9 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
         }
         if !fluxes.is_empty() {
             let _ = writeln!(out, "  {side} by order  {}", fluxes.join(",  "));
+        }
+        if let Some(line) = by_history(layout, statistics, side) {
+            let _ = writeln!(out, "  {line}");
         }
     }
     out
@@ -176,8 +200,17 @@ pub fn work_line(work: &SummaryWork) -> String {
         Some(ControlMean::GaussianSlopes) => "controlled",
         Some(ControlMean::FacetsOfSurface) => "controlled by the facets of this surface",
     };
+    let inside = if work.scatterings > 0 {
+        format!(
+            ", {:.1} scatterings a ray and {} of one path at most",
+            work.scatterings as f64 / work.rays as f64,
+            work.most_scatterings
+        )
+    } else {
+        String::new()
+    };
     format!(
-        "{} rays, {estimator}, {} segments searched and {} skipped, accelerator {}{}, {:.1} s on {} threads",
+        "{} rays, {estimator}, {} segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
         work.rays,
         work.segments,
         work.segments_skipped,
@@ -270,6 +303,11 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         ]);
     }
     out.push_str(&aligned(&rows));
+    for side in outcome.layout.sides() {
+        if let Some(line) = by_history(&outcome.layout, &case.statistics, side) {
+            let _ = writeln!(out, "{line}");
+        }
+    }
     out.push('\n');
     out.push_str(&errors_table(&outcome.layout, &case.errors));
     for warning in warnings(outcome, case) {

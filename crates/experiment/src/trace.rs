@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer, Work};
@@ -13,6 +13,7 @@ use crate::estimator::Estimator;
 use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
 };
+use crate::medium::substrate;
 use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
 use crate::method::{Method, with_least_errors};
 use crate::pilot;
@@ -48,16 +49,45 @@ const MARGIN: f64 = 1.2;
 /// Fewest rays of a run with a target, and the most of any run.
 const RAYS: [f64; 2] = [65_536.0, 1e15];
 
-/// Traces light from `incidence`, coming from the medium `incident`, onto one surface.
+/// Light, and what it falls on beside the shape of the surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// What the surface is made of.
+    pub material: Material,
+    /// What lies below it, if there is anything.
+    pub layer: Option<Layer>,
+    /// Where the light comes from.
+    pub incidence: Incidence,
+    /// The side that it comes from.
+    pub incident: Medium,
+    /// Whether each ray comes from an azimuth of its own; what leaves is turned back.
+    pub any_azimuth: bool,
+}
+
+impl Scene {
+    /// Light from above onto a surface with nothing but its material below.
+    #[must_use]
+    pub const fn new(material: Material, incidence: Incidence) -> Self {
+        Self {
+            material,
+            layer: None,
+            incidence,
+            incident: Medium::Above,
+            any_azimuth: false,
+        }
+    }
+}
+
+/// Traces light onto one surface; `bottom` is the surface on which a layer below it ends, where that has a
+/// shape of its own.
 ///
 /// # Errors
-/// [`RunError`] if surface or results are too large, the light too flat, or a surface with an open border
-/// is to be refined.
+/// [`RunError`] if surface or results are too large, the light too flat, a surface with an open border
+/// is to be refined, or a layer does not fit below it.
 pub fn trace(
     field: HeightField,
-    material: Material,
-    incidence: Incidence,
-    incident: Medium,
+    bottom: Option<HeightField>,
+    scene: &Scene,
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
@@ -71,7 +101,9 @@ pub fn trace(
         is_flat,
         settings.refine,
     );
-    check_memory("tracing this surface", bytes - size_of_val(field.heights()))?;
+    let surfaces = 1 + usize::from(bottom.is_some());
+    let more = surfaces.saturating_mul(bytes) - surfaces * size_of_val(field.heights());
+    check_memory("tracing this surface", more)?;
     let len = settings.layout.len();
     let (spacing, border) = (field.spacing(), field.border());
     let mesh_errors = |shifts: Option<BatchStatistics>| match shifts {
@@ -80,11 +112,22 @@ pub fn trace(
         None if border == Border::Open => MeshErrors::unknown(len, OPEN),
         None => MeshErrors::unknown(len, NOT_ASKED),
     };
-    let light = (material, incidence, incident);
-    let build = || Meshes::new(field, settings.refine);
-    let method =
-        |surface: &Surface| Method::of_surface(surface, material, incidence, incident, settings);
-    let (outcome, meshes) = trace_on((build, method), light, settings, mesh_errors, progress)?;
+    let build = || {
+        let own = bottom.map(|field| Meshes::new(field, settings.refine));
+        Ok((Meshes::new(field, settings.refine)?, own.transpose()?))
+    };
+    let Scene {
+        material,
+        incidence,
+        incident,
+        ..
+    } = *scene;
+    let method = |surface: &Surface| match scene.layer {
+        // No control knows of a medium.
+        Some(_) => Ok(Method::PLAIN),
+        None => Method::of_surface(surface, material, incidence, incident, settings),
+    };
+    let (outcome, meshes) = trace_on((build, method), scene, settings, mesh_errors, progress)?;
     Ok(TraceOutcome {
         field: Some(meshes.into_given()),
         ..outcome
@@ -97,9 +140,8 @@ pub fn trace(
 /// As [`trace`].
 pub fn trace_mesh(
     mesh: MeshSurface,
-    material: Material,
-    incidence: Incidence,
-    incident: Medium,
+    bottom: Option<MeshSurface>,
+    scene: &Scene,
     settings: &RaySettings,
     progress: &dyn Progress,
 ) -> Result<TraceOutcome, RunError> {
@@ -111,25 +153,27 @@ pub fn trace_mesh(
         return Err(RunError::MeshControl);
     }
     let len = settings.layout.len();
-    let light = (material, incidence, incident);
-    let build = || Ok(Meshes::of_one(mesh));
+    let build = || Ok((Meshes::of_one(mesh), bottom.map(Meshes::of_one)));
     let mesh_errors = |_| MeshErrors::unknown(len, TRIANGLES);
     let method = |_: &MeshSurface| Ok(Method::PLAIN);
-    Ok(trace_on((build, method), light, settings, mesh_errors, progress)?.0)
+    Ok(trace_on((build, method), scene, settings, mesh_errors, progress)?.0)
 }
 
 /// Why the error of a mesh is not known.
 const OPEN: &str = "not estimated: a surface with an open border cannot be refined";
 const TRIANGLES: &str = "none: the triangles given are the surface";
 
+/// The meshes of a surface, and of what a layer below it ends on, if that has a shape of its own.
+type Built<G> = (Meshes<G>, Option<Meshes<G>>);
+
 /// Traces light on what `build` builds, whose mesh has the errors that follow from what differs between
 /// its meshes.
 fn trace_on<G: Geometry>(
     (build, method): (
-        impl FnOnce() -> Result<Meshes<G>, RunError>,
+        impl FnOnce() -> Result<Built<G>, RunError>,
         impl Fn(&G) -> Result<Method, RunError>,
     ),
-    (material, incidence, incident): (Material, Incidence, Medium),
+    scene: &Scene,
     settings: &RaySettings,
     mesh_errors: impl FnOnce(Option<BatchStatistics>) -> MeshErrors,
     progress: &dyn Progress,
@@ -137,16 +181,15 @@ fn trace_on<G: Geometry>(
     let began = Instant::now();
     check_results(&settings.layout, 1, 1, settings.refine)?;
     progress.begin("building", 1);
-    let meshes = build()?;
-    let accelerators = meshes
-        .surfaces
-        .iter()
-        .map(|surface| {
-            let accelerator = surface.accelerator(settings.accelerator)?;
-            check_grazing(surface, incidence)?;
-            Ok(accelerator)
-        })
-        .collect::<Result<Vec<_>, RunError>>()?;
+    let (meshes, bottoms) = build()?;
+    let accelerators = meshes.accelerators(settings.accelerator)?;
+    let below = match &bottoms {
+        Some(bottoms) => bottoms.accelerators(settings.accelerator)?,
+        None => Vec::new(),
+    };
+    for surface in &meshes.surfaces {
+        check_grazing(surface, scene.incidence)?;
+    }
     let methods = meshes
         .surfaces
         .iter()
@@ -161,12 +204,23 @@ fn trace_on<G: Geometry>(
         .iter()
         .zip(&accelerators)
         .zip(&methods)
-        .map(|((surface, found_by), method)| LitMesh {
-            tracer: Tracer::new(surface, &**found_by, material, incident, settings.paths),
-            light: method.illumination(incidence, false, settings),
-            control: method.control(),
+        .enumerate()
+        .map(|(i, ((surface, found_by), method))| {
+            let (material, incident) = (scene.material, scene.incident);
+            let mut tracer = Tracer::new(surface, &**found_by, material, incident, settings.paths);
+            if let Some(layer) = &scene.layer {
+                let own = bottoms.as_ref().map(|b| (&b.surfaces[i], &*below[i]));
+                let shape = (settings.bottom, own);
+                let top = (surface, &**found_by);
+                tracer = tracer.over(substrate(top, layer, shape, settings.most_scatterings)?);
+            }
+            Ok(LitMesh {
+                tracer,
+                light: method.illumination(scene.incidence, scene.any_azimuth, settings),
+                control: method.control(),
+            })
         })
-        .collect();
+        .collect::<Result<_, RunError>>()?;
     let method = &methods[0];
     let len = settings.layout.len();
     let run = |realisation, blocks: Blocks, statistics: &mut MeshStatistics| {
@@ -262,6 +316,6 @@ fn trace_on<G: Geometry>(
         field: None,
         stopping: told.then(|| stopping.with_warning()),
     };
-    drop(accelerators);
+    drop((accelerators, below));
     Ok((outcome, meshes))
 }

@@ -159,7 +159,7 @@ pub fn verify(
     let time = config.run.max_time.map(|time| time.0);
     let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
     let progress: &dyn Progress = &Deadline::new(progress, time);
-    let settings = config.run.ray_settings()?;
+    let settings = config.ray_settings()?;
     // All recipes are checked before the first is run.
     let recipes = config.recipes()?;
     let all_cases = recipes.iter().map(|(_, cases)| cases.len()).sum();

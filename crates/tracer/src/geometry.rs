@@ -71,6 +71,9 @@ pub trait Geometry: Sized + Send + Sync {
         }
     }
 
+    /// Makes ready what [`Geometry::nearby`] looks at; once is enough.
+    fn prepare_nearby(&self) {}
+
     /// Whether a point at the border of the tile lies on the other side of the surface than `medium`;
     /// false where the geometry cannot tell.
     fn is_beyond(&self, _p: DVec3, _medium: Medium) -> bool {

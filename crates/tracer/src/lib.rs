@@ -28,6 +28,7 @@ mod morton;
 mod path;
 mod path_settings;
 mod ray;
+mod relief;
 mod sampling;
 mod scatter;
 mod sight;

@@ -255,7 +255,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         if let Some(substrate) = &self.substrate
             && medium == face.inside()
         {
-            let heading = substrate.from_face(face, heading);
+            let heading = substrate.back_from(face, heading);
             batch.inside.push(Inside { heading, light });
             return;
         }
@@ -460,7 +460,17 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Under a control the first branches are all followed: what cancels must not be left to chance.
     #[inline(always)]
     fn survives<R: Rng>(&self, light: &mut Light, batch: &mut Batch<'_, G::Facet, R>) -> bool {
-        let threshold = self.settings.roulette_below;
+        self.survives_below(self.settings.roulette_below, light, batch)
+    }
+
+    /// The same with another threshold.
+    #[inline(always)]
+    fn survives_below<R: Rng>(
+        &self,
+        threshold: f64,
+        light: &mut Light,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) -> bool {
         let cancels = light.path.order() == 1 && batch.record.control().is_some();
         if light.flux < threshold && !cancels {
             let survives = batch.rng.random::<f64>() * threshold < light.flux;

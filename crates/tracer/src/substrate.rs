@@ -93,6 +93,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
         shape: BottomShape<'a, G>,
         most_scatterings: u32,
     ) -> Result<Self, SubstrateError> {
+        top.prepare_nearby();
         let unit = top.unit();
         let medium = layer.medium();
         let mut substrate = Self {
@@ -131,6 +132,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
                     bottom_border: geometry.border(),
                 });
             }
+            geometry.prepare_nearby();
             substrate.shift = geometry.mean_plane() - substrate.bottom_z;
             height = geometry.z_range()[1] - geometry.mean_plane();
         }
@@ -219,7 +221,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
 
     /// The same way back.
     #[inline]
-    pub(crate) fn from_face(&self, face: Face, mut heading: Heading) -> Heading {
+    pub(crate) fn back_from(&self, face: Face, mut heading: Heading) -> Heading {
         if face == Face::Bottom {
             heading.origin.z -= self.shift;
         }

@@ -1,5 +1,7 @@
 //! The meshed surface: facets, their normals, and where a ray meets one of them.
 
+use std::sync::OnceLock;
+
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
@@ -12,10 +14,14 @@ use crate::accelerators::tile_bvh::TileBvh;
 use crate::cell::{Cell, Size};
 use crate::geometry::{Escape, Geometry, Nearby, is_beside};
 use crate::ray::{Hit, Medium, TileRay};
+use crate::relief::{Cells, Relief};
 use crate::steepness::Steepness;
 
-/// Columns or rows that a stretch may extend over for its cells to be looked at one by one.
-const MOST_CELLS_NEARBY: f64 = 2.0;
+/// Columns or rows of cells that are looked at one by one.
+const FEW: u32 = 2;
+
+/// Columns or rows under a stretch beyond which a search, of many at once, is quicker than a look nearby.
+const FAR: u32 = 8;
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -44,6 +50,8 @@ pub struct Surface {
     /// `dx / dy`.
     aspect: f64,
     steepness: Steepness,
+    /// Made for surfaces with a medium below.
+    relief: OnceLock<Relief>,
 }
 
 /// From heights to z in tile coordinates.
@@ -96,6 +104,7 @@ impl Surface {
             },
             mean: scale.z(mean),
             steepness,
+            relief: OnceLock::new(),
         }
     }
 
@@ -201,6 +210,86 @@ impl Surface {
             }
         }
         closest
+    }
+
+    /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.
+    #[inline]
+    fn cells_under(&self, ray: &TileRay, stretch: [f64; 2]) -> Option<Cells> {
+        let mut cells = [[0_u32; 2]; 2];
+        for (axis, cells) in cells.iter_mut().enumerate() {
+            let [a, b] = stretch.map(|t| ray.origin[axis] + t * ray.direction[axis]);
+            // Far more than what rounding adds.
+            let margin = 1e-9 * (1.0 + a.abs() + b.abs());
+            let [low, high] = [a.min(b) - margin, a.max(b) + margin];
+            if !(low >= 0.0 && high < self.extent[axis]) {
+                return None;
+            }
+            *cells = [low as u32, high as u32];
+        }
+        Some(cells)
+    }
+
+    /// The first facet that a ray passes before `t` exceeds `reach`, on a stretch that is over the tile.
+    fn nearby_by_halves(
+        &self,
+        relief: &Relief,
+        ray: &TileRay,
+        medium: Medium,
+        reach: f64,
+    ) -> Nearby<Facet> {
+        let mut closest: Option<Hit<Facet>> = None;
+        // The nearest stretch comes last; each is half as long as the one before.
+        let mut stretches = [[0.0, reach]; 64];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let stretch = stretches[waiting];
+            let [from, to] = stretch;
+            if closest.is_some_and(|hit| hit.t < from) {
+                break;
+            }
+            let Some(cells) = self.cells_under(ray, stretch) else {
+                return Nearby::Unknown;
+            };
+            let z = nearest(ray, medium, stretch);
+            if relief.is_clear(cells, medium, z) {
+                continue;
+            }
+            let [[x0, x1], [y0, y1]] = cells;
+            if (x1 - x0 >= FEW || y1 - y0 >= FEW) && waiting + 2 <= stretches.len() {
+                let middle = 0.5 * (from + to);
+                stretches[waiting] = [middle, to];
+                stretches[waiting + 1] = [from, middle];
+                waiting += 2;
+                continue;
+            }
+            for iy in y0..=y1 {
+                for ix in x0..=x1 {
+                    let cell = self.cell([ix, iy]);
+                    let q = medium.sign();
+                    // Beyond all four corners the stretch is beyond both facets.
+                    if [cell.z00, cell.z10, cell.z01, cell.z11]
+                        .iter()
+                        .all(|corner| q * z > q * corner)
+                    {
+                        continue;
+                    }
+                    for triangle in [Triangle::Lower, Triangle::Upper] {
+                        let facet = Facet { iy, ix, triangle };
+                        if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
+                            let hit = Hit { t, facet };
+                            if hit.is_before(&closest) {
+                                closest = Some(hit);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        match closest {
+            Some(hit) if hit.t <= reach => Nearby::Met(hit),
+            _ => Nearby::Clear,
+        }
     }
 
     /// All facets, row by row.
@@ -319,51 +408,32 @@ impl Geometry for Surface {
         Some((facet, self.snap(facet, DVec3::new(x, y, 0.0))))
     }
 
-    /// By the height range, or by looking at the cells over a stretch that covers few of them.
+    fn prepare_nearby(&self) {
+        let relief = || Relief::new(self.cells(), |ix, iy| self.z(ix, iy));
+        self.relief.get_or_init(relief);
+    }
+
+    /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
+    /// stretch is short, half by half, down to the cells.
     #[inline]
     fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
         if is_beside(self.z_range(), ray, medium, reach) {
             return Nearby::Clear;
         }
-        let mut cells = [[0_u32; 2]; 2];
-        for axis in 0..2 {
-            let start = ray.origin[axis];
-            let end = start + reach * ray.direction[axis];
-            // What rounding may add to the way, and far more.
-            let margin = 1e-9 * (1.0 + start.abs() + end.abs());
-            let [low, high] = [start.min(end) - margin, start.max(end) + margin];
-            if !(low >= 0.0 && high < self.extent[axis] && high - low <= MOST_CELLS_NEARBY) {
-                return Nearby::Unknown;
-            }
-            cells[axis] = [low as u32, high as u32];
+        let (Some(relief), Some(cells)) = (self.relief.get(), self.cells_under(ray, [0.0, reach]))
+        else {
+            return Nearby::Unknown;
+        };
+        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach]))
+            || self.escapes(ray, medium).is_some()
+        {
+            return Nearby::Clear;
         }
         let [[x0, x1], [y0, y1]] = cells;
-        let q = medium.sign();
-        // The point of the stretch that is nearest to the other side.
-        let z = q * ray.origin.z + (reach * q * ray.direction.z).min(0.0);
-        let mut closest = None;
-        for iy in y0..=y1 {
-            for ix in x0..=x1 {
-                let cell = self.cell([ix, iy]);
-                let heights = [cell.z00, cell.z10, cell.z01, cell.z11];
-                if heights.iter().all(|h| z > q * h) {
-                    continue;
-                }
-                for triangle in [Triangle::Lower, Triangle::Upper] {
-                    let facet = Facet { iy, ix, triangle };
-                    if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
-                        let hit = Hit { t, facet };
-                        if hit.is_before(&closest) {
-                            closest = Some(hit);
-                        }
-                    }
-                }
-            }
+        if x1 - x0 > FAR || y1 - y0 > FAR {
+            return Nearby::Unknown;
         }
-        match closest {
-            Some(hit) if hit.t <= reach => Nearby::Met(hit),
-            _ => Nearby::Clear,
-        }
+        self.nearby_by_halves(relief, ray, medium, reach)
     }
 
     fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
@@ -403,6 +473,16 @@ impl Geometry for Surface {
             AcceleratorKind::Auto | AcceleratorKind::Tiles => Box::new(TileBvh::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })
+    }
+}
+
+/// z of the point of a stretch of a ray in `medium` that is nearest to the other side.
+#[inline]
+fn nearest(ray: &TileRay, medium: Medium, stretch: [f64; 2]) -> f64 {
+    let [a, b] = stretch.map(|t| ray.origin.z + t * ray.direction.z);
+    match medium {
+        Medium::Above => a.min(b),
+        Medium::Below => a.max(b),
     }
 }
 

@@ -407,7 +407,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
             (geometry, accelerator) = bottom;
         }
         let at = |heading| match &self.substrate {
-            Some(substrate) => substrate.from_face(face, heading),
+            Some(substrate) => substrate.back_from(face, heading),
             None => heading,
         };
         if self.search == Search::Nearby && reach.is_finite() {

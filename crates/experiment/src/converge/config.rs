@@ -163,6 +163,7 @@ impl ConvergeConfig {
         VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
+            medium: None,
             light: self.light.clone(),
             run: RunConfig {
                 seed: self.converge.seed,

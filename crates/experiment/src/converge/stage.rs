@@ -19,6 +19,7 @@ use crate::blocks::RaySettings;
 use crate::case::Case;
 use crate::ensemble::{Group, Seconds};
 use crate::estimator::Estimator;
+use crate::medium::BottomSurface;
 use crate::method as estimate;
 use crate::progress::Progress;
 use crate::values::{Number, PerAxis};
@@ -144,6 +145,8 @@ impl<'a> Stage<'a> {
                 sampling: method.sampling,
                 refine: false,
                 target: None,
+                bottom: BottomSurface::Flat,
+                most_scatterings: 0,
             },
             incident: self.plan.incident,
             any_azimuth: self.plan.any_azimuth,

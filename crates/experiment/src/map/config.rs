@@ -123,6 +123,7 @@ impl MapConfig {
         let all = VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
+            medium: None,
             light: self.light.clone(),
             run: RunConfig {
                 // The time is that of the map.

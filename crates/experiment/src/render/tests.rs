@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::Layout;
-use asperity_tracer::{Branching, Illumination, Medium, Tracer};
+use asperity_tracer::{BottomShape, Branching, Illumination, Medium, Substrate, Tracer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -41,6 +41,8 @@ fn settings(theta: f64, projection: Projection, lights: Lights) -> RenderSetting
         seed: 4,
         paths: PathSettings::new(Branching::Pick, 0.2, 1000).unwrap(),
         accelerator: AcceleratorKind::Auto,
+        bottom: BottomSurface::Flat,
+        most_scatterings: 100_000,
     }
 }
 
@@ -72,7 +74,7 @@ fn a_white_furnace_shows_nothing() {
             "slab",
             rough(Border::Periodic),
             GLASS,
-            Some(slab(1.0, 14.0, interface)),
+            Some(slab(1.0, 20.0, interface)),
         ),
         (
             "over a mirror",
@@ -90,9 +92,21 @@ fn a_white_furnace_shows_nothing() {
         for projection in [ORTHOGRAPHIC, PINHOLE] {
             let settings = RenderSettings {
                 samples: 4,
+                bottom: if name == "slab" {
+                    BottomSurface::Same
+                } else {
+                    BottomSurface::Flat
+                },
                 ..settings(40.0, projection, furnace)
             };
-            let outcome = render(field.clone(), material, layer.as_ref(), &settings, &Silent);
+            let outcome = render(
+                field.clone(),
+                None,
+                material,
+                layer.as_ref(),
+                &settings,
+                &Silent,
+            );
             let outcome = outcome.unwrap();
             assert_eq!(outcome.lost, 0.0, "{name}");
             // Splitting at the first facet may leave less than the threshold of roulette, 0.2; else nothing
@@ -114,7 +128,7 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
     for (theta, sky, below) in [(0.0, 1.0, 0.0), (56.0, 2.0, 0.0), (75.0, 0.0, 3.0)] {
         let lights = Lights::new(sky, below, None).unwrap();
         let settings = settings(theta, ORTHOGRAPHIC, lights);
-        let outcome = render(flat(), GLASS, None, &settings, &Silent).unwrap();
+        let outcome = render(flat(), None, GLASS, None, &settings, &Silent).unwrap();
         let fresnel = dielectric(theta.to_radians().cos(), 1.5);
         let expected = sky * fresnel.reflected + below * fresnel.transmitted;
         for radiance in outcome.picture.radiance {
@@ -137,7 +151,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
         let towards = Incidence::from_degrees(theta, 270.0).unwrap();
         settings.view = View::new(ORTHOGRAPHIC, towards, [16.0, 16.0], 32.0).unwrap();
         settings.size = if theta == 0.0 { [16, 16] } else { [16, 8] };
-        let seen = render(field.clone(), GLASS, layer, &settings, &Silent).unwrap();
+        let seen = render(field.clone(), None, GLASS, layer, &settings, &Silent).unwrap();
         let errors = &seen.picture.error;
         let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
 
@@ -192,7 +206,7 @@ fn a_patch_lights_what_lies_below_it_and_little_beside() {
         view: view.unwrap(),
         ..settings
     };
-    let picture = render(flat(), GLASS, Some(&layer), &settings, &Silent)
+    let picture = render(flat(), None, GLASS, Some(&layer), &settings, &Silent)
         .unwrap()
         .picture;
     // Columns by the edges of the patch and of the picture are left out.
@@ -216,7 +230,7 @@ fn thread_count_changes_no_byte() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let field = rough(Border::Periodic);
         pool.unwrap()
-            .install(|| render(field, GLASS, Some(&layer), &settings, &Silent))
+            .install(|| render(field, None, GLASS, Some(&layer), &settings, &Silent))
             .unwrap()
     });
     assert_eq!(one.picture, three.picture);
@@ -245,7 +259,7 @@ fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let outcome = pool
             .unwrap()
-            .install(|| render(flat(), GLASS, None, &settings, &progress))
+            .install(|| render(flat(), None, GLASS, None, &settings, &progress))
             .unwrap();
         assert_eq!((outcome.passes, outcome.samples), (passes, 4 * passes));
         assert_eq!(outcome.stopped_by.is_some(), passes < 16);

@@ -19,6 +19,12 @@ use crate::ray::{Hit, Medium};
 use crate::scatter::{Branch, Scattered, scatter};
 use crate::substrate::{Face, Substrate};
 
+/// Inside, roulette begins at so many times the flux at which it begins elsewhere.
+///
+/// A path that is scattered goes on for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
+/// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
+const EAGERNESS: f64 = 30.0;
+
 /// Light that sets out inside the layer, in the coordinates of the upper surface.
 pub(super) struct Inside {
     pub(super) heading: Heading,
@@ -161,7 +167,8 @@ impl<G: Geometry> Tracer<'_, G> {
         light.scatterings += 1;
         batch.work.scatterings += 1;
         batch.work.most_scatterings = batch.work.most_scatterings.max(light.scatterings);
-        self.survives(light, batch)
+        let threshold = (EAGERNESS * self.settings.roulette_below).min(1.0);
+        self.survives_below(threshold, light, batch)
     }
 
     /// Goes on with a leg inside that has been searched for in one tile.
@@ -178,7 +185,7 @@ impl<G: Geometry> Tracer<'_, G> {
             return;
         };
         let beginning = leg.way.beginning(query);
-        let from = substrate.from_face(face, beginning);
+        let from = substrate.back_from(face, beginning);
         let reach = leg.flight.min(substrate.to_flat_bottom(&from));
         let end = match hit {
             Some(hit) if hit.t <= reach => {

@@ -1,0 +1,479 @@
+//! What lies below the surfaces: `[medium]` of a configuration, and the layers that it stands for.
+
+use std::fmt;
+use std::str::FromStr;
+
+use asperity_optics::{
+    Bottom, Layer, LayerError, Material, ParticipatingMedium, ParticipatingMediumError,
+    PhaseFunction, PhaseFunctionError,
+};
+use asperity_tracer::{Accelerator, BottomShape, Geometry, Substrate, SubstrateError, Surface};
+use serde::{Deserialize, Serialize};
+
+use crate::case::short;
+use crate::config::ConfigError;
+use crate::values::{Count, Number, OneOrMany};
+
+/// The phase functions by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PhaseKind {
+    /// Evenly into all directions.
+    Isotropic,
+    /// By the mean cosine `g`.
+    HenyeyGreenstein,
+    /// By particles far smaller than the wavelength.
+    Rayleigh,
+}
+
+/// The ends of a layer by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BottomKind {
+    /// Light leaves undeviated.
+    Open,
+    /// Reflects and refracts.
+    Interface,
+    /// Takes all light.
+    Absorbing,
+    /// Reflects all light.
+    Mirror,
+    /// Reflects light into all directions.
+    Lambertian,
+}
+
+/// The shape of a layer's bottom.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum BottomSurface {
+    /// A plane.
+    #[default]
+    Flat,
+    /// The surface above, moved down.
+    Same,
+    /// Another surface of the same statistics, of a realisation of its own.
+    Independent,
+}
+
+impl fmt::Display for BottomSurface {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Flat => "flat",
+            Self::Same => "same",
+            Self::Independent => "independent",
+        })
+    }
+}
+
+impl FromStr for BottomSurface {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        [Self::Flat, Self::Same, Self::Independent]
+            .into_iter()
+            .find(|shape| shape.to_string() == text)
+            .ok_or_else(|| {
+                format!("unknown bottom surface `{text}`; allowed are flat, same and independent")
+            })
+    }
+}
+
+/// `[medium]`: a medium below the surface. Of values that may be several, all combinations are cases.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MediumConfig {
+    /// Mean distance between interactions, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mean_free_path: Option<OneOrMany<Number>>,
+    /// Share of these interactions that scatters; the rest absorbs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub albedo: Option<OneOrMany<Number>>,
+    /// Absorption coefficient, 1 / length unit; with `scattering` instead of the two above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub absorption: Option<OneOrMany<Number>>,
+    /// Scattering coefficient, 1 / length unit.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scattering: Option<OneOrMany<Number>>,
+    /// Where it scatters light to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub phase: Option<PhaseKind>,
+    /// Mean cosine of scattering by Henyey and Greenstein.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub g: Option<OneOrMany<Number>>,
+    /// From mean plane to mean plane, length units; without end unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness: Option<OneOrMany<Number>>,
+    /// What a layer of that thickness ends on; an interface unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bottom: Option<BottomKind>,
+    /// Index n_beyond / n_layer of an interface; that of the medium above unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bottom_eta: Option<Number>,
+    /// Share of the light that a Lambertian bottom reflects; all of it unless given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bottom_reflectance: Option<Number>,
+    /// The shape of the bottom.
+    pub bottom_surface: BottomSurface,
+    /// Scatterings after which a path is truncated.
+    pub max_scatterings: Count,
+}
+
+impl Default for MediumConfig {
+    fn default() -> Self {
+        Self {
+            mean_free_path: None,
+            albedo: None,
+            absorption: None,
+            scattering: None,
+            phase: None,
+            g: None,
+            thickness: None,
+            bottom: None,
+            bottom_eta: None,
+            bottom_reflectance: None,
+            bottom_surface: BottomSurface::Flat,
+            max_scatterings: Count(Substrate::<Surface>::DEFAULT_MOST_SCATTERINGS.into()),
+        }
+    }
+}
+
+impl MediumConfig {
+    /// Every combination of medium and thickness below a surface of `material`.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn layers(&self, material: Material) -> Result<Vec<Layer>, ConfigError> {
+        let Material::Dielectric { eta } = material else {
+            return refuse(
+                "no light enters a medium below a conductor or a mirror: take a dielectric",
+            );
+        };
+        let media = self.media()?;
+        let bottom = self.bottom(eta)?;
+        let Some(thickness) = &self.thickness else {
+            return match self.first_given_of_bottom() {
+                Some(name) => refuse(&format!(
+                    "{name} says something of the end of a layer: give its thickness too"
+                )),
+                None => Ok(media.into_iter().map(Layer::half_space).collect()),
+            };
+        };
+        let mut layers = Vec::new();
+        for medium in media {
+            for thickness in thickness.values("thickness")? {
+                layers.push(Layer::slab(medium, thickness.0, bottom)?);
+            }
+        }
+        if bottom == Bottom::Open && self.bottom_surface != BottomSurface::Flat {
+            return Err(ConfigError::Contradiction(
+                SubstrateError::OpenShape.to_string(),
+            ));
+        }
+        Ok(layers)
+    }
+
+    /// Scatterings after which a path is truncated.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if they are more than can be counted.
+    pub fn most_scatterings(&self) -> Result<u32, ConfigError> {
+        u32::try_from(self.max_scatterings.0).or_else(|_| {
+            refuse(&format!(
+                "max_scatterings is {}; it must be from 1 to 4294967295",
+                self.max_scatterings.0
+            ))
+        })
+    }
+
+    fn media(&self) -> Result<Vec<ParticipatingMedium>, ConfigError> {
+        let by_coefficients = self.absorption.is_some() || self.scattering.is_some();
+        let by_path = self.mean_free_path.is_some() || self.albedo.is_some();
+        let zero = OneOrMany::One(Number(0.0));
+        let phases = self.phase_functions()?;
+        let mut media = Vec::new();
+        match (&self.mean_free_path, &self.albedo) {
+            _ if by_coefficients && by_path => {
+                return refuse(
+                    "absorption and scattering stand for mean free path and albedo: give one pair or the other",
+                );
+            }
+            _ if by_coefficients => {
+                let absorption = self.absorption.as_ref().unwrap_or(&zero);
+                let scattering = self.scattering.as_ref().unwrap_or(&zero);
+                for a in absorption.values("absorption")? {
+                    for s in scattering.values("scattering")? {
+                        for &phase in &phases {
+                            media.push(ParticipatingMedium::from_coefficients(a.0, s.0, phase)?);
+                        }
+                    }
+                }
+            }
+            (Some(path), Some(albedo)) => {
+                for path in path.values("mean_free_path")? {
+                    for albedo in albedo.values("albedo")? {
+                        for &phase in &phases {
+                            let medium =
+                                ParticipatingMedium::from_mean_free_path(path.0, albedo.0, phase)?;
+                            media.push(medium);
+                        }
+                    }
+                }
+            }
+            (Some(_), None) => {
+                return refuse(
+                    "a mean free path needs an albedo, the share of interactions that scatters light",
+                );
+            }
+            (None, Some(_)) => {
+                return refuse(
+                    "an albedo needs a mean free path, the mean distance between interactions",
+                );
+            }
+            (None, None) => {
+                return refuse(
+                    "a medium needs a mean free path and an albedo, or coefficients of absorption and scattering",
+                );
+            }
+        }
+        Ok(media)
+    }
+
+    fn phase_functions(&self) -> Result<Vec<PhaseFunction>, ConfigError> {
+        match (self.phase, &self.g) {
+            (None | Some(PhaseKind::Isotropic), None) => Ok(vec![PhaseFunction::Isotropic]),
+            (Some(PhaseKind::Rayleigh), None) => Ok(vec![PhaseFunction::Rayleigh]),
+            (None | Some(PhaseKind::HenyeyGreenstein), Some(g)) => g
+                .values("g")?
+                .into_iter()
+                .map(|g| Ok(PhaseFunction::henyey_greenstein(g.0)?))
+                .collect(),
+            (Some(PhaseKind::HenyeyGreenstein), None) => {
+                refuse("the phase function of Henyey and Greenstein needs g, its mean cosine")
+            }
+            (Some(PhaseKind::Isotropic | PhaseKind::Rayleigh), Some(_)) => refuse(
+                "g is of the phase function of Henyey and Greenstein alone: leave out one of them",
+            ),
+        }
+    }
+
+    /// What a layer below a surface of index `eta` ends on.
+    fn bottom(&self, eta: f64) -> Result<Bottom, ConfigError> {
+        let kind = self.bottom.unwrap_or(BottomKind::Interface);
+        if self.bottom_eta.is_some() && kind != BottomKind::Interface {
+            return refuse(
+                "the index beyond the bottom is of an interface alone: leave out one of them",
+            );
+        }
+        if self.bottom_reflectance.is_some() && kind != BottomKind::Lambertian {
+            return refuse(
+                "the reflectance of the bottom is of a Lambertian one alone: say that it is one",
+            );
+        }
+        Ok(match kind {
+            BottomKind::Open => Bottom::Open,
+            BottomKind::Interface => Bottom::Interface {
+                eta: self.bottom_eta.map_or(1.0 / eta, |eta| eta.0),
+            },
+            BottomKind::Absorbing => Bottom::Absorbing,
+            BottomKind::Mirror => Bottom::Mirror,
+            BottomKind::Lambertian => Bottom::Lambertian {
+                reflectance: self.bottom_reflectance.map_or(1.0, |share| share.0),
+            },
+        })
+    }
+
+    /// The first value given that means nothing without a thickness.
+    fn first_given_of_bottom(&self) -> Option<&'static str> {
+        [
+            (self.bottom.is_some(), "bottom"),
+            (self.bottom_eta.is_some(), "the index beyond the bottom"),
+            (
+                self.bottom_reflectance.is_some(),
+                "the reflectance of the bottom",
+            ),
+            (
+                self.bottom_surface != BottomSurface::Flat,
+                "the surface of the bottom",
+            ),
+        ]
+        .into_iter()
+        .find_map(|(given, name)| given.then_some(name))
+    }
+}
+
+fn refuse<T>(reason: &str) -> Result<T, ConfigError> {
+    Err(ConfigError::Contradiction(reason.to_owned()))
+}
+
+impl From<PhaseFunctionError> for ConfigError {
+    fn from(error: PhaseFunctionError) -> Self {
+        Self::Contradiction(error.to_string())
+    }
+}
+
+impl From<ParticipatingMediumError> for ConfigError {
+    fn from(error: ParticipatingMediumError) -> Self {
+        Self::Contradiction(error.to_string())
+    }
+}
+
+impl From<LayerError> for ConfigError {
+    fn from(error: LayerError) -> Self {
+        Self::Contradiction(error.to_string())
+    }
+}
+
+/// A layer for people, as in `mean free path 0.1, albedo 0.9, g = 0.5, 2 thick on a mirror`.
+#[must_use]
+pub fn layer_name(layer: &Layer) -> String {
+    let medium = layer.medium();
+    let mut name = if medium.is_clear() {
+        "clear".to_owned()
+    } else {
+        let path = short(medium.mean_free_path());
+        format!("mean free path {path}, albedo {}", short(medium.albedo()))
+    };
+    match medium.phase() {
+        PhaseFunction::Isotropic => {}
+        PhaseFunction::Rayleigh => name.push_str(", Rayleigh"),
+        phase => name.push_str(&format!(", g = {}", short(phase.mean_cosine()))),
+    }
+    if let Some(slab) = layer.end() {
+        let bottom = match slab.bottom {
+            Bottom::Open => "open below".to_owned(),
+            Bottom::Interface { eta } => format!("on an interface of n = {}", short(eta)),
+            Bottom::Absorbing => "on a black bottom".to_owned(),
+            Bottom::Mirror => "on a mirror".to_owned(),
+            Bottom::Lambertian { reflectance } => {
+                format!("on a Lambertian bottom of {}", short(reflectance))
+            }
+            _ => String::new(),
+        };
+        name.push_str(&format!(", {} thick {bottom}", short(slab.thickness)));
+    }
+    name
+}
+
+/// The same as a part of a folder's name, as in `mfp0.1_albedo0.9_g0.5_d2`.
+pub(crate) fn layer_folder(layer: &Layer) -> String {
+    let medium = layer.medium();
+    let path = if medium.is_clear() {
+        "clear".to_owned()
+    } else {
+        format!("mfp{}", short(medium.mean_free_path()))
+    };
+    let mut name = format!("{path}_albedo{}", short(medium.albedo()));
+    match medium.phase() {
+        PhaseFunction::Isotropic => {}
+        PhaseFunction::Rayleigh => name.push_str("_rayleigh"),
+        phase => name.push_str(&format!("_g{}", short(phase.mean_cosine()))),
+    }
+    if let Some(slab) = layer.end() {
+        name.push_str(&format!("_d{}", short(slab.thickness)));
+    }
+    name
+}
+
+/// A surface and how hits on it are found.
+pub(crate) type Found<'a, G> = (&'a G, &'a dyn Accelerator<G>);
+
+/// What lies below `top`: `layer`, on a bottom of that shape; `own` is the bottom's own surface, where it
+/// has one.
+pub(crate) fn substrate<'a, G: Geometry>(
+    top: Found<'a, G>,
+    layer: &Layer,
+    (shape, own): (BottomSurface, Option<Found<'a, G>>),
+    most_scatterings: u32,
+) -> Result<Substrate<'a, G>, SubstrateError> {
+    let surface = |(geometry, accelerator)| BottomShape::Surface {
+        geometry,
+        accelerator,
+    };
+    let shape = match (own, shape) {
+        (Some(own), _) => surface(own),
+        (None, BottomSurface::Same) => surface(top),
+        (None, _) => BottomShape::Flat,
+    };
+    Substrate::new(top.0, layer, shape, most_scatterings)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::config::VerifyConfig;
+
+    fn cases(text: &str) -> Result<Vec<String>, String> {
+        let text = format!("[compare]\nmodels = []\n{text}");
+        let config = VerifyConfig::from_toml(&text).map_err(|e| e.to_string())?;
+        let cases = config.cases().map_err(|e| e.to_string())?;
+        Ok(cases.iter().map(|case| case.folder()).collect())
+    }
+
+    #[test]
+    fn lists_of_a_medium_multiply() {
+        let text = "[medium]\nmean_free_path = [1, 10]\nalbedo = [0.5, 1]\ng = [0.1, -0.1]\nthickness = [50, 60]";
+        let cases = cases(text).unwrap();
+        assert_eq!(cases.len(), 16);
+        assert_eq!(cases[0], "s3_n1.5_theta30_mfp1_albedo0.5_g0.1_d50");
+    }
+
+    #[test]
+    fn contradictions_are_refused_in_one_sentence() {
+        let path = "mean_free_path = 1\nalbedo = 0.9";
+        for (text, expected) in [
+            ("", "needs a mean free path"),
+            ("mean_free_path = 1", "needs an albedo"),
+            ("albedo = 0.9", "needs a mean free path"),
+            (
+                "mean_free_path = 1\nabsorption = 1",
+                "one pair or the other",
+            ),
+            ("absorption = -1", "absorption coefficient is -1"),
+            ("mean_free_path = 0\nalbedo = 1", "mean free path is 0"),
+            ("mean_free_path = 1\nalbedo = 1.5", "albedo is 1.5"),
+            (&format!("{path}\ng = 1"), "g is 1"),
+            (
+                &format!("{path}\ng = 0.1\nphase = \"rayleigh\""),
+                "Greenstein alone",
+            ),
+            (&format!("{path}\nphase = \"henyey-greenstein\""), "needs g"),
+            (&format!("{path}\nbottom = \"open\""), "give its thickness"),
+            (
+                &format!("{path}\nbottom_surface = \"same\""),
+                "give its thickness",
+            ),
+            (
+                &format!("{path}\nthickness = 9\nbottom = \"open\"\nbottom_surface = \"same\""),
+                "no interface",
+            ),
+            (
+                &format!("{path}\nthickness = 9\nbottom = \"mirror\"\nbottom_eta = 1"),
+                "interface alone",
+            ),
+            (
+                &format!("{path}\nthickness = 9\nbottom_reflectance = 1"),
+                "Lambertian one alone",
+            ),
+            (&format!("{path}\nmax_scatterings = 1e10"), "4294967295"),
+            (
+                &format!("{path}\n[material]\nkind = \"mirror\""),
+                "no light enters",
+            ),
+            (
+                &format!("{path}\n[light]\nfrom = \"below\""),
+                "come from above",
+            ),
+            (
+                &format!("{path}\n[run]\nestimator = \"controlled\""),
+                "knows no medium",
+            ),
+            (
+                &format!("{path}\n[run]\nside = \"transmitted\""),
+                "nothing leaves below",
+            ),
+        ] {
+            let error = cases(&format!("[medium]\n{text}")).unwrap_err();
+            assert!(error.contains(expected), "{text}: {error}");
+            assert!(!error.contains('\n'), "{error}");
+        }
+    }
+}

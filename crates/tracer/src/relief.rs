@@ -1,0 +1,154 @@
+//! Bounds on the heights of a surface, block by block: what lets a short stretch of a ray pass without a
+//! search.
+//!
+//! Many rays over long ways are searched together, by an accelerator. Free flights inside a medium are
+//! short, and follow one another: for these a look at few blocks around is quicker.
+
+use crate::ray::Medium;
+
+/// Cells along the side of the smallest blocks.
+const SMALLEST: usize = 4;
+
+/// Lowest and highest point over blocks of 4, 8, 16, ... cells a side, down to one block, rounded away
+/// from the surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Relief {
+    levels: Vec<Level>,
+}
+
+/// Blocks of one size, row by row.
+#[derive(Clone, Debug)]
+struct Level {
+    columns: usize,
+    rows: usize,
+    bounds: Vec<[f32; 2]>,
+}
+
+/// A rectangle of cells: first and last column, first and last row.
+pub(crate) type Cells = [[u32; 2]; 2];
+
+impl Relief {
+    /// Bounds over `[columns, rows]` cells; `z(ix, iy)` are the heights of the grid points, also those one
+    /// beyond the last cells.
+    pub(crate) fn new([cx, cy]: [usize; 2], z: impl Fn(usize, usize) -> f64) -> Self {
+        let (columns, rows) = (cx.div_ceil(SMALLEST), cy.div_ceil(SMALLEST));
+        let mut bounds = Vec::with_capacity(columns * rows);
+        for row in 0..rows {
+            let points_y = row * SMALLEST..=((row + 1) * SMALLEST).min(cy);
+            for column in 0..columns {
+                let points_x = column * SMALLEST..=((column + 1) * SMALLEST).min(cx);
+                let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                for iy in points_y.clone() {
+                    for ix in points_x.clone() {
+                        let z = z(ix, iy);
+                        (low, high) = (low.min(z), high.max(z));
+                    }
+                }
+                bounds.push([below(low), -below(-high)]);
+            }
+        }
+        let mut levels = vec![Level {
+            columns,
+            rows,
+            bounds,
+        }];
+        while let Some(last) = levels.last()
+            && last.bounds.len() > 1
+        {
+            let next = last.joined_by_four();
+            levels.push(next);
+        }
+        Self { levels }
+    }
+
+    /// Whether no height over `cells` comes as near as `z` to a ray in `medium`: all are higher than `z`
+    /// for one below, lower for one above.
+    #[inline]
+    pub(crate) fn is_clear(&self, cells: Cells, medium: Medium, z: f64) -> bool {
+        let [[x0, x1], [y0, y1]] = cells.map(|range| range.map(|i| i as usize / SMALLEST));
+        // The smallest blocks of which two cover the rectangle along each axis.
+        let longest = (x1 - x0).max(y1 - y0);
+        let mut level = (usize::BITS - longest.leading_zeros()).saturating_sub(1) as usize;
+        if (x1 >> level) - (x0 >> level) > 1 || (y1 >> level) - (y0 >> level) > 1 {
+            level += 1;
+        }
+        let Some(blocks) = self.levels.get(level) else {
+            return false;
+        };
+        (y0 >> level..=y1 >> level).all(|row| {
+            (x0 >> level..=x1 >> level).all(|column| {
+                let [low, high] = blocks.bounds[row * blocks.columns + column];
+                match medium {
+                    Medium::Above => f64::from(high) < z,
+                    Medium::Below => f64::from(low) > z,
+                }
+            })
+        })
+    }
+}
+
+impl Level {
+    fn joined_by_four(&self) -> Self {
+        let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
+        let mut bounds = vec![[f32::INFINITY, f32::NEG_INFINITY]; columns * rows];
+        for (i, [low, high]) in self.bounds.iter().enumerate() {
+            let (row, column) = (i / self.columns, i % self.columns);
+            let joined = &mut bounds[row / 2 * columns + column / 2];
+            *joined = [joined[0].min(*low), joined[1].max(*high)];
+        }
+        Self {
+            columns,
+            rows,
+            bounds,
+        }
+    }
+}
+
+/// The largest number of single precision that is not above `value`.
+fn below(value: f64) -> f32 {
+    let rounded = value as f32;
+    if f64::from(rounded) > value {
+        rounded.next_down()
+    } else {
+        rounded
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_those_of_all_points_of_the_cells_to_single_precision() {
+        // A bowl with a peak: heights that differ everywhere.
+        let z = |ix: usize, iy: usize| {
+            let (x, y) = (ix as f64 - 8.3, iy as f64 - 5.7);
+            0.1 * (x * x + y * y) + if (ix, iy) == (13, 9) { 50.0 } else { 0.0 }
+        };
+        let [cx, cy] = [19, 13];
+        let relief = Relief::new([cx, cy], z);
+        for y0 in 0..cy {
+            for y1 in y0..cy {
+                for x0 in 0..cx {
+                    for x1 in x0..cx {
+                        let cells = [[x0, x1], [y0, y1]].map(|r| r.map(|i| i as u32));
+                        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+                        for iy in y0..=y1 + 1 {
+                            for ix in x0..=x1 + 1 {
+                                (low, high) = (low.min(z(ix, iy)), high.max(z(ix, iy)));
+                            }
+                        }
+                        // Never clear of what lies there, and clear of all that is.
+                        assert!(!relief.is_clear(cells, Medium::Below, low));
+                        assert!(!relief.is_clear(cells, Medium::Above, high));
+                        assert!(relief.is_clear(cells, Medium::Below, -1e-5));
+                        assert!(relief.is_clear(cells, Medium::Above, 100.0));
+                    }
+                }
+            }
+        }
+        // Away from the peak the bound is that of the blocks around.
+        let valley = [[5, 6], [4, 5]];
+        assert!(relief.is_clear(valley, Medium::Above, 4.0));
+    }
+}

@@ -1,0 +1,122 @@
+//! Light on surfaces with a medium below: exact answers, limits and symmetries.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod bottoms;
+#[path = "../common/mod.rs"]
+mod common;
+mod half_space;
+mod rough;
+mod slabs;
+
+use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
+use asperity_surface::HeightField;
+use asperity_tally::{BatchStatistics, Layout};
+use asperity_tracer::{
+    AcceleratorKind, BottomShape, Geometry, Illumination, Medium, PathSettings, Substrate, Surface,
+    Tracer, Work,
+};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+/// A scene: a surface of glass, what lies below it, and the light.
+#[derive(Clone)]
+struct Scene {
+    surface: Surface,
+    eta: f64,
+    layer: Layer,
+    bottom: Option<Surface>,
+    theta_deg: f64,
+    settings: PathSettings,
+    most_scatterings: u32,
+    accelerator: AcceleratorKind,
+    seed: u64,
+}
+
+impl Scene {
+    fn new(surface: Surface, layer: Layer) -> Self {
+        Self {
+            surface,
+            eta: 1.5,
+            layer,
+            bottom: None,
+            theta_deg: 30.0,
+            settings: PathSettings::default(),
+            most_scatterings: 100_000,
+            accelerator: AcceleratorKind::Auto,
+            seed: 1,
+        }
+    }
+
+    /// Traces `batches` batches of `strata^2` rays each.
+    fn trace(&self, batches: u64, strata: u32) -> (BatchStatistics, Work) {
+        let layout = Layout::default().with_histories();
+        let accelerator = self.surface.accelerator(self.accelerator).unwrap();
+        let below = self
+            .bottom
+            .as_ref()
+            .map(|bottom| (bottom, bottom.accelerator(self.accelerator).unwrap()));
+        let shape = match &below {
+            None => BottomShape::Flat,
+            Some((geometry, accelerator)) => BottomShape::Surface {
+                geometry: *geometry,
+                accelerator: &**accelerator,
+            },
+        };
+        let substrate =
+            Substrate::new(&self.surface, &self.layer, shape, self.most_scatterings).unwrap();
+        let tracer = Tracer::new(
+            &self.surface,
+            &*accelerator,
+            Material::dielectric(self.eta).unwrap(),
+            Medium::Above,
+            self.settings,
+        )
+        .over(substrate);
+        let light = Illumination::new(
+            Incidence::from_degrees(self.theta_deg, 20.0).unwrap(),
+            false,
+        );
+        let mut statistics = BatchStatistics::new(layout.len());
+        let mut work = Work::default();
+        for batch in 0..batches {
+            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
+            rng.set_stream(batch);
+            let (values, done) = tracer.batch(&light, strata, layout, None, &mut rng);
+            statistics.push(&values);
+            work += done;
+        }
+        (statistics, work)
+    }
+}
+
+fn flat() -> Surface {
+    Surface::new(HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap())
+}
+
+fn medium(mean_free_path: f64, albedo: f64) -> ParticipatingMedium {
+    let phase = PhaseFunction::Isotropic;
+    ParticipatingMedium::from_mean_free_path(mean_free_path, albedo, phase).unwrap()
+}
+
+fn clear() -> ParticipatingMedium {
+    ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic).unwrap()
+}
+
+fn slab(medium: ParticipatingMedium, thickness: f64, bottom: Bottom) -> Layer {
+    Layer::slab(medium, thickness, bottom).unwrap()
+}
+
+fn budget(statistics: &BatchStatistics) -> f64 {
+    statistics.means()[..5].iter().sum()
+}
+
+/// Difference of one entry between two runs over its standard error.
+fn z_between(a: &BatchStatistics, b: &BatchStatistics, entry: usize) -> f64 {
+    let (a, b) = (a.estimate(entry), b.estimate(entry));
+    common::z_score(a, b.mean, b.se.unwrap())
+}

@@ -1,0 +1,150 @@
+//! A medium below a rough surface: limits of the mean free path, scaling, and ways of finding hits.
+
+use asperity_optics::{Bottom, Layer};
+use asperity_surface::{Border, HeightField};
+use asperity_tally::{BatchStatistics, Layout};
+use asperity_tracer::{AcceleratorKind, Geometry, Medium, Surface, Tracer};
+
+use crate::common::waves;
+use crate::{Scene, medium, slab, z_between};
+
+/// A tile of 16 x 16 columns whose waves are 8 to 16 columns long, as steep as `amplitude`.
+fn rough(amplitude: f64) -> Surface {
+    Surface::new(waves(16, amplitude, 5))
+}
+
+fn reflectance(mean_free_path: f64, seed: u64) -> BatchStatistics {
+    let scene = Scene {
+        seed,
+        theta_deg: 60.0,
+        ..Scene::new(rough(1.0), Layer::half_space(medium(mean_free_path, 0.9)))
+    };
+    scene.trace(64, 24).0
+}
+
+#[test]
+fn short_and_long_mean_free_paths_tend_to_limits_which_differ() {
+    let [shortest, short] = [reflectance(1e-4, 1), reflectance(1e-3, 2)];
+    let [long, longest] = [reflectance(1e4, 3), reflectance(1e5, 4)];
+    let z = |a, b| z_between(a, b, Layout::REFLECTED);
+    println!(
+        "R {:.5} {:.5} {:.5} {:.5}; z {:.2} {:.2} {:.2}",
+        shortest.means()[0],
+        short.means()[0],
+        long.means()[0],
+        longest.means()[0],
+        z(&shortest, &short),
+        z(&long, &longest),
+        z(&short, &long)
+    );
+    assert!(z(&shortest, &short).abs() < 3.5);
+    assert!(z(&long, &longest).abs() < 3.5);
+    assert!(z(&short, &long).abs() > 6.0);
+}
+
+#[test]
+fn a_medium_that_only_absorbs_far_below_leaves_the_bare_surface() {
+    let surface = rough(1.0);
+    let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let run = crate::common::Run {
+        theta_deg: 60.0,
+        phi_deg: 20.0,
+        seed: 1,
+        layout: Layout::default(),
+        ..crate::common::Run::new(
+            &surface,
+            &*accelerator,
+            asperity_optics::Material::dielectric(1.5).unwrap(),
+        )
+    };
+    let (bare, _) = run.go(64, 24);
+    let scene = Scene {
+        theta_deg: 60.0,
+        seed: 2,
+        ..Scene::new(rough(1.0), Layer::half_space(medium(1e9, 0.0)))
+    };
+    let (found, _) = scene.trace(64, 24);
+    for entry in [
+        Layout::REFLECTED,
+        Layout::default().order(asperity_tally::Side::Reflected, 1),
+        Layout::default().order(asperity_tally::Side::Reflected, 3),
+    ] {
+        let z = z_between(&found, &bare, entry);
+        println!("entry {entry}: z {z:.2}");
+        assert!(z.abs() < 3.5);
+    }
+    let (absorbed, transmitted) = (
+        found.estimate(Layout::ABSORBED),
+        bare.estimate(Layout::TRANSMITTED),
+    );
+    let z = crate::common::z_score(absorbed, transmitted.mean, transmitted.se.unwrap());
+    assert!(z.abs() < 3.5, "{z}");
+}
+
+#[test]
+fn scaling_all_lengths_changes_no_byte() {
+    // By powers of two, which rounding does not notice.
+    let scene = |scale: f64| {
+        let field = waves(16, 1.0, 5);
+        let heights = field.heights().iter().map(|h| scale * h).collect();
+        let field = HeightField::new(heights, [16, 16], [scale; 2]).unwrap();
+        let bottom = Bottom::Interface { eta: 0.8 };
+        let scene = Scene {
+            bottom: Some(Surface::new(field.clone())),
+            ..Scene::new(
+                Surface::new(field),
+                slab(medium(2.0 * scale, 0.9), 16.0 * scale, bottom),
+            )
+        };
+        scene.trace(2, 20).0.means().to_vec()
+    };
+    let reference = scene(1.0);
+    assert!(reference[Layout::TRANSMITTED] > 0.01);
+    for scale in [1.0 / 1024.0, 4.0] {
+        assert_eq!(scene(scale), reference);
+    }
+}
+
+#[test]
+fn the_accelerator_changes_no_byte() {
+    for border in [Border::Periodic, Border::Mirrored, Border::Open] {
+        let found = |accelerator| {
+            let surface = || Surface::new(waves(16, 1.5, 7).with_border(border));
+            let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+            let scene = Scene {
+                accelerator,
+                bottom: Some(surface()),
+                theta_deg: 70.0,
+                ..Scene::new(surface(), slab(medium(3.0, 0.95), 24.0, bottom))
+            };
+            scene.trace(1, 20).0.means().to_vec()
+        };
+        let reference = found(AcceleratorKind::BruteForce);
+        for kind in [
+            AcceleratorKind::Pyramid,
+            AcceleratorKind::Tiles,
+            AcceleratorKind::Mesh,
+        ] {
+            assert_eq!(found(kind), reference, "{border} {kind}");
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "lit from above")]
+fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
+    let surface = rough(1.0);
+    let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let layer = Layer::half_space(medium(1.0, 0.5));
+    let shape = asperity_tracer::BottomShape::Flat;
+    let substrate = asperity_tracer::Substrate::new(&surface, &layer, shape, 10).unwrap();
+    let glass = asperity_optics::Material::dielectric(1.5).unwrap();
+    let _ = Tracer::new(
+        &surface,
+        &*accelerator,
+        glass,
+        Medium::Below,
+        Default::default(),
+    )
+    .over(substrate);
+}

@@ -1,0 +1,84 @@
+//! Slabs between flat faces, from thin to thick.
+
+use asperity_optics::{Bottom, Layer, dielectric};
+use asperity_tally::Layout;
+
+use crate::{Scene, budget, flat, medium, slab, z_between};
+
+#[test]
+fn a_slab_far_thinner_than_the_mean_free_path_is_two_interfaces() {
+    // Both faces reflect F: R = F + (1 - F)^2 F / (1 - F^2) = 2 F / (1 + F), over all inner reflections.
+    for theta_deg in [0.0, 50.0, 75.0] {
+        let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+        let scene = Scene {
+            theta_deg,
+            settings: asperity_tracer::PathSettings::new(Default::default(), 1e-6, 1000).unwrap(),
+            ..Scene::new(flat(), slab(medium(1e10, 0.9), 1.0, bottom))
+        };
+        let (found, _) = scene.trace(4, 10);
+        let f = dielectric(f64::to_radians(theta_deg).cos(), 1.5).reflected;
+        let exact = 2.0 * f / (1.0 + f);
+        let [reflected, transmitted] =
+            [Layout::REFLECTED, Layout::TRANSMITTED].map(|i| found.means()[i]);
+        // Roulette ends what is below 1e-6; a ray in 1e10 is scattered.
+        assert!((reflected - exact).abs() < 2e-6, "{reflected} {exact}");
+        assert!((transmitted - (1.0 - exact)).abs() < 2e-6);
+        assert!((budget(&found) - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_slab_far_thicker_than_the_mean_free_path_is_a_half_space() {
+    let half_space = Scene {
+        seed: 1,
+        ..Scene::new(flat(), Layer::half_space(medium(1.0, 0.9)))
+    };
+    let (half_space, _) = half_space.trace(64, 20);
+    let scene = Scene {
+        seed: 2,
+        ..Scene::new(flat(), slab(medium(1.0, 0.9), 60.0, Bottom::Open))
+    };
+    let (thick, _) = scene.trace(64, 20);
+    let z = z_between(&thick, &half_space, Layout::REFLECTED);
+    println!("z {z:.2}");
+    assert!(z.abs() < 3.5);
+    // exp(-60 sqrt(3 (1 - .9))) is 5e-15
+    assert!(thick.means()[Layout::TRANSMITTED] < 1e-9);
+}
+
+#[test]
+fn a_slab_of_one_optical_depth_obeys_beer_and_lambert() {
+    // Unscattered light through matched faces: exp(-d / (mean free path cos theta)).
+    let layout = Layout::default().with_histories();
+    let entry = layout.history(
+        asperity_tally::Side::Transmitted,
+        asperity_tally::History::Unscattered,
+    );
+    for theta_deg in [0.0, 60.0] {
+        let scene = Scene {
+            theta_deg,
+            eta: 1.0,
+            ..Scene::new(flat(), slab(medium(2.0, 0.5), 2.0, Bottom::Open))
+        };
+        let (found, _) = scene.trace(64, 20);
+        let exact = (-1.0 / f64::to_radians(theta_deg).cos()).exp();
+        let z = crate::common::z_score(found.estimate(entry), exact, 0.0);
+        println!("{theta_deg} deg: {exact:.6}, z {z:.2}");
+        assert!(z.abs() < 3.5);
+    }
+}
+
+#[test]
+fn reflected_and_transmitted_light_of_a_conservative_slab_add_to_one() {
+    for bottom in [Bottom::Open, Bottom::Interface { eta: 1.0 / 1.5 }] {
+        let scene = Scene::new(flat(), slab(medium(1.0, 1.0), 5.0, bottom));
+        let (found, _) = scene.trace(16, 20);
+        let means = found.means();
+        assert_eq!(means[Layout::ABSORBED], 0.0);
+        assert_eq!(means[Layout::LOST], 0.0);
+        let all = means[Layout::REFLECTED] + means[Layout::TRANSMITTED] + means[Layout::TRUNCATED];
+        assert!((all - 1.0).abs() < 1e-12);
+        let roulette = found.estimate(Layout::TRUNCATED);
+        assert!(roulette.mean.abs() < 4.0 * roulette.se.unwrap() + 1e-15);
+    }
+}
