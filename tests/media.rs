@@ -197,7 +197,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         ("--g 0.5".to_owned(), "belongs to a medium"),
     ] {
-        let line = format!("trace h.exr --theta 30 --rays 100 {flags}");
+        let line = format!("trace h.exr --theta 30 {flags}");
         let error = refused(&folder, &words(&line), 2);
         assert!(error.contains(reason), "{flags}: {error}");
     }

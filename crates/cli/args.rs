@@ -5,6 +5,7 @@ mod ensembles;
 mod gonio;
 mod medium;
 mod model;
+mod render;
 
 use std::path::PathBuf;
 
@@ -23,6 +24,7 @@ pub(crate) use ensembles::{Converge, Ensemble, Map, Verify};
 pub(crate) use gonio::Gonio;
 pub(crate) use medium::MediumArguments;
 pub(crate) use model::Model;
+pub(crate) use render::{CameraArgument, CameraArguments, LightsArguments, Render};
 
 /// Light on explicit rough surfaces: generate or read a height map, mesh it, trace real reflection
 /// and refraction on it, and compare what comes out with the statistical models.
@@ -84,6 +86,8 @@ pub(crate) enum Command {
     Mesh(Mesh),
     /// Trace light on one surface
     Trace(Box<Trace>),
+    /// Make a picture of one surface and the medium below it
+    Render(Box<Render>),
     /// Trace light on fresh random surfaces and compare with the statistical models
     Verify(Box<Verify>),
     /// Map where each model holds, over smoothness, material and angle; goes on where it was left

@@ -14,6 +14,7 @@ mod mesh;
 mod model;
 mod output;
 mod progress;
+mod render;
 mod text;
 mod trace;
 mod verify;
@@ -70,6 +71,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
         Command::Inspect(command) => inspect::run(command, common),
         Command::Mesh(command) => mesh::run(command, common),
         Command::Trace(command) => trace::run(command, common),
+        Command::Render(command) => render::run(command, common),
         Command::Verify(command) => verify::run(command, common),
         Command::Map(command) => map::run(command, common),
         Command::Gonio(command) => gonio::run(command, common),

@@ -41,6 +41,7 @@ mod part;
 mod peak;
 mod pilot;
 mod progress;
+mod render;
 mod report;
 mod sharing;
 mod side_difference;
@@ -97,6 +98,10 @@ pub use number::{parse_count, parse_number, parse_order, parse_seconds};
 pub use part::Part;
 pub use peak::PeakDifference;
 pub use progress::{Deadline, Progress, Silent};
+pub use render::{
+    Lights, LightsError, MOST_PIXELS, Patch, Projection, RenderError, RenderOutcome,
+    RenderSettings, Sun, View, ViewError, exposure, render, render_mesh,
+};
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use side_difference::SideDifference;
 pub use stopping::{Aim, PilotFigures, StoppedBy, Stopping, Target};

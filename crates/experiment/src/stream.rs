@@ -22,6 +22,11 @@ pub(crate) fn point_stream(seed: u64, realisation: u64, chunk: u64) -> ChaCha8Rn
     stream(b"asperity pts  v1", [seed, realisation], chunk)
 }
 
+/// The stream of row `row` in pass `pass` of a picture under `seed`.
+pub(crate) fn picture_stream(seed: u64, pass: u64, row: u64) -> ChaCha8Rng {
+    stream(b"asperity pict v1", [seed, pass], row)
+}
+
 fn stream(name: &[u8; 16], [a, b]: [u64; 2], number: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..16].copy_from_slice(name);

@@ -371,7 +371,7 @@ fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)>
 ///
 /// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
 /// give equal bytes. The header keeps its length, so that all offsets stay right.
-fn sort_attributes(file: &mut [u8]) {
+pub(crate) fn sort_attributes(file: &mut [u8]) {
     /// Magic number and version come first.
     const START: usize = 8;
     let Some(header) = file.get(START..) else {

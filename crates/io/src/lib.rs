@@ -37,6 +37,7 @@ mod gsf;
 mod memory;
 mod mesh;
 mod npy;
+mod picture;
 mod png;
 mod samples;
 mod text;
@@ -57,4 +58,5 @@ pub use format::{HeightMapFormat, SurfaceFormat, read_height_map, write_height_m
 pub use memory::available_memory;
 pub use mesh::{MeshData, MeshFormat, MeshView, read_mesh, write_mesh};
 pub use npy::write_array;
+pub use picture::{Picture, PictureFormat, write_picture};
 pub use text_file::{read_json, read_text};

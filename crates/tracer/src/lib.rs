@@ -34,7 +34,9 @@ mod scatter;
 mod sight;
 mod steepness;
 mod substrate;
+mod sunbeams;
 mod surface;
+mod walk;
 
 pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 pub use accelerators::brute_force::BruteForce;
@@ -53,4 +55,6 @@ pub use ray::{Hit, Medium, TileRay};
 pub use sampling::Sampling;
 pub use sight::{Look, Sight, look};
 pub use substrate::{BottomShape, Substrate, SubstrateError};
+pub use sunbeams::Sunbeams;
 pub use surface::{Facet, Surface};
+pub use walk::{Search, Seen, Sunlit, Walk, WalkEnd, Walked};

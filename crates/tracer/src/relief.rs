@@ -9,8 +9,7 @@ use crate::ray::Medium;
 /// Cells along the side of the smallest blocks.
 const SMALLEST: usize = 4;
 
-/// Lowest and highest point over blocks of 4, 8, 16, ... cells a side, down to one block, rounded away
-/// from the surface.
+/// Lowest and highest point over blocks of 4, 8, 16, ... cells a side, down to one block.
 #[derive(Clone, Debug)]
 pub(crate) struct Relief {
     levels: Vec<Level>,
@@ -21,7 +20,7 @@ pub(crate) struct Relief {
 struct Level {
     columns: usize,
     rows: usize,
-    bounds: Vec<[f32; 2]>,
+    bounds: Vec<[f64; 2]>,
 }
 
 /// A rectangle of cells: first and last column, first and last row.
@@ -44,7 +43,7 @@ impl Relief {
                         (low, high) = (low.min(z), high.max(z));
                     }
                 }
-                bounds.push([below(low), -below(-high)]);
+                bounds.push([low, high]);
             }
         }
         let mut levels = vec![Level {
@@ -79,8 +78,8 @@ impl Relief {
             (x0 >> level..=x1 >> level).all(|column| {
                 let [low, high] = blocks.bounds[row * blocks.columns + column];
                 match medium {
-                    Medium::Above => f64::from(high) < z,
-                    Medium::Below => f64::from(low) > z,
+                    Medium::Above => high < z,
+                    Medium::Below => low > z,
                 }
             })
         })
@@ -90,7 +89,7 @@ impl Relief {
 impl Level {
     fn joined_by_four(&self) -> Self {
         let (columns, rows) = (self.columns.div_ceil(2), self.rows.div_ceil(2));
-        let mut bounds = vec![[f32::INFINITY, f32::NEG_INFINITY]; columns * rows];
+        let mut bounds = vec![[f64::INFINITY, f64::NEG_INFINITY]; columns * rows];
         for (i, [low, high]) in self.bounds.iter().enumerate() {
             let (row, column) = (i / self.columns, i % self.columns);
             let joined = &mut bounds[row / 2 * columns + column / 2];
@@ -104,22 +103,12 @@ impl Level {
     }
 }
 
-/// The largest number of single precision that is not above `value`.
-fn below(value: f64) -> f32 {
-    let rounded = value as f32;
-    if f64::from(rounded) > value {
-        rounded.next_down()
-    } else {
-        rounded
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn bounds_are_those_of_all_points_of_the_cells_to_single_precision() {
+    fn bounds_are_those_of_all_points_of_the_cells() {
         // A bowl with a peak: heights that differ everywhere.
         let z = |ix: usize, iy: usize| {
             let (x, y) = (ix as f64 - 8.3, iy as f64 - 5.7);

@@ -189,6 +189,12 @@ impl<'a, G: Geometry> Substrate<'a, G> {
         self.phase.sample(d, [rng.random(), rng.random()])
     }
 
+    /// The density of that, 1/sr, at the cosine of the angle between both directions.
+    #[inline]
+    pub(crate) fn phase_density(&self, mu: f64) -> f64 {
+        self.phase.density(mu)
+    }
+
     /// How far it is to a flat bottom; infinite if there is none on the way.
     #[inline]
     pub(crate) fn to_flat_bottom(&self, heading: &Heading) -> f64 {

@@ -1,0 +1,221 @@
+//! What shines on a surface in a picture: a sky, a sun, and light from below.
+
+use std::f64::consts::TAU;
+
+use asperity_optics::{Incidence, around};
+use glam::{DVec2, DVec3};
+
+/// Light from all sides. Radiance is relative to a unit of the user's choice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lights {
+    sky: f64,
+    below: f64,
+    sun: Option<Sun>,
+}
+
+/// A disc of uniform radiance, infinitely far away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sun {
+    towards: DVec3,
+    /// Radiance of a white matt plane that faces it.
+    strength: f64,
+    sin_radius: f64,
+    cos_radius: f64,
+    patch: Option<Patch>,
+}
+
+/// A rectangle of the mean plane, length units of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Patch {
+    low: DVec2,
+    high: DVec2,
+}
+
+/// Why lights are refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LightsError {
+    /// A radiance is out of range.
+    #[error("the radiance of {0} is {1:?}; it must be from 0 to 1e30")]
+    BadRadiance(&'static str, f64),
+    /// The sun is a point, or half the sky.
+    #[error(
+        "the angular radius of the sun is {0} deg; it must be from 0.01 to 60 deg, since no path finds a point"
+    )]
+    BadRadius(f64),
+    /// The rectangle has no area.
+    #[error("the patch is {0:?} to {1:?}; the first two must lie below the other two")]
+    BadPatch([f64; 2], [f64; 2]),
+}
+
+impl Lights {
+    /// A uniform sky above, uniform light below, and a sun.
+    ///
+    /// `sky`: radiance, seen in the medium above. `below`: radiance of what lies below, seen as through a
+    /// flat interface that reflects nothing: that in the medium below over the square of its index relative
+    /// to the medium above.
+    ///
+    /// # Errors
+    /// [`LightsError::BadRadiance`] unless both are from 0 to 1e30.
+    pub fn new(sky: f64, below: f64, sun: Option<Sun>) -> Result<Self, LightsError> {
+        for (name, radiance) in [("the sky", sky), ("what lies below", below)] {
+            check(name, radiance)?;
+        }
+        Ok(Self { sky, below, sun })
+    }
+
+    /// The sun, if there is one.
+    pub(crate) const fn sun(&self) -> Option<&Sun> {
+        self.sun.as_ref()
+    }
+
+    /// Radiance of the sky.
+    pub(crate) const fn sky(&self) -> f64 {
+        self.sky
+    }
+
+    /// Radiance that comes from the direction `towards`, on a line that meets the mean plane at `place`.
+    pub(crate) fn above(&self, towards: DVec3, place: impl FnOnce() -> DVec2) -> f64 {
+        let sun = self.sun.as_ref().filter(|sun| sun.shines(towards, place));
+        self.sky + sun.map_or(0.0, Sun::radiance)
+    }
+
+    /// Radiance that comes from below.
+    pub(crate) const fn below(&self) -> f64 {
+        self.below
+    }
+}
+
+impl Sun {
+    /// A sun about the direction `towards`, of angular radius `radius` in radians.
+    ///
+    /// `strength`: the radiance of a white matt plane that faces it, its irradiance over pi, so that a sun
+    /// of one is about as bright as a sky of one. With a `patch` it shines only along those straight lines
+    /// that meet the mean plane in there.
+    ///
+    /// # Errors
+    /// [`LightsError`] unless `strength` is from 0 to 1e30 and the radius from 0.01 to 60 degrees.
+    pub fn new(
+        towards: Incidence,
+        strength: f64,
+        radius: f64,
+        patch: Option<Patch>,
+    ) -> Result<Self, LightsError> {
+        check("the sun", strength)?;
+        let degrees = radius.to_degrees();
+        if !(0.01 - 1e-12..=60.0 + 1e-12).contains(&degrees) {
+            return Err(LightsError::BadRadius(degrees));
+        }
+        Ok(Self {
+            towards: towards.wi(),
+            strength,
+            sin_radius: radius.sin(),
+            cos_radius: radius.cos(),
+            patch,
+        })
+    }
+
+    /// Radiance of the disc: its irradiance `pi strength` over its projected solid angle `pi sin^2`.
+    fn radiance(&self) -> f64 {
+        self.strength / (self.sin_radius * self.sin_radius)
+    }
+
+    /// The direction of a point of the disc, by two uniform numbers that spread evenly over its solid angle.
+    pub(crate) fn point(&self, [u, v]: [f64; 2]) -> DVec3 {
+        around(self.towards, 1.0 - u * (1.0 - self.cos_radius), v)
+    }
+
+    /// Radiance times solid angle, which light from one direction stands for on a line that meets the mean
+    /// plane at `place`.
+    pub(crate) fn collimated(&self, place: DVec2) -> f64 {
+        let lit = self.patch.is_none_or(|patch| patch.contains(place));
+        if lit {
+            TAU * (1.0 - self.cos_radius) * self.radiance()
+        } else {
+            0.0
+        }
+    }
+
+    fn shines(&self, towards: DVec3, place: impl FnOnce() -> DVec2) -> bool {
+        towards.dot(self.towards) > self.cos_radius
+            && self.patch.is_none_or(|patch| patch.contains(place()))
+    }
+}
+
+impl Patch {
+    /// From the corner `low` to the corner `high`.
+    ///
+    /// # Errors
+    /// [`LightsError::BadPatch`] if it has no area.
+    pub fn new(low: [f64; 2], high: [f64; 2]) -> Result<Self, LightsError> {
+        if !(low[0] < high[0] && low[1] < high[1]) {
+            return Err(LightsError::BadPatch(low, high));
+        }
+        let [low, high] = [low, high].map(DVec2::from_array);
+        Ok(Self { low, high })
+    }
+
+    fn contains(&self, place: DVec2) -> bool {
+        place.cmpge(self.low).all() && place.cmplt(self.high).all()
+    }
+}
+
+fn check(name: &'static str, radiance: f64) -> Result<(), LightsError> {
+    if (0.0..=1e30).contains(&radiance) {
+        Ok(())
+    } else {
+        Err(LightsError::BadRadiance(name, radiance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_optics::from_spherical;
+
+    use super::*;
+
+    #[test]
+    fn a_plane_that_faces_the_sun_gets_its_irradiance_whatever_the_radius() {
+        for radius in [0.001_f64, 0.1, 0.8] {
+            let towards = Incidence::from_degrees(0.0, 0.0).unwrap();
+            let sun = Sun::new(towards, 0.7, radius, None).unwrap();
+            let lights = Lights::new(0.0, 0.0, Some(sun)).unwrap();
+            // Integral of radiance over projected solid angle, 2 pi sin cos dtheta, by the midpoint rule:
+            // the step at the rim is off by half a step at most.
+            let n = 100_000;
+            let step = 2.0 * radius / f64::from(n);
+            let irradiance: f64 = (0..n)
+                .map(|i| {
+                    let theta = (f64::from(i) + 0.5) * step;
+                    let radiance = lights.above(from_spherical(theta, 1.0), || DVec2::ZERO);
+                    TAU * radiance * theta.sin() * theta.cos() * step
+                })
+                .sum();
+            let expected = 0.7 * std::f64::consts::PI;
+            assert!((irradiance / expected - 1.0).abs() < 1e-4, "{radius}");
+        }
+    }
+
+    #[test]
+    fn a_patch_limits_the_sun_and_not_the_sky() {
+        let towards = Incidence::from_degrees(30.0, 0.0).unwrap();
+        let patch = Patch::new([0.0, 0.0], [2.0, 1.0]).unwrap();
+        let sun = Sun::new(towards, 1.0, 0.1, Some(patch)).unwrap();
+        let lights = Lights::new(0.25, 0.0, Some(sun)).unwrap();
+        let at = |x, y| lights.above(towards.wi(), || DVec2::new(x, y));
+        assert!(at(1.0, 0.5) > 1.0);
+        assert_eq!([at(-0.1, 0.5), at(1.0, 1.1)], [0.25; 2]);
+    }
+
+    #[test]
+    fn impossible_lights_are_refused() {
+        let towards = Incidence::from_degrees(30.0, 0.0).unwrap();
+        for radius in [0.0, 2.0, f64::NAN] {
+            assert!(Sun::new(towards, 1.0, radius, None).is_err());
+        }
+        assert!(Sun::new(towards, -1.0, 0.1, None).is_err());
+        assert!(Lights::new(f64::NAN, 0.0, None).is_err());
+        assert!(Lights::new(1.0, -1.0, None).is_err());
+        assert!(Patch::new([0.0, 0.0], [0.0, 1.0]).is_err());
+    }
+}

@@ -1,0 +1,268 @@
+//! Pictures whose radiance is known, and pictures against light that is traced forwards.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
+use asperity_surface::{Border, Psd, Synthesis};
+use asperity_tally::Layout;
+use asperity_tracer::{BottomShape, Branching, Illumination, Medium, Substrate, Tracer};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+use crate::progress::Silent;
+
+const GLASS: Material = Material::Dielectric { eta: 1.5 };
+
+/// A rough surface of its own border.
+fn rough(border: Border) -> HeightField {
+    let psd = Psd::gaussian(2.0, 4.0).unwrap();
+    let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], true).unwrap();
+    synthesis.draw(3, 0).unwrap().with_border(border)
+}
+
+fn flat() -> HeightField {
+    HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).unwrap()
+}
+
+fn slab(albedo: f64, thickness: f64, bottom: Bottom) -> Layer {
+    let phase = PhaseFunction::henyey_greenstein(0.3).unwrap();
+    let medium = ParticipatingMedium::from_mean_free_path(4.0, albedo, phase).unwrap();
+    Layer::slab(medium, thickness, bottom).unwrap()
+}
+
+fn settings(theta: f64, projection: Projection, lights: Lights) -> RenderSettings {
+    let towards = Incidence::from_degrees(theta, 250.0).unwrap();
+    RenderSettings {
+        view: View::new(projection, towards, [16.0, 16.0], 32.0).unwrap(),
+        lights,
+        size: [16, 12],
+        samples: 64,
+        seed: 4,
+        paths: PathSettings::new(Branching::Pick, 0.2, 1000).unwrap(),
+        accelerator: AcceleratorKind::Auto,
+        bottom: BottomSurface::Flat,
+        most_scatterings: 100_000,
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+const ORTHOGRAPHIC: Projection = Projection::Orthographic;
+const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.5 };
+
+/// In a furnace nothing can be told from anything else, since all that does not absorb passes on the same
+/// radiance. What a limit ends is dark, and said. Roulette alone makes noise, of some 0.001 in the mean.
+#[test]
+fn a_white_furnace_shows_nothing() {
+    let furnace = Lights::new(1.0, 1.0, None).unwrap();
+    let interface = Bottom::Interface { eta: 1.0 / 1.5 };
+    let white = Bottom::Lambertian { reflectance: 1.0 };
+    for (name, field, material, layer) in [
+        ("flat glass", flat(), GLASS, None),
+        ("rough glass", rough(Border::Periodic), GLASS, None),
+        ("mirror", rough(Border::Mirrored), Material::Mirror, None),
+        (
+            "open slab",
+            flat(),
+            GLASS,
+            Some(slab(1.0, 3.0, Bottom::Open)),
+        ),
+        (
+            "slab",
+            rough(Border::Periodic),
+            GLASS,
+            Some(slab(1.0, 20.0, interface)),
+        ),
+        (
+            "over a mirror",
+            rough(Border::Mirrored),
+            GLASS,
+            Some(slab(1.0, 14.0, Bottom::Mirror)),
+        ),
+        (
+            "over white",
+            rough(Border::Periodic),
+            GLASS,
+            Some(slab(1.0, 14.0, white)),
+        ),
+    ] {
+        for projection in [ORTHOGRAPHIC, PINHOLE] {
+            let settings = RenderSettings {
+                samples: 4,
+                bottom: if name == "slab" {
+                    BottomSurface::Same
+                } else {
+                    BottomSurface::Flat
+                },
+                ..settings(40.0, projection, furnace)
+            };
+            let outcome = render(
+                field.clone(),
+                None,
+                material,
+                layer.as_ref(),
+                &settings,
+                &Silent,
+            );
+            let outcome = outcome.unwrap();
+            assert_eq!(outcome.lost, 0.0, "{name}");
+            // Splitting at the first facet may leave less than the threshold of roulette, 0.2; else nothing
+            // is left to chance but which way a flux of one goes.
+            let (radiance, errors) = (&outcome.picture.radiance, &outcome.picture.error);
+            let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
+            let difference = mean(radiance) + outcome.truncated - 1.0;
+            println!("{name}: {difference:.2e} +- {noise:.2e}");
+            assert!(difference.abs() <= 4.5 * noise + 1e-12, "{name}");
+            assert!(outcome.truncated < 1e-3, "{name}: {}", outcome.truncated);
+        }
+    }
+}
+
+/// Under a uniform sky with nothing below, flat glass shows Fresnel's reflectance, without noise: both
+/// branches are followed.
+#[test]
+fn flat_glass_reflects_the_sky_by_fresnel() {
+    for (theta, sky, below) in [(0.0, 1.0, 0.0), (56.0, 2.0, 0.0), (75.0, 0.0, 3.0)] {
+        let lights = Lights::new(sky, below, None).unwrap();
+        let settings = settings(theta, ORTHOGRAPHIC, lights);
+        let outcome = render(flat(), None, GLASS, None, &settings, &Silent).unwrap();
+        let fresnel = dielectric(theta.to_radians().cos(), 1.5);
+        let expected = sky * fresnel.reflected + below * fresnel.transmitted;
+        for radiance in outcome.picture.radiance {
+            assert!((radiance - expected).abs() < 1e-12, "{theta}: {radiance}");
+        }
+        assert!(outcome.picture.coverage.iter().all(|c| *c == 1.0));
+    }
+}
+
+/// A uniform sky is seen with the radiance that is the share of light from the camera that goes back up:
+/// Helmholtz. The one is found by lines of sight, the other by light on its way, over the whole tile.
+#[test]
+fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
+    let layer = slab(0.9, 14.0, Bottom::Lambertian { reflectance: 0.5 });
+    for (theta, layer) in [(0.0, Some(&layer)), (60.0, Some(&layer)), (60.0, None)] {
+        let field = rough(Border::Periodic);
+        let sky = Lights::new(1.0, 0.0, None).unwrap();
+        let mut settings = settings(theta, ORTHOGRAPHIC, sky);
+        // From any direction, a picture that covers whole tiles: as wide as one, and as high as one looks.
+        let towards = Incidence::from_degrees(theta, 270.0).unwrap();
+        settings.view = View::new(ORTHOGRAPHIC, towards, [16.0, 16.0], 32.0).unwrap();
+        settings.size = if theta == 0.0 { [16, 16] } else { [16, 8] };
+        let seen = render(field.clone(), None, GLASS, layer, &settings, &Silent).unwrap();
+        let errors = &seen.picture.error;
+        let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
+
+        let surface = Surface::new(field);
+        let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let mut tracer = Tracer::new(
+            &surface,
+            &*hits,
+            GLASS,
+            Medium::Above,
+            PathSettings::default(),
+        );
+        if let Some(layer) = layer {
+            let flat = BottomShape::Flat;
+            tracer = tracer.over(Substrate::new(&surface, layer, flat, 100_000).unwrap());
+        }
+        let mut sums = BatchStatistics::new(1);
+        for block in 0..50 {
+            let mut rng = ChaCha8Rng::seed_from_u64(8);
+            rng.set_stream(block);
+            let light = Illumination::new(towards, false);
+            let (record, _) = tracer.batch(&light, 16, Layout::default(), None, &mut rng);
+            sums.push(&[record[Layout::REFLECTED]]);
+        }
+        let sent = sums.estimate(0);
+        let difference = mean(&seen.picture.radiance) - sent.mean;
+        let z = difference / noise.hypot(sent.se.unwrap());
+        println!("theta {theta}: {difference:.2e}, z = {z:.2}");
+        // One of three, of which one in 1000 is to fail by chance: Sidak 3.3e-4.
+        assert!(z.abs() < 3.6, "theta {theta}: z = {z}");
+    }
+}
+
+/// Seen from straight above with x to the right, the left half of the picture lies below the patch. Light
+/// spreads over a few free paths of 0.2, a tenth of a column.
+#[test]
+fn a_patch_lights_what_lies_below_it_and_little_beside() {
+    let medium = ParticipatingMedium::from_mean_free_path(0.2, 0.9, PhaseFunction::Isotropic);
+    let layer = Layer::half_space(medium.unwrap());
+    let patch = Patch::new([0.0, 0.0], [16.0, 32.0]).unwrap();
+    let towards = Incidence::from_degrees(20.0, 0.0).unwrap();
+    let sun = Sun::new(towards, 1.0, 0.02, Some(patch)).unwrap();
+    let lights = Lights::new(0.0, 0.0, Some(sun)).unwrap();
+    let settings = settings(0.0, ORTHOGRAPHIC, lights);
+    let view = View::new(
+        ORTHOGRAPHIC,
+        Incidence::from_degrees(0.0, 270.0).unwrap(),
+        [16.0, 16.0],
+        32.0,
+    );
+    let settings = RenderSettings {
+        view: view.unwrap(),
+        ..settings
+    };
+    let picture = render(flat(), None, GLASS, Some(&layer), &settings, &Silent)
+        .unwrap()
+        .picture;
+    // Columns by the edges of the patch and of the picture are left out.
+    let column = |i: usize| {
+        (0..12)
+            .map(|row| picture.radiance[row * 16 + i])
+            .sum::<f64>()
+    };
+    let lit = mean(&[2, 3, 4, 5].map(column));
+    let dark = mean(&[10, 11, 12, 13].map(column));
+    assert!(lit > 1.0 && dark < 1e-3 * lit, "{lit} {dark}");
+}
+
+#[test]
+fn thread_count_changes_no_byte() {
+    let sun = Sun::new(Incidence::from_degrees(50.0, 10.0).unwrap(), 1.0, 0.1, None).unwrap();
+    let lights = Lights::new(0.5, 0.0, Some(sun)).unwrap();
+    let layer = slab(0.9, 14.0, Bottom::Absorbing);
+    let settings = settings(60.0, PINHOLE, lights);
+    let [one, three] = [1, 3].map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let field = rough(Border::Periodic);
+        pool.unwrap()
+            .install(|| render(field, None, GLASS, Some(&layer), &settings, &Silent))
+            .unwrap()
+    });
+    assert_eq!(one.picture, three.picture);
+}
+
+/// Stops at the question after so many.
+struct Patience(AtomicU64);
+
+impl Progress for Patience {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        let left = self.0.load(Ordering::Relaxed);
+        self.0.store(left.saturating_sub(1), Ordering::Relaxed);
+        (left == 0).then_some(StoppedBy::Time)
+    }
+}
+
+#[test]
+fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
+    let lights = Lights::new(1.0, 0.0, None).unwrap();
+    let settings = settings(30.0, ORTHOGRAPHIC, lights);
+    for (patience, passes) in [(0, 2), (12, 3), (12 * 14, 16)] {
+        let progress = Patience(AtomicU64::new(patience));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+        let outcome = pool
+            .unwrap()
+            .install(|| render(flat(), None, GLASS, None, &settings, &progress))
+            .unwrap();
+        assert_eq!((outcome.passes, outcome.samples), (passes, 4 * passes));
+        assert_eq!(outcome.stopped_by.is_some(), passes < 16);
+        assert!(outcome.picture.error.iter().all(|e| e.is_finite()));
+    }
+}

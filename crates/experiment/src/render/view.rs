@@ -1,0 +1,221 @@
+//! Cameras: which straight line belongs to a point of the picture.
+
+use std::f64::consts::PI;
+
+use asperity_optics::Incidence;
+use glam::{DVec2, DVec3};
+
+/// How a camera projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// All lines are parallel.
+    Orthographic,
+    /// All lines meet in the eye.
+    Pinhole {
+        /// Vertical field of view, radians.
+        field_of_view: f64,
+    },
+}
+
+/// A camera that looks at a point of the mean plane.
+///
+/// Up in the picture is the direction in which theta falls, towards +z; seen from theta 0, up is the side
+/// that the camera would fall back to were theta larger, turned about: with phi 270 degrees x runs to the
+/// right and y upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    projection: Projection,
+    towards: Incidence,
+    target: DVec2,
+    width: f64,
+}
+
+/// Why a view is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ViewError {
+    /// The field of view is none.
+    #[error("the field of view is {0} deg; it must be above 0 and below 180 deg")]
+    BadFieldOfView(f64),
+    /// The width is none.
+    #[error("the width of the view is {0:?}; it must be a length above zero")]
+    BadWidth(f64),
+    /// The eye is in the surface, or below it.
+    #[error(
+        "the eye is {height:.6} above the mean plane, but the surface rises to {highest:.6}: take a wider view, a smaller field of view, or look more from above"
+    )]
+    EyeTooLow {
+        /// Height of the eye, length units of the surface.
+        height: f64,
+        /// That of the highest point.
+        highest: f64,
+    },
+}
+
+impl View {
+    /// A camera in the direction `towards` from the point `target` of the mean plane.
+    ///
+    /// `width`: of what is seen in the plane through the target that is parallel to the picture, in length
+    /// units of the surface as `target` is; it decides how far away a pinhole is.
+    ///
+    /// # Errors
+    /// [`ViewError`] unless `0 < width <= 1e150` and `0 < field_of_view < pi`.
+    pub fn new(
+        projection: Projection,
+        towards: Incidence,
+        target: [f64; 2],
+        width: f64,
+    ) -> Result<Self, ViewError> {
+        if let Projection::Pinhole { field_of_view } = projection
+            && !(field_of_view > 0.0 && field_of_view < PI)
+        {
+            return Err(ViewError::BadFieldOfView(field_of_view.to_degrees()));
+        }
+        if !(width > 0.0 && width <= 1e150) {
+            return Err(ViewError::BadWidth(width));
+        }
+        Ok(Self {
+            projection,
+            towards,
+            target: DVec2::from_array(target),
+            width,
+        })
+    }
+
+    /// What makes lines of points of a picture of so many columns and rows, over a surface that rises to
+    /// `highest` above its mean plane.
+    ///
+    /// # Errors
+    /// [`ViewError::EyeTooLow`] if a pinhole is no higher.
+    pub(crate) fn camera(
+        &self,
+        [columns, rows]: [usize; 2],
+        highest: f64,
+    ) -> Result<Camera, ViewError> {
+        let back = self.towards.wi();
+        // The derivative of the direction by theta, turned about, which has a limit at the pole.
+        let (sin, cos) = self.towards.theta().sin_cos();
+        let level = DVec2::from_angle(self.towards.phi());
+        let up = (-cos * level).extend(sin);
+        let right = up.cross(back);
+        let half_width = 0.5 * self.width;
+        let half_height = half_width * rows as f64 / columns as f64;
+        let eye = match self.projection {
+            Projection::Orthographic => None,
+            Projection::Pinhole { field_of_view } => {
+                let distance = half_height / (0.5 * field_of_view).tan();
+                let eye = self.target.extend(0.0) + distance * back;
+                if eye.z.partial_cmp(&highest) != Some(std::cmp::Ordering::Greater) {
+                    let height = eye.z;
+                    return Err(ViewError::EyeTooLow { height, highest });
+                }
+                Some(eye)
+            }
+        };
+        Ok(Camera {
+            back,
+            right: half_width * right,
+            up: half_height * up,
+            target: self.target.extend(0.0),
+            eye,
+            highest,
+        })
+    }
+}
+
+/// A [`View`] with the frame of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Camera {
+    /// Unit vector from the target to the camera.
+    back: DVec3,
+    /// From the middle of the picture to its right edge, in the plane through the target.
+    right: DVec3,
+    /// To its upper edge.
+    up: DVec3,
+    target: DVec3,
+    eye: Option<DVec3>,
+    highest: f64,
+}
+
+impl Camera {
+    /// The line through the point `[u, v]` of the picture, from the left and from the top, both within
+    /// `[0, 1]`: where it begins, above the surface, and its unit direction.
+    pub(crate) fn line(&self, [u, v]: [f64; 2]) -> (DVec3, DVec3) {
+        let point = self.target + (2.0 * u - 1.0) * self.right + (1.0 - 2.0 * v) * self.up;
+        match self.eye {
+            Some(eye) => (eye, (point - eye).normalize()),
+            None => {
+                let back = (self.highest - point.z) / self.back.z;
+                (point + back * self.back, -self.back)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view(projection: Projection, theta: f64) -> View {
+        let towards = Incidence::from_degrees(theta, 270.0).unwrap();
+        View::new(projection, towards, [3.0, 5.0], 8.0).unwrap()
+    }
+
+    const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.8 };
+
+    /// Where a line meets the mean plane.
+    fn footprint((origin, direction): (DVec3, DVec3)) -> DVec2 {
+        (origin - direction * (origin.z / direction.z)).truncate()
+    }
+
+    #[test]
+    fn both_cameras_see_the_target_in_the_middle_and_its_width_across() {
+        for projection in [Projection::Orthographic, PINHOLE] {
+            for theta in [0.0, 30.0, 75.0] {
+                let camera = view(projection, theta).camera([200, 100], 1.0).unwrap();
+                let at = |u, v| footprint(camera.line([u, v]));
+                let near = |p: DVec2, x: f64, y: f64| (p - DVec2::new(x, y)).length() < 1e-12;
+                assert!(near(at(0.5, 0.5), 3.0, 5.0), "{projection:?} {theta}");
+                assert!(near(at(0.0, 0.5), -1.0, 5.0) && near(at(1.0, 0.5), 7.0, 5.0));
+                // Up in the picture lies behind.
+                assert!(at(0.5, 0.2).y > 5.0);
+            }
+            // From above, half as high as wide.
+            let camera = view(projection, 0.0).camera([200, 100], 1.5).unwrap();
+            assert!((footprint(camera.line([0.5, 0.0])).y - 7.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn lines_begin_above_the_surface_and_have_unit_length() {
+        for projection in [Projection::Orthographic, PINHOLE] {
+            let camera = view(projection, 60.0).camera([100, 100], 1.5).unwrap();
+            for v in [0.0, 0.5, 1.0] {
+                let (origin, direction) = camera.line([0.3, v]);
+                assert!(origin.z >= 1.5 - 1e-12, "{origin}");
+                assert!((direction.length() - 1.0).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn a_pinhole_has_its_field_of_view() {
+        let camera = view(PINHOLE, 20.0).camera([300, 100], 1.5).unwrap();
+        let [(_, top), (_, bottom)] = [0.0, 1.0].map(|v| camera.line([0.5, v]));
+        assert!((top.dot(bottom).acos() - 0.8).abs() < 1e-12);
+    }
+
+    #[test]
+    fn impossible_views_are_refused() {
+        let towards = Incidence::from_degrees(20.0, 0.0).unwrap();
+        for field_of_view in [0.0, PI, f64::NAN] {
+            let pinhole = Projection::Pinhole { field_of_view };
+            assert!(View::new(pinhole, towards, [0.0; 2], 1.0).is_err());
+        }
+        for width in [0.0, -1.0, f64::INFINITY] {
+            assert!(View::new(Projection::Orthographic, towards, [0.0; 2], width).is_err());
+        }
+        let low = view(PINHOLE, 80.0).camera([100, 100], 3.0).unwrap_err();
+        assert!(low.to_string().contains("rises to 3"), "{low}");
+    }
+}

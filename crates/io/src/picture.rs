@@ -1,0 +1,258 @@
+//! Pictures: radiance by pixel, as OpenEXR for numbers and as PNG for the eye.
+//!
+//! EXR (.exr): the channels `Y`, radiance, `error`, its standard error, and `A`, the share of the pixel in
+//! which the camera sees the surface; single precision, ZIP compression, lossless. Radiance is linear, and
+//! relative to a unit that the text attribute `comments` names. PNG (.png): greyscale of 8 bits, radiance
+//! times the exposure by the curve of sRGB, cut off at white. Row 0 is on top in both.
+
+use std::io::{self, Cursor, Write};
+use std::path::Path;
+
+use ::exr::error::Error;
+use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
+use ::exr::math::Vec2;
+use ::exr::meta::attribute::Text;
+use ::exr::meta::header::LayerAttributes;
+use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage};
+
+use crate::atomic::replace;
+use crate::error::WriteError;
+use crate::exr::sort_attributes;
+use crate::samples::single;
+
+/// Radiance by pixel, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns and rows; every vector has their product of values.
+    pub size: [usize; 2],
+    /// Radiance, linear.
+    pub radiance: Vec<f64>,
+    /// Its standard error.
+    pub error: Vec<f64>,
+    /// Share of the pixel in which the camera sees the surface, `[0, 1]`.
+    pub coverage: Vec<f64>,
+}
+
+/// A file format of pictures, chosen by the ending of the file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// OpenEXR: all numbers.
+    Exr,
+    /// PNG, for the eye.
+    Png,
+}
+
+impl PictureFormat {
+    /// The format that the ending of `path` stands for, in capital or small letters.
+    ///
+    /// # Errors
+    /// [`WriteError::UnknownEnding`] if it stands for none.
+    pub fn from_path(path: &Path) -> Result<Self, WriteError> {
+        let ending = path.extension().and_then(|ending| ending.to_str());
+        match ending.map(str::to_ascii_lowercase).as_deref() {
+            Some("exr") => Ok(Self::Exr),
+            Some("png") => Ok(Self::Png),
+            _ => Err(WriteError::UnknownEnding {
+                path: path.to_owned(),
+                allowed: ".exr and .png".to_owned(),
+            }),
+        }
+    }
+}
+
+/// Writes a picture in the format that the ending of `path` stands for, as
+/// [`crate::write_atomically`] does.
+///
+/// `exposure`: what radiance is multiplied by for PNG, where one is white; `comment`: what the values are,
+/// for EXR.
+///
+/// # Errors
+/// [`WriteError`] if the ending stands for no format, a value is beyond single precision, or the file
+/// cannot be written.
+///
+/// # Panics
+/// If a vector has not one value a pixel.
+pub fn write_picture(
+    path: impl AsRef<Path>,
+    picture: &Picture,
+    exposure: f64,
+    comment: &str,
+) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let pixels = picture.size[0] * picture.size[1];
+    for values in [&picture.radiance, &picture.error, &picture.coverage] {
+        assert_eq!(values.len(), pixels, "a value a pixel");
+    }
+    match PictureFormat::from_path(path)? {
+        PictureFormat::Exr => replace(path, |out| write_exr(path, picture, comment, out)),
+        PictureFormat::Png => replace(path, |out| {
+            write_png(picture, exposure, out).map_err(WriteError::io(path))
+        }),
+    }
+}
+
+fn write_exr(
+    path: &Path,
+    picture: &Picture,
+    comment: &str,
+    out: &mut dyn Write,
+) -> Result<(), WriteError> {
+    let io = WriteError::io(path);
+    let channel = |name: &str, values: &[f64]| {
+        let samples = values.iter().map(|value| single(path, name, *value));
+        let samples = samples.collect::<Result<Vec<f32>, _>>()?;
+        Ok::<_, WriteError>(AnyChannel::new(name, FlatSamples::F32(samples)))
+    };
+    let channels = [
+        channel("A", &picture.coverage)?,
+        channel("Y", &picture.radiance)?,
+        channel("error", &picture.error)?,
+    ];
+    let [columns, rows] = picture.size;
+    let attributes = LayerAttributes {
+        comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
+        ..LayerAttributes::default()
+    };
+    let layer = Layer::new(
+        Vec2(columns, rows),
+        attributes,
+        Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        },
+        AnyChannels::sort(channels.into_iter().collect()),
+    );
+    let mut file = Cursor::new(Vec::new());
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .map_err(|error| {
+            io(match error {
+                Error::Io(error) => error,
+                other => io::Error::other(other),
+            })
+        })?;
+    let mut file = file.into_inner();
+    sort_attributes(&mut file);
+    out.write_all(&file).map_err(io)
+}
+
+fn write_png(picture: &Picture, exposure: f64, out: &mut dyn Write) -> io::Result<()> {
+    // The format counts with 31 bits.
+    let [width, height] = picture.size.map(|n| {
+        let n = i32::try_from(n).map_err(|_| io::Error::other("too many columns or rows"))?;
+        Ok::<_, io::Error>(n.cast_unsigned())
+    });
+    let mut encoder = ::png::Encoder::new(out, width?, height?);
+    encoder.set_color(::png::ColorType::Grayscale);
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_compression(::png::Compression::High);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header().map_err(encoding)?;
+    let grey: Vec<u8> = picture
+        .radiance
+        .iter()
+        .map(|radiance| (255.0 * srgb(exposure * radiance)).round() as u8)
+        .collect();
+    writer.write_image_data(&grey).map_err(encoding)?;
+    writer.finish().map_err(encoding)
+}
+
+/// The curve of sRGB: from linear values to stored ones, both cut off to `[0, 1]`.
+///
+/// # Source
+/// IEC 61966-2-1:1999.
+fn srgb(linear: f64) -> f64 {
+    let linear = linear.clamp(0.0, 1.0);
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+fn encoding(error: ::png::EncodingError) -> io::Error {
+    match error {
+        ::png::EncodingError::IoError(error) => error,
+        other => io::Error::other(other),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::read_height_map;
+
+    fn picture() -> Picture {
+        Picture {
+            size: [3, 2],
+            radiance: vec![0.0, 0.1, 0.25, 0.5, 1.0, 2.0],
+            error: vec![0.01; 6],
+            coverage: vec![1.0; 6],
+        }
+    }
+
+    #[test]
+    fn exr_holds_radiance_row_by_row_from_the_top() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.exr");
+        write_picture(&path, &picture(), 1.0, "unit").unwrap();
+        // The channel Y is read as heights are.
+        let read = read_height_map(&path).unwrap();
+        let field = read
+            .into_height_field(
+                asperity_surface::MissingPolicy::Refuse,
+                asperity_surface::Border::Open,
+            )
+            .unwrap();
+        assert_eq!(field.shape(), [2, 3]);
+        let stored = picture().radiance.into_iter().map(|r| f64::from(r as f32));
+        assert!(field.heights().iter().copied().eq(stored));
+        let image = ::exr::prelude::read_all_flat_layers_from_file(&path).unwrap();
+        let names: Vec<String> = image.layer_data[0]
+            .channel_data
+            .list
+            .iter()
+            .map(|channel| channel.name.to_string())
+            .collect();
+        assert_eq!(names, ["A", "Y", "error"]);
+    }
+
+    #[test]
+    fn equal_pictures_give_equal_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        for ending in ["exr", "png"] {
+            let bytes = ["a", "b"].map(|name| {
+                let path = folder.path().join(format!("{name}.{ending}"));
+                write_picture(&path, &picture(), 0.5, "unit").unwrap();
+                fs::read(path).unwrap()
+            });
+            assert!(bytes[0] == bytes[1], "{ending}");
+        }
+    }
+
+    #[test]
+    fn png_follows_the_curve_of_srgb() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.png");
+        write_picture(&path, &picture(), 1.0, "").unwrap();
+        let decoder = ::png::Decoder::new(io::BufReader::new(fs::File::open(path).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        let mut grey = vec![0; 6];
+        reader.next_frame(&mut grey).unwrap();
+        // Linear 0.1, 0.25 and 0.5 are stored as 0.3492, 0.5371 and 0.7354.
+        assert_eq!(grey, [0, 89, 137, 188, 255, 255]);
+    }
+
+    #[test]
+    fn other_endings_are_refused() {
+        for name in ["p.jpg", "p"] {
+            let error = write_picture(name, &picture(), 1.0, "").unwrap_err();
+            assert!(error.to_string().contains(".exr and .png"), "{error}");
+        }
+    }
+}

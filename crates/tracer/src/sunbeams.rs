@@ -1,0 +1,284 @@
+//! Collimated light inside a medium that has come through one facet of the surface above it.
+//!
+//! Facets are flat, so what enters through one goes on as a beam of parallel rays, a prism below the facet.
+//! Which prisms hold a given point is found by a binary tree over the facets: a node knows the box of its
+//! facets, and the bounds of the directions in which light goes on from them. A point of the medium that is
+//! scattered light on its way to the eye so finds the sun, which chance alone would hardly find behind a
+//! refracting surface.
+
+use asperity_optics::Material;
+use glam::DVec3;
+
+use crate::geometry::Geometry;
+use crate::morton::morton_code;
+use crate::scatter::scatter;
+
+/// Facets of a leaf: few enough to look at, many enough for the tree to be small beside the surface.
+const LEAF: usize = 8;
+
+/// The beams of light from one direction below all facets of a tile.
+pub struct Sunbeams<G: Geometry> {
+    material: Material,
+    towards: DVec3,
+    /// Facets in an order in which neighbours are near.
+    facets: Vec<G::Facet>,
+    /// A complete binary tree, root first; the children of node `i` are `2 i + 1` and `2 i + 2`.
+    nodes: Vec<Node>,
+    leaves: usize,
+}
+
+/// A beam that holds a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Beam<F> {
+    pub(crate) facet: F,
+    /// Distance from the facet to the point along the beam, tile coordinates.
+    pub(crate) t: f64,
+    /// Unit direction of the light, in physical lengths.
+    pub(crate) direction: DVec3,
+    /// Share of the light that the facet transmits, times the solid angle inside over that outside.
+    pub(crate) share: f64,
+}
+
+/// Bounds of some facets; of none, if the lower ones exceed the upper.
+#[derive(Clone, Copy)]
+struct Node {
+    place: Bounds,
+    /// Of directions, in tile coordinates.
+    direction: Bounds,
+}
+
+#[derive(Clone, Copy)]
+struct Bounds {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl<G: Geometry> Sunbeams<G> {
+    /// For light that falls on `geometry`, of a dielectric `material`, from the direction `towards`.
+    #[must_use]
+    pub fn new(geometry: &G, material: Material, towards: DVec3) -> Self {
+        let [cx, cy] = geometry.extent();
+        let scale = DVec3::new(65_535.0 / cx, 65_535.0 / cy, 0.0);
+        let mut keyed: Vec<(u64, G::Facet)> = (0..geometry.facet_count())
+            .map(|index| {
+                let facet = geometry.facet(index);
+                let [a, b, c] = geometry.corners(facet);
+                let place = ((a + b + c) / 3.0 * scale).max(DVec3::ZERO);
+                (morton_code([place.x as u32, place.y as u32]), facet)
+            })
+            .collect();
+        keyed.sort_unstable();
+        let facets: Vec<G::Facet> = keyed.into_iter().map(|(_, facet)| facet).collect();
+        let leaves = facets.len().div_ceil(LEAF).next_power_of_two();
+        let mut beams = Self {
+            material,
+            towards,
+            facets,
+            nodes: vec![Node::NONE; 2 * leaves - 1],
+            leaves,
+        };
+        beams.aim(geometry, towards);
+        beams
+    }
+
+    /// The same facets under light from another direction.
+    pub fn aim(&mut self, geometry: &G, towards: DVec3) {
+        self.towards = towards;
+        for leaf in 0..self.leaves {
+            let mut node = Node::NONE;
+            for &facet in self.of_leaf(leaf) {
+                if let Some((direction, _)) = self.refracted(geometry, facet) {
+                    let aspect = DVec3::new(1.0, geometry.aspect(), 1.0);
+                    node.direction.add(direction * aspect);
+                    for corner in geometry.corners(facet) {
+                        node.place.add(corner);
+                    }
+                }
+            }
+            self.nodes[self.leaves - 1 + leaf] = node;
+        }
+        for i in (0..self.leaves - 1).rev() {
+            let [a, b] = [2 * i + 1, 2 * i + 2].map(|child| self.nodes[child]);
+            self.nodes[i] = Node {
+                place: a.place.with(b.place),
+                direction: a.direction.with(b.direction),
+            };
+        }
+    }
+
+    /// The direction towards the light.
+    #[must_use]
+    pub const fn towards(&self) -> DVec3 {
+        self.towards
+    }
+
+    /// Hands on the beams that hold the point `x`, tile coordinates, within `reach` of their facets.
+    ///
+    /// `goes_on`: whether the tile is one of a period.
+    pub(crate) fn holding(
+        &self,
+        geometry: &G,
+        x: DVec3,
+        reach: f64,
+        goes_on: bool,
+        mut each: impl FnMut(Beam<G::Facet>),
+    ) {
+        let root = &self.nodes[0];
+        let Some([_, farthest]) = root.distances(x, reach) else {
+            return;
+        };
+        // Tiles from which light comes so far.
+        let mut tiles = [[0.0, 0.0]; 2];
+        for (axis, size) in geometry.extent().into_iter().enumerate() {
+            if goes_on {
+                let (low, high) = (root.direction.low[axis], root.direction.high[axis]);
+                let from = x[axis] - (farthest * high).max(0.0);
+                let to = x[axis] - (farthest * low).min(0.0);
+                tiles[axis] = [(from / size).floor(), (to / size).floor()];
+            }
+        }
+        let [[x0, x1], [y0, y1]] = tiles;
+        let [cx, cy] = geometry.extent();
+        let (mut i, mut j) = (x0, y0);
+        while j <= y1 {
+            let there = x - DVec3::new(i * cx, j * cy, 0.0);
+            self.search(geometry, there, reach, &mut each);
+            i += 1.0;
+            if i > x1 {
+                (i, j) = (x0, j + 1.0);
+            }
+        }
+    }
+
+    fn search(&self, geometry: &G, x: DVec3, reach: f64, each: &mut impl FnMut(Beam<G::Facet>)) {
+        // Two children a level, of at most 64 levels.
+        let mut stack = [0_usize; 65];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let i = stack[depth];
+            if !self.nodes[i].may_hold(x, reach) {
+                continue;
+            }
+            if i + 1 < self.leaves {
+                stack[depth] = 2 * i + 1;
+                stack[depth + 1] = 2 * i + 2;
+                depth += 2;
+                continue;
+            }
+            for &facet in self.of_leaf(i + 1 - self.leaves) {
+                if let Some(beam) = self.beam(geometry, facet, x, reach) {
+                    each(beam);
+                }
+            }
+        }
+    }
+
+    /// The beam below one facet, if it holds the point.
+    fn beam(&self, geometry: &G, facet: G::Facet, x: DVec3, reach: f64) -> Option<Beam<G::Facet>> {
+        let (direction, share) = self.refracted(geometry, facet)?;
+        let along = direction * DVec3::new(1.0, geometry.aspect(), 1.0);
+        let [a, b, c] = geometry.corners(facet);
+        let normal = (b - a).cross(c - a);
+        let t = normal.dot(x - a) / normal.dot(along);
+        if !(t > 0.0 && t <= reach) {
+            return None;
+        }
+        let p = x - t * along;
+        let within = [(a, b), (b, c), (c, a)]
+            .into_iter()
+            .all(|(from, to)| (to - from).cross(p - from).dot(normal) >= 0.0);
+        within.then_some(Beam {
+            facet,
+            t,
+            direction,
+            share,
+        })
+    }
+
+    /// Where light goes on below a facet that faces it, and its share.
+    ///
+    /// Solid angles on both sides of an interface keep `n^2 cos`, so that `d omega_t / d omega_i` is
+    /// `cos(alpha) / (eta^2 cos(beta))`.
+    fn refracted(&self, geometry: &G, facet: G::Facet) -> Option<(DVec3, f64)> {
+        let eta = self.material.transmitting_index()?;
+        let m = geometry.normal(facet);
+        let cos_alpha = self.towards.dot(m);
+        if cos_alpha <= 0.0 {
+            return None;
+        }
+        let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
+        if transmitted.share <= 0.0 {
+            return None;
+        }
+        let cos_beta = -transmitted.direction.dot(m);
+        let share = transmitted.share * cos_alpha / (eta * eta * cos_beta);
+        Some((transmitted.direction, share))
+    }
+
+    fn of_leaf(&self, leaf: usize) -> &[G::Facet] {
+        let count = self.facets.len();
+        &self.facets[(leaf * LEAF).min(count)..((leaf + 1) * LEAF).min(count)]
+    }
+}
+
+impl Node {
+    const NONE: Self = Self {
+        place: Bounds::NONE,
+        direction: Bounds::NONE,
+    };
+
+    /// Between which distances from the facets, of `reach` at most, light of these directions may come to
+    /// the height of `x`.
+    fn distances(&self, x: DVec3, reach: f64) -> Option<[f64; 2]> {
+        let Bounds { low, high } = self.place;
+        if low.z > high.z {
+            return None;
+        }
+        // All light goes down below a height field; beneath an overhang it may rise.
+        let fall = [-self.direction.high.z, -self.direction.low.z];
+        let depth = [low.z - x.z, high.z - x.z];
+        if fall[0] <= 0.0 {
+            return Some([0.0, reach]);
+        }
+        if depth[1] < 0.0 {
+            return None;
+        }
+        // Rounding is far below this.
+        let least = (depth[0] / fall[1]).max(0.0) * (1.0 - 1e-9);
+        let most = (depth[1] / fall[0]).min(reach) * (1.0 + 1e-9);
+        (least <= most).then_some([least, most])
+    }
+
+    /// Whether a beam of one of the facets may hold `x`.
+    fn may_hold(&self, x: DVec3, reach: f64) -> bool {
+        let Some([near, far]) = self.distances(x, reach) else {
+            return false;
+        };
+        [0, 1].into_iter().all(|axis| {
+            let (low, high) = (self.direction.low[axis], self.direction.high[axis]);
+            let least = (near * low).min(far * low) - 1e-9;
+            let most = (near * high).max(far * high) + 1e-9;
+            x[axis] - self.place.high[axis] <= most && x[axis] - self.place.low[axis] >= least
+        })
+    }
+}
+
+impl Bounds {
+    const NONE: Self = Self {
+        low: DVec3::INFINITY,
+        high: DVec3::NEG_INFINITY,
+    };
+
+    fn add(&mut self, p: DVec3) {
+        self.low = self.low.min(p);
+        self.high = self.high.max(p);
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            low: self.low.min(other.low),
+            high: self.high.max(other.high),
+        }
+    }
+}

@@ -1,0 +1,595 @@
+//! One light path at a time, from interaction to interaction: the plain way to follow light.
+//!
+//! [`crate::Tracer`] follows many paths together, splits them, and takes short cuts; a [`Walk`] does none
+//! of it. At an interface one way on is picked at random by its share, every flight is searched for facets
+//! from its beginning, and the path is a loop. It is what the tracer is tested against, and what looks
+//! through a camera: light is reversible, so that a path may as well be followed from the eye.
+
+use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_surface::Border;
+use asperity_tally::{Event, EventPath};
+use glam::{DVec2, DVec3};
+use rand::{Rng, RngExt};
+
+use crate::accelerator::Accelerator;
+use crate::border::{End, Heading, Travel, come_home, travel};
+use crate::geometry::{Geometry, Nearby};
+use crate::path_settings::PathSettings;
+use crate::ray::Medium;
+use crate::scatter::{Branch, Scattered, scatter};
+use crate::substrate::{Face, Substrate};
+use crate::sunbeams::Sunbeams;
+
+/// Follows light that comes from above, one path at a time.
+///
+/// Of the settings it takes the roulette and the highest order; it always picks a branch.
+pub struct Walk<'a, G: Geometry> {
+    geometry: &'a G,
+    accelerator: &'a dyn Accelerator<G>,
+    material: Material,
+    settings: PathSettings,
+    substrate: Option<Substrate<'a, G>>,
+    search: Search,
+}
+
+/// How a flight inside a layer is searched for facets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Search {
+    /// For all of its straight line.
+    Plain,
+    /// By the heights nearby, where they can tell; the same facets are found.
+    Nearby,
+}
+
+/// The end of a path, and what became of its flux, which begins as one: what it has left, what was
+/// absorbed and what was truncated on the way add up to one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walked {
+    /// Where it ended.
+    pub end: WalkEnd,
+    /// Flux that it has left there.
+    pub flux: f64,
+    /// Flux that was absorbed on its way.
+    pub absorbed: f64,
+    /// Flux that roulette took on its way, less what it added; zero on average.
+    pub truncated: f64,
+    /// Its interactions with surfaces.
+    pub path: EventPath,
+    /// How often it was scattered inside the layer.
+    pub scatterings: u32,
+    /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
+    /// after it was scattered inside, and sunbeams were asked for.
+    pub told: bool,
+    /// Unit direction of its last stretch, in the world.
+    pub direction: DVec3,
+    /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
+    /// without end.
+    pub origin: DVec3,
+}
+
+/// What is seen along a path that is followed from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// Its end.
+    End(Walked),
+    /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
+    Sunlit(Sunlit),
+}
+
+/// Light that is scattered into a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sunlit {
+    /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
+    pub share: f64,
+    /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
+    pub origin: DVec3,
+}
+
+/// Where a path may end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WalkEnd {
+    /// It left above.
+    Above,
+    /// It left below.
+    Below,
+    /// Nothing is left of it.
+    Absorbed,
+    /// It had too many interactions, or its flux was taken by roulette.
+    Truncated,
+    /// It left an open patch sideways.
+    LeftPatch,
+    /// It failed numerically.
+    Lost,
+}
+
+/// The three spaces that the surface and the bottom divide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Space {
+    Above,
+    Inside,
+    Beyond,
+}
+
+/// A path on its way.
+#[derive(Clone, Copy)]
+struct Path {
+    space: Space,
+    /// In the tile, and in the coordinates of the upper surface.
+    heading: Heading,
+    /// The same place in the plane continued without end.
+    place: DVec2,
+    flux: f64,
+    absorbed: f64,
+    truncated: f64,
+    events: EventPath,
+    /// Events since it was last scattered.
+    events_since: u32,
+    scatterings: u32,
+}
+
+/// What comes next on a straight line.
+enum Next<F> {
+    /// A facet of one of the faces, after so far a flight.
+    Facet(Face, F, Heading, f64),
+    FlatBottom(f64),
+    Collision(f64),
+    End(WalkEnd),
+}
+
+impl<'a, G: Geometry> Walk<'a, G> {
+    /// Light from above on a surface, and in the layer below it, if there is one.
+    ///
+    /// # Panics
+    /// If there is a layer below what is no dielectric.
+    #[must_use]
+    pub fn new(
+        geometry: &'a G,
+        accelerator: &'a dyn Accelerator<G>,
+        material: Material,
+        settings: PathSettings,
+        substrate: Option<Substrate<'a, G>>,
+    ) -> Self {
+        assert!(
+            substrate.is_none() || material.transmitting_index().is_some(),
+            "a medium lies below a dielectric"
+        );
+        Self {
+            geometry,
+            accelerator,
+            material,
+            settings,
+            substrate,
+            search: Search::Plain,
+        }
+    }
+
+    /// The same, which searches in another way.
+    #[must_use]
+    pub fn searching(self, search: Search) -> Self {
+        Self { search, ..self }
+    }
+
+    /// Follows light that comes from above along a straight line, to its end.
+    ///
+    /// `origin`: tile coordinates of the upper surface, above it, be it over another tile; `direction`: a
+    /// unit vector in the world.
+    pub fn follow<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> Walked {
+        let mut path = Path::new(origin, direction);
+        loop {
+            if let Some(end) = self.step(&mut path, None, rng, &mut |_| {}) {
+                return path.ended(end);
+            }
+        }
+    }
+
+    /// Looks along a straight line from above: the same, but where the surface divides the light first, both
+    /// branches are followed, each with its share of the flux, so that there are one or two ends.
+    ///
+    /// With `beams` it also tells of light from their direction that is scattered into the path inside the
+    /// layer. They are left out under a mirrored border, where a direction has several images.
+    pub fn look<R: Rng>(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        beams: Option<&Sunbeams<G>>,
+        rng: &mut R,
+        mut each: impl FnMut(Seen),
+    ) {
+        let beams = beams.filter(|_| self.geometry.border() != Border::Mirrored);
+        let mut path = Path::new(origin, direction);
+        let (facet, at, t) = match self.next(&path, rng) {
+            Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
+            Next::End(end) => return each(Seen::End(path.ended(end))),
+            _ => return each(Seen::End(path.ended(WalkEnd::Lost))),
+        };
+        self.advance(&mut path, t);
+        path.heading = at;
+        let scattered = self.scattered(Face::Top, facet, &path, rng);
+        let mut absorbed = scattered.absorbed;
+        for branch in scattered.branches {
+            if branch.share > 0.0 {
+                let mut path = path;
+                path.flux = branch.share;
+                path.absorbed = std::mem::take(&mut absorbed);
+                path.go_on(Face::Top, &branch);
+                let end = loop {
+                    if let Some(end) = self.step(&mut path, beams, rng, &mut each) {
+                        break end;
+                    }
+                };
+                let told = beams.is_some()
+                    && end == WalkEnd::Above
+                    && path.scatterings > 0
+                    && path.events_since == 1;
+                each(Seen::End(Walked {
+                    told,
+                    ..path.ended(end)
+                }));
+            }
+        }
+    }
+
+    /// Goes to the next interaction and beyond it, or to the end.
+    fn step<R: Rng>(
+        &self,
+        path: &mut Path,
+        beams: Option<&Sunbeams<G>>,
+        rng: &mut R,
+        each: &mut impl FnMut(Seen),
+    ) -> Option<WalkEnd> {
+        match self.next(path, rng) {
+            Next::End(end) => Some(end),
+            Next::Facet(face, facet, at, t) => {
+                self.advance(path, t);
+                path.heading = at;
+                if path.events.order() >= self.settings.max_order {
+                    return Some(WalkEnd::Truncated);
+                }
+                let scattered = self.scattered(face, facet, path, rng);
+                self.pick(face, &scattered, path, rng)
+            }
+            Next::FlatBottom(t) => {
+                let substrate = self.substrate.as_ref()?;
+                if !self.fly(path, t) {
+                    return Some(WalkEnd::LeftPatch);
+                }
+                substrate.put_onto_bottom(&mut path.heading.origin);
+                let bottom = substrate.bottom()?;
+                if bottom == Bottom::Open {
+                    return Some(WalkEnd::Below);
+                }
+                if path.events.order() >= self.settings.max_order {
+                    return Some(WalkEnd::Truncated);
+                }
+                let wi = -path.heading.direction;
+                let scattered = at_bottom(bottom, Space::Inside, wi, DVec3::Z, rng);
+                let end = self.pick(Face::Bottom, &scattered, path, rng);
+                // Nothing lies beyond a plane.
+                end.or((path.space == Space::Beyond).then_some(WalkEnd::Below))
+            }
+            Next::Collision(t) => {
+                let substrate = self.substrate.as_ref()?;
+                if !self.fly(path, t) {
+                    return Some(WalkEnd::LeftPatch);
+                }
+                let scattered = path.flux * substrate.albedo();
+                path.absorbed += path.flux - scattered;
+                path.flux = scattered;
+                if scattered == 0.0 {
+                    return Some(WalkEnd::Absorbed);
+                }
+                if path.scatterings == substrate.most_scatterings() {
+                    return Some(WalkEnd::Truncated);
+                }
+                path.scatterings += 1;
+                path.events_since = 0;
+                if let Some(beams) = beams {
+                    self.find_sun(substrate, path, beams, rng, each);
+                }
+                path.heading.direction = substrate.scattered(path.heading.direction, rng);
+                self.roulette(path, rng)
+            }
+        }
+    }
+
+    /// Tells of the light of beams that is scattered into a path where it is now.
+    ///
+    /// The light must reach from the facet to here without an interaction, of which a free flight of its own
+    /// decides, and nothing may stand in its way inside and above.
+    fn find_sun<R: Rng>(
+        &self,
+        substrate: &Substrate<'_, G>,
+        path: &Path,
+        beams: &Sunbeams<G>,
+        rng: &mut R,
+        each: &mut impl FnMut(Seen),
+    ) {
+        let reach = substrate.free_flight(rng);
+        let goes_on = self.geometry.border() != Border::Open;
+        let x = path.heading.origin;
+        beams.holding(self.geometry, x, reach, goes_on, |beam| {
+            let back = Heading {
+                direction: -beam.direction,
+                ..path.heading
+            };
+            let near = beam.t * (1.0 + 1e-9) + 1e-9;
+            let Ok(Next::Facet(_, facet, at, t)) = self.meet(Face::Top, &back, Medium::Below, near)
+            else {
+                return;
+            };
+            if facet != beam.facet || t > near {
+                return;
+            }
+            if let Ok(Next::Facet(_, _, _, t)) = self.meet(Face::Bottom, &back, Medium::Above, near)
+                && t <= near
+            {
+                return;
+            }
+            let up = Heading {
+                direction: beams.towards(),
+                ..at
+            };
+            let sees = travel(self.geometry, self.accelerator, up, Medium::Above);
+            if !matches!(
+                sees,
+                Travel::Ended(End::Escaped | End::EscapedUnsearched(_))
+            ) {
+                return;
+            }
+            let d = beam.direction;
+            let phase = substrate.phase_density(path.heading.direction.dot(-d));
+            let level = DVec2::new(d.x, d.y * self.geometry.aspect());
+            each(Seen::Sunlit(Sunlit {
+                share: path.flux * phase * beam.share,
+                origin: (path.place - beam.t * level).extend(at.origin.z),
+            }));
+        });
+    }
+
+    /// What a path comes to next on its straight line.
+    fn next<R: Rng>(&self, path: &Path, rng: &mut R) -> Next<G::Facet> {
+        let infinite = f64::INFINITY;
+        let outside = |face, medium, end| {
+            let met = self.meet(face, &path.heading, medium, infinite);
+            met.unwrap_or_else(|other| Next::End(other.unwrap_or(end)))
+        };
+        let substrate = match (path.space, &self.substrate) {
+            (Space::Above, _) => return outside(Face::Top, Medium::Above, WalkEnd::Above),
+            (Space::Inside, None) => return outside(Face::Top, Medium::Below, WalkEnd::Below),
+            (Space::Beyond, _) => return outside(Face::Bottom, Medium::Below, WalkEnd::Below),
+            (Space::Inside, Some(substrate)) => substrate,
+        };
+        let mut reach = substrate.free_flight(rng);
+        let mut next = Next::Collision(reach);
+        let flat = substrate.to_flat_bottom(&path.heading);
+        if flat <= reach {
+            reach = flat;
+            next = Next::FlatBottom(flat);
+        }
+        let mut failed = None;
+        for face in Substrate::<G>::faces_ahead(path.heading.direction) {
+            match self.meet(face, &path.heading, face.inside(), reach) {
+                Ok(Next::Facet(face, facet, at, t)) if t <= reach => {
+                    reach = t;
+                    next = Next::Facet(face, facet, at, t);
+                }
+                Ok(_) => {}
+                Err(end) => failed = failed.or(end),
+            }
+        }
+        if reach.is_infinite() {
+            // Nothing ends a clear medium.
+            return Next::End(failed.unwrap_or(WalkEnd::Below));
+        }
+        next
+    }
+
+    /// The facet of a face that a straight line comes to, which matters up to `reach`; or how it ends there,
+    /// unless it escapes from that face.
+    fn meet(
+        &self,
+        face: Face,
+        heading: &Heading,
+        medium: Medium,
+        reach: f64,
+    ) -> Result<Next<G::Facet>, Option<WalkEnd>> {
+        let (mut heading, mut geometry, mut accelerator) =
+            (*heading, self.geometry, self.accelerator);
+        if face == Face::Bottom {
+            let Some((substrate, bottom)) = self
+                .substrate
+                .as_ref()
+                .and_then(|s| s.surface().map(|b| (s, b)))
+            else {
+                return Err(None);
+            };
+            heading = substrate.to_face(face, heading);
+            (geometry, accelerator) = bottom;
+        }
+        let at = |heading| match &self.substrate {
+            Some(substrate) => substrate.back_from(face, heading),
+            None => heading,
+        };
+        if self.search == Search::Nearby && reach.is_finite() {
+            let query = heading.query(geometry, medium);
+            match geometry.nearby(&query.ray, medium, reach) {
+                Nearby::Clear => return Err(None),
+                Nearby::Met(hit) => {
+                    let origin = geometry.snap(hit.facet, query.ray.at(hit.t));
+                    let heading = Heading { origin, ..heading };
+                    return Ok(Next::Facet(face, hit.facet, at(heading), hit.t));
+                }
+                Nearby::Unknown => {}
+            }
+        }
+        match travel(geometry, accelerator, heading, medium) {
+            Travel::Met(hit, heading) => Ok(Next::Facet(face, hit.facet, at(heading), hit.t)),
+            Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => Err(None),
+            Travel::Ended(End::LeftPatch) => Err(Some(WalkEnd::LeftPatch)),
+            Travel::Ended(End::Lost) => Err(Some(WalkEnd::Lost)),
+        }
+    }
+
+    /// Moves the place of a path on by `t`.
+    fn advance(&self, path: &mut Path, t: f64) {
+        let world = path.heading.world_direction();
+        path.place += t * DVec2::new(world.x, world.y * self.geometry.aspect());
+    }
+
+    /// Moves a path on by `t` inside the layer; false if it leaves an open patch.
+    fn fly(&self, path: &mut Path, t: f64) -> bool {
+        self.advance(path, t);
+        let d = path.heading.direction;
+        path.heading.origin += t * DVec3::new(d.x, d.y * self.geometry.aspect(), d.z);
+        come_home(self.geometry, &mut path.heading)
+    }
+
+    /// What a facet does with the light that has come to it.
+    fn scattered<R: Rng>(
+        &self,
+        face: Face,
+        facet: G::Facet,
+        path: &Path,
+        rng: &mut R,
+    ) -> Scattered {
+        let wi = -path.heading.direction;
+        let Some(substrate) = self.substrate.as_ref().filter(|_| face == Face::Bottom) else {
+            let above = path.space == Space::Above;
+            let side = if above { 1.0 } else { -1.0 };
+            return scatter(self.material, above, wi, side * self.geometry.normal(facet));
+        };
+        let (Some((geometry, _)), Some(bottom)) = (substrate.surface(), substrate.bottom()) else {
+            return Scattered {
+                absorbed: 1.0,
+                ..nothing()
+            };
+        };
+        let side = if path.space == Space::Inside {
+            1.0
+        } else {
+            -1.0
+        };
+        let m = side * geometry.normal(facet);
+        at_bottom(bottom, path.space, wi, m, rng)
+    }
+
+    /// Goes on along one branch, picked by its share.
+    fn pick<R: Rng>(
+        &self,
+        face: Face,
+        scattered: &Scattered,
+        path: &mut Path,
+        rng: &mut R,
+    ) -> Option<WalkEnd> {
+        let [transmitted, reflected] = &scattered.branches;
+        let kept = transmitted.share + reflected.share;
+        path.absorbed += path.flux * scattered.absorbed;
+        path.flux *= kept;
+        if path.flux == 0.0 {
+            return Some(WalkEnd::Absorbed);
+        }
+        let branch = if rng.random::<f64>() * kept < reflected.share {
+            reflected
+        } else {
+            transmitted
+        };
+        path.go_on(face, branch);
+        self.roulette(path, rng)
+    }
+
+    /// Weak light goes on with a probability proportional to its flux, and then carries the threshold.
+    fn roulette<R: Rng>(&self, path: &mut Path, rng: &mut R) -> Option<WalkEnd> {
+        let threshold = self.settings.roulette_below;
+        if path.flux >= threshold {
+            return None;
+        }
+        let survives = rng.random::<f64>() * threshold < path.flux;
+        let kept = if survives { threshold } else { 0.0 };
+        path.truncated += path.flux - kept;
+        path.flux = kept;
+        (!survives).then_some(WalkEnd::Truncated)
+    }
+}
+
+impl Path {
+    fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            space: Space::Above,
+            heading: Heading {
+                origin,
+                direction,
+                mirrored: [false; 2],
+            },
+            place: DVec2::new(origin.x, origin.y),
+            flux: 1.0,
+            absorbed: 0.0,
+            truncated: 0.0,
+            events: EventPath::default(),
+            events_since: 0,
+            scatterings: 0,
+        }
+    }
+
+    /// Takes a way on from a face.
+    fn go_on(&mut self, face: Face, branch: &Branch) {
+        self.heading.direction = branch.direction;
+        self.events = self.events.then(branch.event);
+        self.events_since += 1;
+        if branch.event == Event::Transmission {
+            self.space = match (face, self.space) {
+                (Face::Top, Space::Above) | (Face::Bottom, Space::Beyond) => Space::Inside,
+                (Face::Top, _) => Space::Above,
+                (Face::Bottom, _) => Space::Beyond,
+            };
+        }
+    }
+
+    fn ended(&self, end: WalkEnd) -> Walked {
+        Walked {
+            end,
+            flux: self.flux,
+            absorbed: self.absorbed,
+            truncated: self.truncated,
+            path: self.events,
+            scatterings: self.scatterings,
+            told: false,
+            direction: self.heading.world_direction(),
+            origin: self.place.extend(self.heading.origin.z),
+        }
+    }
+}
+
+/// What a bottom does with light that comes through a space from `wi`, to a place of normal `m` on the side
+/// of `wi`.
+fn at_bottom<R: Rng>(bottom: Bottom, space: Space, wi: DVec3, m: DVec3, rng: &mut R) -> Scattered {
+    let (share, direction) = match bottom {
+        Bottom::Interface { eta } => {
+            return scatter(Material::Dielectric { eta }, space == Space::Inside, wi, m);
+        }
+        Bottom::Mirror => (1.0, reflect(wi, m)),
+        // Lambert: the squared cosine to the normal is evenly distributed.
+        Bottom::Lambertian { reflectance } => {
+            let cos = rng.random::<f64>().sqrt();
+            (reflectance, around(m, cos, rng.random()))
+        }
+        _ => (0.0, DVec3::ZERO),
+    };
+    let mut scattered = nothing();
+    scattered.branches[1].share = share;
+    scattered.branches[1].direction = direction;
+    scattered.absorbed = 1.0 - share;
+    scattered
+}
+
+/// No light goes on.
+fn nothing() -> Scattered {
+    let branch = |event| Branch {
+        event,
+        direction: DVec3::ZERO,
+        share: 0.0,
+    };
+    Scattered {
+        branches: [branch(Event::Transmission), branch(Event::Reflection)],
+        absorbed: 0.0,
+    }
+}

@@ -1,0 +1,342 @@
+//! The layer below a surface, followed by many paths together and by one path at a time.
+//!
+//! [`Tracer`] divides light, waits for searches, and passes over most of them; [`Walk`] does none of it.
+//! Both draw random numbers of their own, so what they find must agree within the noise of both.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod common;
+
+use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
+use asperity_surface::{Border, HeightField};
+use asperity_tally::{BatchStatistics, HemisphereGrid, History, Layout, Share, Side};
+use asperity_tracer::{
+    AcceleratorKind, BottomShape, Branching, Geometry, Illumination, Medium, PathSettings, Search,
+    Substrate, Surface, Tracer, Walk, WalkEnd, Walked,
+};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// Batches of each, and paths of one: `STRATA^2`.
+const BATCHES: u64 = 100;
+const STRATA: u32 = 12;
+const PATHS: f64 = (STRATA * STRATA) as f64;
+
+/// |z| that one of all comparisons of this file (some 700, counted up to 1000) exceeds once in 1000 times:
+/// by Sidak 1e-6 for each, which a normal distribution exceeds at 4.9; differences of two means of 100
+/// batches have 198 degrees of freedom, by which that quantile grows by (z^3 + z) / (4 * 198).
+const BOUND: f64 = 4.9 + 0.16;
+
+/// Events of an entry that its noise is about normal with.
+const ENOUGH: f64 = 100.0;
+
+/// Everything that is told apart.
+struct Scene {
+    border: Border,
+    height: f64,
+    eta: f64,
+    medium: ParticipatingMedium,
+    end: Option<(Bottom, f64)>,
+    /// Height of a bottom of its own.
+    rough: Option<f64>,
+    settings: PathSettings,
+    most_scatterings: u32,
+    search: Search,
+}
+
+const ISOTROPIC: PhaseFunction = PhaseFunction::Isotropic;
+const RAYLEIGH: PhaseFunction = PhaseFunction::Rayleigh;
+const INTERFACE: Bottom = Bottom::Interface { eta: 1.0 / 1.5 };
+
+fn scene(border: Border, path: f64, albedo: f64, phase: PhaseFunction) -> Scene {
+    Scene {
+        border,
+        height: 1.0,
+        eta: 1.5,
+        medium: ParticipatingMedium::from_mean_free_path(path, albedo, phase).unwrap(),
+        end: None,
+        rough: None,
+        settings: PathSettings::default(),
+        most_scatterings: 100_000,
+        search: Search::Plain,
+    }
+}
+
+fn clear() -> ParticipatingMedium {
+    ParticipatingMedium::from_coefficients(0.0, 0.0, ISOTROPIC).unwrap()
+}
+
+fn forwards(g: f64) -> PhaseFunction {
+    PhaseFunction::henyey_greenstein(g).unwrap()
+}
+
+impl Scene {
+    fn over(self, bottom: Bottom, thickness: f64) -> Self {
+        let end = Some((bottom, thickness));
+        Self { end, ..self }
+    }
+
+    fn over_rough(self, bottom: Bottom, thickness: f64) -> Self {
+        let rough = Some(0.8);
+        Self {
+            rough,
+            ..self.over(bottom, thickness)
+        }
+    }
+
+    /// The larger |z| of all entries with enough events, from light at 40 degrees.
+    fn compare(&self, name: &str) {
+        let surface = |height, seed| {
+            let (nx, ny) = (9, 7);
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let heights = (0..nx * ny)
+                .map(|_| height * rng.random_range(-1.0..1.0))
+                .collect();
+            let field = HeightField::new(heights, [ny, nx], [1.0, 0.7]).unwrap();
+            Surface::new(field.with_border(self.border))
+        };
+        let top = surface(self.height, 3);
+        let bottom = self.rough.map(|height| surface(height, 4));
+        let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let (top_hits, bottom_hits) = (find(&top), bottom.as_ref().map(find));
+        let layer = match self.end {
+            None => Layer::half_space(self.medium),
+            Some((bottom, thickness)) => Layer::slab(self.medium, thickness, bottom).unwrap(),
+        };
+        let substrate = || {
+            let shape = match (&bottom, &bottom_hits) {
+                (Some(geometry), Some(hits)) => BottomShape::Surface {
+                    geometry,
+                    accelerator: &**hits,
+                },
+                _ => BottomShape::Flat,
+            };
+            Substrate::new(&top, &layer, shape, self.most_scatterings).unwrap()
+        };
+        let glass = Material::dielectric(self.eta).unwrap();
+        let incidence = Incidence::from_degrees(40.0, 25.0).unwrap();
+        let grid = HemisphereGrid::new(3, 4).unwrap();
+        let layout = Layout::new(grid, 0.1).unwrap().with_histories();
+
+        let tracer = Tracer::new(&top, &*top_hits, glass, Medium::Above, self.settings);
+        let tracer = tracer.over(substrate());
+        let mut together = BatchStatistics::new(layout.len());
+        let mut alone = BatchStatistics::new(layout.len());
+        for block in 0..BATCHES {
+            let mut rng = ChaCha8Rng::seed_from_u64(1);
+            rng.set_stream(block);
+            let light = Illumination::new(incidence, false);
+            let (record, _) = tracer.batch(&light, STRATA, layout, None, &mut rng);
+            together.push(&record);
+        }
+        let walk = Walk::new(&top, &*top_hits, glass, self.settings, Some(substrate()));
+        let walk = walk.searching(self.search);
+        for block in 0..BATCHES {
+            let mut rng = ChaCha8Rng::seed_from_u64(2);
+            rng.set_stream(block);
+            let mut record = vec![0.0; layout.len()];
+            for _ in 0..STRATA * STRATA {
+                let origin = start(&top, incidence, &mut rng);
+                let walked = walk.follow(origin, -incidence.wi(), &mut rng);
+                count(&walked, &layout, &mut record);
+            }
+            alone.push(&record);
+        }
+        assert_agreement(name, &layout, &together, &alone);
+    }
+}
+
+/// Above the surface, on a ray that would come to the mean plane anywhere in a period with equal chance.
+fn start(top: &Surface, incidence: Incidence, rng: &mut ChaCha8Rng) -> DVec3 {
+    let tiles = match top.border() {
+        Border::Mirrored => 2.0,
+        _ => 1.0,
+    };
+    let [cx, cy] = top.extent();
+    let [_, high] = top.z_range();
+    let wi = incidence.wi();
+    let back = (high - top.mean_plane()) / wi.z;
+    DVec3::new(
+        rng.random::<f64>() * cx * tiles + back * wi.x,
+        rng.random::<f64>() * cy * tiles + back * wi.y * top.aspect(),
+        high,
+    )
+}
+
+/// Adds one path to the entries that are compared.
+fn count(walked: &Walked, layout: &Layout, record: &mut [f64]) {
+    let whole = walked.flux + walked.absorbed + walked.truncated;
+    assert!((whole - 1.0).abs() < 1e-12, "{walked:?}");
+    let mut add = |entry: usize, flux: f64| record[entry] += flux / PATHS;
+    add(Layout::ABSORBED, walked.absorbed);
+    add(Layout::TRUNCATED, walked.truncated);
+    let side = match walked.end {
+        WalkEnd::Above => Side::Reflected,
+        WalkEnd::Below => Side::Transmitted,
+        WalkEnd::Absorbed => return,
+        WalkEnd::Truncated => return add(Layout::TRUNCATED, walked.flux),
+        WalkEnd::LeftPatch => {
+            add(Layout::LEFT_PATCH, walked.flux);
+            return add(Layout::TRUNCATED, walked.flux);
+        }
+        WalkEnd::Lost => return add(Layout::LOST, walked.flux),
+    };
+    let total = match side {
+        Side::Reflected => Layout::REFLECTED,
+        Side::Transmitted => Layout::TRANSMITTED,
+    };
+    add(total, walked.flux);
+    add(
+        layout.history(side, History::of(walked.scatterings)),
+        walked.flux,
+    );
+    add(
+        layout.order(side, walked.path.order() as usize),
+        walked.flux,
+    );
+    let bin = layout.grid().index_of(side, walked.direction);
+    add(layout.bins(Share::Total).start + bin, walked.flux);
+}
+
+fn assert_agreement(
+    name: &str,
+    layout: &Layout,
+    together: &BatchStatistics,
+    alone: &BatchStatistics,
+) {
+    let mut entries = vec![
+        ("absorbed".to_owned(), Layout::ABSORBED),
+        ("truncated".to_owned(), Layout::TRUNCATED),
+        ("left patch".to_owned(), Layout::LEFT_PATCH),
+        ("reflected".to_owned(), Layout::REFLECTED),
+        ("transmitted".to_owned(), Layout::TRANSMITTED),
+    ];
+    for side in Side::BOTH {
+        for history in History::ALL {
+            let entry = layout.history(side, history);
+            entries.push((format!("{side:?} {}", history.name()), entry));
+        }
+        for order in 1..=6 {
+            entries.push((format!("{side:?} order {order}"), layout.order(side, order)));
+        }
+    }
+    for (i, entry) in layout.bins(Share::Total).enumerate() {
+        entries.push((format!("{:?}", layout.grid().bin(i)), entry));
+    }
+    let (mut worst, mut compared) = (0.0_f64, 0);
+    for (entry, i) in &entries {
+        let [a, b] = [together, alone].map(|statistics| statistics.estimate(*i));
+        let rare = ENOUGH / (BATCHES as f64 * PATHS);
+        if a.mean.abs() < rare && b.mean.abs() < rare {
+            continue;
+        }
+        compared += 1;
+        let z = common::z_score(a, b.mean, b.se.unwrap());
+        if z.abs() > 3.0 {
+            println!("{name}: {entry}: {} against {}, z = {z:.2}", a.mean, b.mean);
+        }
+        worst = worst.max(z.abs());
+        assert!(
+            z.abs() < BOUND,
+            "{name}: {entry}: {a:?} against {b:?}, z = {z:.2}"
+        );
+    }
+    println!("{name}: largest |z| of {compared}: {worst:.2}");
+    for statistics in [together, alone] {
+        assert_eq!(statistics.means()[Layout::LOST], 0.0, "{name}");
+    }
+}
+
+#[test]
+fn half_spaces() {
+    scene(Border::Periodic, 0.5, 0.9, ISOTROPIC).compare("half space, isotropic");
+    scene(Border::Mirrored, 1.5, 0.8, forwards(0.7)).compare("half space, mirrored, forwards");
+    let flat = Scene {
+        height: 0.0,
+        ..scene(Border::Periodic, 0.3, 0.95, RAYLEIGH)
+    };
+    flat.compare("half space, flat, Rayleigh");
+    scene(Border::Open, 0.7, 0.8, forwards(-0.5)).compare("half space, open, backwards");
+}
+
+#[test]
+fn slabs_on_planes() {
+    let slab = |border, bottom| scene(border, 2.0, 0.9, forwards(0.5)).over(bottom, 2.5);
+    slab(Border::Periodic, Bottom::Open).compare("open bottom");
+    slab(Border::Mirrored, INTERFACE).compare("interface, mirrored");
+    slab(Border::Open, Bottom::Interface { eta: 1.2 }).compare("interface, open border");
+    slab(Border::Periodic, Bottom::Absorbing).compare("absorbing bottom");
+    slab(Border::Mirrored, Bottom::Mirror).compare("mirror, mirrored");
+    let grey = Bottom::Lambertian { reflectance: 0.7 };
+    slab(Border::Periodic, grey).compare("Lambertian bottom");
+}
+
+#[test]
+fn slabs_on_surfaces() {
+    let slab = |border, bottom| scene(border, 2.0, 0.9, RAYLEIGH).over_rough(bottom, 2.5);
+    slab(Border::Periodic, INTERFACE).compare("rough interface");
+    slab(Border::Mirrored, Bottom::Interface { eta: 1.3 }).compare("rough interface, mirrored");
+    slab(Border::Open, INTERFACE).compare("rough interface, open border");
+    slab(Border::Mirrored, Bottom::Absorbing).compare("rough absorbing bottom");
+    slab(Border::Periodic, Bottom::Mirror).compare("rough mirror");
+    let white = Bottom::Lambertian { reflectance: 1.0 };
+    slab(Border::Mirrored, white).compare("rough Lambertian bottom");
+}
+
+#[test]
+fn clear_media() {
+    let clear = |border| Scene {
+        medium: clear(),
+        ..scene(border, 1.0, 1.0, ISOTROPIC)
+    };
+    clear(Border::Periodic).compare("clear half space");
+    // Light that bends away from steep facets rises inside, and leaves the patch below them.
+    let rarer = |border| Scene {
+        height: 4.0,
+        eta: 1.0 / 1.5,
+        ..clear(border)
+    };
+    rarer(Border::Open).compare("clear half space, rarer, open border");
+    rarer(Border::Mirrored).compare("clear half space, rarer, mirrored");
+    clear(Border::Mirrored)
+        .over(INTERFACE, 1.5)
+        .compare("clear slab, mirrored");
+    clear(Border::Periodic)
+        .over_rough(INTERFACE, 3.0)
+        .compare("clear rough slab");
+    clear(Border::Open)
+        .over_rough(INTERFACE, 3.0)
+        .compare("clear rough slab, open border");
+    let absorbing = scene(Border::Periodic, 2.0, 0.0, ISOTROPIC);
+    absorbing
+        .over(Bottom::Mirror, 1.5)
+        .compare("absorbing medium");
+}
+
+#[test]
+fn settings_of_paths() {
+    let slab = |settings| Scene {
+        settings,
+        ..scene(Border::Periodic, 0.8, 0.97, ISOTROPIC).over_rough(INTERFACE, 2.5)
+    };
+    let settings = |branching, roulette, order| PathSettings::new(branching, roulette, order);
+    let pick = settings(Branching::Pick, 0.2, 1000).unwrap();
+    slab(pick).compare("picked branches");
+    let short = settings(Branching::Split, 0.01, 3).unwrap();
+    slab(short).compare("at most three interactions");
+    let few = Scene {
+        most_scatterings: 4,
+        ..slab(PathSettings::default())
+    };
+    few.compare("at most four scatterings");
+    let nearby = Scene {
+        search: Search::Nearby,
+        ..scene(Border::Mirrored, 0.3, 0.97, forwards(0.6)).over_rough(INTERFACE, 2.5)
+    };
+    nearby.compare("walks that look nearby");
+}

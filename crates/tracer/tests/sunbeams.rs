@@ -1,0 +1,130 @@
+//! A sun looked for through the facets of the surface is the sun that chance finds.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use asperity_optics::{
+    Bottom, Layer, Material, ParticipatingMedium, PhaseFunction, around, from_spherical,
+};
+use asperity_surface::{Border, HeightField};
+use asperity_tally::BatchStatistics;
+use asperity_tracer::{
+    AcceleratorKind, BottomShape, Geometry, PathSettings, Search, Seen, Substrate, Sunbeams,
+    Surface, Walk, WalkEnd,
+};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+const BATCHES: u64 = 100;
+const LINES: u32 = 60;
+
+/// Radius of the sun, so large that chance finds it often.
+const COS_RADIUS: f64 = 0.85;
+
+/// |z| that one of five differences of means of 100 batches exceeds once in 1000 times: by Sidak 2e-4 each,
+/// 3.72 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
+const BOUND: f64 = 3.8;
+
+/// Of a sun of radiance one seen along lines from above: what comes straight out of the medium, by beams
+/// and by chance.
+fn compare(name: &str, border: Border, phase: PhaseFunction, path: f64, rough_bottom: bool) {
+    let surface = |seed: u64, height: f64| {
+        let (nx, ny) = (10, 12);
+        let field = common::rugged(nx, ny, height, seed, border);
+        let heights = field.field().heights().to_vec();
+        let field = HeightField::new(heights, [ny, nx], [1.0, 0.8]).unwrap();
+        Surface::new(field.with_border(border))
+    };
+    let (top, bottom) = (surface(5, 0.9), surface(6, 0.9));
+    let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let (top_hits, bottom_hits) = (find(&top), find(&bottom));
+    let medium = ParticipatingMedium::from_mean_free_path(path, 0.9, phase).unwrap();
+    let white = Bottom::Lambertian { reflectance: 0.8 };
+    let layer = Layer::slab(medium, 2.2, white).unwrap();
+    let shape = if rough_bottom {
+        BottomShape::Surface {
+            geometry: &bottom,
+            accelerator: &*bottom_hits,
+        }
+    } else {
+        BottomShape::Flat
+    };
+    let substrate = Substrate::new(&top, &layer, shape, 1000).unwrap();
+    let glass = Material::dielectric(1.5).unwrap();
+    let settings = PathSettings::default();
+    let walk = Walk::new(&top, &*top_hits, glass, settings, Some(substrate));
+    let walk = walk.searching(Search::Nearby);
+    let sun = from_spherical(0.9, 2.0);
+    let solid_angle = TAU * (1.0 - COS_RADIUS);
+    let mut beams = Sunbeams::new(&top, glass, sun);
+    let [cx, cy] = top.extent();
+    let [_, high] = top.z_range();
+    let direction = -from_spherical(0.5, 4.0);
+
+    let mut sums = BatchStatistics::new(2);
+    let mut told_apart = 0_u32;
+    for batch in 0..BATCHES {
+        let mut rng = ChaCha8Rng::seed_from_u64(9);
+        rng.set_stream(batch);
+        let mut found = [0.0, 0.0];
+        for _ in 0..LINES {
+            let mu = 1.0 - rng.random::<f64>() * (1.0 - COS_RADIUS);
+            beams.aim(&top, around(sun, mu, rng.random()));
+            let origin = DVec3::new(cx * rng.random::<f64>(), cy * rng.random::<f64>(), high);
+            walk.look(
+                origin,
+                direction,
+                Some(&beams),
+                &mut rng,
+                |seen| match seen {
+                    Seen::Sunlit(lit) => found[0] += lit.share * solid_angle / f64::from(LINES),
+                    Seen::End(walked) => {
+                        if walked.told && walked.direction.dot(sun) > COS_RADIUS {
+                            assert_eq!(walked.end, WalkEnd::Above);
+                            found[1] += walked.flux / f64::from(LINES);
+                            told_apart += 1;
+                        }
+                    }
+                },
+            );
+        }
+        sums.push(&found);
+    }
+    let [by_beams, by_chance] = [0, 1].map(|i| sums.estimate(i));
+    let z = common::z_score(by_beams, by_chance.mean, by_chance.se.unwrap());
+    println!(
+        "{name}: {:.5} +- {:.5} by beams, {:.5} +- {:.5} by {told_apart} chances, z = {z:.2}",
+        by_beams.mean,
+        by_beams.se.unwrap(),
+        by_chance.mean,
+        by_chance.se.unwrap()
+    );
+    assert!(told_apart > 200, "{name}");
+    assert!(z.abs() < BOUND, "{name}: z = {z:.2}");
+}
+
+#[test]
+fn beams_bring_what_chance_finds() {
+    let forwards = PhaseFunction::henyey_greenstein(0.6).unwrap();
+    let backwards = PhaseFunction::henyey_greenstein(-0.4).unwrap();
+    let isotropic = PhaseFunction::Isotropic;
+    compare("short flights", Border::Periodic, isotropic, 0.2, false);
+    compare("forwards", Border::Periodic, forwards, 1.0, false);
+    compare("long flights", Border::Periodic, backwards, 6.0, false);
+    compare(
+        "rough bottom",
+        Border::Periodic,
+        PhaseFunction::Rayleigh,
+        1.5,
+        true,
+    );
+    compare("open", Border::Open, isotropic, 1.0, false);
+}

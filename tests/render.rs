@@ -1,0 +1,94 @@
+//! Pictures as users make them: files out, and sentences for what makes no sense.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+
+use support::{files, refused, succeed, with_surface, words};
+
+const SMALL: &str = "render h.exr --size 24x18 --samples 4";
+
+#[test]
+fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_of_threads() {
+    let (_keep, folder) = with_surface();
+    for threads in ["1", "3"] {
+        let [exr, png] = ["exr", "png"].map(|ending| format!("p{threads}.{ending}"));
+        let medium = words("--mean-free-path 2 --albedo 0.9 --g 0.5");
+        let rest = ["-o", &exr, "-o", &png, "--threads", threads];
+        let text = succeed(&folder, &[&words(SMALL)[..], &medium, &rest].concat());
+        assert!(
+            text.contains("24 x 18 pixels of 4 lines of sight"),
+            "{text}"
+        );
+        assert!(text.contains("standard error"), "{text}");
+    }
+    for ending in ["exr", "png"] {
+        let [one, three] =
+            ["1", "3"].map(|n| fs::read(folder.join(format!("p{n}.{ending}"))).unwrap());
+        assert!(one == three, "{ending}");
+    }
+}
+
+#[test]
+fn meshes_and_flat_surfaces_have_pictures_too() {
+    let (_keep, folder) = with_surface();
+    succeed(&folder, &words("mesh h.exr -o h.ply"));
+    let rest = words("--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png");
+    succeed(&folder, &[&["render", "h.ply"], &rest[..]].concat());
+    let flat =
+        words("render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --view-theta 0 -o f.exr");
+    let text = succeed(&folder, &flat);
+    // Fresnel at normal incidence, (n - 1)^2 / (n + 1)^2, but for the slant of a pinhole's lines.
+    assert!(text.contains("mean radiance 0.040"), "{text}");
+}
+
+#[test]
+fn what_makes_no_sense_gets_a_sentence_and_no_file() {
+    let (_keep, folder) = with_surface();
+    for (flags, expected) in [
+        ("-o p.jpg", ".exr and .png"),
+        ("-o p.png --size 640", "640x480"),
+        ("-o p.png --size 0x4", "0 x 4 pixels"),
+        ("-o p.png --size 99999x4", "16384"),
+        ("-o p.png --samples 0", "1 or more"),
+        ("-o p.png --view-theta 90", "--view-theta"),
+        ("-o p.png --fov 180", "field of view is 180"),
+        ("-o p.png --fov 20 --camera orthographic", "pinhole alone"),
+        ("-o p.png --view-theta 88 --width 4", "the eye is"),
+        ("-o p.png --width 0", "width of the view is 0"),
+        ("-o p.png --look-at 1", "give X,Y"),
+        ("-o p.png --sky -1", "radiance of the sky is -1"),
+        ("-o p.png --below -1", "what lies below is -1"),
+        ("-o p.png --sun -1", "radiance of the sun is -1"),
+        ("-o p.png --sun-theta 95", "--sun-theta"),
+        ("-o p.png --sun-radius 0", "0.01 to 60"),
+        ("-o p.png --patch 0,0,1", "X0,Y0,X1,Y1"),
+        ("-o p.png --patch 0,0,0,1", "below the other two"),
+        ("-o p.png --exposure 0", "above zero"),
+        ("-o p.png --albedo 0.9", "needs --mean-free-path"),
+        (
+            "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
+            "too small for the relief",
+        ),
+        (
+            "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",
+            "none is drawn",
+        ),
+    ] {
+        let command = format!("{SMALL} {flags}");
+        // What is given twice is given as the last says, but for outputs.
+        let command = match flags.contains("--size") || flags.contains("--samples") {
+            true => format!("render h.exr {flags}"),
+            false => command,
+        };
+        let sentence = refused(&folder, &words(&command), 2);
+        assert!(sentence.contains(expected), "{flags}: {sentence}");
+    }
+    assert_eq!(files(&folder), ["h.exr"]);
+}
