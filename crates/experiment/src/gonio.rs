@@ -31,7 +31,7 @@ use crate::verify::{VerifyError, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
 pub use files::gonio_report;
-pub use results::{DirectionResults, Means, Part};
+pub use results::{DirectionResults, Means, MeasuredPart};
 pub use sample::{Sample, SampleShape};
 pub use setting::Setting;
 pub use summary::{gonio_summary, gonio_table};

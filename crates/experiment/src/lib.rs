@@ -79,8 +79,8 @@ pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use gonio::{
     Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredConfig, Part, PlotScale, Sample, SampleShape, Setting, gonio, gonio_report,
-    gonio_summary, gonio_table,
+    Means, MeasuredConfig, MeasuredPart, PlotScale, Sample, SampleShape, Setting, gonio,
+    gonio_report, gonio_summary, gonio_table,
 };
 pub use layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,

@@ -45,7 +45,7 @@ impl Means {
 
 /// Flux fractions of one part of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Part {
+pub struct MeasuredPart {
     /// `all`; `unscattered`, `once` or `more` with a medium; `single` or `multiple` without.
     pub name: String,
     /// By side, of those asked for.
@@ -68,7 +68,7 @@ pub struct DirectionResults {
     /// What was absorbed, truncated and lost.
     pub budget: Means,
     /// All light, then its parts, which add up to it.
-    pub parts: Vec<Part>,
+    pub parts: Vec<MeasuredPart>,
     /// What a reader should know.
     pub warnings: Vec<String>,
 }
@@ -136,7 +136,7 @@ impl Whose {
     }
 }
 
-impl Part {
+impl MeasuredPart {
     fn of(name: &str, whose: Whose, layout: &Layout, statistics: &BatchStatistics) -> Self {
         let start = whose.bins(layout);
         let in_plane = layout.sides().flat_map(|side| {
@@ -206,7 +206,7 @@ impl DirectionResults {
             budget: Means::of(statistics, budget),
             parts: parts_of(layout)
                 .into_iter()
-                .map(|(name, whose)| Part::of(name, whose, layout, statistics))
+                .map(|(name, whose)| MeasuredPart::of(name, whose, layout, statistics))
                 .collect(),
             warnings,
         }
@@ -216,7 +216,7 @@ impl DirectionResults {
     pub(super) fn is_sound(&self, layout: &Layout) -> bool {
         let asked = layout.asked_bins().len();
         let sides = layout.sides().count();
-        let lengths = |part: &Part| {
+        let lengths = |part: &MeasuredPart| {
             part.sides.is_sound(sides)
                 && part.bins.is_sound(asked)
                 && part.in_plane.is_sound(sides * layout.in_plane_len())
@@ -231,11 +231,11 @@ impl DirectionResults {
         let sum = |values: &[f64]| values.iter().sum::<f64>();
         let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING;
         let (all, parts) = (&self.parts[0], &self.parts[1..]);
-        let adds_up = |of: fn(&Part) -> &Means| {
+        let adds_up = |of: fn(&MeasuredPart) -> &Means| {
             (0..of(all).mean.len())
                 .all(|i| near(parts.iter().map(|p| of(p).mean[i]).sum(), of(all).mean[i]))
         };
-        let fills_sides = |part: &Part| {
+        let fills_sides = |part: &MeasuredPart| {
             part.bins
                 .mean
                 .chunks(layout.grid().bins_per_side())
