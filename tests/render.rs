@@ -71,7 +71,7 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --patch 0,0,1", "X0,Y0,X1,Y1"),
         ("-o p.png --patch 0,0,0,1", "below the other two"),
         ("-o p.png --exposure 0", "above zero"),
-        ("-o p.png --albedo 0.9", "needs --mean-free-path"),
+        ("-o p.png --albedo 0.9", "needs a mean free path"),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
             "too small for the relief",

@@ -5,9 +5,12 @@
 //! from its beginning, and the path is a loop. It is what the tracer is tested against, and what looks
 //! through a camera: light is reversible, so that a path may as well be followed from the eye.
 
-use asperity_optics::{Bottom, Material, around, reflect};
+mod bottom;
+mod seen;
+mod state;
+
+use asperity_optics::{Bottom, Material};
 use asperity_surface::Border;
-use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
@@ -16,9 +19,13 @@ use crate::border::{End, Heading, Travel, come_home, travel};
 use crate::geometry::{Geometry, Nearby};
 use crate::path_settings::PathSettings;
 use crate::ray::Medium;
-use crate::scatter::{Branch, Scattered, scatter};
+use crate::scatter::{Scattered, scatter};
 use crate::substrate::{Face, Substrate};
 use crate::sunbeams::Sunbeams;
+
+use bottom::{at_bottom, nothing};
+pub use seen::{Seen, Sunlit, WalkEnd, Walked};
+use state::{Path, Space};
 
 /// Follows light that comes from above, one path at a time.
 ///
@@ -39,92 +46,6 @@ pub enum Search {
     Plain,
     /// By the heights nearby, where they can tell; the same facets are found.
     Nearby,
-}
-
-/// The end of a path, and what became of its flux, which begins as one: what it has left, what was
-/// absorbed and what was truncated on the way add up to one.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walked {
-    /// Where it ended.
-    pub end: WalkEnd,
-    /// Flux that it has left there.
-    pub flux: f64,
-    /// Flux that was absorbed on its way.
-    pub absorbed: f64,
-    /// Flux that roulette took on its way, less what it added; zero on average.
-    pub truncated: f64,
-    /// Its interactions with surfaces.
-    pub path: EventPath,
-    /// How often it was scattered inside the layer.
-    pub scatterings: u32,
-    /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
-    /// after it was scattered inside, and sunbeams were asked for.
-    pub told: bool,
-    /// Unit direction of its last stretch, in the world.
-    pub direction: DVec3,
-    /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
-    /// without end.
-    pub origin: DVec3,
-}
-
-/// What is seen along a path that is followed from the eye.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
-    /// Its end.
-    End(Walked),
-    /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
-    Sunlit(Sunlit),
-}
-
-/// Light that is scattered into a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sunlit {
-    /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
-    pub share: f64,
-    /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
-    pub origin: DVec3,
-}
-
-/// Where a path may end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WalkEnd {
-    /// It left above.
-    Above,
-    /// It left below.
-    Below,
-    /// Nothing is left of it.
-    Absorbed,
-    /// It had too many interactions, or its flux was taken by roulette.
-    Truncated,
-    /// It left an open patch sideways.
-    LeftPatch,
-    /// It failed numerically.
-    Lost,
-}
-
-/// The three spaces that the surface and the bottom divide.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Space {
-    Above,
-    Inside,
-    Beyond,
-}
-
-/// A path on its way.
-#[derive(Clone, Copy)]
-struct Path {
-    space: Space,
-    /// In the tile, and in the coordinates of the upper surface.
-    heading: Heading,
-    /// The same place in the plane continued without end.
-    place: DVec2,
-    flux: f64,
-    absorbed: f64,
-    truncated: f64,
-    events: EventPath,
-    /// Events since it was last scattered.
-    events_since: u32,
-    scatterings: u32,
 }
 
 /// What comes next on a straight line.
@@ -508,88 +429,5 @@ impl<'a, G: Geometry> Walk<'a, G> {
         path.truncated += path.flux - kept;
         path.flux = kept;
         (!survives).then_some(WalkEnd::Truncated)
-    }
-}
-
-impl Path {
-    fn new(origin: DVec3, direction: DVec3) -> Self {
-        Self {
-            space: Space::Above,
-            heading: Heading {
-                origin,
-                direction,
-                mirrored: [false; 2],
-            },
-            place: DVec2::new(origin.x, origin.y),
-            flux: 1.0,
-            absorbed: 0.0,
-            truncated: 0.0,
-            events: EventPath::default(),
-            events_since: 0,
-            scatterings: 0,
-        }
-    }
-
-    /// Takes a way on from a face.
-    fn go_on(&mut self, face: Face, branch: &Branch) {
-        self.heading.direction = branch.direction;
-        self.events = self.events.then(branch.event);
-        self.events_since += 1;
-        if branch.event == Event::Transmission {
-            self.space = match (face, self.space) {
-                (Face::Top, Space::Above) | (Face::Bottom, Space::Beyond) => Space::Inside,
-                (Face::Top, _) => Space::Above,
-                (Face::Bottom, _) => Space::Beyond,
-            };
-        }
-    }
-
-    fn ended(&self, end: WalkEnd) -> Walked {
-        Walked {
-            end,
-            flux: self.flux,
-            absorbed: self.absorbed,
-            truncated: self.truncated,
-            path: self.events,
-            scatterings: self.scatterings,
-            told: false,
-            direction: self.heading.world_direction(),
-            origin: self.place.extend(self.heading.origin.z),
-        }
-    }
-}
-
-/// What a bottom does with light that comes through a space from `wi`, to a place of normal `m` on the side
-/// of `wi`.
-fn at_bottom<R: Rng>(bottom: Bottom, space: Space, wi: DVec3, m: DVec3, rng: &mut R) -> Scattered {
-    let (share, direction) = match bottom {
-        Bottom::Interface { eta } => {
-            return scatter(Material::Dielectric { eta }, space == Space::Inside, wi, m);
-        }
-        Bottom::Mirror => (1.0, reflect(wi, m)),
-        // Lambert: the squared cosine to the normal is evenly distributed.
-        Bottom::Lambertian { reflectance } => {
-            let cos = rng.random::<f64>().sqrt();
-            (reflectance, around(m, cos, rng.random()))
-        }
-        _ => (0.0, DVec3::ZERO),
-    };
-    let mut scattered = nothing();
-    scattered.branches[1].share = share;
-    scattered.branches[1].direction = direction;
-    scattered.absorbed = 1.0 - share;
-    scattered
-}
-
-/// No light goes on.
-fn nothing() -> Scattered {
-    let branch = |event| Branch {
-        event,
-        direction: DVec3::ZERO,
-        share: 0.0,
-    };
-    Scattered {
-        branches: [branch(Event::Transmission), branch(Event::Reflection)],
-        absorbed: 0.0,
     }
 }

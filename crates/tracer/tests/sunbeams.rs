@@ -35,20 +35,26 @@ const BOUND: f64 = 3.8;
 
 /// Of a sun of radiance one seen along lines from above: what comes straight out of the medium, by beams
 /// and by chance.
-fn compare(name: &str, border: Border, phase: PhaseFunction, path: f64, rough_bottom: bool) {
-    let surface = |seed: u64, height: f64| {
+fn compare(
+    name: &str,
+    (border, height): (Border, f64),
+    phase: PhaseFunction,
+    path: f64,
+    rough_bottom: bool,
+) {
+    let surface = |seed: u64| {
         let (nx, ny) = (10, 12);
         let field = common::rugged(nx, ny, height, seed, border);
         let heights = field.field().heights().to_vec();
         let field = HeightField::new(heights, [ny, nx], [1.0, 0.8]).unwrap();
         Surface::new(field.with_border(border))
     };
-    let (top, bottom) = (surface(5, 0.9), surface(6, 0.9));
+    let (top, bottom) = (surface(5), surface(6));
     let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
     let (top_hits, bottom_hits) = (find(&top), find(&bottom));
     let medium = ParticipatingMedium::from_mean_free_path(path, 0.9, phase).unwrap();
     let white = Bottom::Lambertian { reflectance: 0.8 };
-    let layer = Layer::slab(medium, 2.2, white).unwrap();
+    let layer = Layer::slab(medium, 2.4 * height, white).unwrap();
     let shape = if rough_bottom {
         BottomShape::Surface {
             geometry: &bottom,
@@ -111,20 +117,25 @@ fn compare(name: &str, border: Border, phase: PhaseFunction, path: f64, rough_bo
     assert!(z.abs() < BOUND, "{name}: z = {z:.2}");
 }
 
+const PLAIN: (Border, f64) = (Border::Periodic, 0.9);
+const ISOTROPIC: PhaseFunction = PhaseFunction::Isotropic;
+
 #[test]
-fn beams_bring_what_chance_finds() {
+fn beams_bring_what_chance_finds_near_the_surface() {
     let forwards = PhaseFunction::henyey_greenstein(0.6).unwrap();
+    compare("short flights", PLAIN, ISOTROPIC, 0.2, false);
+    compare("forwards", PLAIN, forwards, 1.0, false);
+}
+
+#[test]
+fn beams_bring_what_chance_finds_behind_peaks() {
     let backwards = PhaseFunction::henyey_greenstein(-0.4).unwrap();
-    let isotropic = PhaseFunction::Isotropic;
-    compare("short flights", Border::Periodic, isotropic, 0.2, false);
-    compare("forwards", Border::Periodic, forwards, 1.0, false);
-    compare("long flights", Border::Periodic, backwards, 6.0, false);
-    compare(
-        "rough bottom",
-        Border::Periodic,
-        PhaseFunction::Rayleigh,
-        1.5,
-        true,
-    );
-    compare("open", Border::Open, isotropic, 1.0, false);
+    let tall = (Border::Periodic, 3.0);
+    compare("long flights", tall, backwards, 6.0, false);
+}
+
+#[test]
+fn beams_bring_what_chance_finds_over_a_bottom_and_on_a_patch() {
+    compare("rough bottom", PLAIN, PhaseFunction::Rayleigh, 1.5, true);
+    compare("open", (Border::Open, 0.9), ISOTROPIC, 1.0, false);
 }

@@ -1,0 +1,65 @@
+//! What is found along a path, and at its end.
+
+use asperity_tally::EventPath;
+use glam::DVec3;
+
+/// The end of a path, and what became of its flux, which begins as one: what it has left, what was
+/// absorbed and what was truncated on the way add up to one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Walked {
+    /// Where it ended.
+    pub end: WalkEnd,
+    /// Flux that it has left there.
+    pub flux: f64,
+    /// Flux that was absorbed on its way.
+    pub absorbed: f64,
+    /// Flux that roulette took on its way, less what it added; zero on average.
+    pub truncated: f64,
+    /// Its interactions with surfaces.
+    pub path: EventPath,
+    /// How often it was scattered inside the layer.
+    pub scatterings: u32,
+    /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
+    /// after it was scattered inside, and sunbeams were asked for.
+    pub told: bool,
+    /// Unit direction of its last stretch, in the world.
+    pub direction: DVec3,
+    /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
+    /// without end.
+    pub origin: DVec3,
+}
+
+/// What is seen along a path that is followed from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seen {
+    /// Its end.
+    End(Walked),
+    /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
+    Sunlit(Sunlit),
+}
+
+/// Light that is scattered into a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sunlit {
+    /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
+    pub share: f64,
+    /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
+    pub origin: DVec3,
+}
+
+/// Where a path may end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WalkEnd {
+    /// It left above.
+    Above,
+    /// It left below.
+    Below,
+    /// Nothing is left of it.
+    Absorbed,
+    /// It had too many interactions, or its flux was taken by roulette.
+    Truncated,
+    /// It left an open patch sideways.
+    LeftPatch,
+    /// It failed numerically.
+    Lost,
+}

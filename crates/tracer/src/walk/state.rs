@@ -1,0 +1,82 @@
+//! A path on its way: where it is, and what it carries.
+
+use asperity_tally::{Event, EventPath};
+use glam::{DVec2, DVec3};
+
+use super::seen::{WalkEnd, Walked};
+use crate::border::Heading;
+use crate::scatter::Branch;
+use crate::substrate::Face;
+
+/// The three spaces that the surface and the bottom divide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Space {
+    Above,
+    Inside,
+    Beyond,
+}
+
+/// A path on its way.
+#[derive(Clone, Copy)]
+pub(super) struct Path {
+    pub(super) space: Space,
+    /// In the tile, and in the coordinates of the upper surface.
+    pub(super) heading: Heading,
+    /// The same place in the plane continued without end.
+    pub(super) place: DVec2,
+    pub(super) flux: f64,
+    pub(super) absorbed: f64,
+    pub(super) truncated: f64,
+    pub(super) events: EventPath,
+    /// Events since it was last scattered.
+    pub(super) events_since: u32,
+    pub(super) scatterings: u32,
+}
+
+impl Path {
+    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+        Self {
+            space: Space::Above,
+            heading: Heading {
+                origin,
+                direction,
+                mirrored: [false; 2],
+            },
+            place: DVec2::new(origin.x, origin.y),
+            flux: 1.0,
+            absorbed: 0.0,
+            truncated: 0.0,
+            events: EventPath::default(),
+            events_since: 0,
+            scatterings: 0,
+        }
+    }
+
+    /// Takes a way on from a face.
+    pub(super) fn go_on(&mut self, face: Face, branch: &Branch) {
+        self.heading.direction = branch.direction;
+        self.events = self.events.then(branch.event);
+        self.events_since += 1;
+        if branch.event == Event::Transmission {
+            self.space = match (face, self.space) {
+                (Face::Top, Space::Above) | (Face::Bottom, Space::Beyond) => Space::Inside,
+                (Face::Top, _) => Space::Above,
+                (Face::Bottom, _) => Space::Beyond,
+            };
+        }
+    }
+
+    pub(super) fn ended(&self, end: WalkEnd) -> Walked {
+        Walked {
+            end,
+            flux: self.flux,
+            absorbed: self.absorbed,
+            truncated: self.truncated,
+            path: self.events,
+            scatterings: self.scatterings,
+            told: false,
+            direction: self.heading.world_direction(),
+            origin: self.place.extend(self.heading.origin.z),
+        }
+    }
+}
