@@ -136,3 +136,21 @@ fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
     let error = refusal(9.0, Bottom::Open, under(&top)).unwrap();
     assert_eq!(error, SubstrateError::OpenShape);
 }
+
+#[test]
+fn paths_end_at_the_order_asked_for_at_bottoms_too() {
+    // In through the surface is one interaction: the bottom is the second, and may not have it.
+    let layout = Layout::default().with_histories();
+    for bottom in [None, Some(rugged(4, 4, 0.1, 3, Border::Periodic))] {
+        let scene = Scene {
+            settings: PathSettings::new(Default::default(), 0.01, 1).unwrap(),
+            bottom,
+            ..Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror))
+        };
+        let (found, _) = scene.trace(2, 10);
+        let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
+        assert!((found.means()[Layout::REFLECTED] - f).abs() < 1e-13);
+        assert!((found.means()[Layout::TRUNCATED] - (1.0 - f)).abs() < 1e-13);
+        assert_eq!(found.means()[layout.order(Side::Reflected, 2)], 0.0);
+    }
+}

@@ -10,12 +10,13 @@ mod bottoms;
 #[path = "../common/mod.rs"]
 mod common;
 mod half_space;
+mod nearby;
 mod rough;
 mod slabs;
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::HeightField;
-use asperity_tally::{BatchStatistics, Layout};
+use asperity_tally::{BatchStatistics, Layout, Sides};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Geometry, Illumination, Medium, PathSettings, Substrate, Surface,
     Tracer, Work,
@@ -34,6 +35,7 @@ struct Scene {
     settings: PathSettings,
     most_scatterings: u32,
     accelerator: AcceleratorKind,
+    sides: Sides,
     seed: u64,
 }
 
@@ -48,13 +50,14 @@ impl Scene {
             settings: PathSettings::default(),
             most_scatterings: 100_000,
             accelerator: AcceleratorKind::Auto,
+            sides: Sides::Both,
             seed: 1,
         }
     }
 
     /// Traces `batches` batches of `strata^2` rays each.
     fn trace(&self, batches: u64, strata: u32) -> (BatchStatistics, Work) {
-        let layout = Layout::default().with_histories();
+        let layout = Layout::default().with_histories().with_sides(self.sides);
         let accelerator = self.surface.accelerator(self.accelerator).unwrap();
         let below = self
             .bottom

@@ -82,3 +82,24 @@ fn reflected_and_transmitted_light_of_a_conservative_slab_add_to_one() {
         assert!(roulette.mean.abs() < 4.0 * roulette.se.unwrap() + 1e-15);
     }
 }
+
+#[test]
+fn what_is_absorbed_does_not_depend_on_the_side_asked_for() {
+    // Light of the highest order inside cannot come out above, but may yet be absorbed.
+    let scene = Scene {
+        settings: asperity_tracer::PathSettings::new(Default::default(), 0.01, 1).unwrap(),
+        ..Scene::new(flat(), slab(medium(1.0, 0.3), 2.0, Bottom::Open))
+    };
+    let both = scene.trace(2, 20).0;
+    let asked = Scene {
+        sides: asperity_tally::Sides::Reflected,
+        ..scene
+    };
+    let asked = asked.trace(2, 20).0;
+    for entry in [Layout::REFLECTED, Layout::ABSORBED] {
+        assert_eq!(asked.means()[entry], both.means()[entry]);
+    }
+    assert!(both.means()[Layout::ABSORBED] > 0.1);
+    let gone = asked.means()[Layout::NOT_ASKED];
+    assert!((gone - both.means()[Layout::TRANSMITTED]).abs() < 1e-13);
+}
