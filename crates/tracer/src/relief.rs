@@ -65,13 +65,10 @@ impl Relief {
     #[inline]
     pub(crate) fn is_clear(&self, cells: Cells, medium: Medium, z: f64) -> bool {
         let [[x0, x1], [y0, y1]] = cells.map(|range| range.map(|i| i as usize / SMALLEST));
-        // The smallest blocks of which two cover the rectangle along each axis.
+        // Blocks of which two or three cover the rectangle along each axis.
         let longest = (x1 - x0).max(y1 - y0);
-        let mut level = (usize::BITS - longest.leading_zeros()).saturating_sub(1) as usize;
-        if (x1 >> level) - (x0 >> level) > 1 || (y1 >> level) - (y0 >> level) > 1 {
-            level += 1;
-        }
-        let Some(blocks) = self.levels.get(level) else {
+        let level = (usize::BITS - longest.leading_zeros()).saturating_sub(1);
+        let Some(blocks) = self.levels.get(level as usize) else {
             return false;
         };
         (y0 >> level..=y1 >> level).all(|row| {

@@ -245,7 +245,8 @@ impl Surface {
             waiting -= 1;
             let stretch = stretches[waiting];
             let [from, to] = stretch;
-            if closest.is_some_and(|hit| hit.t < from) {
+            // What is met in the cells of a stretch comes before all that lies beyond them.
+            if closest.is_some() {
                 break;
             }
             let Some(cells) = self.cells_under(ray, stretch) else {

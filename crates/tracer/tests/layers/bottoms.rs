@@ -141,11 +141,18 @@ fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
 fn paths_end_at_the_order_asked_for_at_bottoms_too() {
     // In through the surface is one interaction: the bottom is the second, and may not have it.
     let layout = Layout::default().with_histories();
-    for bottom in [None, Some(rugged(4, 4, 0.1, 3, Border::Periodic))] {
+    let interface = Bottom::Interface { eta: 1.0 / 1.5 };
+    for (kind, rough) in [
+        (Bottom::Mirror, false),
+        (Bottom::Mirror, true),
+        (interface, false),
+        (interface, true),
+    ] {
+        let bottom = rough.then(|| rugged(4, 4, 0.1, 3, Border::Periodic));
         let scene = Scene {
             settings: PathSettings::new(Default::default(), 0.01, 1).unwrap(),
             bottom,
-            ..Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror))
+            ..Scene::new(flat(), slab(clear(), 1.0, kind))
         };
         let (found, _) = scene.trace(2, 10);
         let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
