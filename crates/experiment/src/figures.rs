@@ -262,7 +262,11 @@ fn series_of(
         for history in History::ALL {
             if statistics.means()[layout.history(side, history)] != 0.0 {
                 let entries = layout.history_in_plane(side, history);
-                series.push(explicit(history_name(history), entries));
+                let name = match history {
+                    History::Unscattered => history_name(history).to_owned(),
+                    _ => format!("scattered inside {}", history_name(history)),
+                };
+                series.push(explicit(&name, entries));
             }
         }
     } else

@@ -200,19 +200,52 @@ pub(crate) fn come_home<G: Geometry>(geometry: &G, heading: &mut Heading) -> boo
         if (0.0..size).contains(&place) {
             continue;
         }
-        let border = geometry.border();
-        if border == Border::Open {
-            return false;
-        }
-        let tile = (place / size).floor();
-        let image = border == Border::Mirrored && tile.rem_euclid(2.0) == 1.0;
-        heading.origin[axis] = from_tile(tile, image, size, place);
-        if image {
-            heading.direction[axis] = -heading.direction[axis];
-            heading.mirrored[axis] = !heading.mirrored[axis];
+        // A remainder is exact however far away a place is.
+        match geometry.border() {
+            Border::Open => return false,
+            Border::Periodic => heading.origin[axis] = place.rem_euclid(size),
+            Border::Mirrored => {
+                let place = place.rem_euclid(2.0 * size);
+                heading.origin[axis] = place.min(2.0 * size - place);
+                if place >= size {
+                    heading.direction[axis] = -heading.direction[axis];
+                    heading.mirrored[axis] = !heading.mirrored[axis];
+                }
+            }
         }
     }
     true
+}
+
+/// Moves a ray that comes to a surface from beyond all its heights on to where it comes between them, if that
+/// is not beyond `reach`; returns how far.
+///
+/// Light inside a medium may have gone by many tiles: what is searched then is near, and as exact as if it
+/// had begun there.
+#[inline]
+pub(crate) fn approach<G: Geometry>(
+    geometry: &G,
+    heading: &mut Heading,
+    medium: Medium,
+    reach: f64,
+) -> f64 {
+    let (q, [_, nearest]) = (medium.sign(), geometry.z_range());
+    let (z, fall) = (q * heading.origin.z, -q * heading.direction.z);
+    if z <= nearest || fall <= 0.0 {
+        return 0.0;
+    }
+    let t = (z - nearest) / fall;
+    if t >= reach {
+        return 0.0;
+    }
+    let mut moved = *heading;
+    moved.origin += t * heading.query(geometry, medium).ray.direction;
+    moved.origin.z = q * nearest;
+    if !come_home(geometry, &mut moved) {
+        return 0.0;
+    }
+    *heading = moved;
+    t
 }
 
 /// How the way of a ray ends if no tile has anything in it.

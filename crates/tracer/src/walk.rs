@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 use crate::accelerator::Accelerator;
-use crate::border::{End, Heading, Travel, come_home, travel};
+use crate::border::{End, Heading, Travel, approach, come_home, travel};
 use crate::geometry::{Geometry, Nearby};
 use crate::path_settings::PathSettings;
 use crate::ray::Medium;
@@ -331,6 +331,13 @@ impl<'a, G: Geometry> Walk<'a, G> {
             Some(substrate) => substrate.back_from(face, heading),
             None => heading,
         };
+        let inside = self.substrate.is_some() && medium == face.inside();
+        let gone = if self.search == Search::Nearby && inside {
+            approach(geometry, &mut heading, medium, reach)
+        } else {
+            0.0
+        };
+        let reach = reach - gone;
         if self.search == Search::Nearby && reach.is_finite() {
             let query = heading.query(geometry, medium);
             match geometry.nearby(&query.ray, medium, reach) {
@@ -338,13 +345,15 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 Nearby::Met(hit) => {
                     let origin = geometry.snap(hit.facet, query.ray.at(hit.t));
                     let heading = Heading { origin, ..heading };
-                    return Ok(Next::Facet(face, hit.facet, at(heading), hit.t));
+                    return Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t));
                 }
                 Nearby::Unknown => {}
             }
         }
         match travel(geometry, accelerator, heading, medium) {
-            Travel::Met(hit, heading) => Ok(Next::Facet(face, hit.facet, at(heading), hit.t)),
+            Travel::Met(hit, heading) => {
+                Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t))
+            }
             Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => Err(None),
             Travel::Ended(End::LeftPatch) => Err(Some(WalkEnd::LeftPatch)),
             Travel::Ended(End::Lost) => Err(Some(WalkEnd::Lost)),

@@ -13,7 +13,7 @@ use rand::{Rng, RngExt};
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
 use crate::accelerator::Query;
-use crate::border::{End, Heading, Way, come_home, set_out};
+use crate::border::{End, Heading, Way, approach, come_home, set_out};
 use crate::geometry::{Geometry, Nearby};
 use crate::ray::{Hit, Medium};
 use crate::scatter::{Branch, Scattered, scatter};
@@ -65,13 +65,19 @@ impl<G: Geometry> Tracer<'_, G> {
     ) {
         loop {
             let to_bottom = substrate.to_flat_bottom(&heading);
-            let reach = flight.min(to_bottom);
+            let mut reach = flight.min(to_bottom);
             let faces = Substrate::<G>::faces_ahead(heading.direction);
             for face in &faces[clear_of..] {
                 let Some(geometry) = self.geometry_of(*face) else {
                     continue;
                 };
-                match ahead(geometry, *face, substrate.to_face(*face, heading), reach) {
+                let mut to_face = substrate.to_face(*face, heading);
+                let gone = approach(geometry, &mut to_face, face.inside(), reach);
+                if gone > 0.0 {
+                    heading = substrate.back_from(*face, to_face);
+                    (flight, reach) = (flight - gone, reach - gone);
+                }
+                match ahead(geometry, *face, to_face, reach) {
                     Ahead::Clear => {}
                     Ahead::Met(at) => {
                         batch.work.segments_skipped += 1;

@@ -43,6 +43,32 @@ fn short_and_long_mean_free_paths_tend_to_limits_which_differ() {
 }
 
 #[test]
+fn light_from_however_far_below_finds_the_surface() {
+    // Places are rounded to a column at 1e16 columns: what is met is as if at random, and none is lost.
+    let near = reflectance(1e4, 3);
+    for (i, mean_free_path) in [1e12, 1e16, 1e100, 1e150].into_iter().enumerate() {
+        for border in [Border::Periodic, Border::Mirrored] {
+            let field = waves(16, 1.0, 5).with_border(border);
+            let scene = Scene {
+                seed: 10 + i as u64,
+                theta_deg: 60.0,
+                ..Scene::new(
+                    Surface::new(field),
+                    Layer::half_space(medium(mean_free_path, 0.9)),
+                )
+            };
+            let (far, _) = scene.trace(16, 24);
+            assert_eq!(far.means()[Layout::LOST], 0.0);
+            if border == Border::Periodic {
+                let z = z_between(&far, &near, Layout::REFLECTED);
+                println!("{mean_free_path}: z {z:.2}");
+                assert!(z.abs() < 3.5);
+            }
+        }
+    }
+}
+
+#[test]
 fn a_medium_that_only_absorbs_far_below_leaves_the_bare_surface() {
     let surface = rough(1.0);
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
