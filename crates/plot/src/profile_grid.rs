@@ -134,7 +134,11 @@ impl ProfileGrid {
         }
         y += depth + X_AXIS_DEPTH + 10.0;
         let look = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Top).muted();
-        for line in wrap(&self.note(), theme::NOTE_SIZE, width - 2.0 * theme::MARGIN)? {
+        for line in wrap(
+            &self.note(),
+            theme::NOTE_SIZE,
+            figure_width - 2.0 * theme::MARGIN,
+        )? {
             scene.text(&line, (theme::MARGIN, y), look);
             y += 1.45 * theme::NOTE_SIZE;
         }
@@ -445,7 +449,7 @@ mod tests {
             let corners = outline(&samples);
             corners.iter().map(|s| (s.theta_deg, s.value)).collect()
         };
-        let corners = outlined([0.1, 0.0, 5.0, 0.2, 0.1]);
+        let corners = outlined([0.0, 0.0, 5.0, 0.2, 0.1]);
         let peak = [(-3.0, 0.0), (-3.0, 5.0), (3.0, 5.0), (3.0, 0.2)];
         assert_eq!(corners[2..6], peak);
         assert_eq!(corners.len(), 8);
