@@ -11,13 +11,15 @@ use crate::theme;
 /// of rough surfaces are to be seen whole, mirror peaks are not to hide all else.
 const OUTSHINING: f64 = 0.02;
 const FAR_ABOVE: f64 = 8.0;
+/// Times that value up to which bins are still within a scale that is cut off.
+const NOISE: f64 = 2.0;
 
 /// Colour of values beyond a scale; *viridis* has none like it.
 pub(crate) const BEYOND: RGBColor = RGBColor(230, 60, 160);
 
 /// Where a scale from zero ends that hemispheres of `[rings, sectors]` bins share, and whether values lie beyond:
-/// at the largest value, or, where that is eight times above, at what all but a fiftieth of the solid angle stays
-/// below.
+/// at the largest value, or, where that is eight times above what all but a fiftieth of the solid angle stays below,
+/// at the largest that is at most twice that.
 pub(crate) fn scale_end<'a>(
     [rings, sectors]: [usize; 2],
     hemispheres: impl Iterator<Item = &'a [f64]>,
@@ -40,7 +42,11 @@ pub(crate) fn scale_end<'a>(
         beyond > OUTSHINING * all
     });
     match below {
-        Some(bin) if bin.0 > 0.0 && most > FAR_ABOVE * bin.0 => (bin.0, true),
+        // Up to what is no peak but the noise of all others.
+        Some(bin) if bin.0 > 0.0 && most > FAR_ABOVE * bin.0 => {
+            let others = bins.iter().find(|other| other.0 <= NOISE * bin.0);
+            (others.unwrap_or(bin).0, true)
+        }
         _ => (most, false),
     }
 }
@@ -135,6 +141,9 @@ mod tests {
         assert_eq!(end(&values), (0.4, false));
         values[0] = 30.0;
         assert_eq!(end(&values), (0.3, true));
+        // Noise is no peak.
+        values[1] = 0.5;
+        assert_eq!(end(&values), (0.5, true));
         // Half of the outer ring holds 4 %.
         values[17 * 36..17 * 36 + 18].fill(20.0);
         assert_eq!(end(&values), (30.0, false));

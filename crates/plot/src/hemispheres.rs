@@ -35,7 +35,7 @@ pub struct Hemisphere {
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
 /// value of those that share them; values below zero, which noise makes, look like zero. Where a few bins outshine
-/// all others by far, as mirror peaks do, the scale ends where all but 2 % of the discs lie; bins beyond have a
+/// all others by far, as mirror peaks do, the scale ends at twice what all but 2 % of the discs stay below, or less; bins beyond have a
 /// colour of their own, and the peak stands beneath the disc. Faint circles are at 30 and 60 degrees from the normal.
 ///
 /// ```
