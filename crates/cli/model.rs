@@ -36,6 +36,13 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
     if FlatLayer::NAMES.contains(&name.as_str()) {
         return layer::run(command, common, name, material, incidence);
     }
+    if !MODEL_NAMES.contains(&name.as_str()) {
+        let known = [MODEL_NAMES, &FlatLayer::NAMES].concat();
+        return Err(Failure::usage(format!(
+            "there is no model `{name}`; the models are {}",
+            known.join(", ")
+        )));
+    }
     if command.medium.is_given() {
         return Err(Failure::usage(format!(
             "the model {name} is of a surface with nothing below it that scatters; a medium is for {}",

@@ -298,7 +298,7 @@ fn light_line(scene: &Scene, command: &Trace) -> String {
     format!(
         "{material}{below}, light from {side} at theta {} deg, phi {} deg",
         incidence.theta_deg(),
-        incidence.phi_deg()
+        command.light.phi
     )
 }
 

@@ -116,11 +116,17 @@ fn model(case: &Case, paths: LayerPaths) -> FlatLayer {
 }
 
 /// Counts of the rays that `counts` takes, by bin.
+/// Rays are turned about the vertical, and angles chosen, so that what goes straight lies on no edge of bins.
+const TURN: f64 = 0.1;
+
 fn counted(left: &[Left], counts: impl Fn(&Left) -> bool) -> Vec<f64> {
     let grid = layout().grid();
     let mut bins = vec![0.0; grid.len()];
     for ray in left.iter().filter(|ray| counts(ray)) {
-        bins[grid.index_of(ray.0, glam::DVec3::from(ray.1))] += 1.0;
+        let [x, y, z] = ray.1;
+        let (sin, cos) = TURN.sin_cos();
+        let wo = glam::DVec3::new(cos * x - sin * y, sin * x + cos * y, z);
+        bins[grid.index_of(ray.0, wo)] += 1.0;
     }
     bins
 }
@@ -152,11 +158,11 @@ fn rays_agree_with_both_models_in_every_bin() {
         theta,
     };
     let cases = [
-        case(1.5, 0.1, 0.9, 0.3, glass, 30.0),
-        case(1.5, 1.0, 1.0, 0.0, Bottom::Interface { eta: 1.2 }, 60.0),
+        case(1.5, 0.1, 0.9, 0.3, glass, 32.0),
+        case(1.5, 1.0, 1.0, 0.0, Bottom::Interface { eta: 1.2 }, 61.0),
         case(1.3, 0.5, 0.8, -0.4, Bottom::Open, 50.0),
         case(1.5, 0.7, 0.9, 0.5, Bottom::Mirror, 20.0),
-        case(1.5, 40.0, 0.9, 0.2, Bottom::Absorbing, 45.0),
+        case(1.5, 40.0, 0.9, 0.2, Bottom::Absorbing, 46.0),
         case(1.0, 0.3, 1.0, 0.6, Bottom::Interface { eta: 0.7 }, 35.0),
         case(0.8, 0.4, 1.0, 0.0, Bottom::Interface { eta: 1.6 }, 40.0),
     ];
@@ -165,8 +171,8 @@ fn rays_agree_with_both_models_in_every_bin() {
     for (i, case) in cases.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(i as u64 + 1);
         let left: Vec<Left> = (0..RAYS).filter_map(|_| follow(case, &mut rng)).collect();
-        let light = Incidence::from_degrees(case.theta, 0.0).unwrap();
-        let record = |paths| model(case, paths).record(light, &layout, Azimuth::From(PI));
+        let light = Incidence::from_degrees(case.theta, TURN.to_degrees()).unwrap();
+        let record = |paths| model(case, paths).record(light, &layout, Azimuth::From(PI + TURN));
         let exact = record(LayerPaths::All);
         for history in [History::Unscattered, History::Once] {
             let found = counted(&left, |ray| History::of(ray.2) == history);

@@ -266,7 +266,7 @@ fn series_of(
                     History::Unscattered => history_name(history).to_owned(),
                     _ => format!("scattered inside {}", history_name(history)),
                 };
-                series.push(explicit(&name, entries));
+                series.push(explicit(&name, entries).of_part(history.name()));
             }
         }
     } else
@@ -293,7 +293,11 @@ fn series_of(
             Part::Inside(history) => format!("{}, {}", model.model.name(), history_name(history)),
             Part::Orders(_) => model.model.name().to_owned(),
         };
-        series.push(Series::model(name, plot_side(side), samples));
+        let line = Series::model(name, plot_side(side), samples);
+        series.push(match model.judged_part() {
+            Part::Inside(history) => line.of_part(history.name()),
+            Part::Orders(_) => line,
+        });
     }
     series
 }

@@ -298,7 +298,7 @@ impl MeshErrors {
                 Err(error) => ways[1] = format!("not estimated: {error}"),
             },
             None if case.layer.is_some() => {
-                ways[0].push_str("; nothing is known beforehand of a surface with a medium below");
+                ways[0].push_str("; with a medium below no quadrature tells it");
             }
             None if refinement.is_none() => match first_order.shift(synthesis) {
                 Ok(values) => {

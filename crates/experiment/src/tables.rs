@@ -59,6 +59,14 @@ pub(crate) const fn history_name(history: History) -> &'static str {
     }
 }
 
+/// A flux fraction with its error. Inside a medium what no ray has done may yet be done by one.
+fn seen(layout: &Layout, flux: Estimate) -> String {
+    if layout.has_histories() && flux.mean == 0.0 && flux.se == Some(0.0) {
+        return "0 (none seen)".to_owned();
+    }
+    with_error(flux)
+}
+
 /// The parts of the light of one side by how often it was scattered inside a medium.
 fn by_history(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
     if !layout.has_histories() || statistics.means()[side.index()] == 0.0 {
@@ -66,7 +74,7 @@ fn by_history(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Opti
     }
     let parts = History::ALL.map(|history| {
         let flux = statistics.estimate(layout.history(side, history));
-        format!("{}: {}", history_name(history), with_error(flux))
+        format!("{}: {}", history_name(history), seen(layout, flux))
     });
     Some(format!("{side} {}", parts.join(",  ")))
 }
@@ -78,7 +86,7 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
     let energies = layout.sides().map(|side| (side.to_string(), side.index()));
     let endings = endings(layout).map(|(name, i)| (name.to_owned(), i));
     for (name, i) in energies.chain(endings) {
-        let _ = writeln!(out, "  {name:<12} {}", with_error(statistics.estimate(i)));
+        let _ = writeln!(out, "  {name:<12} {}", seen(layout, statistics.estimate(i)));
     }
     let residual = statistics.means()[..5].iter().sum::<f64>() - 1.0;
     let _ = writeln!(out, "  sum - 1      {residual:.1e}");
@@ -303,7 +311,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     for (name, i) in endings(&outcome.layout) {
         rows.push(vec![
             name.to_owned(),
-            with_error(case.statistics.estimate(i)),
+            seen(&outcome.layout, case.statistics.estimate(i)),
         ]);
     }
     out.push_str(&aligned(&rows));
@@ -529,7 +537,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
     let header = [
         "case",
         "model",
-        "orders",
+        "light",
         "total variation (noise)",
         "p value",
         "multiple",
@@ -539,17 +547,24 @@ fn overview(outcome: &VerifyOutcome) -> String {
     for case in &outcome.cases {
         let multiple = |side| case.statistics.means()[outcome.layout.multiple(side)];
         let multiple = multiple(Side::Reflected) + multiple(Side::Transmitted);
-        for model in &case.models {
-            let judged = model.judged();
+        let judged = case.models.iter().flat_map(|model| {
+            // What the medium scattered and what it did not are judged apart.
+            let unscattered = Part::Inside(History::Unscattered);
+            let apart = model.compared(unscattered).map(|c| (model, unscattered, c));
+            [(model, model.judged_part(), model.judged())]
+                .into_iter()
+                .chain(apart)
+        });
+        for (model, part, judged) in judged {
             let found = &judged.comparison.total_variation;
             let noise = found.noise.map_or_else(|| "-".to_owned(), distance);
             let test = judged.comparison.test.as_ref();
             rows.push(vec![
                 case.case.to_string(),
                 model.model.name().to_owned(),
-                match model.judged_part() {
+                match part {
                     Part::Orders(Share::Total) => "all",
-                    Part::Inside(_) => "once inside",
+                    Part::Inside(history) => history_name(history),
                     Part::Orders(_) => "single",
                 }
                 .to_owned(),

@@ -19,7 +19,9 @@ pub struct ParticipatingMedium {
 #[non_exhaustive]
 pub enum ParticipatingMediumError {
     /// A coefficient is negative or not finite.
-    #[error("the {name} coefficient is {value:?}; it must be zero or more, in 1 / length")]
+    #[error(
+        "the {name} coefficient is {value:?}; it must be zero, or from 1e-150 to 1e150, in 1 / length"
+    )]
     BadCoefficient {
         /// Absorption or scattering.
         name: &'static str,
@@ -35,17 +37,17 @@ pub enum ParticipatingMediumError {
 }
 
 impl ParticipatingMedium {
-    /// A medium of `absorption` and `scattering` coefficients, each per length, zero or more.
+    /// A medium of `absorption` and `scattering` coefficients, each per length.
     ///
     /// # Errors
-    /// [`ParticipatingMediumError::BadCoefficient`] if one is negative, or larger than 1e150.
+    /// [`ParticipatingMediumError::BadCoefficient`] unless each is zero, or from 1e-150 to 1e150.
     pub fn from_coefficients(
         absorption: f64,
         scattering: f64,
         phase: PhaseFunction,
     ) -> Result<Self, ParticipatingMediumError> {
         for (name, value) in [("absorption", absorption), ("scattering", scattering)] {
-            if !(0.0..=LONGEST).contains(&value) {
+            if value != 0.0 && !(1.0 / LONGEST..=LONGEST).contains(&value) {
                 return Err(ParticipatingMediumError::BadCoefficient { name, value });
             }
         }
@@ -145,6 +147,7 @@ mod tests {
         assert!(coefficients(-1.0, 1.0).unwrap_err().contains("absorption"));
         assert!(coefficients(1.0, -1e-9).unwrap_err().contains("scattering"));
         assert!(coefficients(1.0, f64::NAN).is_err());
+        assert!(coefficients(5e-324, 0.0).is_err());
         for (path, albedo) in [(0.0, 0.5), (-1.0, 0.5), (1.0, 1.01), (1.0, -0.1)] {
             assert!(ParticipatingMedium::from_mean_free_path(path, albedo, PHASE).is_err());
         }

@@ -10,7 +10,7 @@ use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side, theme};
 /// f |cos θₒ| over the signed angle, on one side of the surface: linear at the left, logarithmic at the right.
 ///
 /// Below the linear panel stand the residuals z = (explicit - model) / standard error of each model, if there
-/// is an explicit series with standard errors and a model; dotted lines mark z = ±2. A model is interpolated
+/// is an explicit series with standard errors and a model, of the same part of the light; dotted lines mark z = ±2. A model is interpolated
 /// linearly between its samples and compared at the centre of a bin: sample it finely, and average it over the
 /// bins beforehand if they are wide. Residuals beyond the panel are triangles at its edge.
 ///
@@ -63,6 +63,7 @@ impl InPlaneCurves {
             .map(|(series, look)| Curve {
                 kind: series.kind,
                 half_bin: series.bin_width_deg.map(|w| 0.5 * w),
+                part: series.part.clone(),
                 samples: series.sorted(),
                 look: *look,
             })
@@ -270,6 +271,7 @@ fn edge_triangle((x, y): Xy, z: f64) -> Vec<Xy> {
 struct Curve {
     kind: SeriesKind,
     half_bin: Option<f64>,
+    part: Option<String>,
     samples: Vec<Sample>,
     look: Look,
 }
@@ -399,7 +401,8 @@ fn residuals(curves: &[Curve]) -> Vec<Residual> {
     let of = |kind: SeriesKind| curves.iter().filter(move |c| c.kind == kind);
     let mut residuals = Vec::new();
     for model in of(SeriesKind::Model) {
-        for explicit in of(SeriesKind::Explicit) {
+        let same = |explicit: &&Curve| model.part.is_none() || explicit.part == model.part;
+        for explicit in of(SeriesKind::Explicit).filter(same) {
             for sample in &explicit.samples {
                 let Some(se) = sample.se.filter(|se| *se > 0.0) else {
                     continue;

@@ -62,6 +62,9 @@ pub struct Series {
     pub samples: Vec<Sample>,
     /// Width in degrees of the bins over which the values are averages: horizontal bars in curves.
     pub bin_width_deg: Option<f64>,
+    /// The part of the light that it is of, if not all that others are of: a model of a part is compared with
+    /// explicit light of the same part alone.
+    pub part: Option<String>,
 }
 
 impl Series {
@@ -73,6 +76,7 @@ impl Series {
             kind: SeriesKind::Explicit,
             samples,
             bin_width_deg: None,
+            part: None,
         }
     }
 
@@ -84,6 +88,7 @@ impl Series {
             kind: SeriesKind::Model,
             samples,
             bin_width_deg: None,
+            part: None,
         }
     }
 
@@ -92,6 +97,15 @@ impl Series {
     pub fn with_bin_width(self, bin_width_deg: f64) -> Self {
         Series {
             bin_width_deg: Some(bin_width_deg),
+            ..self
+        }
+    }
+
+    /// The same series, of one part of the light.
+    #[must_use]
+    pub fn of_part(self, part: impl Into<String>) -> Self {
+        Series {
+            part: Some(part.into()),
             ..self
         }
     }

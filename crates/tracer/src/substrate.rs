@@ -42,7 +42,7 @@ pub struct Substrate<'a, G: Geometry> {
 pub enum SubstrateError {
     /// The surfaces would touch.
     #[error(
-        "the thickness {thickness} is too small for the relief: the surface goes {depth:.6} below its mean plane and the bottom {height:.6} above its own, so more than {} is needed",
+        "the thickness {thickness} is too small for the relief: the surface goes {depth:.6e} below its mean plane and the bottom rises {height:.6e} above its own, so more than {:.6e} is needed",
         depth + height
     )]
     TooThin {
@@ -52,6 +52,22 @@ pub enum SubstrateError {
         depth: f64,
         /// How far the bottom rises.
         height: f64,
+    },
+    /// A length out of proportion to the tile.
+    #[error(
+        "{what} is {value:e}; below a tile {extent:e} wide it must be from {least:e} to {most:e}, since rounding would blur where light is (limits of short and of long lengths are reached long before)"
+    )]
+    OutOfProportion {
+        /// The mean free path or the thickness.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// The longer side of the tile, in the same unit.
+        extent: f64,
+        /// Least that is possible.
+        least: f64,
+        /// Most that is possible.
+        most: f64,
     },
     /// The bottom has another tile.
     #[error(
@@ -71,6 +87,16 @@ pub enum SubstrateError {
     #[error("an open bottom is no interface, so it has no shape: take a flat one, or another kind")]
     OpenShape,
 }
+
+/// Mean free paths over the largest coordinate, at the least: shorter steps would drown in its rounding.
+const SHORTEST: f64 = 1e-12;
+
+/// Mean free paths and thicknesses over the tile, at the most: of a place so far away it is still known over which
+/// part of a column it lies. Flat faces are alike everywhere, and have no such limit.
+const LONGEST: f64 = 1e10;
+
+/// The same of a thickness down to a bottom with a shape, whose heights are told from its depth.
+const DEEPEST: f64 = 1e6;
 
 /// One of the two surfaces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,10 +132,34 @@ impl<'a, G: Geometry> Substrate<'a, G> {
             phase: medium.phase(),
             most_scatterings,
         };
+        let extent = top.extent().into_iter().fold(0.0, f64::max);
+        let [low, high] = top.z_range();
+        let own = matches!(&substrate.shape, BottomShape::Surface { .. }) && layer.end().is_some();
+        let flat = low == high && !own;
+        let within = |what, value: f64, least: f64, most: f64| {
+            let most = if flat { f64::MAX } else { most };
+            if (least..=most).contains(&value) {
+                return Ok(());
+            }
+            Err(SubstrateError::OutOfProportion {
+                what,
+                value: value * unit,
+                extent: extent * unit,
+                least: least * unit,
+                most: most * unit,
+            })
+        };
+        if substrate.mean_free_path.is_finite() {
+            let least = SHORTEST * extent.max(high);
+            let most = LONGEST * extent;
+            within("the mean free path", substrate.mean_free_path, least, most)?;
+        }
         let Some(slab) = layer.end() else {
             substrate.shape = BottomShape::Flat;
             return Ok(substrate);
         };
+        let most = if own { DEEPEST } else { LONGEST } * extent;
+        within("the thickness", slab.thickness / unit, 0.0, most)?;
         substrate.bottom = Some(slab.bottom);
         substrate.bottom_z = top.mean_plane() - slab.thickness / unit;
         let mut height = 0.0;

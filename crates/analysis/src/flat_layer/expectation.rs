@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use asperity_optics::{Bottom, Incidence};
+use asperity_optics::{Bottom, Incidence, azimuth, from_spherical, polar_angle};
 use asperity_tally::{
     Azimuth, Event, EventPath, Exit, History, Layout, MAX_LISTED_ORDER, OrderClass, Record, Share,
     Side,
 };
+use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::expectation::Expectation;
@@ -26,7 +27,8 @@ impl FlatLayer {
 
     /// What light from `incidence` is expected to leave in a record of `layout`, as shares of its flux.
     ///
-    /// Unscattered light stands in the bin of its direction, or evenly in its ring where the azimuth is free.
+    /// Unscattered light stands in the bin of its direction, on an edge evenly in the bins on either side, since
+    /// on a surface that is hardly rough it spreads to both; or evenly in its ring where the azimuth is free.
     /// Light scattered once is integrated over bins, rings and in-plane profile to about 1e-12.
     ///
     /// Totals, rings and profiles of all orders, and the bins' total, hold both. So do order one and what is
@@ -67,13 +69,16 @@ impl FlatLayer {
         let inside = self.enter(incidence.wi());
         for beam in self.unscattered(incidence.wi()) {
             for (path, flux) in self.by_path(&inside, beam.side, beam.flux) {
-                record.add_exit(&Exit {
-                    side: beam.side,
-                    wo: beam.wo,
-                    flux,
-                    path,
-                    history: History::Unscattered,
-                });
+                let ways = beside(beam.wo);
+                for &wo in &ways {
+                    record.add_exit(&Exit {
+                        side: beam.side,
+                        wo,
+                        flux: flux / ways.len() as f64,
+                        path,
+                        history: History::Unscattered,
+                    });
+                }
             }
         }
         let mut values = record.into_fractions(1);
@@ -131,6 +136,18 @@ impl FlatLayer {
             _ => 2,
         }
     }
+}
+
+/// Directions a hair to all sides of one, beyond the reach of rounding; of one that is vertical, or nearly level, itself.
+fn beside(wo: DVec3) -> Vec<DVec3> {
+    const HAIR: f64 = 1e-7;
+    let (theta, phi) = (polar_angle(wo), azimuth(wo));
+    if wo.truncate().length() < 2.0 * HAIR || wo.z.abs() < 2.0 * HAIR {
+        return vec![wo];
+    }
+    [(-HAIR, -HAIR), (-HAIR, HAIR), (HAIR, -HAIR), (HAIR, HAIR)]
+        .map(|(up, around)| from_spherical(theta + up, phi + around))
+        .to_vec()
 }
 
 /// The path of so many interactions of which the first and the last pass a face and all others are
