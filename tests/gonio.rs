@@ -231,7 +231,7 @@ fn a_measurement_goes_on_where_it_was_left_and_threads_change_no_byte() {
     // More directions join those that are there; plots that are not asked for go.
     succeed(
         folder,
-        &words("gonio g.toml --theta 20,50 --no-plots -o pieces"),
+        &words("gonio g.toml --theta 20,50,70 --no-plots -o pieces"),
     );
     assert_eq!(files(&folder.join("pieces/directions")).len(), 2 * 6);
     assert!(files(&folder.join("pieces/plots")).is_empty());
@@ -263,6 +263,41 @@ fn directions_of_another_measurement_are_refused() {
         );
     }
     assert_eq!(fs::read(folder.join("out/report.txt")).unwrap(), report);
+}
+
+/// Tables tell of the directions of one measurement, so a folder that holds others as well is left as it is.
+#[test]
+fn a_folder_with_directions_that_are_not_planned_is_refused() {
+    let folder = with_config();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &words("gonio g.toml --theta 20 --mean-free-path 4 -o out"),
+    );
+    let out = folder.join("out");
+    let before = fs::read(out.join("gonio.csv")).unwrap();
+    let name = NAMES[0];
+    let expected =
+        format!("out holds directions of another measurement, as {name}: take another folder");
+    for flags in [
+        "--theta 50 --mean-free-path 4",
+        "--theta 20 --mean-free-path 1",
+        "--theta 20,50 --mean-free-path 4 --smoothness 3",
+    ] {
+        let said = refused(folder, &words(&format!("gonio g.toml {flags} -o out")), 1);
+        assert!(said.contains(&expected), "{said}");
+        assert_eq!(files(&out.join("directions")).len(), 2);
+        assert_eq!(fs::read(out.join("gonio.csv")).unwrap(), before);
+    }
+    // A table alone, of which the numbers to go on from are gone, is one too.
+    fs::remove_file(out.join(format!("directions/{name}.json"))).unwrap();
+    refused(folder, &words("gonio g.toml --theta 50 -o out"), 1);
+    // The same with more directions is the same measurement.
+    succeed(
+        folder,
+        &words("gonio g.toml --theta 20,50 --mean-free-path 4 -o out"),
+    );
+    assert_eq!(files(&out.join("directions")).len(), 2 * 2);
 }
 
 #[test]
@@ -425,6 +460,21 @@ fn bad_input_gets_a_sentence() {
         assert!(said.contains(expected), "{line}: {said}");
     }
     assert_eq!(files(folder), ["g.toml"]);
+    // Keys of verify and trace, be it that a flag would have its say.
+    for (key, flags) in [
+        ("target_error = 0.01", ""),
+        ("target_error = 0.01", "--rays 100 "),
+        ("of = \"bins\"", ""),
+        ("refine = true", ""),
+    ] {
+        let of_file = CONFIG.replace("    rays = 8000\n", &format!("    {key}\n"));
+        fs::write(folder.join("v.toml"), of_file).unwrap();
+        let said = refused(folder, &words(&format!("gonio v.toml {flags}-o out")), 2);
+        let key = key.split(' ').next().unwrap();
+        let expected = format!("run.{key} is for verify and trace, not for gonio");
+        assert!(said.contains(&expected), "{said}");
+        assert_eq!(files(folder), ["g.toml", "v.toml"]);
+    }
     // Anything else in the place of a direction is damaged and replaced; a folder is an error.
     fs::create_dir_all(folder.join(format!("out/directions/{}.json", NAMES[0]))).unwrap();
     refused(folder, &words("gonio g.toml -o out"), 1);

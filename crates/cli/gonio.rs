@@ -147,10 +147,6 @@ fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failur
     light.from = flags.from.map_or(light.from, incident);
 
     let run = &mut config.run;
-    if flags.realisations.is_some() || flags.rays.is_some() {
-        // As many as are asked for, and not as a target of the file asks for.
-        (run.target_error, run.of) = (None, None);
-    }
     run.realisations = flags.realisations.map_or(run.realisations, Count);
     run.rays = flags.rays.map_or(run.rays, Count);
     run.max_time = flags.max_time.map(Seconds).or(run.max_time);

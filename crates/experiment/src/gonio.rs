@@ -70,6 +70,17 @@ pub enum GonioError {
         /// What differs.
         what: String,
     },
+    /// The folder holds a direction that is not among those planned.
+    #[error(
+        "{} holds directions of another measurement, as {name}: take another folder",
+        folder.display()
+    )]
+    Unplanned {
+        /// The folder of the measurement.
+        folder: PathBuf,
+        /// Name of the direction, the first of several.
+        name: String,
+    },
     /// There is nothing to write yet.
     #[error("stopped before the first direction was finished; nothing is written")]
     Interrupted,
@@ -140,7 +151,7 @@ pub(crate) const FOLDER: &str = "directions";
 ///
 /// # Errors
 /// [`GonioError`] if the configuration makes no sense, a direction cannot be traced or written, or a whole
-/// direction of another configuration or version is in its place.
+/// direction of another configuration or version is in its place or beside them.
 pub fn gonio(
     config: &GonioConfig,
     sample: Option<&Sample>,
@@ -151,6 +162,7 @@ pub fn gonio(
     let layout = config.ray_settings()?.layout;
     let path_of = |plan: &Plan| folder.join(FOLDER).join(format!("{}.json", plan.name));
     // All files are looked at before the first is written.
+    files::refuse_unplanned(folder, &plans)?;
     let pieces = plans
         .into_iter()
         .map(|plan| {
@@ -229,9 +241,7 @@ fn measure(
             Err(VerifyError::Interrupted) => return Ok(None),
             other => other.map(|outcome| {
                 let case = outcome.cases.into_iter().next()?;
-                let mut warnings: Vec<String> =
-                    lost_warning(&case.statistics).into_iter().collect();
-                warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
+                let warnings: Vec<String> = lost_warning(&case.statistics).into_iter().collect();
                 Some(DirectionResults::of(
                     &outcome.layout,
                     &case.statistics,
@@ -271,8 +281,7 @@ fn on_sample(
         SampleShape::Mesh(mesh) => trace_mesh(mesh.clone(), None, &scene, rays, progress),
     };
     let outcome = outcome?;
-    let mut warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
-    warnings.extend(outcome.stopping.iter().flat_map(|s| s.warnings.clone()));
+    let warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
     Ok(DirectionResults::of(
         &rays.layout,
         &outcome.statistics,

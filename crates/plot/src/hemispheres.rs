@@ -2,13 +2,11 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
-
-use crate::axis::{Axis, display_exponent, per_steradian};
+use crate::colour_bar;
 use crate::disc::{disc_pixels, palette, scale_end};
 use crate::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
 use crate::series::check_finite;
-use crate::text::{header, text_width, wrap};
+use crate::text::{header, text_width, three_digits, wrap};
 use crate::{Figure, PlotError, Side, theme};
 
 /// Which discs share their colours.
@@ -36,9 +34,9 @@ pub struct Hemisphere {
 ///
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
-/// value of those that share them; values below zero, which noise makes, look like zero. Where few bins outshine
-/// all others, the scale ends where all but 2 % of the discs lie, and an arrow at its end says so. Faint circles
-/// are at 30 and 60 degrees from the normal.
+/// value of those that share them; values below zero, which noise makes, look like zero. Where a few bins outshine
+/// all others by far, as mirror peaks do, the scale ends at twice what all but 2 % of the discs stay below, or less; bins beyond have a
+/// colour of their own, and the peak stands beneath the disc. Faint circles are at 30 and 60 degrees from the normal.
 ///
 /// ```
 /// use asperity_plot::{ColourScale, Hemisphere, Hemispheres, Side};
@@ -99,7 +97,7 @@ const WIDTH: f64 = 1000.0;
 const GAP: f64 = 26.0;
 const TICK: f64 = 10.0;
 const NOTE_DEPTH: f64 = theme::NOTE_SIZE + 9.0;
-const BAR_WIDTH: f64 = 16.0;
+const NOTE_LINE: f64 = 1.3 * theme::NOTE_SIZE;
 const BAR_GAP: f64 = 20.0;
 /// Right of the discs.
 const BAR_ROOM: f64 = 112.0;
@@ -136,34 +134,47 @@ impl Hemispheres {
         y = self.draw_column_names(&mut scene, (left, y), diameter)? + TICK + 2.0;
 
         let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
-        let row_height = diameter + GAP + if notes { NOTE_DEPTH } else { 0.0 };
+        let ends: Vec<(f64, bool)> = (0..self.rows.len())
+            .map(|row| match self.scale {
+                ColourScale::Common => self.scale_end(0..self.rows.len()),
+                ColourScale::Rows => self.scale_end(row..row + 1),
+            })
+            .collect();
+        let clipped = ends.iter().any(|end| end.1);
+        let lines = u8::from(notes) + u8::from(clipped);
+        let words_depth = match lines {
+            0 => 0.0,
+            n => NOTE_DEPTH + f64::from(n - 1) * NOTE_LINE,
+        };
+        let row_height = diameter + GAP + words_depth;
         let top = y;
-        let mut clipped = false;
         for (row, name) in self.rows.iter().enumerate() {
             let centre_y = y + 0.5 * diameter;
             let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
             scene.text(name, (left - TICK - 6.0, centre_y), look);
-            let end = match self.scale {
-                ColourScale::Common => self.scale_end(0..self.rows.len()),
-                ColourScale::Rows => self.scale_end(row..row + 1),
-            };
-            clipped |= end.1;
-            for column in 0..self.columns.len() {
+            let cells = &self.cells[row * self.columns.len()..][..self.columns.len()];
+            for (column, cell) in cells.iter().enumerate() {
                 let x = left + column as f64 * (diameter + GAP) + 0.5 * diameter;
-                let cell = self.cells[row * self.columns.len() + column].as_ref();
-                self.draw_disc(&mut scene, (x, centre_y), 0.5 * diameter, cell, end.0);
+                self.draw_disc(
+                    &mut scene,
+                    (x, centre_y),
+                    0.5 * diameter,
+                    cell.as_ref(),
+                    ends[row],
+                );
             }
-            if self.scale == ColourScale::Rows {
-                let bar = bar_beside(right, [y, y + diameter]);
-                self.draw_colour_bar(&mut scene, bar, end)?;
+            // A row without a disc has no colours.
+            if self.scale == ColourScale::Rows && cells.iter().any(Option::is_some) {
+                let place = (right + TICK + BAR_GAP, [y, y + diameter]);
+                colour_bar::draw(&mut scene, place, &self.quantity, ends[row])?;
             }
             y += row_height;
         }
         y -= GAP;
-        let discs = [top, y - if notes { NOTE_DEPTH } else { 0.0 }];
-        if self.scale == ColourScale::Common {
-            let end = self.scale_end(0..self.rows.len());
-            self.draw_colour_bar(&mut scene, bar_beside(right, discs), end)?;
+        let discs = [top, y - words_depth];
+        if self.scale == ColourScale::Common && self.cells.iter().any(Option::is_some) {
+            let place = (right + TICK + BAR_GAP, discs);
+            colour_bar::draw(&mut scene, place, &self.quantity, ends[0])?;
         }
         if !self.row_title.is_empty() {
             let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
@@ -245,7 +256,7 @@ impl Hemispheres {
         centre: Xy,
         radius: f64,
         cell: Option<&Hemisphere>,
-        most: f64,
+        (most, clipped): (f64, bool),
     ) {
         let circle = |share: f64| -> Vec<Xy> {
             (0..=90)
@@ -289,52 +300,14 @@ impl Hemispheres {
             let tick = [at(radius), at(radius + TICK)];
             scene.line(&tick, Pen::solid(theme::INK, 3.0));
         }
-        if !cell.note.is_empty() {
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
-            scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), look);
+        let peak = cell.values.iter().copied().fold(0.0, f64::max);
+        let peak = (clipped && peak > most).then(|| format!("peak {} /sr", three_digits(peak)));
+        let note = Some(cell.note.clone()).filter(|note| !note.is_empty());
+        let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
+        for (i, line) in note.into_iter().chain(peak).enumerate() {
+            let below = 7.0 + NOTE_LINE * i as f64;
+            scene.text(&line, (centre.0, centre.1 + radius + below), look);
         }
-    }
-
-    fn draw_colour_bar(
-        &self,
-        scene: &mut Scene,
-        bar: Rect,
-        (most, clipped): (f64, bool),
-    ) -> Result<(), PlotError> {
-        scene.pictures.push(Picture {
-            frame: bar,
-            columns: 1,
-            pixels: (1..=255).rev().collect(),
-            palette: palette(),
-        });
-        let pen = Pen::solid(theme::INK, theme::FRAME_WIDTH);
-        scene.rect_outline(bar, pen);
-        if clipped {
-            let (x, half) = (bar.centre().0, 0.5 * bar.width());
-            let arrow = vec![
-                (x, bar.top - 11.0),
-                (x - half, bar.top - 2.0),
-                (x + half, bar.top - 2.0),
-            ];
-            scene.polygon(arrow, ViridisRGB.get_color(1.0));
-        }
-        let exponent = display_exponent(most);
-        let count = (bar.height() / 34.0).floor().clamp(2.0, 8.0) as usize;
-        let axis = Axis::linear(0.0, most, count, exponent);
-        let beside = TextLook::new(theme::TICK_SIZE, Align::Left, Level::Middle);
-        for (value, text) in &axis.major {
-            let Some(t) = axis.fraction(*value) else {
-                continue;
-            };
-            let y = bar.bottom - t * bar.height();
-            scene.line(&[(bar.right, y), (bar.right + theme::TICK_LENGTH, y)], pen);
-            scene.text(text, (bar.right + theme::TICK_LENGTH + 4.0, y), beside);
-        }
-        let x = bar.right + theme::TICK_LENGTH + 4.0 + axis.text_width()? + 9.0;
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
-        let title = format!("{} {}", self.quantity, per_steradian(exponent));
-        scene.text_upwards(&title, (x, bar.centre().1), look);
-        Ok(())
     }
 
     /// How to read the discs; returns the y below.
@@ -358,7 +331,9 @@ impl Hemispheres {
             false => "",
         };
         let beyond = match clipped {
-            true => " Arrows: bins beyond the scale look like its end.",
+            true => {
+                " Peaks beyond a scale of colours have one of their own, and stand beneath their discs."
+            }
             false => "",
         };
         let text = format!(
@@ -371,16 +346,6 @@ impl Hemispheres {
             y += 1.45 * theme::NOTE_SIZE;
         }
         Ok(y)
-    }
-}
-
-fn bar_beside(right: f64, [top, bottom]: [f64; 2]) -> Rect {
-    let left = right + TICK + BAR_GAP;
-    Rect {
-        left,
-        top,
-        right: left + BAR_WIDTH,
-        bottom,
     }
 }
 
@@ -418,7 +383,28 @@ mod tests {
         assert!(two.draw().is_err());
         two.cells.push(None);
         assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
+        // A row without a disc has no scale, be it one of its own or that of all.
+        for scale in [ColourScale::Rows, ColourScale::Common] {
+            let mut empty = two.clone();
+            empty.scale = scale;
+            empty.cells = vec![None, None];
+            assert!(!empty.draw().unwrap().svg().unwrap().contains("BRDF"));
+        }
         // Nothing above zero has a scale all the same.
         assert!(of_one(vec![-1.0; 8], [2, 4]).draw().is_ok());
+    }
+    /// One bin of 12 x 24 holds 0.04 % of the solid angle or more.
+    #[test]
+    fn peaks_are_named_where_a_scale_is_cut_off() {
+        let svg = |peak: f64| {
+            let mut values = vec![0.2; 12 * 24];
+            values[100] = peak;
+            of_one(values, [12, 24]).draw().unwrap().svg().unwrap()
+        };
+        let cut = svg(14.2);
+        // At the bar and in the remark.
+        assert!(cut.contains("peak 14.2 /sr") && cut.matches("beyond").count() == 2);
+        let whole = svg(1.0);
+        assert!(!whole.contains("peak") && !whole.contains("beyond"));
     }
 }

@@ -49,6 +49,7 @@
 //! ```
 
 mod axis;
+mod colour_bar;
 mod curves;
 mod disc;
 mod error;

@@ -13,7 +13,7 @@ use crate::blocks::RaySettings;
 use crate::cases::check_sides;
 use crate::config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
-    RunConfig, SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
+    RunConfig, SurfaceConfig, VerifyConfig, parse_toml,
 };
 use crate::limits::{check_memory, check_results};
 use crate::medium::MediumConfig;
@@ -235,7 +235,7 @@ impl GonioConfig {
     /// [`ConfigError`] with line and key if the text is no such configuration.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         let config: Self = parse_toml(text)?;
-        refuse_effort_beside_target(text, &config.run)?;
+        config.check_effort()?;
         let file: toml::Table = parse_toml(text)?;
         let realisations = |run: &toml::Value| run.get("realisations").is_some();
         if config.measured.is_given() && file.get("run").is_some_and(realisations) {
@@ -244,6 +244,27 @@ impl GonioConfig {
             ));
         }
         Ok(config)
+    }
+
+    /// Refuses what `verify` and `trace` may be asked for besides: the report of a measurement has no place for it.
+    pub(super) fn check_effort(&self) -> Result<(), ConfigError> {
+        let refuse = |key: &str, instead: &str| {
+            let text = format!("run.{key} is for verify and trace, not for gonio; {instead}");
+            Err(ConfigError::Contradiction(text))
+        };
+        if self.run.target_error.is_some() {
+            return refuse(
+                "target_error",
+                "give rays, and realisations where surfaces are drawn",
+            );
+        }
+        if self.run.of.is_some() {
+            return refuse("of", "leave it out");
+        }
+        if self.run.refine {
+            return refuse("refine", "leave it out and take a finer spacing");
+        }
+        Ok(())
     }
 
     /// Checks everything that can be known before a ray is traced; `sample` is the given surface, if there
@@ -345,8 +366,10 @@ mod tests {
             ),
             (
                 "[run]\ntarget_error = 1e-3\nrays = 10",
-                "either target_error",
+                "run.target_error is for verify and trace",
             ),
+            ("[run]\nof = \"bins\"", "run.of is for verify and trace"),
+            ("[run]\nrefine = true", "run.refine is for verify and trace"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
         ] {
             let error = GonioConfig::from_toml(text)

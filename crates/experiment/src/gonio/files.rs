@@ -1,5 +1,6 @@
 //! The files of a measurement: tables, arrays, plots, report.txt and summary.json.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use asperity_io::{
@@ -9,10 +10,11 @@ use asperity_io::{
 use asperity_optics::{Material, PhaseFunction};
 use asperity_tally::{Estimate, Layout, Side};
 
+use super::plan::Plan;
 use super::results::part_names;
 use super::setting::bottom_in_words;
 use super::summary::{gonio_summary, gonio_table};
-use super::{Direction, DirectionResults, FOLDER, GonioOutcome, Setting, figures};
+use super::{Direction, DirectionResults, FOLDER, GonioError, GonioOutcome, Setting, figures};
 use crate::csv::{PLACE, fields, place};
 use crate::report::{FILES, ReportError};
 
@@ -37,6 +39,31 @@ pub fn gonio_report(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportE
     write_bytes(folder.join("report.txt"), gonio_table(outcome).as_bytes())?;
     write_json(folder.join("summary.json"), &gonio_summary(outcome))?;
     Ok(())
+}
+
+/// Refuses a folder with files of directions that are not among `plans`: the tables would tell nothing of them.
+pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), GonioError> {
+    // A folder that is not there yet holds none, and one that cannot be read is found when it is written.
+    let Ok(entries) = std::fs::read_dir(folder.join(FOLDER)) else {
+        return Ok(());
+    };
+    let planned: HashSet<&str> = plans.iter().map(|plan| plan.name.as_str()).collect();
+    let direction = |name: String| {
+        let stem = name.strip_suffix(".json").or(name.strip_suffix(".csv"))?;
+        (!planned.contains(stem)).then(|| stem.to_owned())
+    };
+    // The first by name, whatever the order of the folder.
+    let unplanned = entries
+        .flatten()
+        .filter_map(|entry| direction(entry.file_name().into_string().ok()?))
+        .min();
+    match unplanned {
+        None => Ok(()),
+        Some(name) => Err(GonioError::Unplanned {
+            folder: folder.to_owned(),
+            name,
+        }),
+    }
 }
 
 /// The directions that are there.

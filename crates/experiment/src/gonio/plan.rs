@@ -42,6 +42,7 @@ impl GonioConfig {
         sample: Option<&Sample>,
     ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
         self.measured.check()?;
+        self.check_effort()?;
         let angles = self.light.angles()?;
         match sample {
             None if self.measured.is_given() => Err(ConfigError::Contradiction(
@@ -113,9 +114,6 @@ impl GonioConfig {
         }
         let mut plans: Vec<Plan> = Vec::new();
         for (number, setting) in settings.iter().enumerate() {
-            if let Some(target) = run.target {
-                target.check(&run.layout, setting.material, setting.layer.as_ref())?;
-            }
             for theta in &thetas {
                 for phi in &phis {
                     let incidence = Incidence::from_degrees(*theta, *phi)?;
