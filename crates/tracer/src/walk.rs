@@ -107,7 +107,8 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// branches are followed, each with its share of the flux, so that there are one or two ends.
     ///
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
-    /// layer. They are left out under a mirrored border, where a direction has several images.
+    /// layer. They are left out under a mirrored border, where a direction has several images, and end after
+    /// some tiles.
     pub fn look<R: Rng>(
         &self,
         origin: DVec3,
@@ -138,7 +139,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
                         break end;
                     }
                 };
-                let told = beams.is_some()
+                let told = beams.is_some_and(|beams| path.flight <= beams.farthest())
                     && end == WalkEnd::Above
                     && path.scatterings > 0
                     && path.events_since == 1;
@@ -163,6 +164,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
             Next::Facet(face, facet, at, t) => {
                 self.advance(path, t);
                 path.heading = at;
+                path.flight = t;
                 if path.events.order() >= self.settings.max_order {
                     return Some(WalkEnd::Truncated);
                 }
