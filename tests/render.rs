@@ -57,7 +57,18 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --size 0x4", "0 x 4 pixels"),
         ("-o p.png --size 99999x4", "16384"),
         ("-o p.png --samples 0", "1 or more"),
-        ("-o p.png --view-theta 90", "--view-theta"),
+        (
+            "-o p.png --view-theta 90",
+            "--view-theta is 90.0; the camera stands",
+        ),
+        (
+            "-o p.png --view-theta 89.999999 --camera orthographic",
+            "the camera at theta 89.999999",
+        ),
+        (
+            "-o p.png --sun-theta 89.999999",
+            "the sun at theta 89.999999",
+        ),
         ("-o p.png --fov 180", "field of view is 180"),
         ("-o p.png --fov 20 --camera orthographic", "pinhole alone"),
         ("-o p.png --view-theta 88 --width 4", "the eye is"),

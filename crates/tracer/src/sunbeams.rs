@@ -260,7 +260,8 @@ impl Node {
         if low.z > high.z {
             return None;
         }
-        // Light may rise beneath an overhang, and in a medium that is the thinner one.
+        // Light goes down below a height field, unless the medium is the thinner one; beneath an overhang it
+        // may rise.
         let fall = [-self.direction.high.z, -self.direction.low.z];
         let depth = [low.z - x.z, high.z - x.z];
         if fall[0] <= 0.0 {

@@ -107,8 +107,8 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// branches are followed, each with its share of the flux, so that there are one or two ends.
     ///
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
-    /// layer. They are left out under a mirrored border, where a direction has several images, and end after
-    /// some tiles.
+    /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
+    /// that is the thinner one, in which light may rise below the surface; they end after some tiles.
     pub fn look<R: Rng>(
         &self,
         origin: DVec3,
@@ -117,7 +117,11 @@ impl<'a, G: Geometry> Walk<'a, G> {
         rng: &mut R,
         mut each: impl FnMut(Seen),
     ) {
-        let beams = beams.filter(|_| self.geometry.border() != Border::Mirrored);
+        let denser = self
+            .material
+            .transmitting_index()
+            .is_some_and(|eta| eta >= 1.0);
+        let beams = beams.filter(|_| denser && self.geometry.border() != Border::Mirrored);
         let mut path = Path::new(origin, direction);
         let (facet, at, t) = match self.next(&path, rng) {
             Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
