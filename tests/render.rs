@@ -57,7 +57,18 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --size 0x4", "0 x 4 pixels"),
         ("-o p.png --size 99999x4", "16384"),
         ("-o p.png --samples 0", "1 or more"),
-        ("-o p.png --view-theta 90", "--view-theta"),
+        (
+            "-o p.png --view-theta 90",
+            "--view-theta is 90.0; the camera stands",
+        ),
+        (
+            "-o p.png --view-theta 89.999999 --camera orthographic",
+            "the camera at theta 89.999999",
+        ),
+        (
+            "-o p.png --sun-theta 89.999999",
+            "the sun at theta 89.999999",
+        ),
         ("-o p.png --fov 180", "field of view is 180"),
         ("-o p.png --fov 20 --camera orthographic", "pinhole alone"),
         ("-o p.png --view-theta 88 --width 4", "the eye is"),
@@ -91,4 +102,42 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         assert!(sentence.contains(expected), "{flags}: {sentence}");
     }
     assert_eq!(files(&folder), ["h.exr"]);
+}
+
+#[test]
+fn a_missing_folder_is_told_before_light_is_followed_and_nothing_is_written() {
+    let (_keep, folder) = with_surface();
+    let command = "render h.exr --samples 1e8 -o q1.exr -o nowhere/q.png";
+    let sentence = refused(&folder, &words(command), 1);
+    assert!(sentence.contains("no folder nowhere"), "{sentence}");
+    assert_eq!(files(&folder), ["h.exr"]);
+}
+
+/// Flights far longer than the tile end at once, and so do passes of many lines when time is over.
+#[test]
+fn long_flights_and_many_lines_come_to_an_end() {
+    let (_keep, folder) = with_surface();
+    for flags in [
+        "--mean-free-path 1e5 --albedo 0.9 --samples 2",
+        "--samples 1e8 --max-time 0.05",
+    ] {
+        let command = format!("render --flat --size 8x6 {flags} -o f.exr");
+        succeed(&folder, &words(&command));
+    }
+}
+
+#[test]
+fn exposure_and_the_radius_of_the_sun_reach_the_picture() {
+    let (_keep, folder) = with_surface();
+    let png = |flags: &str| {
+        let command = format!("{SMALL} {flags} -o e.png");
+        let text = succeed(&folder, &words(&command));
+        (text, fs::read(folder.join("e.png")).unwrap())
+    };
+    let (text, bright) = png("--exposure 2");
+    assert!(text.contains("exposure 2.0000"), "{text}");
+    let (_, dim) = png("--exposure 0.5");
+    assert!(bright != dim);
+    let (_, wide) = png("--exposure 2 --sun-radius 20");
+    assert!(bright != wide);
 }

@@ -35,6 +35,7 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     let image = &command.image;
     for path in &image.output {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
+        check_folder(path)?;
     }
     if image.exposure.is_some_and(|factor| factor <= 0.0) {
         return Err(Failure::usage("the exposure must be a factor above zero"));
@@ -93,9 +94,10 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
         }
     };
     let outcome = outcome.map_err(|error| match error {
-        RenderError::View(_) | RenderError::Substrate(_) | RenderError::BadSize(..) => {
-            Failure::usage(error)
-        }
+        RenderError::View(_)
+        | RenderError::Substrate(_)
+        | RenderError::TooGrazing { .. }
+        | RenderError::BadSize(..) => Failure::usage(error),
         _ => Failure::failed(error),
     })?;
     let factor = image.exposure.unwrap_or_else(|| exposure(&outcome.picture));
@@ -109,6 +111,20 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     print(&report(&name, &outcome, factor, &notes, command))
+}
+
+/// Refuses a file in a folder that is not there, before light is followed.
+fn check_folder(path: &Path) -> Result<(), Failure> {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(Failure::failed(format!(
+                "there is no folder {} to write {} to",
+                folder.display(),
+                path.display()
+            )))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What a picture is of.
@@ -170,7 +186,12 @@ impl CameraArguments {
                 field_of_view: fov.unwrap_or(FIELD_OF_VIEW).to_radians(),
             },
         };
-        let towards = direction("--view-theta, --view-phi", self.view_theta, self.view_phi)?;
+        let towards = direction(
+            "the camera",
+            ["--view-theta", "--view-phi"],
+            self.view_theta,
+            self.view_phi,
+        )?;
         let target = match *self.look_at {
             [] => size.map(|length| 0.5 * length),
             [x, y] => [x, y],
@@ -199,7 +220,12 @@ impl LightsArguments {
                 )));
             }
         };
-        let towards = direction("--sun-theta, --sun-phi", self.sun_theta, self.sun_phi)?;
+        let towards = direction(
+            "the sun",
+            ["--sun-theta", "--sun-phi"],
+            self.sun_theta,
+            self.sun_phi,
+        )?;
         let radius = self.sun_radius.to_radians();
         let sun = Sun::new(towards, self.sun, radius, patch).map_err(Failure::usage)?;
         let sun = (self.sun > 0.0).then_some(sun);
@@ -207,8 +233,20 @@ impl LightsArguments {
     }
 }
 
-fn direction(flags: &str, theta: f64, phi: f64) -> Result<Incidence, Failure> {
-    Incidence::from_degrees(theta, phi).map_err(|error| Failure::usage(format!("{flags}: {error}")))
+/// The direction towards `what`, which stands above the horizon.
+fn direction(
+    what: &str,
+    [flag, azimuth]: [&str; 2],
+    theta: f64,
+    phi: f64,
+) -> Result<Incidence, Failure> {
+    if !(0.0..90.0).contains(&theta) {
+        return Err(Failure::usage(format!(
+            "{flag} is {theta:?}; {what} stands from 0 to below 90 deg from the normal"
+        )));
+    }
+    Incidence::from_degrees(theta, phi)
+        .map_err(|error| Failure::usage(format!("{flag}, {azimuth}: {error}")))
 }
 
 fn report(

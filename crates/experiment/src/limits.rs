@@ -169,7 +169,7 @@ pub(crate) fn check_grazing<G: Geometry>(
     incidence: Incidence,
 ) -> Result<(), RunError> {
     let tiles = border::tiles_crossed(surface, incidence.theta());
-    if tiles < 0.5 * f64::from(border::MOST_TILES) {
+    if border::is_followed(surface, incidence.theta()) {
         return Ok(());
     }
     Err(RunError::TooGrazing {

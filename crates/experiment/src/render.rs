@@ -23,7 +23,7 @@ use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
     AcceleratorKind, BuildError, Geometry, MeshSurface, PathSettings, Search, Seen, SubstrateError,
-    Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked,
+    Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked, border,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -99,6 +99,22 @@ pub enum RenderError {
     /// The camera stands badly.
     #[error(transparent)]
     View(#[from] ViewError),
+    /// Lines so flat that they would cross too many tiles.
+    #[error(
+        "{what} at theta {theta_deg} deg is too flat: straight lines cross up to {tiles:.0} tiles between the highest and the lowest point, {} is the most; take a larger tile or a smaller angle",
+        border::MOST_TILES
+    )]
+    TooGrazing {
+        /// Camera or sun.
+        what: &'static str,
+        /// Polar angle, degrees.
+        theta_deg: f64,
+        /// Tiles crossed.
+        tiles: f64,
+    },
+    /// There is no picture yet.
+    #[error("stopped before two passes were finished; nothing is written")]
+    Interrupted,
     /// No pixel, or too many.
     #[error("the picture has {0} x {1} pixels; 1 to {MOST_PIXELS} along a side are possible")]
     BadSize(usize, usize),
@@ -110,16 +126,20 @@ pub const MOST_PIXELS: usize = 16_384;
 /// Passes, where there are as many samples: enough for errors, few enough to spread lines evenly in each.
 const PASSES: u64 = 16;
 
-/// Passes that are made even if the run is to stop: fewer give no error.
+/// Most lines a pixel of a pass: more samples take more passes, so that each is soon complete.
+const MOST_OF_PASS: u64 = 4;
+
+/// Passes that are made even if time is over: fewer give no error.
 const PASSES_IN_ANY_CASE: u64 = 2;
 
 /// Makes a picture of a surface of `material`, with a layer below it or nothing; `bottom` is the bottom's own
 /// surface, if it has one.
 ///
-/// A run that is to stop ends with the passes that are complete.
+/// A run that is to stop ends with the passes that are complete: for want of time after two at least.
 ///
 /// # Errors
-/// [`RenderError`] if the surface or the picture is too large, the layer too thin, or the eye too low.
+/// [`RenderError`] if the surface or the picture is too large, the layer too thin, the eye too low, parallel
+/// lines of sight or the sun too flat, or if an interrupt comes before two passes.
 pub fn render(
     field: HeightField,
     bottom: Option<HeightField>,
@@ -171,6 +191,7 @@ fn render_on<G: Geometry>(
     // Means, squares, a pass, coverage and the picture.
     check_memory("this picture", 64 * columns * rows)?;
     let (geometry, bottom) = build();
+    check_grazing(&geometry, settings)?;
     let accelerator = geometry.accelerator(settings.accelerator)?;
     let bottom_accelerator = bottom
         .as_ref()
@@ -208,11 +229,12 @@ fn render_on<G: Geometry>(
 
     let tracing = Instant::now();
     let passes = settings.samples.clamp(PASSES_IN_ANY_CASE, PASSES);
+    let passes = passes.max(settings.samples.div_ceil(MOST_OF_PASS));
     let of_pass = settings.samples.div_ceil(passes);
     let mut radiance = BatchStatistics::new(columns * rows);
     let mut coverage = vec![0.0; columns * rows];
     let mut losses = Losses::default();
-    progress.begin("rendering", passes * rows as u64);
+    progress.begin("rendering", passes.saturating_mul(rows as u64));
     let mut beams = None;
     let sun_shift = {
         let mut rng = picture_stream(settings.seed, passes, 0);
@@ -229,11 +251,15 @@ fn render_on<G: Geometry>(
         }
         let beams = beams.as_ref();
         let surely = pass < PASSES_IN_ANY_CASE;
+        let stops = || match progress.stop() {
+            Some(StoppedBy::Interrupt) => true,
+            other => other.is_some() && !surely,
+        };
         let done: Option<Vec<Row>> = (0..rows)
             .into_par_iter()
             .with_max_len(1)
             .map(|row| {
-                if !surely && progress.stop().is_some() {
+                if stops() {
                     return None;
                 }
                 let mut rng = picture_stream(settings.seed, pass, row as u64);
@@ -255,8 +281,11 @@ fn render_on<G: Geometry>(
     }
     progress.end();
     let done = radiance.batches();
+    if done < PASSES_IN_ANY_CASE {
+        return Err(RenderError::Interrupted);
+    }
     coverage.iter_mut().for_each(|c| *c /= done as f64);
-    let lines = (done * of_pass * (columns * rows) as u64) as f64;
+    let lines = (done * of_pass) as f64 * (columns * rows) as f64;
     Ok(RenderOutcome {
         picture: Picture {
             size: settings.size,
@@ -294,6 +323,22 @@ pub fn exposure(picture: &Picture) -> f64 {
     } else {
         1.0
     }
+}
+
+/// Refuses parallel lines of sight, and a sun, that would cross more tiles than a ray may.
+fn check_grazing<G: Geometry>(geometry: &G, settings: &RenderSettings) -> Result<(), RenderError> {
+    let camera = settings.view.parallel_theta();
+    let sun = settings.lights.sun().map(Sun::theta);
+    for (what, theta) in [("the camera", camera), ("the sun", sun)] {
+        if let Some(theta) = theta.filter(|theta| !border::is_followed(geometry, *theta)) {
+            return Err(RenderError::TooGrazing {
+                what,
+                theta_deg: theta.to_degrees(),
+                tiles: border::tiles_crossed(geometry, theta),
+            });
+        }
+    }
+    Ok(())
 }
 
 /// What one row of one pass found.

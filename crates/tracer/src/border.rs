@@ -33,6 +33,12 @@ pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
     columns / cx + columns * surface.aspect() / cy
 }
 
+/// Whether light from the polar angle `theta`, radians, crosses few enough tiles to be followed.
+#[must_use]
+pub fn is_followed<G: Geometry>(surface: &G, theta: f64) -> bool {
+    tiles_crossed(surface, theta) < 0.5 * f64::from(MOST_TILES)
+}
+
 /// Where a ray is and where it goes, in the orientation of the tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Heading {

@@ -4,17 +4,24 @@
 //! Which prisms hold a given point is found by a binary tree over the facets: a node knows the box of its
 //! facets, and the bounds of the directions in which light goes on from them. A point of the medium that is
 //! scattered light on its way to the eye so finds the sun, which chance alone would hardly find behind a
-//! refracting surface.
+//! refracting surface. Beams end after some tiles, so that a place looks into few of them; light that has come
+//! farther is left to chance, by the length of its flight alone.
 
 use asperity_optics::Material;
+use asperity_surface::Border;
 use glam::DVec3;
 
+use crate::border::is_followed;
 use crate::geometry::Geometry;
 use crate::morton::morton_code;
 use crate::scatter::scatter;
 
 /// Facets of a leaf: few enough to look at, many enough for the tree to be small beside the surface.
 const LEAF: usize = 8;
+
+/// Length of beams in shorter sides of the tile, where it has neighbours: a place in the medium looks into
+/// some `(2 * 16 + 1)^2` tiles at most.
+const LONGEST: f64 = 16.0;
 
 /// The beams of light from one direction below all facets of a tile.
 pub struct Sunbeams<G: Geometry> {
@@ -25,6 +32,10 @@ pub struct Sunbeams<G: Geometry> {
     /// A complete binary tree, root first; the children of node `i` are `2 i + 1` and `2 i + 2`.
     nodes: Vec<Node>,
     leaves: usize,
+    /// Length of beams, tile coordinates: what comes from farther away is left to chance.
+    farthest: f64,
+    /// Whether the light comes from above the horizon.
+    is_up: bool,
 }
 
 /// A beam that holds a point.
@@ -76,6 +87,11 @@ impl<G: Geometry> Sunbeams<G> {
             facets,
             nodes: vec![Node::NONE; 2 * leaves - 1],
             leaves,
+            farthest: match geometry.border() {
+                Border::Open => f64::INFINITY,
+                _ => LONGEST * cx.min(cy / geometry.aspect()),
+            },
+            is_up: true,
         };
         beams.aim(geometry, towards);
         beams
@@ -84,6 +100,9 @@ impl<G: Geometry> Sunbeams<G> {
     /// The same facets under light from another direction.
     pub fn aim(&mut self, geometry: &G, towards: DVec3) {
         self.towards = towards;
+        // The rest of a disc at the horizon lights nothing, behind so many tiles.
+        let theta = towards.z.clamp(-1.0, 1.0).acos();
+        self.is_up = towards.z > 0.0 && is_followed(geometry, theta);
         for leaf in 0..self.leaves {
             let mut node = Node::NONE;
             for &facet in self.of_leaf(leaf) {
@@ -112,6 +131,11 @@ impl<G: Geometry> Sunbeams<G> {
         self.towards
     }
 
+    /// The length of beams, tile coordinates, beyond which light is left to chance.
+    pub(crate) const fn farthest(&self) -> f64 {
+        self.farthest
+    }
+
     /// Hands on the beams that hold the point `x`, tile coordinates, within `reach` of their facets.
     ///
     /// `goes_on`: whether the tile is one of a period.
@@ -124,16 +148,17 @@ impl<G: Geometry> Sunbeams<G> {
         mut each: impl FnMut(Beam<G::Facet>),
     ) {
         let root = &self.nodes[0];
-        let Some([_, farthest]) = root.distances(x, reach) else {
+        let reach = reach.min(self.farthest);
+        let Some([near, far]) = root.distances(x, reach) else {
             return;
         };
-        // Tiles from which light comes so far.
+        // Tiles from which light comes so far, few as `far` is bounded.
         let mut tiles = [[0.0, 0.0]; 2];
         for (axis, size) in geometry.extent().into_iter().enumerate() {
             if goes_on {
                 let (low, high) = (root.direction.low[axis], root.direction.high[axis]);
-                let from = x[axis] - (farthest * high).max(0.0);
-                let to = x[axis] - (farthest * low).min(0.0);
+                let from = x[axis] - (near * high).max(far * high);
+                let to = x[axis] - (near * low).min(far * low);
                 tiles[axis] = [(from / size).floor(), (to / size).floor()];
             }
         }
@@ -204,7 +229,7 @@ impl<G: Geometry> Sunbeams<G> {
         let eta = self.material.transmitting_index()?;
         let m = geometry.normal(facet);
         let cos_alpha = self.towards.dot(m);
-        if cos_alpha <= 0.0 {
+        if cos_alpha <= 0.0 || !self.is_up {
             return None;
         }
         let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
@@ -235,7 +260,8 @@ impl Node {
         if low.z > high.z {
             return None;
         }
-        // All light goes down below a height field; beneath an overhang it may rise.
+        // Light goes down below a height field, unless the medium is the thinner one; beneath an overhang it
+        // may rise.
         let fall = [-self.direction.high.z, -self.direction.low.z];
         let depth = [low.z - x.z, high.z - x.z];
         if fall[0] <= 0.0 {

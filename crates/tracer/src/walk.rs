@@ -107,7 +107,8 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// branches are followed, each with its share of the flux, so that there are one or two ends.
     ///
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
-    /// layer. They are left out under a mirrored border, where a direction has several images.
+    /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
+    /// that is the thinner one, in which light may rise below the surface; they end after some tiles.
     pub fn look<R: Rng>(
         &self,
         origin: DVec3,
@@ -116,7 +117,11 @@ impl<'a, G: Geometry> Walk<'a, G> {
         rng: &mut R,
         mut each: impl FnMut(Seen),
     ) {
-        let beams = beams.filter(|_| self.geometry.border() != Border::Mirrored);
+        let denser = self
+            .material
+            .transmitting_index()
+            .is_some_and(|eta| eta >= 1.0);
+        let beams = beams.filter(|_| denser && self.geometry.border() != Border::Mirrored);
         let mut path = Path::new(origin, direction);
         let (facet, at, t) = match self.next(&path, rng) {
             Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
@@ -138,7 +143,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
                         break end;
                     }
                 };
-                let told = beams.is_some()
+                let told = beams.is_some_and(|beams| path.flight <= beams.farthest())
                     && end == WalkEnd::Above
                     && path.scatterings > 0
                     && path.events_since == 1;
@@ -163,6 +168,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
             Next::Facet(face, facet, at, t) => {
                 self.advance(path, t);
                 path.heading = at;
+                path.flight = t;
                 if path.events.order() >= self.settings.max_order {
                     return Some(WalkEnd::Truncated);
                 }

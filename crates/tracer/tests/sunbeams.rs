@@ -23,27 +23,45 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+/// A scene in which a sun is looked for.
+#[derive(Clone, Copy)]
+struct Case {
+    border: Border,
+    /// Of the relief.
+    height: f64,
+    /// Columns and rows.
+    cells: [usize; 2],
+    phase: PhaseFunction,
+    mean_free_path: f64,
+    rough_bottom: bool,
+    lines: u32,
+}
+
+const PLAIN: Case = Case {
+    border: Border::Periodic,
+    height: 0.9,
+    cells: [10, 12],
+    phase: PhaseFunction::Isotropic,
+    mean_free_path: 1.0,
+    rough_bottom: false,
+    lines: 60,
+};
+
 const BATCHES: u64 = 100;
-const LINES: u32 = 60;
 
 /// Radius of the sun, so large that chance finds it often.
 const COS_RADIUS: f64 = 0.85;
 
-/// |z| that one of five differences of means of 100 batches exceeds once in 1000 times: by Sidak 2e-4 each,
-/// 3.72 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
-const BOUND: f64 = 3.8;
+/// |z| that one of six differences of means of 100 batches exceeds once in 1000 times: by Sidak 1.7e-4
+/// each, 3.76 of a normal distribution, and (z^3 + z) / (4 * 198) more for 198 degrees of freedom.
+const BOUND: f64 = 3.85;
 
 /// Of a sun of radiance one seen along lines from above: what comes straight out of the medium, by beams
 /// and by chance.
-fn compare(
-    name: &str,
-    (border, height): (Border, f64),
-    phase: PhaseFunction,
-    path: f64,
-    rough_bottom: bool,
-) {
+fn compare(name: &str, case: Case) {
+    let Case { border, height, .. } = case;
     let surface = |seed: u64| {
-        let (nx, ny) = (10, 12);
+        let [nx, ny] = case.cells;
         let field = common::rugged(nx, ny, height, seed, border);
         let heights = field.field().heights().to_vec();
         let field = HeightField::new(heights, [ny, nx], [1.0, 0.8]).unwrap();
@@ -52,10 +70,11 @@ fn compare(
     let (top, bottom) = (surface(5), surface(6));
     let find = |surface: &Surface| surface.accelerator(AcceleratorKind::Auto).unwrap();
     let (top_hits, bottom_hits) = (find(&top), find(&bottom));
-    let medium = ParticipatingMedium::from_mean_free_path(path, 0.9, phase).unwrap();
+    let medium =
+        ParticipatingMedium::from_mean_free_path(case.mean_free_path, 0.9, case.phase).unwrap();
     let white = Bottom::Lambertian { reflectance: 0.8 };
     let layer = Layer::slab(medium, 2.4 * height, white).unwrap();
-    let shape = if rough_bottom {
+    let shape = if case.rough_bottom {
         BottomShape::Surface {
             geometry: &bottom,
             accelerator: &*bottom_hits,
@@ -81,7 +100,7 @@ fn compare(
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         rng.set_stream(batch);
         let mut found = [0.0, 0.0];
-        for _ in 0..LINES {
+        for _ in 0..case.lines {
             let mu = 1.0 - rng.random::<f64>() * (1.0 - COS_RADIUS);
             beams.aim(&top, around(sun, mu, rng.random()));
             let origin = DVec3::new(cx * rng.random::<f64>(), cy * rng.random::<f64>(), high);
@@ -91,11 +110,13 @@ fn compare(
                 Some(&beams),
                 &mut rng,
                 |seen| match seen {
-                    Seen::Sunlit(lit) => found[0] += lit.share * solid_angle / f64::from(LINES),
+                    Seen::Sunlit(lit) => {
+                        found[0] += lit.share * solid_angle / f64::from(case.lines)
+                    }
                     Seen::End(walked) => {
                         if walked.told && walked.direction.dot(sun) > COS_RADIUS {
                             assert_eq!(walked.end, WalkEnd::Above);
-                            found[1] += walked.flux / f64::from(LINES);
+                            found[1] += walked.flux / f64::from(case.lines);
                             told_apart += 1;
                         }
                     }
@@ -117,25 +138,50 @@ fn compare(
     assert!(z.abs() < BOUND, "{name}: z = {z:.2}");
 }
 
-const PLAIN: (Border, f64) = (Border::Periodic, 0.9);
-const ISOTROPIC: PhaseFunction = PhaseFunction::Isotropic;
-
 #[test]
 fn beams_bring_what_chance_finds_near_the_surface() {
-    let forwards = PhaseFunction::henyey_greenstein(0.6).unwrap();
-    compare("short flights", PLAIN, ISOTROPIC, 0.2, false);
-    compare("forwards", PLAIN, forwards, 1.0, false);
+    let near = Case {
+        mean_free_path: 0.2,
+        ..PLAIN
+    };
+    compare("short flights", near);
+    let phase = PhaseFunction::henyey_greenstein(0.6).unwrap();
+    compare("forwards", Case { phase, ..PLAIN });
 }
 
 #[test]
 fn beams_bring_what_chance_finds_behind_peaks() {
-    let backwards = PhaseFunction::henyey_greenstein(-0.4).unwrap();
-    let tall = (Border::Periodic, 3.0);
-    compare("long flights", tall, backwards, 6.0, false);
+    let tall = Case {
+        height: 3.0,
+        phase: PhaseFunction::henyey_greenstein(-0.4).unwrap(),
+        mean_free_path: 6.0,
+        ..PLAIN
+    };
+    compare("long flights", tall);
 }
 
 #[test]
 fn beams_bring_what_chance_finds_over_a_bottom_and_on_a_patch() {
-    compare("rough bottom", PLAIN, PhaseFunction::Rayleigh, 1.5, true);
-    compare("open", (Border::Open, 0.9), ISOTROPIC, 1.0, false);
+    let bottom = Case {
+        phase: PhaseFunction::Rayleigh,
+        mean_free_path: 1.5,
+        rough_bottom: true,
+        ..PLAIN
+    };
+    compare("rough bottom", bottom);
+    let border = Border::Open;
+    compare("open", Case { border, ..PLAIN });
+}
+
+/// Most light comes to a place through other tiles than its own; of a tile of 3 by 4 cells, beams end after
+/// 48 cells.
+#[test]
+fn beams_bring_what_chance_finds_of_neighbouring_tiles() {
+    let narrow = Case {
+        cells: [3, 4],
+        height: 0.5,
+        mean_free_path: 3.0,
+        ..PLAIN
+    };
+    compare("narrow tile", narrow);
 }

@@ -237,7 +237,7 @@ fn thread_count_changes_no_byte() {
 }
 
 /// Stops at the question after so many.
-struct Patience(AtomicU64);
+struct Patience(AtomicU64, StoppedBy);
 
 impl Progress for Patience {
     fn begin(&self, _stage: &str, _total: u64) {}
@@ -246,7 +246,7 @@ impl Progress for Patience {
     fn stop(&self) -> Option<StoppedBy> {
         let left = self.0.load(Ordering::Relaxed);
         self.0.store(left.saturating_sub(1), Ordering::Relaxed);
-        (left == 0).then_some(StoppedBy::Time)
+        (left == 0).then_some(self.1)
     }
 }
 
@@ -254,8 +254,9 @@ impl Progress for Patience {
 fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
     let lights = Lights::new(1.0, 0.0, None).unwrap();
     let settings = settings(30.0, ORTHOGRAPHIC, lights);
-    for (patience, passes) in [(0, 2), (12, 3), (12 * 14, 16)] {
-        let progress = Patience(AtomicU64::new(patience));
+    // Questions are asked before each of 12 rows; in the first two passes only interrupts are heeded.
+    for (patience, passes) in [(0, 2), (12 * 3, 3), (12 * 16, 16)] {
+        let progress = Patience(AtomicU64::new(patience), StoppedBy::Time);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let outcome = pool
             .unwrap()
@@ -265,4 +266,120 @@ fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
         assert_eq!(outcome.stopped_by.is_some(), passes < 16);
         assert!(outcome.picture.error.iter().all(|e| e.is_finite()));
     }
+}
+
+#[test]
+fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_the_first() {
+    let lights = Lights::new(1.0, 0.0, None).unwrap();
+    for samples in [64, 1 << 53, u64::MAX] {
+        let settings = RenderSettings {
+            samples,
+            ..settings(30.0, ORTHOGRAPHIC, lights)
+        };
+        let in_no_time = Patience(AtomicU64::new(0), StoppedBy::Time);
+        let outcome = render(flat(), None, GLASS, None, &settings, &in_no_time).unwrap();
+        assert_eq!((outcome.passes, outcome.samples), (2, 8));
+        let interrupted = Patience(AtomicU64::new(15), StoppedBy::Interrupt);
+        let none = render(flat(), None, GLASS, None, &settings, &interrupted);
+        assert_eq!(none, Err(RenderError::Interrupted));
+        assert!(interrupted.0.load(Ordering::Relaxed) == 0);
+    }
+}
+
+/// Of a sun over a medium, pictures show what straight paths to the eye find by chance. Roughness, tiles that
+/// are longer than wide with unequal spacings, and a patch that is smaller than the tile make places matter.
+#[test]
+fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
+    let heights = rough(Border::Periodic).heights()[..32 * 8].to_vec();
+    let field = HeightField::new(heights, [8, 32], [0.5, 1.5]).unwrap();
+    let field = field.with_border(Border::Periodic);
+    let [width, depth] = field.extent();
+    let medium = ParticipatingMedium::from_mean_free_path(0.7, 0.9, PhaseFunction::Isotropic);
+    let layer = Layer::half_space(medium.unwrap());
+    // Half the second quarter along x, and more than half the tile along y.
+    let patch = Patch::new([0.3 * width, 0.2 * depth], [0.55 * width, 0.8 * depth]).unwrap();
+    let towards = Incidence::from_degrees(35.0, 20.0).unwrap();
+    let sun = Sun::new(towards, 0.7, 0.6, Some(patch)).unwrap();
+    let lights = Lights::new(0.3, 0.0, Some(sun)).unwrap();
+    let from = Incidence::from_degrees(0.0, 270.0).unwrap();
+    let middle = [0.5 * width, 0.5 * depth];
+    let settings = RenderSettings {
+        view: View::new(ORTHOGRAPHIC, from, middle, width).unwrap(),
+        size: [16, 4],
+        samples: 600,
+        ..settings(0.0, ORTHOGRAPHIC, lights)
+    };
+    let picture = render(field.clone(), None, GLASS, Some(&layer), &settings, &Silent);
+    let picture = picture.unwrap().picture;
+
+    // The same plane, but chance alone finds the sun.
+    let surface = Surface::new(field);
+    let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let substrate = Substrate::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
+    let walk = Walk::new(&surface, &*hits, GLASS, settings.paths, Some(substrate));
+    let walk = walk.searching(Search::Nearby);
+    let height = 16.0 / 4.0;
+    let seen_depth = width / height;
+    let unit = surface.unit();
+    let (plane, [_, high]) = (surface.mean_plane(), surface.z_range());
+    let mut sums = BatchStatistics::new(1);
+    for batch in 0..100 {
+        let mut rng = ChaCha8Rng::seed_from_u64(11);
+        rng.set_stream(batch);
+        let mut sum = 0.0;
+        for _ in 0..600 {
+            let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
+            let (x, y) = (width * u, middle[1] + seen_depth * (v - 0.5));
+            let origin = DVec3::new(x / unit, y / unit * surface.aspect(), high);
+            let walked = walk.follow(origin, DVec3::NEG_Z, &mut rng);
+            if walked.end != WalkEnd::Above {
+                continue;
+            }
+            let (o, d) = (walked.origin, walked.direction);
+            let t = (o.z - plane) / d.z;
+            let x = (o.x - t * d.x) * unit;
+            let y = (o.y / surface.aspect() - t * d.y) * unit;
+            let (x, y) = (x / width, y / depth);
+            let lit = (0.3..0.55).contains(&x) && (0.2..0.8).contains(&y);
+            let in_sun = d.dot(towards.wi()) > 0.6_f64.cos();
+            let disc = 0.7 / 0.6_f64.sin().powi(2);
+            sum += walked.flux * (0.3 + if lit && in_sun { disc } else { 0.0 });
+        }
+        sums.push(&[sum / 600.0]);
+    }
+    let chance = sums.estimate(0);
+    let (seen, errors) = (mean(&picture.radiance), &picture.error);
+    let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
+    let se = noise.hypot(chance.se.unwrap());
+    let z = (seen - chance.mean) / se;
+    println!("{seen:.5} +- {noise:.5}, chance {chance:?}: z = {z:.2}");
+    assert!(se < 0.02 * seen, "too noisy");
+    // Exceeded once in 1000 times, with 99 degrees of freedom.
+    assert!(z.abs() < 3.4, "z = {z}");
+}
+
+/// The error of a pixel is that of its mean: over pictures of other seeds, pixels scatter by so much.
+#[test]
+fn errors_are_how_pixels_scatter() {
+    let lights = Lights::new(1.0, 0.0, None).unwrap();
+    let layer = slab(0.9, 3.0, Bottom::Absorbing);
+    let pictures: Vec<Picture> = [1, 2]
+        .map(|seed| {
+            let settings = RenderSettings {
+                seed,
+                ..settings(0.0, ORTHOGRAPHIC, lights)
+            };
+            render(flat(), None, GLASS, Some(&layer), &settings, &Silent)
+                .unwrap()
+                .picture
+        })
+        .into();
+    let [a, b] = [&pictures[0], &pictures[1]];
+    let squares = |values: &mut dyn Iterator<Item = f64>| values.map(|v| v * v).sum::<f64>();
+    let apart = squares(&mut a.radiance.iter().zip(&b.radiance).map(|(a, b)| a - b));
+    let said = squares(&mut a.error.iter().chain(&b.error).copied());
+    let ratio = apart / said;
+    println!("squares of differences over those of errors: {ratio:.3}");
+    // 192 pixels: the ratio scatters by sqrt(2 / 192) = 0.10, and by less for 15 degrees of freedom each.
+    assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
 }

@@ -82,6 +82,11 @@ impl View {
         })
     }
 
+    /// Polar angle of the lines of sight, radians, if all are parallel.
+    pub(crate) fn parallel_theta(&self) -> Option<f64> {
+        (self.projection == Projection::Orthographic).then(|| self.towards.theta())
+    }
+
     /// What makes lines of points of a picture of so many columns and rows, over a surface that rises to
     /// `highest` above its mean plane.
     ///

@@ -20,7 +20,7 @@ pub struct Walked {
     /// How often it was scattered inside the layer.
     pub scatterings: u32,
     /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
-    /// after it was scattered inside, and sunbeams were asked for.
+    /// after it was scattered inside no farther away than sunbeams go, and they were asked for.
     pub told: bool,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,

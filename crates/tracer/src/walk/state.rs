@@ -31,6 +31,8 @@ pub(super) struct Path {
     /// Events since it was last scattered.
     pub(super) events_since: u32,
     pub(super) scatterings: u32,
+    /// Length of the last flight that met a facet.
+    pub(super) flight: f64,
 }
 
 impl Path {
@@ -49,6 +51,7 @@ impl Path {
             events: EventPath::default(),
             events_since: 0,
             scatterings: 0,
+            flight: 0.0,
         }
     }
 
