@@ -71,3 +71,30 @@ pub fn with_surface() -> (TempDir, PathBuf) {
     let path = folder.path().to_owned();
     (folder, path)
 }
+
+/// A table by the names of its columns.
+pub struct Table {
+    header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub fn read(path: &Path) -> Self {
+        let text = fs::read_to_string(path).unwrap();
+        let split = |line: &str| line.split(',').map(str::to_owned).collect();
+        let mut lines = text.lines();
+        Self {
+            header: split(lines.next().unwrap()),
+            rows: lines.map(split).collect(),
+        }
+    }
+
+    pub fn text(&self, row: usize, name: &str) -> &str {
+        let column = self.header.iter().position(|c| c == name);
+        &self.rows[row][column.unwrap_or_else(|| panic!("no column {name}"))]
+    }
+
+    pub fn number(&self, row: usize, name: &str) -> f64 {
+        self.text(row, name).parse().unwrap()
+    }
+}

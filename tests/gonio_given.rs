@@ -1,0 +1,236 @@
+//! The virtual gonioreflectometer on a given surface: what its results belong to, and what its tables hold.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and speak as tests do"
+)]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use support::{Table, refused, succeed, words};
+
+/// Twelve bins a side, a thousand rays.
+const SHORT: &str = "--theta 30 --bins 3x4 --no-plots";
+
+/// Grooves along y as a table of heights: a triangle wave of slope `height`.
+fn grooves(path: &Path, height: f64) {
+    let row = format!("0,{height},0,{height}\n");
+    fs::write(path, row.repeat(4)).unwrap();
+}
+
+fn run(folder: &Path, line: &str) -> String {
+    succeed(folder, &words(line))
+}
+
+fn foreign(folder: &Path, line: &str, what: &str) {
+    let said = refused(folder, &words(line), 1);
+    assert!(
+        said.contains("another measurement") && said.contains(what),
+        "{line}: {said}"
+    );
+}
+
+#[test]
+fn results_on_a_file_are_refused_by_what_differs() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    grooves(&folder.join("h.csv"), 0.25);
+    let line = |border: &str, rays: &str, more: &str| {
+        format!("gonio --surface h.csv --border {border} --rays {rays} {SHORT}{more} -o out")
+    };
+    run(folder, &line("periodic", "1e3", ""));
+    let before = fs::read(folder.join("out/summary.json")).unwrap();
+    for (line, what) in [
+        (
+            line("periodic", "1e3", " --seed 2"),
+            "run.seed 1 in place of 2",
+        ),
+        (
+            line("periodic", "2e3", ""),
+            "run.rays 1000 in place of 2000",
+        ),
+        (
+            line("open", "1e3", ""),
+            "measured.border \"periodic\" in place of \"open\"",
+        ),
+        (
+            line("periodic", "1e3", " --from below"),
+            "light.from \"above\" in place of \"below\"",
+        ),
+        (
+            line("periodic", "1e3", " --light-azimuth random"),
+            "light.any_azimuth false in place of true",
+        ),
+    ] {
+        foreign(folder, &line, what);
+    }
+    // Nothing but heights is another.
+    grooves(&folder.join("h.csv"), 0.26);
+    foreign(folder, &line("periodic", "1e3", ""), "measured.heights");
+    assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
+    grooves(&folder.join("h.csv"), 0.25);
+    run(folder, &line("periodic", "1e3", ""));
+    assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
+}
+
+#[test]
+fn results_above_a_medium_are_refused_by_what_differs_below() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    grooves(&folder.join("h.csv"), 0.25);
+    for surface in ["--surface h.csv --border periodic", "--flat"] {
+        let line = |more: &str| {
+            format!(
+                "gonio {surface} --rays 1e3 --mean-free-path 4 --albedo 0.5 --thickness 4 {SHORT}{more} -o out"
+            )
+        };
+        run(folder, &line(""));
+        for (more, what) in [
+            (
+                " --bottom-surface same",
+                "medium [\"flat\",100000] in place of [\"same\",100000]",
+            ),
+            (
+                " --max-scatterings 7",
+                "medium [\"flat\",100000] in place of [\"flat\",7]",
+            ),
+            (" --bottom mirror", "layer.slab.bottom"),
+            (" --seed 2", "run.seed 1 in place of 2"),
+        ] {
+            foreign(folder, &line(more), what);
+        }
+        fs::remove_dir_all(folder.join("out")).unwrap();
+    }
+}
+
+/// Every row of in_plane.csv beside that of `trace`, which holds fluxes and solid angles: fluxes over solid angle and
+/// mean cosine, that of a wedge between two polar angles being half the sum of their cosines.
+#[test]
+fn profiles_are_fluxes_over_projected_solid_angle_and_multiple_is_all_above_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // Glass of facets of 63 deg: light meets up to four and more.
+    grooves(&folder.join("h.csv"), 2.0);
+    let flags = format!("--border periodic --rays 4e3 {SHORT}");
+    run(folder, &format!("gonio --surface h.csv {flags} -o out"));
+    run(folder, &format!("trace h.csv {flags} -o traced"));
+    let ours = Table::read(&folder.join("out/in_plane.csv"));
+    let theirs = Table::read(&folder.join("traced/in_plane.csv"));
+    assert_eq!(ours.rows.len(), theirs.rows.len());
+    let mut by_order = [0.0; 3];
+    for row in 0..ours.rows.len() {
+        for name in ["side", "theta_min_deg", "theta_max_deg"] {
+            assert_eq!(ours.text(row, name), theirs.text(row, name));
+        }
+        let of = |name: &str| theirs.number(row, name);
+        let [a, b] = ["theta_min_deg", "theta_max_deg"].map(|e| of(e).to_radians().cos());
+        let projected = of("solid_angle_sr") * 0.5 * (a + b);
+        let above_one = ["2", "3", "4_and_above"].map(|order| format!("flux_order_{order}"));
+        let fluxes = above_one.each_ref().map(|name| of(name));
+        let errors = above_one.each_ref().map(|name| of(&format!("{name}_se")));
+        for (density, flux) in [
+            ("bsdf", of("flux")),
+            ("bsdf_se", of("flux_se")),
+            ("bsdf_single", of("flux_order_1")),
+            ("bsdf_single_se", of("flux_order_1_se")),
+            ("bsdf_multiple", fluxes.iter().sum()),
+            // Errors of a sum add up at most.
+            ("bsdf_multiple_se", errors.iter().sum()),
+        ] {
+            let difference = ours.number(row, density) * projected - flux;
+            assert!(difference.abs() < 1e-12, "{density}: {difference:e}");
+        }
+        let error = ours.number(row, "bsdf_multiple_se");
+        assert_eq!(error > 0.0, fluxes.iter().sum::<f64>() > 0.0);
+        (0..3).for_each(|i| by_order[i] += fluxes[i]);
+    }
+    println!("in plane: {by_order:?} of order two, three, and above");
+    assert!(by_order.iter().all(|flux| *flux > 0.001));
+}
+
+/// Vertical light on a bare medium leaves the same at all azimuths: a profile is the mean of its ring of bins. Wedge and
+/// ring share rays, which makes the error of their difference smaller than the root of the sum of squares; of six
+/// scores none lies above 4 but for one in 2600.
+#[test]
+fn profile_of_a_diffuse_medium_is_the_mean_of_its_rings() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    run(
+        folder,
+        "gonio --flat --eta 1.000001 --mean-free-path 1 --albedo 0.9 --theta 0 --bins 3x4 --rays 3e4 --no-plots -o out",
+    );
+    let bins = Table::read(&folder.join("out/bsdf.csv"));
+    let profile = Table::read(&folder.join("out/in_plane.csv"));
+    let mut seen = 0;
+    for row in 0..profile.rows.len() {
+        if profile.text(row, "side") != "reflected" {
+            continue;
+        }
+        let edges = ["theta_min_deg", "theta_max_deg"].map(|e| profile.number(row, e).abs());
+        let theta = 0.5 * (edges[0] + edges[1]);
+        let ring = (0..bins.rows.len()).filter(|&bin| {
+            bins.text(bin, "side") == "reflected" && bins.number(bin, "theta_o_deg") == theta
+        });
+        let ring: Vec<usize> = ring.collect();
+        assert_eq!(ring.len(), 4);
+        let mean = ring.iter().map(|&b| bins.number(b, "bsdf")).sum::<f64>() / 4.0;
+        let square: f64 = ring
+            .iter()
+            .map(|&b| bins.number(b, "bsdf_se").powi(2))
+            .sum();
+        let error = profile.number(row, "bsdf_se");
+        let z = (profile.number(row, "bsdf") - mean) / error.hypot(square.sqrt() / 4.0);
+        println!("theta {theta}: {mean}, z = {z:.2}");
+        assert!(z.abs() < 4.0);
+        // A missing cosine is 0.93, 0.68 or 0.25.
+        assert!(error < 0.15 * mean, "{error}");
+        seen += 1;
+    }
+    assert_eq!(seen, 6);
+}
+
+#[test]
+fn arrays_are_the_columns_of_the_table_by_theta_then_phi() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    grooves(&folder.join("h.csv"), 0.5);
+    run(
+        folder,
+        "gonio --surface h.csv --border periodic --theta 20,50 --phi 0,90,130 --rays 1e3 --bins 3x4 --no-plots -o out",
+    );
+    let table = Table::read(&folder.join("out/bsdf.csv"));
+    let bins = 2 * 3 * 4;
+    assert_eq!(table.rows.len(), 2 * 3 * bins);
+    for (file, column) in [("bsdf.npy", "bsdf"), ("bsdf_se.npy", "bsdf_se")] {
+        let array = fs::read(folder.join("out").join(file)).unwrap();
+        assert!(String::from_utf8_lossy(&array[..128]).contains("(1, 2, 3, 2, 3, 4"));
+        let values = array[128..].chunks_exact(8);
+        assert_eq!(values.len(), table.rows.len());
+        let mut sum = 0.0;
+        for (row, bytes) in values.enumerate() {
+            let value = f64::from_le_bytes(bytes.try_into().unwrap());
+            assert_eq!(value, table.number(row, column), "{file} {row}");
+            sum += value;
+        }
+        assert!(sum > 0.0, "{file}");
+    }
+    // Each direction stands where its angles say, with the values of its own file.
+    for (i, theta) in [20, 50].iter().enumerate() {
+        for (j, phi) in [0, 90, 130].iter().enumerate() {
+            let name = format!("out/directions/n1.5_theta{theta}_phi{phi}.csv");
+            let own = Table::read(&folder.join(name));
+            for bin in 0..bins {
+                let row = (i * 3 + j) * bins + bin;
+                assert_eq!(table.text(row, "theta_i_deg"), theta.to_string());
+                assert_eq!(table.text(row, "phi_i_deg"), phi.to_string());
+                for column in ["side", "theta_min_deg", "phi_min_deg", "bsdf", "bsdf_se"] {
+                    assert_eq!(table.text(row, column), own.text(bin, column));
+                }
+            }
+        }
+    }
+}
