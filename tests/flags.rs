@@ -31,7 +31,9 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
     assert_eq!(all["directions"].as_array().unwrap().len(), 6);
     assert_eq!(all["sample"]["name"], "flat surface");
 
-    fs::remove_dir_all(folder.join("out")).unwrap();
+    // Each in a folder of its own: they are other measurements.
+    let afresh = || fs::remove_dir_all(folder.join("out")).unwrap();
+    afresh();
     let one = summary(folder, "gonio c.toml --bins 2x2 --theta 40");
     assert_eq!(
         (&one["thetas_deg"], &one["phis_deg"]),
@@ -45,6 +47,7 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
     ] {
         let line = format!("gonio c.toml --bins 2x2 --theta 40 --realisations 2 --insist {flags}");
         let line = line.replacen(" --insist", "", usize::from(flags.contains("--insist")));
+        afresh();
         let random = summary(folder, &line);
         assert!(random["sample"].is_null(), "{flags}");
         assert_eq!(random["settings"][0]["smoothness"], s, "{flags}");
@@ -52,6 +55,7 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
     // A given surface in the place of random ones of a file.
     let file = "[surface]\ntau = 4\n[run]\nrays = 500\n";
     fs::write(folder.join("r.toml"), file).unwrap();
+    afresh();
     let flat = summary(folder, "gonio r.toml --bins 2x2 --theta 40 --flat");
     assert_eq!(flat["sample"]["name"], "flat surface");
     let said = refused(folder, &words("gonio c.toml --flat --tau 4 -o out"), 2);
