@@ -137,7 +137,7 @@ fn light_of_random_azimuth_leaves_the_plane_of_grooves() {
     fs::write(folder.join("h.csv"), "0,0.4,0,0.4\n".repeat(4)).unwrap();
     let in_plane = |azimuth: &str| {
         let line = format!(
-            "trace h.csv --border periodic --material mirror --estimator plain --theta 40 --rays 2e3 --bins 6x8 --light-azimuth {azimuth}"
+            "trace h.csv --border periodic --material mirror --theta 40 --rays 2e3 --bins 6x8 --light-azimuth {azimuth}"
         );
         summary(folder, &line);
         let table = Table::read(&folder.join("out/in_plane.csv"));
@@ -150,7 +150,10 @@ fn light_of_random_azimuth_leaves_the_plane_of_grooves() {
     println!("in plane: {fixed} from one azimuth, {random} from random ones");
     assert!(fixed_bytes != random_bytes);
     assert!((fixed - 1.0).abs() < 1e-9);
+    // The control of one surface knows light of one azimuth: by default it is left out.
     assert!(random < 0.2);
+    let line = "trace h.csv --border periodic --material mirror --theta 40 --light-azimuth random --estimator controlled";
+    assert!(refused(folder, &words(line), 2).contains("one azimuth"));
 }
 
 /// Nothing absorbs: all light returns but what roulette leaves open, which is even on average.

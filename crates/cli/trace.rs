@@ -120,6 +120,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         RunError::Build(BuildError::NeedsHeightField { .. } | BuildError::NotFlat)
         | RunError::OpenControl
         | RunError::MeshControl
+        | RunError::AzimuthControl
         | RunError::Layer(_)
         | RunError::Model(_) => Failure::usage(error),
         RunError::Refinement(RefinementError::Open) => Failure::usage(format!("--refine: {error}")),

@@ -54,6 +54,11 @@ pub enum RunError {
         "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
     )]
     OpenControl,
+    /// A control of light from all azimuths on one surface.
+    #[error(
+        "the controlled estimator of one surface is of light from one azimuth; with light of random azimuth take auto or plain"
+    )]
+    AzimuthControl,
     /// A control of light on a mesh.
     #[error(
         "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"

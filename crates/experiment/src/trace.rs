@@ -94,6 +94,9 @@ pub fn trace(
     if settings.refine && field.border() == Border::Open {
         return Err(RefinementError::Open.into());
     }
+    if scene.any_azimuth && settings.estimator == Estimator::Controlled {
+        return Err(RunError::AzimuthControl);
+    }
     let is_flat = field.is_flat();
     let bytes = meshes_bytes(
         field.shape(),
@@ -123,8 +126,9 @@ pub fn trace(
         ..
     } = *scene;
     let method = |surface: &Surface| match scene.layer {
-        // No control knows of a medium.
+        // No control knows of a medium, and that of one surface is of light from one azimuth.
         Some(_) => Ok(Method::PLAIN),
+        None if scene.any_azimuth => Ok(Method::PLAIN),
         None => Method::of_surface(surface, material, incidence, incident, settings),
     };
     let (outcome, meshes) = trace_on((build, method), scene, settings, mesh_errors, progress)?;
