@@ -1,5 +1,9 @@
 //! The meshed surface: facets, their normals, and where a ray meets one of them.
 
+mod nearby;
+#[cfg(test)]
+mod tests;
+
 use std::sync::OnceLock;
 
 use asperity_surface::{Border, HeightField, Triangle};
@@ -12,16 +16,10 @@ use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
 use crate::accelerators::tile_bvh::TileBvh;
 use crate::cell::{Cell, Size};
-use crate::geometry::{Escape, Geometry, Nearby, is_beside};
+use crate::geometry::{Escape, Geometry, Nearby};
 use crate::ray::{Hit, Medium, TileRay};
-use crate::relief::{Cells, Relief};
+use crate::relief::Relief;
 use crate::steepness::Steepness;
-
-/// Columns or rows of cells that are looked at one by one.
-const FEW: u32 = 2;
-
-/// Columns or rows under a stretch beyond which a search, of many at once, is quicker than a look nearby.
-const FAR: u32 = 8;
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -198,7 +196,18 @@ impl Surface {
         ray: &TileRay,
         medium: Medium,
     ) -> Option<Hit<Facet>> {
-        let cell = self.cell([ix, iy]);
+        self.closest_in(&self.cell([ix, iy]), [ix, iy], ray, medium)
+    }
+
+    /// First facet of a cell at hand, `[column, row]`, that a ray in `medium` passes through.
+    #[inline]
+    fn closest_in(
+        &self,
+        cell: &Cell,
+        [ix, iy]: [u32; 2],
+        ray: &TileRay,
+        medium: Medium,
+    ) -> Option<Hit<Facet>> {
         let mut closest = None;
         for triangle in [Triangle::Lower, Triangle::Upper] {
             let facet = Facet { iy, ix, triangle };
@@ -210,87 +219,6 @@ impl Surface {
             }
         }
         closest
-    }
-
-    /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.
-    #[inline]
-    fn cells_under(&self, ray: &TileRay, stretch: [f64; 2]) -> Option<Cells> {
-        let mut cells = [[0_u32; 2]; 2];
-        for (axis, cells) in cells.iter_mut().enumerate() {
-            let [a, b] = stretch.map(|t| ray.origin[axis] + t * ray.direction[axis]);
-            // Far more than what rounding adds.
-            let margin = 1e-9 * (1.0 + a.abs() + b.abs());
-            let [low, high] = [a.min(b) - margin, a.max(b) + margin];
-            if !(low >= 0.0 && high < self.extent[axis]) {
-                return None;
-            }
-            *cells = [low as u32, high as u32];
-        }
-        Some(cells)
-    }
-
-    /// The first facet that a ray passes before `t` exceeds `reach`, on a stretch that is over the tile.
-    fn nearby_by_halves(
-        &self,
-        relief: &Relief,
-        ray: &TileRay,
-        medium: Medium,
-        reach: f64,
-    ) -> Nearby<Facet> {
-        let mut closest: Option<Hit<Facet>> = None;
-        // The nearest stretch comes last; each is half as long as the one before.
-        let mut stretches = [[0.0, reach]; 64];
-        let mut waiting = 1;
-        while waiting > 0 {
-            waiting -= 1;
-            let stretch = stretches[waiting];
-            let [from, to] = stretch;
-            // What is met in the cells of a stretch comes before all that lies beyond them.
-            if closest.is_some() {
-                break;
-            }
-            let Some(cells) = self.cells_under(ray, stretch) else {
-                return Nearby::Unknown;
-            };
-            let z = nearest(ray, medium, stretch);
-            if relief.is_clear(cells, medium, z) {
-                continue;
-            }
-            let [[x0, x1], [y0, y1]] = cells;
-            if (x1 - x0 >= FEW || y1 - y0 >= FEW) && waiting + 2 <= stretches.len() {
-                let middle = 0.5 * (from + to);
-                stretches[waiting] = [middle, to];
-                stretches[waiting + 1] = [from, middle];
-                waiting += 2;
-                continue;
-            }
-            for iy in y0..=y1 {
-                for ix in x0..=x1 {
-                    let cell = self.cell([ix, iy]);
-                    let q = medium.sign();
-                    // Beyond all four corners the stretch is beyond both facets.
-                    if [cell.z00, cell.z10, cell.z01, cell.z11]
-                        .iter()
-                        .all(|corner| q * z > q * corner)
-                    {
-                        continue;
-                    }
-                    for triangle in [Triangle::Lower, Triangle::Upper] {
-                        let facet = Facet { iy, ix, triangle };
-                        if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
-                            let hit = Hit { t, facet };
-                            if hit.is_before(&closest) {
-                                closest = Some(hit);
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        match closest {
-            Some(hit) if hit.t <= reach => Nearby::Met(hit),
-            _ => Nearby::Clear,
-        }
     }
 
     /// All facets, row by row.
@@ -414,27 +342,9 @@ impl Geometry for Surface {
         self.relief.get_or_init(relief);
     }
 
-    /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
-    /// stretch is short, half by half, down to the cells.
     #[inline]
     fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
-        if is_beside(self.z_range(), ray, medium, reach) {
-            return Nearby::Clear;
-        }
-        let (Some(relief), Some(cells)) = (self.relief.get(), self.cells_under(ray, [0.0, reach]))
-        else {
-            return Nearby::Unknown;
-        };
-        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach]))
-            || self.escapes(ray, medium).is_some()
-        {
-            return Nearby::Clear;
-        }
-        let [[x0, x1], [y0, y1]] = cells;
-        if x1 - x0 > FAR || y1 - y0 > FAR {
-            return Nearby::Unknown;
-        }
-        self.nearby_by_halves(relief, ray, medium, reach)
+        self.look_nearby(ray, medium, reach)
     }
 
     fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
@@ -477,16 +387,6 @@ impl Geometry for Surface {
     }
 }
 
-/// z of the point of a stretch of a ray in `medium` that is nearest to the other side.
-#[inline]
-fn nearest(ray: &TileRay, medium: Medium, stretch: [f64; 2]) -> f64 {
-    let [a, b] = stretch.map(|t| ray.origin.z + t * ray.direction.z);
-    match medium {
-        Medium::Above => a.min(b),
-        Medium::Below => a.max(b),
-    }
-}
-
 /// The heights of row `iy`, one a cell; rows wrap.
 fn grid_row(field: &HeightField, iy: usize) -> &[f64] {
     let [ny, nx] = field.shape();
@@ -511,130 +411,4 @@ fn extremes(heights: &[f64], first: f64) -> (f64, f64, f64) {
         (f64::INFINITY, f64::NEG_INFINITY, 0.0),
         |(low, high, sum), (l, h, s)| (low.min(l), high.max(h), sum + s),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A tilted plane `z = 0.5 x - 0.25 y` over 2 x 2 cells, open, with `dy = 2 dx`.
-    fn tilted() -> Surface {
-        let heights = (0..9)
-            .map(|i| 0.5 * f64::from(i % 3) - 0.25 * f64::from(i / 3))
-            .collect();
-        let field = HeightField::new(heights, [3, 3], [1.0, 2.0]).unwrap();
-        Surface::new(field.with_border(Border::Open))
-    }
-
-    #[test]
-    fn normal_is_that_of_the_physical_plane() {
-        let surface = tilted();
-        // dh/dx = 0.5; dh/dy = -0.25 a row of two length units.
-        let expected = DVec3::new(-0.5, 0.125, 1.0).normalize();
-        for facet in surface.facets() {
-            assert!((surface.normal(facet) - expected).length() < 1e-15);
-        }
-    }
-
-    #[test]
-    fn a_vertical_ray_meets_exactly_one_facet_and_only_from_its_own_side() {
-        let surface = tilted();
-        let down = TileRay {
-            origin: DVec3::new(0.7, 1.2, 5.0),
-            direction: DVec3::NEG_Z,
-        };
-        let hits: Vec<_> = surface
-            .facets()
-            .filter_map(|f| surface.intersect(f, &down, Medium::Above).map(|t| (f, t)))
-            .collect();
-        assert_eq!(hits.len(), 1);
-        let (facet, t) = hits[0];
-        assert_eq!(
-            facet,
-            Facet {
-                iy: 1,
-                ix: 0,
-                triangle: Triangle::Lower
-            }
-        );
-        let on_plane = surface.snap(facet, down.at(t));
-        assert!((on_plane - down.at(t)).length() < 1e-14);
-        assert!(
-            surface
-                .facets()
-                .all(|f| surface.intersect(f, &down, Medium::Below).is_none())
-        );
-    }
-
-    #[test]
-    fn corners_lie_on_the_plane_and_turn_counter_clockwise() {
-        let surface = tilted();
-        for facet in surface.facets() {
-            let [a, b, c] = surface.corners(facet);
-            assert!((b - a).cross(c - a).z > 0.0);
-            for p in [a, b, c] {
-                assert!((surface.snap(facet, p) - p).length() < 1e-15);
-            }
-        }
-    }
-
-    /// How a ray in `Medium::Above` meets each facet.
-    fn hits(surface: &Surface, origin: DVec3, direction: DVec3) -> Vec<(Facet, f64)> {
-        let ray = TileRay { origin, direction };
-        let hit = |f| surface.intersect(f, &ray, Medium::Above).map(|t| (f, t));
-        surface.facets().filter_map(hit).collect()
-    }
-
-    #[test]
-    fn a_ray_that_comes_in_under_the_rim_of_a_patch_meets_no_wall_there() {
-        // At x = 0, y = 0.5 the plane is at -0.375 (its middle is 0.25); over the rim, and under it.
-        let surface = tilted();
-        let direction = DVec3::new(1.0, 0.0, -0.1).normalize();
-        let over = hits(&surface, DVec3::new(-3.0, 0.5, 0.0), direction);
-        assert_eq!(over.len(), 1);
-        let under = hits(&surface, DVec3::new(-3.0, 0.5, -0.2), direction);
-        assert_eq!(under, []);
-    }
-
-    #[test]
-    fn a_ray_that_has_left_the_tile_along_its_border_is_not_met_by_a_corner() {
-        // It crosses the border x = 5 by rounding, near t = 133, and passes z = 0 at t = 135.2 in the
-        // neighbouring tile. Where it runs past the corner (5, 1) it is 2.5e-4 under the plane.
-        let field = HeightField::new(vec![7.0; 20], [4, 5], [1.0; 2]).unwrap();
-        let origin = DVec3::new(4.999999999999992, 137.1965056830754, 0.033368251402507744);
-        let direction = DVec3::new(
-            5.999999817250078e-17,
-            -0.9999999695416797,
-            -0.00024681296471070006,
-        );
-        let surface = Surface::new(field);
-        assert_eq!(hits(&surface, origin, direction), []);
-        let beside = hits(&surface, origin - DVec3::new(5.0, 0.0, 0.0), direction);
-        let crossing = origin.z / -direction.z;
-        assert_eq!(beside.len(), 1);
-        assert!((beside[0].1 - crossing).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_ray_on_the_wrong_side_of_an_edge_by_rounding_is_caught_by_the_next_facet() {
-        // Over the edge x = 1 the ray is at z - h = -1e-15, and falls further.
-        let surface = tilted();
-        let edge = DVec3::new(1.0, 0.25, 0.5 - 0.0625 - 0.25 - 1e-15);
-        let direction = DVec3::new(1.0, 0.0, -0.1).normalize();
-        let caught = hits(&surface, edge, direction);
-        assert!(caught.iter().any(|(f, t)| f.ix == 1 && *t == 0.0));
-    }
-
-    #[test]
-    fn offsets_and_units_leave_tile_coordinates_alone() {
-        let heights: Vec<f64> = vec![0.0, 1.0, 2.0, -1.0];
-        let plain = Surface::new(HeightField::new(heights.clone(), [2, 2], [1.0, 1.0]).unwrap());
-        let scaled = heights.iter().map(|h| 1024.0 * h + 4096.0).collect();
-        let scaled = Surface::new(HeightField::new(scaled, [2, 2], [1024.0, 1024.0]).unwrap());
-        assert_eq!(plain.z_range(), scaled.z_range());
-        assert_eq!(plain.mean_plane(), scaled.mean_plane());
-        for facet in plain.facets() {
-            assert_eq!(plain.corners(facet), scaled.corners(facet));
-        }
-    }
 }

@@ -1,0 +1,125 @@
+//! What a short stretch of a ray meets on a surface, told without a search.
+
+use crate::geometry::{Geometry, Nearby, is_beside};
+use crate::ray::{Hit, Medium, TileRay};
+use crate::relief::{Cells, Relief};
+
+use super::{Facet, Surface};
+
+/// Columns or rows of cells that are looked at one by one.
+const FEW: u32 = 2;
+
+/// Columns or rows under a stretch beyond which a search, of many at once, is quicker than a look nearby.
+const FAR: u32 = 8;
+
+impl Surface {
+    /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
+    /// stretch is short, half by half, down to the cells.
+    #[inline]
+    pub(super) fn look_nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
+        if is_beside(self.z_range(), ray, medium, reach) {
+            return Nearby::Clear;
+        }
+        let (Some(relief), Some(cells)) = (self.relief.get(), self.cells_under(ray, [0.0, reach]))
+        else {
+            return Nearby::Unknown;
+        };
+        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach]))
+            || self.escapes(ray, medium).is_some()
+        {
+            return Nearby::Clear;
+        }
+        let [[x0, x1], [y0, y1]] = cells;
+        if x1 - x0 > FAR || y1 - y0 > FAR {
+            return Nearby::Unknown;
+        }
+        self.nearby_by_halves(relief, ray, medium, reach)
+    }
+
+    /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.
+    #[inline]
+    fn cells_under(&self, ray: &TileRay, stretch: [f64; 2]) -> Option<Cells> {
+        let mut cells = [[0_u32; 2]; 2];
+        for (axis, cells) in cells.iter_mut().enumerate() {
+            let [a, b] = stretch.map(|t| ray.origin[axis] + t * ray.direction[axis]);
+            // Far more than what rounding adds.
+            let margin = 1e-9 * (1.0 + a.abs() + b.abs());
+            let [low, high] = [a.min(b) - margin, a.max(b) + margin];
+            if !(low >= 0.0 && high < self.extent[axis]) {
+                return None;
+            }
+            *cells = [low as u32, high as u32];
+        }
+        Some(cells)
+    }
+
+    /// The first facet that a ray passes before `t` exceeds `reach`, on a stretch that is over the tile.
+    fn nearby_by_halves(
+        &self,
+        relief: &Relief,
+        ray: &TileRay,
+        medium: Medium,
+        reach: f64,
+    ) -> Nearby<Facet> {
+        let mut closest: Option<Hit<Facet>> = None;
+        // The nearest stretch comes last; each is half as long as the one before.
+        let mut stretches = [[0.0, reach]; 64];
+        let mut waiting = 1;
+        while waiting > 0 {
+            waiting -= 1;
+            let stretch = stretches[waiting];
+            let [from, to] = stretch;
+            // What is met in the cells of a stretch comes before all that lies beyond them.
+            if closest.is_some() {
+                break;
+            }
+            let Some(cells) = self.cells_under(ray, stretch) else {
+                return Nearby::Unknown;
+            };
+            let z = nearest(ray, medium, stretch);
+            if relief.is_clear(cells, medium, z) {
+                continue;
+            }
+            let [[x0, x1], [y0, y1]] = cells;
+            if (x1 - x0 >= FEW || y1 - y0 >= FEW) && waiting + 2 <= stretches.len() {
+                let middle = 0.5 * (from + to);
+                stretches[waiting] = [middle, to];
+                stretches[waiting + 1] = [from, middle];
+                waiting += 2;
+                continue;
+            }
+            for iy in y0..=y1 {
+                for ix in x0..=x1 {
+                    let cell = self.cell([ix, iy]);
+                    let q = medium.sign();
+                    // Beyond all four corners the stretch is beyond both facets.
+                    if [cell.z00, cell.z10, cell.z01, cell.z11]
+                        .iter()
+                        .all(|corner| q * z > q * corner)
+                    {
+                        continue;
+                    }
+                    if let Some(hit) = self.closest_in(&cell, [ix, iy], ray, medium)
+                        && hit.is_before(&closest)
+                    {
+                        closest = Some(hit);
+                    }
+                }
+            }
+        }
+        match closest {
+            Some(hit) if hit.t <= reach => Nearby::Met(hit),
+            _ => Nearby::Clear,
+        }
+    }
+}
+
+/// z of the point of a stretch of a ray in `medium` that is nearest to the other side.
+#[inline]
+fn nearest(ray: &TileRay, medium: Medium, stretch: [f64; 2]) -> f64 {
+    let [a, b] = stretch.map(|t| ray.origin.z + t * ray.direction.z);
+    match medium {
+        Medium::Above => a.min(b),
+        Medium::Below => a.max(b),
+    }
+}
