@@ -20,7 +20,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use crate::output::say;
 
 pub(crate) use attenuation::Attenuation;
-pub(crate) use ensembles::{Converge, Ensemble, Map, Verify};
+pub(crate) use ensembles::{Converge, Ensemble, Map, RandomSurfaces, Rays, Substance, Verify};
 pub(crate) use gonio::Gonio;
 pub(crate) use medium::MediumArguments;
 pub(crate) use model::Model;

@@ -10,11 +10,11 @@ use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_surface::HeightField;
 use serde_json::json;
 
-use crate::args::{Common, Gonio, MaterialArgument, Reading};
+use crate::args::{Common, Gonio, Reading};
 use crate::failure::Failure;
 use crate::input::{
-    incident, material_kind, name_of, one_or_many, per_axis, read_config, read_mesh_surface,
-    read_surface, refuse_config, refuse_surface,
+    incident, name_of, one_or_many, override_material, override_rays, override_surfaces, per_axis,
+    read_config, read_mesh_surface, read_surface, refuse_config, refuse_surface,
 };
 use crate::interrupt;
 use crate::output::{print, print_json, say};
@@ -82,16 +82,11 @@ pub(crate) fn run(command: &Gonio, common: &Common) -> Result<(), Failure> {
 
 /// Puts the values of flags in the place of those of the file.
 fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failure> {
-    let random = flags.tau.is_some()
-        || flags.tau_y.is_some()
-        || !flags.smoothness.is_empty()
-        || !flags.sigma.is_empty()
-        || !flags.size.is_empty()
-        || flags.insist;
+    let random = flags.surfaces.shape_is_given();
     if flags.surface.is_some() || flags.flat {
         if random || flags.realisations.is_some() {
             return Err(Failure::usage(
-                "--surface and --flat take the place of random surfaces: leave out --tau, --tau-y, --smoothness, --sigma, --size, --insist and --realisations",
+                "--surface and --flat take the place of random surfaces: leave out --tau, --tau-y, --azimuth, --smoothness, --sigma, --size, --insist and --realisations",
             ));
         }
         config.surface = Default::default();
@@ -104,24 +99,11 @@ fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failur
         config.measured = MeasuredConfig::default();
     }
     override_measured(&mut config.measured, flags)?;
-    override_surface(config, flags)?;
-
-    let material = &mut config.material;
-    if let Some(kind) = flags.material {
-        material.kind = material_kind(kind);
-        // Indices of another material do not carry over.
-        if kind == MaterialArgument::Mirror {
-            material.eta = None;
-        }
-        if kind != MaterialArgument::Conductor {
-            material.kappa = None;
-        }
+    if !config.measured.is_given() {
+        override_surfaces(&mut config.surface, &flags.surfaces)?;
     }
-    if !flags.eta.is_empty() {
-        material.eta = Some(one_or_many(&flags.eta));
-    }
-    material.kappa = flags.kappa.map(Number).or(material.kappa);
 
+    override_material(&mut config.material, &flags.substance);
     if let Some(file) = flags.medium.bottom_file() {
         return Err(Failure::usage(format!(
             "--bottom-surface {}: what lies below is drawn here or flat; take flat, same or independent",
@@ -150,13 +132,7 @@ fn override_config(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failur
     run.realisations = flags.realisations.map_or(run.realisations, Count);
     run.rays = flags.rays.map_or(run.rays, Count);
     run.max_time = flags.max_time.map(Seconds).or(run.max_time);
-    run.seed = flags.seed.unwrap_or(run.seed);
-    run.bins = flags.bins.unwrap_or(run.bins);
-    run.side = flags.side.unwrap_or(run.side);
-    run.branching = flags.branching.map_or(run.branching, Into::into);
-    run.max_order = flags.max_order.unwrap_or(run.max_order);
-    run.accelerator = flags.accelerator.unwrap_or(run.accelerator);
-    run.sampling = flags.sampling.unwrap_or(run.sampling);
+    override_rays(run, &flags.followed);
     config.output.plots &= !flags.no_plots;
     Ok(())
 }
@@ -166,32 +142,10 @@ fn override_measured(measured: &mut MeasuredConfig, flags: &Gonio) -> Result<(),
     measured.unit = flags.unit.or(measured.unit);
     measured.missing = flags.missing.unwrap_or(measured.missing);
     measured.remove = flags.remove.unwrap_or(measured.remove);
-    if measured.is_given() && !flags.spacing.is_empty() {
-        let spacing = per_axis(&flags.spacing, "--spacing")?.map(Number);
+    if measured.is_given() && !flags.surfaces.spacing.is_empty() {
+        let spacing = per_axis(&flags.surfaces.spacing, "--spacing")?.map(Number);
         measured.spacing = Some(PerAxis::Each(spacing));
     }
-    Ok(())
-}
-
-fn override_surface(config: &mut GonioConfig, flags: &Gonio) -> Result<(), Failure> {
-    let surface = &mut config.surface;
-    surface.tau = flags.tau.map_or(surface.tau, Number);
-    surface.tau_y = flags.tau_y.map(Number).or(surface.tau_y);
-    if !flags.smoothness.is_empty() {
-        surface.smoothness = Some(one_or_many(&flags.smoothness));
-        surface.sigma = None;
-    }
-    if !flags.sigma.is_empty() {
-        surface.sigma = Some(one_or_many(&flags.sigma));
-        surface.smoothness = None;
-    }
-    if !flags.size.is_empty() {
-        surface.size = PerAxis::Each(per_axis(&flags.size, "--size")?.map(Count));
-    }
-    if !config.measured.is_given() && !flags.spacing.is_empty() {
-        surface.spacing = PerAxis::Each(per_axis(&flags.spacing, "--spacing")?.map(Number));
-    }
-    surface.insist |= flags.insist;
     Ok(())
 }
 

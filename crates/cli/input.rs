@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_experiment::{
     ConfigError, Count, Incident, LightConfig, MaterialConfig, MaterialKind, Number, OneOrMany,
-    PerAxis, SurfaceConfig,
+    PerAxis, RunConfig, SurfaceConfig,
 };
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, read_text,
@@ -16,7 +16,10 @@ use asperity_surface::{
 };
 use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
-use crate::args::{Common, Ensemble, FromArgument, Interface, Light, MaterialArgument, Reading};
+use crate::args::{
+    Common, Ensemble, FromArgument, Interface, Light, MaterialArgument, RandomSurfaces, Rays,
+    Reading, Substance,
+};
 use crate::failure::Failure;
 
 /// A surface read from a file, and how many of its points had to be filled.
@@ -293,6 +296,26 @@ pub(crate) fn override_ensemble(
     (surface, material, light): (&mut SurfaceConfig, &mut MaterialConfig, &mut LightConfig),
     flags: &Ensemble,
 ) -> Result<(), Failure> {
+    override_surfaces(surface, &flags.surfaces)?;
+    override_material(material, &flags.substance);
+    if !flags.theta.is_empty() {
+        light.theta = one_or_many(&flags.theta);
+    }
+    if let Some(phi) = flags.phi {
+        light.phi = Number(phi);
+    }
+    light.azimuth = flags.light_azimuth.map(Into::into).or(light.azimuth);
+    if let Some(from) = flags.from {
+        light.from = incident(from);
+    }
+    Ok(())
+}
+
+/// The same of random surfaces alone.
+pub(crate) fn override_surfaces(
+    surface: &mut SurfaceConfig,
+    flags: &RandomSurfaces,
+) -> Result<(), Failure> {
     if let Some(tau) = flags.tau {
         surface.tau = Number(tau);
     }
@@ -313,7 +336,11 @@ pub(crate) fn override_ensemble(
         surface.spacing = PerAxis::Each(per_axis(&flags.spacing, "--spacing")?.map(Number));
     }
     surface.insist |= flags.insist;
+    Ok(())
+}
 
+/// The same of what they are made of.
+pub(crate) fn override_material(material: &mut MaterialConfig, flags: &Substance) {
     if let Some(kind) = flags.material {
         material.kind = material_kind(kind);
         // Indices of another material do not carry over.
@@ -330,16 +357,19 @@ pub(crate) fn override_ensemble(
     if let Some(kappa) = flags.kappa {
         material.kappa = Some(Number(kappa));
     }
+}
 
-    if !flags.theta.is_empty() {
-        light.theta = one_or_many(&flags.theta);
-    }
-    if let Some(phi) = flags.phi {
-        light.phi = Number(phi);
-    }
-    light.azimuth = flags.light_azimuth.map(Into::into).or(light.azimuth);
-    if let Some(from) = flags.from {
-        light.from = incident(from);
-    }
-    Ok(())
+/// The same of how rays are followed and recorded.
+pub(crate) fn override_rays(run: &mut RunConfig, flags: &Rays) {
+    run.seed = flags.seed.unwrap_or(run.seed);
+    run.bins = flags.bins.unwrap_or(run.bins);
+    run.in_plane_half_width = flags
+        .in_plane_half_width
+        .map_or(run.in_plane_half_width, Number);
+    run.side = flags.side.unwrap_or(run.side);
+    run.branching = flags.branching.map_or(run.branching, Into::into);
+    run.roulette = flags.roulette.map_or(run.roulette, Number);
+    run.max_order = flags.max_order.unwrap_or(run.max_order);
+    run.accelerator = flags.accelerator.unwrap_or(run.accelerator);
+    run.sampling = flags.sampling.unwrap_or(run.sampling);
 }

@@ -8,7 +8,7 @@ use asperity_io::check_output_folder;
 
 use crate::args::{Common, Verify};
 use crate::failure::Failure;
-use crate::input::{override_ensemble, read_config, refuse_config, refuse_surface};
+use crate::input::{override_ensemble, override_rays, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, say};
 use crate::progress::Bar;
@@ -84,18 +84,8 @@ pub(crate) fn override_verification(
     run.max_time = command.max_time.map(Seconds).or(run.max_time);
     run.realisations = command.realisations.map_or(run.realisations, Count);
     run.rays = command.rays.map_or(run.rays, Count);
-    run.seed = command.seed.unwrap_or(run.seed);
-    run.bins = command.bins.unwrap_or(run.bins);
-    run.accelerator = command.accelerator.unwrap_or(run.accelerator);
     run.estimator = command.estimator.unwrap_or(run.estimator);
-    run.sampling = command.sampling.unwrap_or(run.sampling);
-    run.in_plane_half_width = command
-        .in_plane_half_width
-        .map_or(run.in_plane_half_width, Number);
-    run.side = command.side.unwrap_or(run.side);
-    run.branching = command.branching.map_or(run.branching, Into::into);
-    run.roulette = command.roulette.map_or(run.roulette, Number);
-    run.max_order = command.max_order.unwrap_or(run.max_order);
+    override_rays(run, &command.followed);
     run.refine |= command.refine;
     if let Some(models) = &command.models {
         let none = matches!(models.as_slice(), [one] if one == "none");

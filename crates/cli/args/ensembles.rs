@@ -9,9 +9,9 @@ use clap::Args;
 
 use super::{AzimuthArgument, BranchingArgument, FromArgument, MaterialArgument, MediumArguments};
 
-/// The surfaces, the material and the light of an ensemble; flags override the file.
+/// Random surfaces; flags override the file.
 #[derive(Debug, Args)]
-pub(crate) struct Ensemble {
+pub(crate) struct RandomSurfaces {
     /// 1/e correlation length, length units
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) tau: Option<f64>,
@@ -36,6 +36,24 @@ pub(crate) struct Ensemble {
     /// Draw surfaces even if the grid cannot resolve or hold them
     #[arg(long)]
     pub(crate) insist: bool,
+}
+
+impl RandomSurfaces {
+    /// Whether anything is said of them that a given surface has not: all but the spacing.
+    pub(crate) fn shape_is_given(&self) -> bool {
+        self.tau.is_some()
+            || self.tau_y.is_some()
+            || self.azimuth.is_some()
+            || !self.smoothness.is_empty()
+            || !self.sigma.is_empty()
+            || !self.size.is_empty()
+            || self.insist
+    }
+}
+
+/// What surfaces are made of; flags override the file.
+#[derive(Debug, Args)]
+pub(crate) struct Substance {
     /// Material of the surface
     #[arg(long, value_enum)]
     pub(crate) material: Option<MaterialArgument>,
@@ -45,6 +63,47 @@ pub(crate) struct Ensemble {
     /// Absorption index of a conductor
     #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
     pub(crate) kappa: Option<f64>,
+}
+
+/// How rays are followed, and what is recorded of them; flags override the file.
+#[derive(Debug, Args)]
+pub(crate) struct Rays {
+    /// Seed of surfaces and rays
+    #[arg(long, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Bins of a hemisphere, THETAxPHI
+    #[arg(long)]
+    pub(crate) bins: Option<HemisphereGrid>,
+    /// Half width of the in-plane wedge, degrees
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) in_plane_half_width: Option<f64>,
+    /// The side whose light is recorded: both, reflected or transmitted
+    #[arg(long)]
+    pub(crate) side: Option<Sides>,
+    /// Follow both branches at an interface, or pick one
+    #[arg(long, value_enum)]
+    pub(crate) branching: Option<BranchingArgument>,
+    /// Flux, of an incident ray's, below which roulette decides whether a branch goes on
+    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
+    pub(crate) roulette: Option<f64>,
+    /// Interactions after which a path is truncated
+    #[arg(long, value_parser = parse_order, allow_negative_numbers = true)]
+    pub(crate) max_order: Option<u32>,
+    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
+    #[arg(long)]
+    pub(crate) accelerator: Option<AcceleratorKind>,
+    /// How rays are spread: random, stratified or quasi-random
+    #[arg(long)]
+    pub(crate) sampling: Option<Sampling>,
+}
+
+/// The surfaces, the material and the light of an ensemble; flags override the file.
+#[derive(Debug, Args)]
+pub(crate) struct Ensemble {
+    #[command(flatten)]
+    pub(crate) surfaces: RandomSurfaces,
+    #[command(flatten)]
+    pub(crate) substance: Substance,
     /// Polar angle of the direction towards the light, degrees, one or several: 0,30,60
     #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
     pub(crate) theta: Vec<f64>,
@@ -82,36 +141,11 @@ pub(crate) struct Verify {
     /// Time after which nothing more is begun: seconds, or as 10m or 2h
     #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]
     pub(crate) max_time: Option<f64>,
-    /// Seed of surfaces and rays
-    #[arg(long, allow_negative_numbers = true)]
-    pub(crate) seed: Option<u64>,
-    /// Bins of a hemisphere, THETAxPHI
-    #[arg(long)]
-    pub(crate) bins: Option<HemisphereGrid>,
-    /// Half width of the in-plane wedge, degrees
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) in_plane_half_width: Option<f64>,
-    /// The side whose light is recorded: both, reflected or transmitted
-    #[arg(long)]
-    pub(crate) side: Option<Sides>,
-    /// Follow both branches at an interface, or pick one
-    #[arg(long, value_enum)]
-    pub(crate) branching: Option<BranchingArgument>,
-    /// Flux, of an incident ray's, below which roulette decides whether a branch goes on
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) roulette: Option<f64>,
-    /// Interactions after which a path is truncated
-    #[arg(long, value_parser = parse_order, allow_negative_numbers = true)]
-    pub(crate) max_order: Option<u32>,
-    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
-    #[arg(long)]
-    pub(crate) accelerator: Option<AcceleratorKind>,
+    #[command(flatten)]
+    pub(crate) followed: Rays,
     /// How paths become results: auto, plain or controlled
     #[arg(long)]
     pub(crate) estimator: Option<Estimator>,
-    /// How rays are spread: random, stratified or quasi-random
-    #[arg(long)]
-    pub(crate) sampling: Option<Sampling>,
     /// Trace every surface at half the spacing as well and report that; the difference is the error of the mesh
     #[arg(long)]
     pub(crate) refine: bool,

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{parse_count, parse_number, parse_order, parse_seconds};
+use asperity_experiment::{parse_count, parse_number, parse_seconds};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
-use asperity_tally::{HemisphereGrid, Sides};
-use asperity_tracer::{AcceleratorKind, Sampling};
+use asperity_tally::HemisphereGrid;
 use clap::Args;
 
-use super::{AzimuthArgument, BranchingArgument, FromArgument, MaterialArgument, MediumArguments};
+use super::ensembles::{RandomSurfaces, Rays, Substance};
+use super::{AzimuthArgument, FromArgument, MediumArguments};
 
 #[derive(Debug, Args)]
 pub(crate) struct Gonio {
@@ -32,36 +32,10 @@ pub(crate) struct Gonio {
     /// Form to remove from the given surface: none, mean, plane or parabola
     #[arg(long, value_name = "FORM")]
     pub(crate) remove: Option<Form>,
-    /// 1/e correlation length of random surfaces, length units
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) tau: Option<f64>,
-    /// The same along the second principal axis
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) tau_y: Option<f64>,
-    /// Smoothness tau / sigma, one or several: 6,3,1
-    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true, conflicts_with = "sigma")]
-    pub(crate) smoothness: Vec<f64>,
-    /// Root mean square height, one or several; instead of --smoothness
-    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
-    pub(crate) sigma: Vec<f64>,
-    /// Samples along x, or X,Y
-    #[arg(long, value_parser = parse_count, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
-    pub(crate) size: Vec<u64>,
-    /// Length units a sample along x, or X,Y, of random surfaces or the given one
-    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
-    pub(crate) spacing: Vec<f64>,
-    /// Draw surfaces even if the grid cannot resolve or hold them
-    #[arg(long)]
-    pub(crate) insist: bool,
-    /// Material of the surface
-    #[arg(long, value_enum)]
-    pub(crate) material: Option<MaterialArgument>,
-    /// Relative refractive index, one or several: 1.4,1/1.4
-    #[arg(long, value_parser = parse_number, value_delimiter = ',', num_args = 1, allow_negative_numbers = true)]
-    pub(crate) eta: Vec<f64>,
-    /// Absorption index of a conductor
-    #[arg(long, value_parser = parse_number, allow_negative_numbers = true)]
-    pub(crate) kappa: Option<f64>,
+    #[command(flatten)]
+    pub(crate) surfaces: RandomSurfaces,
+    #[command(flatten)]
+    pub(crate) substance: Substance,
     #[command(flatten)]
     pub(crate) medium: MediumArguments,
     /// Polar angle of the direction towards the light, degrees, one or several: 0,30,60
@@ -88,27 +62,8 @@ pub(crate) struct Gonio {
     /// Time after which no direction is begun: seconds, or as 10m or 2h
     #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]
     pub(crate) max_time: Option<f64>,
-    /// Seed of surfaces and rays
-    #[arg(long, allow_negative_numbers = true)]
-    pub(crate) seed: Option<u64>,
-    /// Bins of a hemisphere, THETAxPHI
-    #[arg(long)]
-    pub(crate) bins: Option<HemisphereGrid>,
-    /// The side whose light is recorded: both, reflected or transmitted
-    #[arg(long)]
-    pub(crate) side: Option<Sides>,
-    /// Follow both branches at an interface, or pick one
-    #[arg(long, value_enum)]
-    pub(crate) branching: Option<BranchingArgument>,
-    /// Interactions after which a path is truncated
-    #[arg(long, value_parser = parse_order, allow_negative_numbers = true)]
-    pub(crate) max_order: Option<u32>,
-    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
-    #[arg(long)]
-    pub(crate) accelerator: Option<AcceleratorKind>,
-    /// How rays are spread: random, stratified or quasi-random
-    #[arg(long)]
-    pub(crate) sampling: Option<Sampling>,
+    #[command(flatten)]
+    pub(crate) followed: Rays,
     /// Folder for the results; a measurement in it is gone on with
     #[arg(long, short, value_name = "DIR")]
     pub(crate) output: PathBuf,
