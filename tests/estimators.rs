@@ -18,7 +18,7 @@ use asperity_experiment::{
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
-use asperity_tracer::Medium;
+use asperity_tracer::HalfSpace;
 
 /// What is done for each case.
 #[derive(Clone, Copy)]
@@ -177,10 +177,10 @@ fn estimators_agree_on_a_given_surface() {
     let [glass, water] = [1.5, 1.0 / 1.33].map(|eta| Material::dielectric(eta).unwrap());
     let gold = Material::conductor(0.2, 3.4).unwrap();
     for (border, material, incident, theta) in [
-        (Border::Periodic, glass, Medium::Above, 30.0),
-        (Border::Periodic, water, Medium::Below, 55.0),
-        (Border::Mirrored, glass, Medium::Above, 55.0),
-        (Border::Mirrored, gold, Medium::Above, 30.0),
+        (Border::Periodic, glass, HalfSpace::Above, 30.0),
+        (Border::Periodic, water, HalfSpace::Below, 55.0),
+        (Border::Mirrored, glass, HalfSpace::Above, 55.0),
+        (Border::Mirrored, gold, HalfSpace::Above, 30.0),
     ] {
         let incidence = Incidence::from_degrees(theta, 25.0).unwrap();
         let traced = |estimator, seed| {

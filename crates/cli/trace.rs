@@ -12,7 +12,7 @@ use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField, RefinementError, Roughness};
 use asperity_tally::Layout;
-use asperity_tracer::{BuildError, Geometry, Medium, MeshSurface, PathSettings};
+use asperity_tracer::{BuildError, Geometry, HalfSpace, MeshSurface, PathSettings};
 use serde_json::{Value, json};
 
 use crate::args::{AzimuthArgument, Common, Trace};
@@ -28,9 +28,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     let half_width = command.in_plane_half_width.to_radians();
     let medium = command.medium.over(None)?;
     let layer = command.medium.layer(material)?;
-    let incident_medium = Medium::from(incident(command.from));
+    let incident_side = HalfSpace::from(incident(command.from));
     if layer.is_some() {
-        check_light(incident_medium, command.estimator).map_err(Failure::usage)?;
+        check_light(incident_side, command.estimator).map_err(Failure::usage)?;
     }
     check_sides(command.side, material, layer.as_ref()).map_err(Failure::usage)?;
     let layout = Layout::new(command.bins, half_width)
@@ -80,7 +80,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         material,
         layer,
         incidence,
-        incident: incident_medium,
+        incident: incident_side,
         any_azimuth: command.light_azimuth == AzimuthArgument::Random,
     };
     let below = medium.zip(layer).map(|(medium, layer)| {

@@ -181,7 +181,7 @@ mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
     use asperity_tally::{BatchStatistics, Layout};
-    use asperity_tracer::{Medium, Starts, Surface};
+    use asperity_tracer::{HalfSpace, Starts, Surface};
 
     use super::*;
     use crate::config::RunConfig;
@@ -219,7 +219,7 @@ mod tests {
                 &surface,
                 &*accelerator,
                 Material::Mirror,
-                Medium::Above,
+                HalfSpace::Above,
                 settings.paths,
             ),
             light: Illumination {

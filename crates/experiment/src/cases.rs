@@ -6,7 +6,7 @@ use asperity_analysis::ModelError;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::Psd;
 use asperity_tally::{Side, Sides};
-use asperity_tracer::{AcceleratorKind, Medium};
+use asperity_tracer::{AcceleratorKind, HalfSpace};
 
 use crate::case::Case;
 use crate::case_model::CaseModel;
@@ -207,9 +207,9 @@ pub fn check_sides(
 ///
 /// # Errors
 /// [`ConfigError::Contradiction`] if it comes from below, or a control is asked for.
-pub fn check_light(incident: Medium, estimator: Estimator) -> Result<(), ConfigError> {
+pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
     let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-    if incident == Medium::Below {
+    if incident == HalfSpace::Below {
         return contradiction(
             "the medium lies below the surface, so the light must come from above",
         );

@@ -5,7 +5,7 @@ use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
 use asperity_tracer::{
-    AcceleratorKind, Branching, Medium, PathSettings, PathSettingsError, Sampling,
+    AcceleratorKind, Branching, HalfSpace, PathSettings, PathSettingsError, Sampling,
 };
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -174,7 +174,7 @@ pub enum Incident {
     Below,
 }
 
-impl From<Incident> for Medium {
+impl From<Incident> for HalfSpace {
     fn from(incident: Incident) -> Self {
         match incident {
             Incident::Above => Self::Above,

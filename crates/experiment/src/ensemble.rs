@@ -8,7 +8,7 @@ use std::time::Instant;
 use asperity_io::available_memory;
 use asperity_surface::{HeightField, Synthesis};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Medium, Tracer, Work};
+use asperity_tracer::{HalfSpace, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
@@ -147,7 +147,7 @@ pub(crate) struct Group<'a> {
     pub(crate) methods: &'a [Method],
     pub(crate) realisations: u64,
     pub(crate) settings: &'a RaySettings,
-    pub(crate) incident: Medium,
+    pub(crate) incident: HalfSpace,
     pub(crate) any_azimuth: bool,
     /// Whether every second sample alone is traced.
     pub(crate) coarsened: bool,
@@ -439,7 +439,7 @@ mod tests {
             methods: &methods,
             realisations: 4,
             settings: &config.run.ray_settings().unwrap(),
-            incident: Medium::Above,
+            incident: HalfSpace::Above,
             any_azimuth: true,
             coarsened: false,
         };

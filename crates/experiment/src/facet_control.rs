@@ -8,7 +8,7 @@ use asperity_analysis::{ModelError, SlopeCovariance, visible_shares};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{Control, Layout, Sides};
-use asperity_tracer::{Geometry, Medium, Surface, sum_over_facets, unshadowed_fluxes};
+use asperity_tracer::{Geometry, HalfSpace, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
 use crate::blocks::{RECORD_BUDGET, RaySettings};
@@ -32,7 +32,7 @@ impl Method {
         surface: &Surface,
         material: Material,
         incidence: Incidence,
-        incident: Medium,
+        incident: HalfSpace,
         settings: &RaySettings,
     ) -> Result<Self, RunError> {
         let estimator = settings.estimator;
@@ -72,7 +72,7 @@ fn sum_over_all_facets(
     surface: &Surface,
     material: Material,
     incidence: Incidence,
-    incident: Medium,
+    incident: HalfSpace,
     layout: Layout,
 ) -> Vec<f64> {
     let facets = surface.facet_count();
@@ -161,7 +161,7 @@ mod tests {
                 !facets.is_multiple_of(PARTS) && lost > facets / 10,
                 "{facets} {lost}"
             );
-            let record = sum_over_all_facets(&surface, black, incidence, Medium::Above, layout);
+            let record = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, layout);
             println!("{border:?}: {} against {sum}", record[Layout::ABSORBED]);
             // Some 1e4 weights, each with a few roundings.
             assert!((record[Layout::ABSORBED] / sum - 1.0).abs() < 1e-12);

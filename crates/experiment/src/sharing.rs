@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use asperity_surface::Synthesis;
-use asperity_tracer::Medium;
+use asperity_tracer::HalfSpace;
 use rayon::prelude::*;
 
 use crate::blocks::RaySettings;
@@ -42,7 +42,7 @@ pub(crate) struct Sharing {
     traced: Vec<Case>,
     methods: Vec<Method>,
     settings: RaySettings,
-    incident: Medium,
+    incident: HalfSpace,
     any_azimuth: bool,
     /// Surfaces planned.
     pub(crate) realisations: u64,
@@ -115,7 +115,7 @@ impl Sharing {
             traced,
             methods,
             settings,
-            incident: Medium::from(config.light.from),
+            incident: HalfSpace::from(config.light.from),
             any_azimuth: config.any_azimuth(),
             realisations: config.run.realisations.0,
             figures: Vec::new(),

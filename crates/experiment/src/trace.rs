@@ -5,7 +5,7 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, Medium, MeshSurface, Surface, Tracer, Work};
+use asperity_tracer::{Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
 
 use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
 use crate::budget::ErrorBudget;
@@ -59,7 +59,7 @@ pub struct Scene {
     /// Where the light comes from.
     pub incidence: Incidence,
     /// The side that it comes from.
-    pub incident: Medium,
+    pub incident: HalfSpace,
     /// Whether each ray comes from an azimuth of its own; what leaves is turned back.
     pub any_azimuth: bool,
 }
@@ -72,7 +72,7 @@ impl Scene {
             material,
             layer: None,
             incidence,
-            incident: Medium::Above,
+            incident: HalfSpace::Above,
             any_azimuth: false,
         }
     }

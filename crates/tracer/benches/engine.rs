@@ -21,7 +21,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Psd, Synthesis};
 use asperity_tally::Layout;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Facet, Geometry, Hit, Illumination, Instructions, Medium,
+    Accelerator, AcceleratorKind, Facet, Geometry, HalfSpace, Hit, Illumination, Instructions,
     PathSettings, Pyramid, Query, Surface, Tracer, Work,
 };
 use rand::SeedableRng;
@@ -221,7 +221,7 @@ fn paths(
     let glass = Material::dielectric(1.5).unwrap();
     let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
     let settings = PathSettings::default();
-    let tracer = Tracer::new(surface, accelerator, glass, Medium::Above, settings);
+    let tracer = Tracer::new(surface, accelerator, glass, HalfSpace::Above, settings);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     tracer
         .batch(

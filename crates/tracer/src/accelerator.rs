@@ -7,15 +7,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::accelerators::pyramid::Pyramid;
 use crate::geometry::Geometry;
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 
-/// A ray, and the medium that it is in.
+/// A ray, and the half space that it is in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Query {
     /// The ray.
     pub ray: TileRay,
     /// Where it is.
-    pub medium: Medium,
+    pub half_space: HalfSpace,
 }
 
 /// Finds where rays meet the facets of one tile.

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 
 use crate::border::{Heading, mirror_image};
 use crate::geometry::Geometry;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 
 /// Light that falls evenly on one period of a surface.
 ///
@@ -15,7 +15,7 @@ use crate::ray::Medium;
 pub(crate) struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
-    incident: Medium,
+    incident: HalfSpace,
     /// Period of the surface along x and y, tile coordinates.
     period: [f64; 2],
     aspect: f64,
@@ -26,7 +26,7 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    pub(crate) fn new<G: Geometry>(surface: &G, incident: Medium, incidence: Incidence) -> Self {
+    pub(crate) fn new<G: Geometry>(surface: &G, incident: HalfSpace, incidence: Incidence) -> Self {
         let wi = incidence.wi() * DVec3::new(1.0, 1.0, incident.sign());
         // A mirrored tile and its images make a period of two tiles along each axis.
         let tiles = match surface.border() {
@@ -35,8 +35,8 @@ impl Beam {
         };
         let [low, high] = surface.z_range();
         let z = match incident {
-            Medium::Above => high,
-            Medium::Below => low,
+            HalfSpace::Above => high,
+            HalfSpace::Below => low,
         };
         Self {
             wi,

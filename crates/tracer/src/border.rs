@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::accelerator::{Accelerator, Query};
 use crate::geometry::{Escape, Geometry};
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 
 #[cfg(test)]
 mod tests;
@@ -59,14 +59,14 @@ impl Heading {
 
     /// What is asked about the ray in the tile at the origin.
     #[inline]
-    pub(crate) fn query<G: Geometry>(&self, geometry: &G, medium: Medium) -> Query {
+    pub(crate) fn query<G: Geometry>(&self, geometry: &G, half_space: HalfSpace) -> Query {
         let d = self.direction;
         Query {
             ray: TileRay {
                 origin: self.origin,
                 direction: DVec3::new(d.x, d.y * geometry.aspect(), d.z),
             },
-            medium,
+            half_space,
         }
     }
 }
@@ -101,18 +101,18 @@ pub enum End {
     Lost,
 }
 
-/// Follows a ray in `medium` to where it meets the surface or leaves it.
+/// Follows a ray in `half_space` to where it meets the surface or leaves it.
 #[must_use]
 pub fn travel<G: Geometry>(
     geometry: &G,
     accelerator: &dyn Accelerator<G>,
     mut heading: Heading,
-    medium: Medium,
+    half_space: HalfSpace,
 ) -> Travel<G::Facet> {
-    if let Some(end) = set_out(geometry, &mut heading, medium) {
+    if let Some(end) = set_out(geometry, &mut heading, half_space) {
         return Travel::Ended(end);
     }
-    let mut query = heading.query(geometry, medium);
+    let mut query = heading.query(geometry, half_space);
     let mut way = Way::new(&heading);
     loop {
         if let Some(hit) = accelerator.closest_hit(geometry, &query) {
@@ -130,13 +130,13 @@ pub fn travel<G: Geometry>(
 pub(crate) fn set_out<G: Geometry>(
     geometry: &G,
     heading: &mut Heading,
-    medium: Medium,
+    half_space: HalfSpace,
 ) -> Option<End> {
-    let Query { ray, .. } = heading.query(geometry, medium);
+    let Query { ray, .. } = heading.query(geometry, half_space);
     if !(ray.origin.is_finite() && ray.direction.is_finite()) {
         return Some(End::Lost);
     }
-    if let Some(escape) = geometry.escapes(&ray, medium) {
+    if let Some(escape) = geometry.escapes(&ray, half_space) {
         return Some(End::EscapedUnsearched(escape));
     }
     let [cx, cy] = geometry.extent();
@@ -148,24 +148,24 @@ pub(crate) fn set_out<G: Geometry>(
     if within(ray.origin) {
         None
     } else {
-        enter(geometry, heading, medium)
+        enter(geometry, heading, half_space)
     }
 }
 
 /// The same for a ray from beside the tile, from above all heights, or from below them.
 #[inline(never)]
-fn enter<G: Geometry>(geometry: &G, heading: &mut Heading, medium: Medium) -> Option<End> {
-    let ray = heading.query(geometry, medium).ray;
+fn enter<G: Geometry>(geometry: &G, heading: &mut Heading, half_space: HalfSpace) -> Option<End> {
+    let ray = heading.query(geometry, half_space).ray;
     let border = geometry.border();
     if border == Border::Open
         && let Some(rim) = rim(&ray, geometry.extent())
-        && geometry.is_beyond(rim, medium)
+        && geometry.is_beyond(rim, half_space)
     {
         return Some(End::LeftPatch);
     }
     let [start, end] = between_heights(geometry, &ray);
     if start > end {
-        return Some(nothing_met(border, heading.direction, medium));
+        return Some(nothing_met(border, heading.direction, half_space));
     }
     if border != Border::Open {
         let entry = ray.at(start);
@@ -232,10 +232,10 @@ pub(crate) fn come_home<G: Geometry>(geometry: &G, heading: &mut Heading) -> boo
 pub(crate) fn approach<G: Geometry>(
     geometry: &G,
     heading: &mut Heading,
-    medium: Medium,
+    half_space: HalfSpace,
     reach: f64,
 ) -> f64 {
-    let (q, [_, nearest]) = (medium.sign(), geometry.z_range());
+    let (q, [_, nearest]) = (half_space.sign(), geometry.z_range());
     let (z, fall) = (q * heading.origin.z, -q * heading.direction.z);
     if z <= nearest || fall <= 0.0 {
         return 0.0;
@@ -245,7 +245,7 @@ pub(crate) fn approach<G: Geometry>(
         return 0.0;
     }
     let mut moved = *heading;
-    moved.origin += t * heading.query(geometry, medium).ray.direction;
+    moved.origin += t * heading.query(geometry, half_space).ray.direction;
     moved.origin.z = q * nearest;
     if !come_home(geometry, &mut moved) {
         return 0.0;
@@ -255,8 +255,8 @@ pub(crate) fn approach<G: Geometry>(
 }
 
 /// How the way of a ray ends if no tile has anything in it.
-fn nothing_met(border: Border, direction: DVec3, medium: Medium) -> End {
-    if medium.sign() * direction.z > 0.0 {
+fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> End {
+    if half_space.sign() * direction.z > 0.0 {
         End::Escaped
     } else if border == Border::Open {
         End::LeftPatch
@@ -291,7 +291,7 @@ impl Way {
     #[inline(never)]
     pub(crate) fn go_on<G: Geometry>(&mut self, geometry: &G, query: &mut Query) -> Option<End> {
         let border = geometry.border();
-        let nothing_met = nothing_met(border, self.direction, query.medium);
+        let nothing_met = nothing_met(border, self.direction, query.half_space);
         if border == Border::Open {
             return Some(nothing_met);
         }

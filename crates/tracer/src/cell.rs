@@ -3,7 +3,7 @@
 use asperity_surface::Triangle;
 use glam::DVec3;
 
-use crate::ray::{Medium, TileRay};
+use crate::ray::{HalfSpace, TileRay};
 use crate::surface::Facet;
 
 /// z at the corners of a cell, tile coordinates.
@@ -31,10 +31,10 @@ impl Cell {
         -g / g_rate
     }
 
-    /// Ray parameter `t >= 0` at which a ray in `medium` passes through `facet` to the other side.
+    /// Ray parameter `t >= 0` at which a ray in `half_space` passes through `facet` to the other side.
     ///
     /// Along the ray, `g = z - plane` is linear. The ray is over the facet's footprint for `t` in
-    /// `[enter, leave]`. It passes through if the signed height `medium.sign() * g` falls and is
+    /// `[enter, leave]`. It passes through if the signed height `half_space.sign() * g` falls and is
     /// negative on leaving. A ray that enters the footprint slightly on the wrong side, by rounding
     /// on a shared edge, and falls further, passes at once; so no ray slips between two facets, and
     /// one that moves away from a facet never meets it. One that enters far on the wrong side has not
@@ -44,10 +44,10 @@ impl Cell {
         &self,
         facet: Facet,
         ray: &TileRay,
-        medium: Medium,
+        half_space: HalfSpace,
         scale: &Size,
     ) -> Option<f64> {
-        let q = medium.sign();
+        let q = half_space.sign();
         let d = ray.direction;
         let [g, g_rate] = height_above(self.plane(facet.triangle), facet, ray);
         if q * g_rate >= 0.0 {

@@ -12,7 +12,7 @@ use asperity_tally::{OrderClass, Share};
 use glam::DVec3;
 
 use crate::geometry::Geometry;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 use crate::scatter::scatter;
 
 /// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
@@ -24,7 +24,7 @@ pub fn sum_over_facets<G: Geometry>(
     geometry: &G,
     material: Material,
     incidence: Incidence,
-    incident: Medium,
+    incident: HalfSpace,
     layout: Layout,
     facets: Range<usize>,
 ) -> Vec<f64> {

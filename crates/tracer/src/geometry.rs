@@ -6,7 +6,7 @@ use asperity_surface::Border;
 use glam::DVec3;
 
 use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 
 /// Triangles that light meets.
 ///
@@ -56,15 +56,15 @@ pub trait Geometry: Sized + Send + Sync {
         None
     }
 
-    /// Ray parameter at which a ray in `medium` passes through `facet` to the other side.
+    /// Ray parameter at which a ray in `half_space` passes through `facet` to the other side.
     ///
     /// A ray above passes a facet only against its normal, a ray below only along it.
-    fn intersect(&self, facet: Self::Facet, ray: &TileRay, medium: Medium) -> Option<f64>;
+    fn intersect(&self, facet: Self::Facet, ray: &TileRay, half_space: HalfSpace) -> Option<f64>;
 
-    /// What a ray in `medium` meets before `t` exceeds `reach`, where that can be told without a search:
+    /// What a ray in `half_space` meets before `t` exceeds `reach`, where that can be told without a search:
     /// the facet that a search would find, if any.
-    fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Self::Facet> {
-        if is_beside(self.z_range(), ray, medium, reach) {
+    fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Self::Facet> {
+        if is_beside(self.z_range(), ray, half_space, reach) {
             Nearby::Clear
         } else {
             Nearby::Unknown
@@ -74,15 +74,15 @@ pub trait Geometry: Sized + Send + Sync {
     /// Makes ready what [`Geometry::nearby`] looks at; once is enough.
     fn prepare_nearby(&self) {}
 
-    /// Whether a point at the border of the tile lies on the other side of the surface than `medium`;
+    /// Whether a point at the border of the tile lies on the other side of the surface than `half_space`;
     /// false where the geometry cannot tell.
-    fn is_beyond(&self, _p: DVec3, _medium: Medium) -> bool {
+    fn is_beyond(&self, _p: DVec3, _medium: HalfSpace) -> bool {
         false
     }
 
-    /// Whether bounds on the slopes ahead exclude that a ray in `medium` meets any facet at all, in
+    /// Whether bounds on the slopes ahead exclude that a ray in `half_space` meets any facet at all, in
     /// this tile or beyond it.
-    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape>;
+    fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape>;
 
     /// Builds an accelerator over the triangles of the tile.
     ///
@@ -102,17 +102,17 @@ pub enum Nearby<F> {
     Unknown,
 }
 
-/// Whether the stretch of a ray up to `reach` lies beyond all heights, on the side of its `medium`.
+/// Whether the stretch of a ray up to `reach` lies beyond all heights, on the side of its `half_space`.
 ///
 /// A stretch that only touches the highest or lowest point does not pass through a facet.
 #[inline]
 pub(crate) fn is_beside(
     [_, half_range]: [f64; 2],
     ray: &TileRay,
-    medium: Medium,
+    half_space: HalfSpace,
     reach: f64,
 ) -> bool {
-    let q = medium.sign();
+    let q = half_space.sign();
     let (z, rise) = (q * ray.origin.z, q * ray.direction.z);
     z >= half_range && (rise >= 0.0 || z + reach * rise >= half_range)
 }

@@ -51,7 +51,7 @@ pub use mesh::{MeshError, TriangleMesh};
 pub use mesh_surface::{MeshSurface, MeshSurfaceError, Repairs};
 pub use path::{Illumination, Starts, Tracer, Work};
 pub use path_settings::{Branching, PathSettings, PathSettingsError};
-pub use ray::{Hit, Medium, TileRay};
+pub use ray::{HalfSpace, Hit, TileRay};
 pub use sampling::Sampling;
 pub use sight::{Look, Sight, look};
 pub use substrate::{BottomShape, Substrate, SubstrateError};

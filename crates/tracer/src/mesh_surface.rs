@@ -30,7 +30,7 @@ use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
 use crate::accelerators::brute_force::BruteForce;
 use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::geometry::{Escape, Geometry};
-use crate::ray::{Medium, TileRay};
+use crate::ray::{HalfSpace, TileRay};
 
 /// Longest side of the bounding box, tile coordinates.
 const LONGEST: f64 = 1024.0;
@@ -144,7 +144,7 @@ pub enum MeshSurfaceError {
 
 /// A triangle mesh that light meets.
 ///
-/// Each triangle faces the medium above: its corners run counter-clockwise seen from there. Whether
+/// Each triangle faces the half space above: its corners run counter-clockwise seen from there. Whether
 /// triangles pass through each other is not looked at.
 #[derive(Clone, Debug)]
 pub struct MeshSurface {
@@ -351,8 +351,8 @@ impl Geometry for MeshSurface {
         closest_point(self.corners(facet), p)
     }
 
-    fn intersect(&self, facet: u32, ray: &TileRay, medium: Medium) -> Option<f64> {
-        let q = medium.sign();
+    fn intersect(&self, facet: u32, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
+        let q = half_space.sign();
         let mut seen = self.project(facet, ray);
         for e in &mut seen.turns {
             *e *= q;
@@ -378,11 +378,11 @@ impl Geometry for MeshSurface {
         starts_here.then_some(0.0)
     }
 
-    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
+    fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
         let d = ray.direction;
         // Only if all facets face upwards: then d . n is positive (below: negative) for every one.
         let steepest = self.steepest?;
-        (medium.sign() * d.z > steepest * d.x.hypot(d.y)).then_some(Escape::SteeperThanAll)
+        (half_space.sign() * d.z > steepest * d.x.hypot(d.y)).then_some(Escape::SteeperThanAll)
     }
 
     fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {

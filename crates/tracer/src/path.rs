@@ -18,7 +18,7 @@ use crate::beam::Beam;
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::Geometry;
 use crate::path_settings::{Branching, PathSettings};
-use crate::ray::{Hit, Medium};
+use crate::ray::{HalfSpace, Hit};
 use crate::sampling::Places;
 use crate::scatter::{Branch, Scattered, scatter};
 use crate::substrate::{Face, Substrate};
@@ -38,7 +38,7 @@ pub struct Tracer<'a, G: Geometry> {
     geometry: &'a G,
     accelerator: &'a dyn Accelerator<G>,
     material: Material,
-    incident: Medium,
+    incident: HalfSpace,
     settings: PathSettings,
     substrate: Option<Substrate<'a, G>>,
 }
@@ -57,15 +57,15 @@ struct Batch<'r, F, R> {
 }
 
 impl<'a, G: Geometry> Tracer<'a, G> {
-    /// A tracer for light that comes from the `incident` medium.
+    /// A tracer for light that comes from the `incident` half space.
     ///
-    /// The indices of `material` are relative to that medium, also where it lies below.
+    /// The indices of `material` are relative to the medium there, also where it lies below.
     #[must_use]
     pub const fn new(
         geometry: &'a G,
         accelerator: &'a dyn Accelerator<G>,
         material: Material,
-        incident: Medium,
+        incident: HalfSpace,
         settings: PathSettings,
     ) -> Self {
         Self {
@@ -85,8 +85,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     #[must_use]
     pub fn over(self, substrate: Substrate<'a, G>) -> Self {
         assert!(
-            self.incident == Medium::Above && self.material.transmitting_index().is_some(),
-            "a medium lies below a dielectric that is lit from above"
+            self.incident == HalfSpace::Above && self.material.transmitting_index().is_some(),
+            "a half_space lies below a dielectric that is lit from above"
         );
         Self {
             substrate: Some(substrate),
@@ -230,11 +230,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Light that leaves in the `direction` given, or would, from one of the faces.
-    fn exit(&self, direction: DVec3, face: Face, medium: Medium, light: &Light) -> Exit {
+    fn exit(&self, direction: DVec3, face: Face, half_space: HalfSpace, light: &Light) -> Exit {
         let wo = self.turned_upright(direction);
         let level = light.turn.rotate(wo.truncate());
         Exit {
-            side: self.side_of(face, medium),
+            side: self.side_of(face, half_space),
             wo: level.extend(wo.z),
             flux: light.flux,
             path: light.path,
@@ -247,13 +247,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         &self,
         face: Face,
         mut heading: Heading,
-        medium: Medium,
+        half_space: HalfSpace,
         light: Light,
         errand: Errand<G::Facet>,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         if let Some(substrate) = &self.substrate
-            && medium == face.inside()
+            && half_space == face.inside()
         {
             let heading = substrate.back_from(face, heading);
             batch.inside.push(Inside { heading, light });
@@ -262,9 +262,9 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let Some(geometry) = self.geometry_of(face) else {
             return;
         };
-        if let Some(end) = set_out(geometry, &mut heading, medium) {
+        if let Some(end) = set_out(geometry, &mut heading, half_space) {
             let direction = heading.world_direction();
-            self.end(end, direction, (face, medium), &light, &errand, batch);
+            self.end(end, direction, (face, half_space), &light, &errand, batch);
         } else {
             let leg = Leg {
                 way: Way::new(&heading),
@@ -272,7 +272,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 errand,
                 flight: f64::INFINITY,
             };
-            self.push(face, leg, heading.query(geometry, medium), batch);
+            self.push(face, leg, heading.query(geometry, half_space), batch);
         }
     }
 
@@ -303,7 +303,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         if let Some(substrate) = &self.substrate
-            && query.medium == face.inside()
+            && query.half_space == face.inside()
         {
             return self.arrive_inside(substrate, face, leg, query, hit, batch);
         }
@@ -314,7 +314,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             match leg.way.go_on(geometry, query) {
                 Some(end) => {
                     let direction = leg.way.world_direction();
-                    let place = (face, query.medium);
+                    let place = (face, query.half_space);
                     self.end(end, direction, place, &leg.light, &leg.errand, batch);
                 }
                 None => self.push(face, leg, *query, batch),
@@ -331,27 +331,27 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Errand::Sight(at) => self.unlit(at, light, batch),
             Errand::Shadow => {
                 let at = arrival();
-                if query.medium == self.incident {
+                if query.half_space == self.incident {
                     self.unlit(&at, light, batch);
                 }
-                let behind = query.medium.other();
+                let behind = query.half_space.other();
                 let errand = Errand::Shadow;
                 self.set_out(face, at.heading, behind, *light, errand, batch);
             }
             Errand::Light => {
-                self.unseen(leg.way.world_direction(), query.medium, light, batch);
-                self.meet(face, arrival(), query.medium, light, batch);
+                self.unseen(leg.way.world_direction(), query.half_space, light, batch);
+                self.meet(face, arrival(), query.half_space, light, batch);
             }
         }
     }
 
-    /// What becomes of light that has come to a facet through `medium`.
+    /// What becomes of light that has come to a facet through `half_space`.
     #[inline]
     fn meet<R: Rng>(
         &self,
         face: Face,
         at: Arrival<G::Facet>,
-        medium: Medium,
+        half_space: HalfSpace,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
@@ -360,11 +360,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             return;
         }
         match face {
-            Face::Top => self.interact(&at, medium, light, batch),
-            Face::Bottom => self.interact_at_bottom(&at, medium, light, batch),
+            Face::Top => self.interact(&at, half_space, light, batch),
+            Face::Bottom => self.interact_at_bottom(&at, half_space, light, batch),
         }
         if batch.record.control().is_some() {
-            self.look_into_shadow(at, medium.other(), light, batch);
+            self.look_into_shadow(at, half_space.other(), light, batch);
         }
     }
 
@@ -373,7 +373,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         &self,
         end: End,
         direction: DVec3,
-        (face, medium): (Face, Medium),
+        (face, half_space): (Face, HalfSpace),
         light: &Light,
         errand: &Errand<G::Facet>,
         batch: &mut Batch<'_, G::Facet, R>,
@@ -386,22 +386,22 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
         match end {
             End::Escaped | End::EscapedUnsearched(_) => {
-                let exit = self.exit(direction, face, medium, light);
+                let exit = self.exit(direction, face, half_space, light);
                 batch.record.add_exit(&exit);
                 return;
             }
             End::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
             End::Lost => batch.record.add_loss(Loss::Lost, light.flux),
         }
-        self.unseen(direction, medium, light, batch);
+        self.unseen(direction, half_space, light, batch);
     }
 
-    /// What becomes of light that arrives at a facet through `medium`.
+    /// What becomes of light that arrives at a facet through `half_space`.
     #[inline(always)]
-    fn scattered(&self, at: &Arrival<G::Facet>, medium: Medium) -> Scattered {
-        let m = medium.sign() * self.geometry.normal(at.facet);
+    fn scattered(&self, at: &Arrival<G::Facet>, half_space: HalfSpace) -> Scattered {
+        let m = half_space.sign() * self.geometry.normal(at.facet);
         let wi = -at.heading.direction;
-        scatter(self.material, medium == self.incident, wi, m)
+        scatter(self.material, half_space == self.incident, wi, m)
     }
 
     /// Reflects, transmits or absorbs light that has arrived at a facet.
@@ -409,11 +409,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     fn interact<R: Rng>(
         &self,
         at: &Arrival<G::Facet>,
-        medium: Medium,
+        half_space: HalfSpace,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let scattered = self.scattered(at, medium);
+        let scattered = self.scattered(at, half_space);
         let absorbed = light.flux * scattered.absorbed;
         if light.path.order() == 0 {
             batch.record.add_first_absorbed(absorbed);
@@ -422,9 +422,9 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
         let divides = self.material.transmitting_index().is_some();
         for (branch, share) in self.followed(&scattered, divides, batch.rng) {
-            let (heading, medium, mut light) = onward(at, medium, light, &branch, share);
+            let (heading, half_space, mut light) = onward(at, half_space, light, &branch, share);
             if self.survives(&mut light, batch) {
-                self.set_out_if_asked(heading, medium, light, batch);
+                self.set_out_if_asked(heading, half_space, light, batch);
             }
         }
     }
@@ -492,25 +492,25 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     fn set_out_if_asked<R: Rng>(
         &self,
         heading: Heading,
-        medium: Medium,
+        half_space: HalfSpace,
         light: Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         // Inside a layer it may yet be absorbed, or come out elsewhere.
-        let inside = self.substrate.is_some() && medium == Medium::Below;
+        let inside = self.substrate.is_some() && half_space == HalfSpace::Below;
         let last = light.path.order() >= self.settings.max_order && !inside;
-        if last && !batch.record.asks(self.side_of(Face::Top, medium)) {
+        if last && !batch.record.asks(self.side_of(Face::Top, half_space)) {
             batch.record.add_loss(Loss::NotAsked, light.flux);
-            self.unseen(heading.world_direction(), medium, &light, batch);
+            self.unseen(heading.world_direction(), half_space, &light, batch);
             batch.work.branches_not_asked += 1;
         } else {
-            self.set_out(Face::Top, heading, medium, light, Errand::Light, batch);
+            self.set_out(Face::Top, heading, half_space, light, Errand::Light, batch);
         }
     }
 
-    /// The side on which light leaves that escapes from a face through `medium`.
-    fn side_of(&self, face: Face, medium: Medium) -> Side {
-        if face == Face::Top && medium == self.incident {
+    /// The side on which light leaves that escapes from a face through `half_space`.
+    fn side_of(&self, face: Face, half_space: HalfSpace) -> Side {
+        if face == Face::Top && half_space == self.incident {
             Side::Reflected
         } else {
             Side::Transmitted

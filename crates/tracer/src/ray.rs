@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 
-/// The half space that a ray is in, by the geometry of the surface.
+/// Half space of a ray: the side of the surface on which it travels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Medium {
+pub enum HalfSpace {
     /// Above the surface.
     Above,
     /// Below the surface.
     Below,
 }
 
-impl Medium {
-    /// +1 above, -1 below: the sign of `z - h` in this medium.
+impl HalfSpace {
+    /// +1 above, -1 below: the sign of `z - h` in this half space.
     #[must_use]
     pub const fn sign(self) -> f64 {
         match self {

@@ -4,7 +4,7 @@
 //! Many rays over long ways are searched together, by an accelerator. Free flights inside a medium are
 //! short, and follow one another: for these a look at few blocks around is quicker.
 
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 
 /// Cells along the side of the smallest blocks.
 const SMALLEST: usize = 4;
@@ -60,10 +60,10 @@ impl Relief {
         Self { levels }
     }
 
-    /// Whether no height over `cells` comes as near as `z` to a ray in `medium`: all are higher than `z`
+    /// Whether no height over `cells` comes as near as `z` to a ray in `half_space`: all are higher than `z`
     /// for one below, lower for one above.
     #[inline]
-    pub(crate) fn is_clear(&self, cells: Cells, medium: Medium, z: f64) -> bool {
+    pub(crate) fn is_clear(&self, cells: Cells, half_space: HalfSpace, z: f64) -> bool {
         let [[x0, x1], [y0, y1]] = cells.map(|range| range.map(|i| i as usize / SMALLEST));
         // Blocks of which two or three cover the rectangle along each axis.
         let longest = (x1 - x0).max(y1 - y0);
@@ -74,9 +74,9 @@ impl Relief {
         (y0 >> level..=y1 >> level).all(|row| {
             (x0 >> level..=x1 >> level).all(|column| {
                 let [low, high] = blocks.bounds[row * blocks.columns + column];
-                match medium {
-                    Medium::Above => high < z,
-                    Medium::Below => low > z,
+                match half_space {
+                    HalfSpace::Above => high < z,
+                    HalfSpace::Below => low > z,
                 }
             })
         })
@@ -125,16 +125,16 @@ mod tests {
                             }
                         }
                         // Never clear of what lies there, and clear of all that is.
-                        assert!(!relief.is_clear(cells, Medium::Below, low));
-                        assert!(!relief.is_clear(cells, Medium::Above, high));
-                        assert!(relief.is_clear(cells, Medium::Below, -1e-5));
-                        assert!(relief.is_clear(cells, Medium::Above, 100.0));
+                        assert!(!relief.is_clear(cells, HalfSpace::Below, low));
+                        assert!(!relief.is_clear(cells, HalfSpace::Above, high));
+                        assert!(relief.is_clear(cells, HalfSpace::Below, -1e-5));
+                        assert!(relief.is_clear(cells, HalfSpace::Above, 100.0));
                     }
                 }
             }
         }
         // Away from the peak the bound is that of the blocks around.
         let valley = [[5, 6], [4, 5]];
-        assert!(relief.is_clear(valley, Medium::Above, 4.0));
+        assert!(relief.is_clear(valley, HalfSpace::Above, 4.0));
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::accelerator::Accelerator;
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::Geometry;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 
 /// A point of the surface, and where it looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,10 +53,10 @@ pub fn look<G: Geometry>(
                 direction: look.direction,
                 mirrored: [false; 2],
             };
-            match set_out(geometry, &mut heading, Medium::Above) {
+            match set_out(geometry, &mut heading, HalfSpace::Above) {
                 Some(end) => seen[index] = end.into(),
                 None => {
-                    queries.push(heading.query(geometry, Medium::Above));
+                    queries.push(heading.query(geometry, HalfSpace::Above));
                     ways.push((index, Way::new(&heading)));
                 }
             }

@@ -7,7 +7,7 @@ use rand::{Rng, RngExt};
 use crate::accelerator::Accelerator;
 use crate::border::Heading;
 use crate::geometry::Geometry;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 
 /// The shape of a layer's bottom.
 pub enum BottomShape<'a, G: Geometry> {
@@ -290,11 +290,11 @@ impl<'a, G: Geometry> Substrate<'a, G> {
 }
 
 impl Face {
-    /// The medium of the layer, seen from this face.
-    pub(crate) const fn inside(self) -> Medium {
+    /// The half space of this face in which the layer lies.
+    pub(crate) const fn inside(self) -> HalfSpace {
         match self {
-            Self::Top => Medium::Below,
-            Self::Bottom => Medium::Above,
+            Self::Top => HalfSpace::Below,
+            Self::Bottom => HalfSpace::Above,
         }
     }
 }

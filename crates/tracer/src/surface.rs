@@ -17,7 +17,7 @@ use crate::accelerators::pyramid::Pyramid;
 use crate::accelerators::tile_bvh::TileBvh;
 use crate::cell::{Cell, Size};
 use crate::geometry::{Escape, Geometry, Nearby};
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 use crate::relief::Relief;
 use crate::steepness::Steepness;
 
@@ -188,30 +188,30 @@ impl Surface {
         self.cell([facet.ix, facet.iy]).crossing(facet, ray)
     }
 
-    /// First facet of the cell `[column, row]` that a ray in `medium` passes through.
+    /// First facet of the cell `[column, row]` that a ray in `half_space` passes through.
     #[must_use]
     pub fn intersect_cell(
         &self,
         [ix, iy]: [u32; 2],
         ray: &TileRay,
-        medium: Medium,
+        half_space: HalfSpace,
     ) -> Option<Hit<Facet>> {
-        self.closest_in(&self.cell([ix, iy]), [ix, iy], ray, medium)
+        self.closest_in(&self.cell([ix, iy]), [ix, iy], ray, half_space)
     }
 
-    /// First facet of a cell at hand, `[column, row]`, that a ray in `medium` passes through.
+    /// First facet of a cell at hand, `[column, row]`, that a ray in `half_space` passes through.
     #[inline]
     fn closest_in(
         &self,
         cell: &Cell,
         [ix, iy]: [u32; 2],
         ray: &TileRay,
-        medium: Medium,
+        half_space: HalfSpace,
     ) -> Option<Hit<Facet>> {
         let mut closest = None;
         for triangle in [Triangle::Lower, Triangle::Upper] {
             let facet = Facet { iy, ix, triangle };
-            if let Some(t) = cell.intersect(facet, ray, medium, &self.size) {
+            if let Some(t) = cell.intersect(facet, ray, half_space, &self.size) {
                 let hit = Hit { t, facet };
                 if hit.is_before(&closest) {
                     closest = Some(hit);
@@ -319,9 +319,9 @@ impl Geometry for Surface {
         DVec3::new(ix + u, iy + v, z00 + per_column * u + per_row * v)
     }
 
-    fn intersect(&self, facet: Facet, ray: &TileRay, medium: Medium) -> Option<f64> {
+    fn intersect(&self, facet: Facet, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
         let cell = self.cell([facet.ix, facet.iy]);
-        cell.intersect(facet, ray, medium, &self.size)
+        cell.intersect(facet, ray, half_space, &self.size)
     }
 
     fn over(&self, x: f64, y: f64) -> Option<(Facet, DVec3)> {
@@ -343,18 +343,18 @@ impl Geometry for Surface {
     }
 
     #[inline]
-    fn nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
-        self.look_nearby(ray, medium, reach)
+    fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Facet> {
+        self.look_nearby(ray, half_space, reach)
     }
 
-    fn is_beyond(&self, p: DVec3, medium: Medium) -> bool {
+    fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {
         self.over(p.x, p.y)
-            .is_some_and(|(_, below)| medium.sign() * (p.z - below.z) < 0.0)
+            .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
     }
 
     #[inline(always)]
-    fn escapes(&self, ray: &TileRay, medium: Medium) -> Option<Escape> {
-        let q = medium.sign();
+    fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
+        let q = half_space.sign();
         let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
         if rise <= 0.0 {
             return None;

@@ -18,7 +18,7 @@ use crate::accelerator::Accelerator;
 use crate::border::{End, Heading, Travel, approach, come_home, travel};
 use crate::geometry::{Geometry, Nearby};
 use crate::path_settings::PathSettings;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 use crate::scatter::{Scattered, scatter};
 use crate::substrate::{Face, Substrate};
 use crate::sunbeams::Sunbeams;
@@ -72,7 +72,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
     ) -> Self {
         assert!(
             substrate.is_none() || material.transmitting_index().is_some(),
-            "a medium lies below a dielectric"
+            "a half_space lies below a dielectric"
         );
         Self {
             geometry,
@@ -240,14 +240,16 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 ..path.heading
             };
             let near = beam.t * (1.0 + 1e-9) + 1e-9;
-            let Ok(Next::Facet(_, facet, at, t)) = self.meet(Face::Top, &back, Medium::Below, near)
+            let Ok(Next::Facet(_, facet, at, t)) =
+                self.meet(Face::Top, &back, HalfSpace::Below, near)
             else {
                 return;
             };
             if facet != beam.facet || t > near {
                 return;
             }
-            if let Ok(Next::Facet(_, _, _, t)) = self.meet(Face::Bottom, &back, Medium::Above, near)
+            if let Ok(Next::Facet(_, _, _, t)) =
+                self.meet(Face::Bottom, &back, HalfSpace::Above, near)
                 && t <= near
             {
                 return;
@@ -256,7 +258,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 direction: beams.towards(),
                 ..at
             };
-            let sees = travel(self.geometry, self.accelerator, up, Medium::Above);
+            let sees = travel(self.geometry, self.accelerator, up, HalfSpace::Above);
             if !matches!(
                 sees,
                 Travel::Ended(End::Escaped | End::EscapedUnsearched(_))
@@ -276,14 +278,14 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// What a path comes to next on its straight line.
     fn next<R: Rng>(&self, path: &Path, rng: &mut R) -> Next<G::Facet> {
         let infinite = f64::INFINITY;
-        let outside = |face, medium, end| {
-            let met = self.meet(face, &path.heading, medium, infinite);
+        let outside = |face, half_space, end| {
+            let met = self.meet(face, &path.heading, half_space, infinite);
             met.unwrap_or_else(|other| Next::End(other.unwrap_or(end)))
         };
         let substrate = match (path.space, &self.substrate) {
-            (Space::Above, _) => return outside(Face::Top, Medium::Above, WalkEnd::Above),
-            (Space::Inside, None) => return outside(Face::Top, Medium::Below, WalkEnd::Below),
-            (Space::Beyond, _) => return outside(Face::Bottom, Medium::Below, WalkEnd::Below),
+            (Space::Above, _) => return outside(Face::Top, HalfSpace::Above, WalkEnd::Above),
+            (Space::Inside, None) => return outside(Face::Top, HalfSpace::Below, WalkEnd::Below),
+            (Space::Beyond, _) => return outside(Face::Bottom, HalfSpace::Below, WalkEnd::Below),
             (Space::Inside, Some(substrate)) => substrate,
         };
         let mut reach = substrate.free_flight(rng);
@@ -317,7 +319,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
         &self,
         face: Face,
         heading: &Heading,
-        medium: Medium,
+        half_space: HalfSpace,
         reach: f64,
     ) -> Result<Next<G::Facet>, Option<WalkEnd>> {
         let (mut heading, mut geometry, mut accelerator) =
@@ -337,16 +339,16 @@ impl<'a, G: Geometry> Walk<'a, G> {
             Some(substrate) => substrate.back_from(face, heading),
             None => heading,
         };
-        let inside = self.substrate.is_some() && medium == face.inside();
+        let inside = self.substrate.is_some() && half_space == face.inside();
         let gone = if self.search == Search::Nearby && inside {
-            approach(geometry, &mut heading, medium, reach)
+            approach(geometry, &mut heading, half_space, reach)
         } else {
             0.0
         };
         let reach = reach - gone;
         if self.search == Search::Nearby && reach.is_finite() {
-            let query = heading.query(geometry, medium);
-            match geometry.nearby(&query.ray, medium, reach) {
+            let query = heading.query(geometry, half_space);
+            match geometry.nearby(&query.ray, half_space, reach) {
                 Nearby::Clear => return Err(None),
                 Nearby::Met(hit) => {
                     let origin = geometry.snap(hit.facet, query.ray.at(hit.t));
@@ -356,7 +358,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 Nearby::Unknown => {}
             }
         }
-        match travel(geometry, accelerator, heading, medium) {
+        match travel(geometry, accelerator, heading, half_space) {
             Travel::Met(hit, heading) => {
                 Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t))
             }

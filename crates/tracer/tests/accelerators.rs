@@ -10,27 +10,27 @@ mod common;
 
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, BuildError, Facet, Geometry, Hit, Instructions,
-    Medium, Pyramid, Query, Surface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildError, Facet, Geometry, HalfSpace, Hit,
+    Instructions, Pyramid, Query, Surface, TileRay,
 };
 use common::{rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Physical rays, each with the medium that it is in: from outside onto the surface, and from a point
+/// Physical rays, each with the half space that it is in: from outside onto the surface, and from a point
 /// of the surface away from it; steep and grazing, along axes and from grid points.
-fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
+fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, HalfSpace)> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let [cx, cy] = surface.cells().map(|n| n as f64);
     let [_, high] = surface.z_range();
     let facets: Vec<_> = surface.facets().collect();
     (0..count)
         .map(|i| {
-            let medium = if rng.random::<bool>() {
-                Medium::Above
+            let half_space = if rng.random::<bool>() {
+                HalfSpace::Above
             } else {
-                Medium::Below
+                HalfSpace::Below
             };
             let steepness = 10_f64.powf(rng.random_range(-4.0..1.0));
             let turn = match i % 7 {
@@ -77,26 +77,26 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, Medium)> {
                     origin,
                     direction: away,
                 };
-                return match medium {
-                    Medium::Above => (up, medium),
-                    Medium::Below => (
+                return match half_space {
+                    HalfSpace::Above => (up, half_space),
+                    HalfSpace::Below => (
                         TileRay {
                             direction: -away,
                             ..up
                         },
-                        medium,
+                        half_space,
                     ),
                 };
             };
-            match medium {
-                Medium::Above => (ray, medium),
-                Medium::Below => {
+            match half_space {
+                HalfSpace::Above => (ray, half_space),
+                HalfSpace::Below => {
                     let turned = DVec3::new(1.0, 1.0, -1.0);
                     let ray = TileRay {
                         origin: ray.origin * turned,
                         direction: ray.direction * turned,
                     };
-                    (ray, medium)
+                    (ray, half_space)
                 }
             }
         })
@@ -138,7 +138,7 @@ fn accelerators(surface: &Surface) -> Vec<(String, Box<dyn Accelerator<Surface>>
 fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
     let queries: Vec<Query> = rays(surface, count, seed)
         .into_iter()
-        .map(|(ray, medium)| Query { ray, medium })
+        .map(|(ray, half_space)| Query { ray, half_space })
         .collect();
     let expected: Vec<_> = queries
         .iter()
@@ -239,12 +239,12 @@ fn accelerators_say_what_they_are_and_hold() {
 }
 
 /// Möller and Trumbore 1997, without tolerance, culled by side.
-fn textbook(surface: &Surface, ray: &TileRay, medium: Medium) -> Option<Hit<Facet>> {
+fn textbook(surface: &Surface, ray: &TileRay, half_space: HalfSpace) -> Option<Hit<Facet>> {
     let mut closest: Option<Hit<Facet>> = None;
     for facet in surface.facets() {
         let [a, b, c] = surface.corners(facet);
         let (e1, e2) = (b - a, c - a);
-        if medium.sign() * ray.direction.dot(e1.cross(e2)) >= 0.0 {
+        if half_space.sign() * ray.direction.dot(e1.cross(e2)) >= 0.0 {
             continue;
         }
         let p = ray.direction.cross(e2);
@@ -269,22 +269,22 @@ fn brute_force_matches_a_textbook_intersection() {
     let mut rng = ChaCha8Rng::seed_from_u64(4);
     let mut met = 0;
     for i in 0..4_000 {
-        let medium = if i % 2 == 0 {
-            Medium::Above
+        let half_space = if i % 2 == 0 {
+            HalfSpace::Above
         } else {
-            Medium::Below
+            HalfSpace::Below
         };
         let origin = DVec3::new(
             rng.random_range(0.0..8.0),
             rng.random_range(0.0..6.0),
-            2.5 * medium.sign(),
+            2.5 * half_space.sign(),
         );
         let turn = rng.random_range(0.0..std::f64::consts::TAU);
-        let fall = -medium.sign() * rng.random_range(0.1..2.0);
+        let fall = -half_space.sign() * rng.random_range(0.1..2.0);
         let direction = DVec3::new(turn.cos(), turn.sin(), fall).normalize();
         let ray = TileRay { origin, direction };
-        let expected = textbook(&surface, &ray, medium);
-        let found = BruteForce.closest_hit(&surface, &Query { ray, medium });
+        let expected = textbook(&surface, &ray, half_space);
+        let found = BruteForce.closest_hit(&surface, &Query { ray, half_space });
         assert_eq!(found.map(|h| h.facet), expected.map(|h| h.facet), "{ray:?}");
         if let (Some(a), Some(b)) = (found, expected) {
             assert!((a.t - b.t).abs() < 1e-9);
@@ -318,17 +318,17 @@ fn rays_that_run_along_an_edge_past_corners_are_met_where_brute_force_meets_them
                 let before = (y - forward).clamp(0.0, cy);
                 let z = |y: f64| surface.z(x as usize, y as usize);
                 let slope = z(y) - z(before) + magnitude(-8.0, 0.0);
-                let medium = if magnitude(0.0, 1e-9) > 0.0 {
-                    Medium::Above
+                let half_space = if magnitude(0.0, 1e-9) > 0.0 {
+                    HalfSpace::Above
                 } else {
-                    Medium::Below
+                    HalfSpace::Below
                 };
                 let direction = DVec3::new(magnitude(-7.0, -0.5), forward, slope).normalize();
-                let gap = medium.sign() * magnitude(-9.0, -3.0).abs();
+                let gap = half_space.sign() * magnitude(-9.0, -3.0).abs();
                 let at = DVec3::new(x + magnitude(-10.0, -5.0), y, z(y) + gap);
                 let origin = at - direction * magnitude(-3.0, 1.5).abs();
                 let ray = TileRay { origin, direction };
-                Query { ray, medium }
+                Query { ray, half_space }
             })
             .collect();
         let expected: Vec<_> = queries
@@ -354,7 +354,7 @@ fn high_levels_of_large_tiles_are_searched_as_well() {
         let surface = rugged(nx, ny, 0.3, 17, Border::Periodic);
         let queries: Vec<Query> = rays(&surface, 3_000, 31)
             .into_iter()
-            .map(|(ray, medium)| Query { ray, medium })
+            .map(|(ray, half_space)| Query { ray, half_space })
             .collect();
         let pyramid = Pyramid::build(&surface).unwrap();
         let mut found = Vec::new();
@@ -417,21 +417,21 @@ fn rays_that_graze_edges_are_met_where_f64_meets_them_on_tall_and_on_steep_surfa
                     1 => (at(0, 0), at(0, 1)),
                     _ => (at(0, 0), at(1, 1)),
                 };
-                let medium = if rng.random() {
-                    Medium::Above
+                let half_space = if rng.random() {
+                    HalfSpace::Above
                 } else {
-                    Medium::Below
+                    HalfSpace::Below
                 };
                 let mut point = a.lerp(b, rng.random());
                 point.z += clearance * rng.random_range(-1.0..1.0);
                 let turn: f64 = rng.random_range(-turned..turned);
-                let fall = medium.sign() * rng.random_range(-0.3..0.7) * turned.min(1.0);
+                let fall = half_space.sign() * rng.random_range(-0.3..0.7) * turned.min(1.0);
                 let direction = DVec3::new(turn.cos(), turn.sin(), -fall).normalize();
                 let origin = point - direction * rng.random_range(distances.clone());
                 let ray = TileRay { origin, direction };
-                Query { ray, medium }
+                Query { ray, half_space }
             })
-            .filter(|query| !surface.is_beyond(query.ray.origin, query.medium))
+            .filter(|query| !surface.is_beyond(query.ray.origin, query.half_space))
             .filter(|query| (0.0..2048.0).contains(&query.ray.origin.x))
             .filter(|query| (0.0..8.0).contains(&query.ray.origin.y))
             .collect();

@@ -17,7 +17,7 @@ use asperity_tally::{
     BatchStatistics, Control, HemisphereGrid, Layout, OrderClass, Share, Sides, VisibleShares,
 };
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, Illumination, Medium, PathSettings, Starts, Surface,
+    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Starts, Surface,
     Tracer, sum_over_facets, unshadowed_fluxes,
 };
 use common::{rugged, waves};
@@ -29,7 +29,7 @@ struct Setting {
     name: &'static str,
     surface: Surface,
     material: Material,
-    incident: Medium,
+    incident: HalfSpace,
     theta_deg: f64,
     phi_deg: f64,
     branching: Branching,
@@ -43,7 +43,7 @@ impl Setting {
             name,
             surface,
             material,
-            incident: Medium::Above,
+            incident: HalfSpace::Above,
             theta_deg,
             phi_deg: 20.0,
             branching: Branching::Split,
@@ -179,7 +179,7 @@ fn settings() -> Vec<Setting> {
         ),
     ];
     list.push(Setting {
-        incident: Medium::Below,
+        incident: HalfSpace::Below,
         ..Setting::new("from below", of(1.0), glass, 50.0)
     });
     list.push(Setting {
@@ -266,7 +266,7 @@ fn a_mean_without_its_cosine_is_noticed() {
         for index in 0..count {
             let facets = index..index + 1;
             let (surface, wi) = (&setting.surface, setting.incidence());
-            let part = sum_over_facets(surface, glass, wi, Medium::Above, both, facets);
+            let part = sum_over_facets(surface, glass, wi, HalfSpace::Above, both, facets);
             let cos_theta_m = surface.normal(surface.facet(index)).z;
             for (sum, value) in sum.iter_mut().zip(part) {
                 *sum += cos_theta_m * value;

@@ -15,8 +15,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, History, Layout, Share, Side};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, Geometry, Illumination, Medium, PathSettings, Search,
-    Substrate, Surface, Tracer, Walk, WalkEnd, Walked,
+    AcceleratorKind, BottomShape, Branching, Geometry, HalfSpace, Illumination, PathSettings,
+    Search, Substrate, Surface, Tracer, Walk, WalkEnd, Walked,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -123,7 +123,7 @@ impl Scene {
         let grid = HemisphereGrid::new(3, 4).unwrap();
         let layout = Layout::new(grid, 0.1).unwrap().with_histories();
 
-        let tracer = Tracer::new(&top, &*top_hits, glass, Medium::Above, self.settings);
+        let tracer = Tracer::new(&top, &*top_hits, glass, HalfSpace::Above, self.settings);
         let tracer = tracer.over(substrate());
         let mut together = BatchStatistics::new(layout.len());
         let mut alone = BatchStatistics::new(layout.len());

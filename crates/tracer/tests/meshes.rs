@@ -16,7 +16,7 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
 use asperity_tracer::border::{End, Heading, Travel, travel};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, Geometry, Medium, MeshBvh, MeshSurface,
+    Accelerator, AcceleratorKind, BruteForce, Geometry, HalfSpace, MeshBvh, MeshSurface,
     MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
 };
 use common::{Run, rugged, waves};
@@ -125,11 +125,11 @@ fn exported(field: &Surface) -> MeshSurface {
     surface((vertices, triangles), field.border())
 }
 
-fn random_medium(rng: &mut ChaCha8Rng) -> Medium {
+fn random_half_space(rng: &mut ChaCha8Rng) -> HalfSpace {
     if rng.random() {
-        Medium::Above
+        HalfSpace::Above
     } else {
-        Medium::Below
+        HalfSpace::Below
     }
 }
 
@@ -161,7 +161,7 @@ fn point_of(mesh: &MeshSurface, facet: u32, rng: &mut ChaCha8Rng) -> DVec3 {
 fn trace<G: Geometry>(
     geometry: &G,
     kind: AcceleratorKind,
-    incident: Medium,
+    incident: HalfSpace,
     theta_deg: f64,
 ) -> (BatchStatistics, Work) {
     let accelerator = geometry.accelerator(kind).unwrap();
@@ -225,7 +225,7 @@ fn a_ray_inside_a_closed_body_always_meets_it() {
         let ray = TileRay { origin, direction };
         let query = Query {
             ray,
-            medium: Medium::Below,
+            half_space: HalfSpace::Below,
         };
         let hit = bvh.closest_hit(&sphere, &query);
         assert!(hit.is_some(), "{i} {ray:?}");
@@ -236,7 +236,7 @@ fn a_ray_inside_a_closed_body_always_meets_it() {
 #[test]
 fn a_sphere_of_glass_keeps_the_budget() {
     let sphere = surface(icosphere(3), Border::Open);
-    let (statistics, work) = trace(&sphere, AcceleratorKind::Mesh, Medium::Above, 30.0);
+    let (statistics, work) = trace(&sphere, AcceleratorKind::Mesh, HalfSpace::Above, 30.0);
     let at = |i| statistics.means()[i];
     println!("{work:?}");
     assert_eq!(at(Layout::LOST), 0.0);
@@ -253,7 +253,7 @@ fn a_mushroom_keeps_the_budget() {
         (Border::Mirrored, 50.0),
         (Border::Open, 70.0),
     ] {
-        for incident in [Medium::Above, Medium::Below] {
+        for incident in [HalfSpace::Above, HalfSpace::Below] {
             let mesh = surface(mushroom(), border);
             assert_eq!(mesh.repairs(), Default::default());
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
@@ -301,9 +301,9 @@ fn bvh_matches_brute_force_under_overhangs() {
             // Anywhere from a point.
             _ => (mesh.snap(facet, point), random_direction(&mut rng)),
         };
-        let medium = random_medium(&mut rng);
+        let half_space = random_half_space(&mut rng);
         let ray = TileRay { origin, direction };
-        let query = Query { ray, medium };
+        let query = Query { ray, half_space };
         let expected = BruteForce.closest_hit(&mesh, &query);
         assert_eq!(bvh.closest_hit(&mesh, &query), expected, "{query:?}");
         met += usize::from(expected.is_some());
@@ -321,11 +321,11 @@ fn no_ray_slips_through_where_facets_meet() {
         let mut rng = ChaCha8Rng::seed_from_u64(9);
         let mut met = 0;
         for _ in 0..100_000 {
-            let medium = random_medium(&mut rng);
+            let half_space = random_half_space(&mut rng);
             let facet = rng.random_range(0..mesh.facet_count() as u32);
             let origin = mesh.snap(facet, point_of(&mesh, facet, &mut rng));
             let direction = random_direction(&mut rng);
-            if medium.sign() * direction.dot(mesh.normal(facet)) <= 0.0 {
+            if half_space.sign() * direction.dot(mesh.normal(facet)) <= 0.0 {
                 continue;
             }
             let heading = Heading {
@@ -333,12 +333,15 @@ fn no_ray_slips_through_where_facets_meet() {
                 direction,
                 mirrored: [false; 2],
             };
-            match travel(&mesh, &bvh, heading, medium) {
+            match travel(&mesh, &bvh, heading, half_space) {
                 Travel::Met(..) => met += 1,
                 Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
-                    assert!(medium.sign() * direction.z > 0.0, "{heading:?} {medium:?}");
+                    assert!(
+                        half_space.sign() * direction.z > 0.0,
+                        "{heading:?} {half_space:?}"
+                    );
                 }
-                other => panic!("{other:?} {heading:?} {medium:?}"),
+                other => panic!("{other:?} {heading:?} {half_space:?}"),
             }
         }
         assert!(met > 20_000, "{met}");
@@ -364,17 +367,17 @@ fn no_ray_slips_through_where_tiles_meet() {
             if (0..2).all(|k| target[k] != 0.0 && target[k] != mesh.extent()[k]) {
                 continue;
             }
-            let medium = random_medium(&mut rng);
+            let half_space = random_half_space(&mut rng);
             let direction = random_direction(&mut rng) * DVec3::new(1.0, 1.0, 0.1);
             let direction = direction.normalize();
-            let towards = direction * -medium.sign() * direction.z.signum();
+            let towards = direction * -half_space.sign() * direction.z.signum();
             let height = (high - low) / towards.z.abs() * rng.random_range(1.0..9.0);
             let heading = Heading {
                 origin: target - height * towards,
                 direction: towards,
                 mirrored: [false; 2],
             };
-            let end = travel(&mesh, &bvh, heading, medium);
+            let end = travel(&mesh, &bvh, heading, half_space);
             assert!(matches!(end, Travel::Met(..)), "{end:?} {heading:?}");
         }
     }
@@ -387,7 +390,7 @@ fn an_exported_tile_is_traced_as_the_height_field_itself() {
     let surface = Surface::new(field.with_border(Border::Periodic));
     let mesh = exported(&surface);
     assert_eq!(mesh.repairs(), Default::default());
-    for (incident, theta) in [(Medium::Above, 30.0), (Medium::Below, 60.0)] {
+    for (incident, theta) in [(HalfSpace::Above, 30.0), (HalfSpace::Below, 60.0)] {
         let (expected, work) = trace(&surface, AcceleratorKind::Auto, incident, theta);
         let (found, own) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
         let layout = Layout::default();
@@ -572,7 +575,7 @@ fn light_that_passes_by_an_open_patch_is_truncated() {
     assert_eq!(surface(holed(), Border::Open).repairs().open_edges, 3);
     for mesh in [icosphere(1), pipe(), holed()] {
         let mesh = surface(mesh, Border::Open);
-        for (incident, theta) in [(Medium::Above, 0.0), (Medium::Below, 60.0)] {
+        for (incident, theta) in [(HalfSpace::Above, 0.0), (HalfSpace::Below, 60.0)] {
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
             assert_eq!(statistics.means()[Layout::LOST], 0.0);
             assert!(statistics.means()[Layout::LEFT_PATCH] > 1e-4);

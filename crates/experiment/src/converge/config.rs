@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use asperity_surface::Synthesis;
 use asperity_tally::{HemisphereGrid, Layout, Sides};
-use asperity_tracer::{AcceleratorKind, Medium, Sampling};
+use asperity_tracer::{AcceleratorKind, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
@@ -111,7 +111,7 @@ pub(super) struct Plan {
     pub(super) reference: (Method, Effort),
     pub(super) errors: Vec<f64>,
     pub(super) layout: Layout,
-    pub(super) incident: Medium,
+    pub(super) incident: HalfSpace,
     pub(super) any_azimuth: bool,
     pub(super) seed: u64,
 }
@@ -288,7 +288,7 @@ impl ConvergeConfig {
             ),
             errors,
             layout: verification.run.ray_settings()?.layout,
-            incident: Medium::from(self.light.from),
+            incident: HalfSpace::from(self.light.from),
             any_azimuth: verification.any_azimuth(),
             seed: config.seed,
         })

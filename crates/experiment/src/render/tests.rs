@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::Layout;
-use asperity_tracer::{BottomShape, Branching, Illumination, Medium, Substrate, Tracer};
+use asperity_tracer::{BottomShape, Branching, HalfSpace, Illumination, Substrate, Tracer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -161,7 +161,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
             &surface,
             &*hits,
             GLASS,
-            Medium::Above,
+            HalfSpace::Above,
             PathSettings::default(),
         );
         if let Some(layer) = layer {

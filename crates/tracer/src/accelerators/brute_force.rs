@@ -21,7 +21,7 @@ impl<G: Geometry> Accelerator<G> for BruteForce {
         let mut closest = None;
         for index in 0..geometry.facet_count() {
             let facet = geometry.facet(index);
-            if let Some(t) = geometry.intersect(facet, &query.ray, query.medium) {
+            if let Some(t) = geometry.intersect(facet, &query.ray, query.half_space) {
                 let hit = Hit { t, facet };
                 if hit.is_before(&closest) {
                     closest = Some(hit);

@@ -42,8 +42,8 @@ impl Accelerator<Surface> for Flat {
     /// Where the ray passes the plane, or comes over the tile if it has passed by then, up to four
     /// cells may be met within rounding.
     fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
-        let Query { ray, medium } = *query;
-        if medium.sign() * ray.direction.z >= 0.0 {
+        let Query { ray, half_space } = *query;
+        if half_space.sign() * ray.direction.z >= 0.0 {
             return None;
         }
         if ray.direction.z.abs() < LEVEL * ray.direction.length() {
@@ -75,7 +75,7 @@ impl Accelerator<Surface> for Flat {
         for iy in near(1) {
             for ix in near(0) {
                 let cell = [ix as u32, iy as u32];
-                if let Some(hit) = surface.intersect_cell(cell, &ray, medium)
+                if let Some(hit) = surface.intersect_cell(cell, &ray, half_space)
                     && hit.is_before(&closest)
                 {
                     closest = Some(hit);

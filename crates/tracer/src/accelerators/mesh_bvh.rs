@@ -86,7 +86,7 @@ impl<G: Geometry> Accelerator<G> for MeshBvh {
         self.bvh
             .ray_traverse(single.ray, &mut RayHit::none(), |_, id| {
                 let facet = geometry.facet(self.bvh.primitive_indices[id] as usize);
-                match geometry.intersect(facet, &query.ray, query.medium) {
+                match geometry.intersect(facet, &query.ray, query.half_space) {
                     Some(t) => {
                         let hit = Hit { t, facet };
                         if hit.is_before(&closest) {

@@ -8,7 +8,7 @@ use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
 use crate::border::{End, Heading, Way, set_out};
 use crate::geometry::Geometry;
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 use crate::substrate::Face;
 
 impl<G: Geometry> Tracer<'_, G> {
@@ -65,7 +65,7 @@ impl<G: Geometry> Tracer<'_, G> {
     pub(super) fn look_into_shadow<R: Rng>(
         &self,
         at: Arrival<G::Facet>,
-        behind: Medium,
+        behind: HalfSpace,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
@@ -87,12 +87,12 @@ impl<G: Geometry> Tracer<'_, G> {
     pub(super) fn unseen<R>(
         &self,
         direction: DVec3,
-        medium: Medium,
+        half_space: HalfSpace,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         if light.path.order() == 1 && batch.record.control().is_some() {
-            let exit = self.exit(direction, Face::Top, medium, light);
+            let exit = self.exit(direction, Face::Top, half_space, light);
             batch.record.add_unseen(&exit);
         }
     }
@@ -111,9 +111,9 @@ impl<G: Geometry> Tracer<'_, G> {
         let scattered = self.scattered(at, self.incident);
         for branch in scattered.branches {
             if branch.share > 0.0 {
-                let (heading, medium, light) =
+                let (heading, half_space, light) =
                     onward(at, self.incident, light, &branch, branch.share);
-                let exit = self.exit(heading.world_direction(), Face::Top, medium, &light);
+                let exit = self.exit(heading.world_direction(), Face::Top, half_space, &light);
                 batch.record.add_unseen(&exit);
             }
         }

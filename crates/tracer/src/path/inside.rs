@@ -15,7 +15,7 @@ use super::{Batch, Tracer};
 use crate::accelerator::Query;
 use crate::border::{End, Heading, Way, approach, come_home, set_out};
 use crate::geometry::{Geometry, Nearby};
-use crate::ray::{Hit, Medium};
+use crate::ray::{HalfSpace, Hit};
 use crate::scatter::{Branch, Scattered, scatter};
 use crate::substrate::{Face, Substrate};
 
@@ -112,7 +112,7 @@ impl<G: Geometry> Tracer<'_, G> {
             if reach.is_infinite() {
                 return self.leave_clear(substrate, &heading, &light, batch);
             }
-            heading.origin += reach * heading.query(self.geometry, Medium::Below).ray.direction;
+            heading.origin += reach * heading.query(self.geometry, HalfSpace::Below).ray.direction;
             if !come_home(self.geometry, &mut heading) {
                 batch.record.add_loss(Loss::LeftPatch, light.flux);
                 return;
@@ -141,7 +141,7 @@ impl<G: Geometry> Tracer<'_, G> {
     ) {
         if heading.direction.z < 0.0 && substrate.bottom().is_none() {
             let direction = heading.world_direction();
-            let exit = self.exit(direction, Face::Bottom, Medium::Below, light);
+            let exit = self.exit(direction, Face::Bottom, HalfSpace::Below, light);
             batch.record.add_exit(&exit);
         } else {
             let loss = match self.geometry.border() {
@@ -235,7 +235,7 @@ impl<G: Geometry> Tracer<'_, G> {
             let exit = self.exit(
                 heading.world_direction(),
                 Face::Bottom,
-                Medium::Below,
+                HalfSpace::Below,
                 light,
             );
             batch.record.add_exit(&exit);
@@ -247,7 +247,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         let scattered = scatter_at_bottom(
             bottom,
-            Medium::Above,
+            HalfSpace::Above,
             -heading.direction,
             DVec3::Z,
             batch.rng,
@@ -266,18 +266,18 @@ impl<G: Geometry> Tracer<'_, G> {
                 Event::Reflection => batch.inside.push(Inside { heading, light }),
                 Event::Transmission => {
                     let direction = heading.world_direction();
-                    let exit = self.exit(direction, Face::Bottom, Medium::Below, &light);
+                    let exit = self.exit(direction, Face::Bottom, HalfSpace::Below, &light);
                     batch.record.add_exit(&exit);
                 }
             }
         }
     }
 
-    /// Reflects, transmits or absorbs light that has arrived at a facet of the bottom through `medium`.
+    /// Reflects, transmits or absorbs light that has arrived at a facet of the bottom through `half_space`.
     pub(super) fn interact_at_bottom<R: Rng>(
         &self,
         at: &Arrival<G::Facet>,
-        medium: Medium,
+        half_space: HalfSpace,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
@@ -287,17 +287,24 @@ impl<G: Geometry> Tracer<'_, G> {
         ) else {
             return;
         };
-        let m = medium.sign() * geometry.normal(at.facet);
+        let m = half_space.sign() * geometry.normal(at.facet);
         let wi = -at.heading.direction;
-        let scattered = scatter_at_bottom(bottom, medium, wi, m, batch.rng);
+        let scattered = scatter_at_bottom(bottom, half_space, wi, m, batch.rng);
         batch
             .record
             .add_loss(Loss::Absorbed, light.flux * scattered.absorbed);
         let divides = matches!(bottom, Bottom::Interface { .. });
         for (branch, share) in self.followed(&scattered, divides, batch.rng) {
-            let (heading, medium, mut light) = onward(at, medium, light, &branch, share);
+            let (heading, half_space, mut light) = onward(at, half_space, light, &branch, share);
             if self.survives(&mut light, batch) {
-                self.set_out(Face::Bottom, heading, medium, light, Errand::Light, batch);
+                self.set_out(
+                    Face::Bottom,
+                    heading,
+                    half_space,
+                    light,
+                    Errand::Light,
+                    batch,
+                );
             }
         }
     }
@@ -312,7 +319,7 @@ fn ahead<G: Geometry>(
     reach: f64,
 ) -> Ahead<G::Facet> {
     let query = heading.query(geometry, face.inside());
-    match geometry.nearby(&query.ray, query.medium, reach) {
+    match geometry.nearby(&query.ray, query.half_space, reach) {
         Nearby::Clear => Ahead::Clear,
         Nearby::Met(hit) => Ahead::Met(Arrival {
             heading: Way::new(&heading).arrival(geometry, &query, &hit),
@@ -326,11 +333,11 @@ fn ahead<G: Geometry>(
     }
 }
 
-/// What a bottom does with light that comes through `medium` from `wi` to a place of normal `m`, on the
+/// What a bottom does with light that comes through `half_space` from `wi` to a place of normal `m`, on the
 /// side of `wi`.
 fn scatter_at_bottom<R: Rng>(
     bottom: Bottom,
-    medium: Medium,
+    half_space: HalfSpace,
     wi: DVec3,
     m: DVec3,
     rng: &mut R,
@@ -352,7 +359,7 @@ fn scatter_at_bottom<R: Rng>(
     match bottom {
         Bottom::Interface { eta } => {
             let material = Material::Dielectric { eta };
-            scatter(material, medium == Medium::Above, wi, m)
+            scatter(material, half_space == HalfSpace::Above, wi, m)
         }
         Bottom::Mirror => reflected(1.0, reflect(wi, m)),
         Bottom::Lambertian { reflectance } => {

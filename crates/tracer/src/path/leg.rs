@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::accelerator::Query;
 use crate::border::{Heading, Way};
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 use crate::scatter::Branch;
 
 /// What light carries along its path.
@@ -76,18 +76,18 @@ impl<F> InFlight<F> {
 /// Light that goes on from a facet along `branch`, with a `share` of its flux.
 pub(super) fn onward<F>(
     at: &Arrival<F>,
-    medium: Medium,
+    half_space: HalfSpace,
     light: &Light,
     branch: &Branch,
     share: f64,
-) -> (Heading, Medium, Light) {
-    let medium = match branch.event {
-        Event::Reflection => medium,
-        Event::Transmission => medium.other(),
+) -> (Heading, HalfSpace, Light) {
+    let half_space = match branch.event {
+        Event::Reflection => half_space,
+        Event::Transmission => half_space.other(),
     };
     let heading = Heading {
         direction: branch.direction,
         ..at.heading
     };
-    (heading, medium, light.onward(branch, share))
+    (heading, half_space, light.onward(branch, share))
 }

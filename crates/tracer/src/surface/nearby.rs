@@ -1,7 +1,7 @@
 //! What a short stretch of a ray meets on a surface, told without a search.
 
 use crate::geometry::{Geometry, Nearby, is_beside};
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 use crate::relief::{Cells, Relief};
 
 use super::{Facet, Surface};
@@ -16,16 +16,21 @@ impl Surface {
     /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
     /// stretch is short, half by half, down to the cells.
     #[inline]
-    pub(super) fn look_nearby(&self, ray: &TileRay, medium: Medium, reach: f64) -> Nearby<Facet> {
-        if is_beside(self.z_range(), ray, medium, reach) {
+    pub(super) fn look_nearby(
+        &self,
+        ray: &TileRay,
+        half_space: HalfSpace,
+        reach: f64,
+    ) -> Nearby<Facet> {
+        if is_beside(self.z_range(), ray, half_space, reach) {
             return Nearby::Clear;
         }
         let (Some(relief), Some(cells)) = (self.relief.get(), self.cells_under(ray, [0.0, reach]))
         else {
             return Nearby::Unknown;
         };
-        if relief.is_clear(cells, medium, nearest(ray, medium, [0.0, reach]))
-            || self.escapes(ray, medium).is_some()
+        if relief.is_clear(cells, half_space, nearest(ray, half_space, [0.0, reach]))
+            || self.escapes(ray, half_space).is_some()
         {
             return Nearby::Clear;
         }
@@ -33,7 +38,7 @@ impl Surface {
         if x1 - x0 > FAR || y1 - y0 > FAR {
             return Nearby::Unknown;
         }
-        self.nearby_by_halves(relief, ray, medium, reach)
+        self.nearby_by_halves(relief, ray, half_space, reach)
     }
 
     /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.
@@ -58,7 +63,7 @@ impl Surface {
         &self,
         relief: &Relief,
         ray: &TileRay,
-        medium: Medium,
+        half_space: HalfSpace,
         reach: f64,
     ) -> Nearby<Facet> {
         let mut closest: Option<Hit<Facet>> = None;
@@ -76,8 +81,8 @@ impl Surface {
             let Some(cells) = self.cells_under(ray, stretch) else {
                 return Nearby::Unknown;
             };
-            let z = nearest(ray, medium, stretch);
-            if relief.is_clear(cells, medium, z) {
+            let z = nearest(ray, half_space, stretch);
+            if relief.is_clear(cells, half_space, z) {
                 continue;
             }
             let [[x0, x1], [y0, y1]] = cells;
@@ -91,7 +96,7 @@ impl Surface {
             for iy in y0..=y1 {
                 for ix in x0..=x1 {
                     let cell = self.cell([ix, iy]);
-                    let q = medium.sign();
+                    let q = half_space.sign();
                     // Beyond all four corners the stretch is beyond both facets.
                     if [cell.z00, cell.z10, cell.z01, cell.z11]
                         .iter()
@@ -99,7 +104,7 @@ impl Surface {
                     {
                         continue;
                     }
-                    if let Some(hit) = self.closest_in(&cell, [ix, iy], ray, medium)
+                    if let Some(hit) = self.closest_in(&cell, [ix, iy], ray, half_space)
                         && hit.is_before(&closest)
                     {
                         closest = Some(hit);
@@ -114,12 +119,12 @@ impl Surface {
     }
 }
 
-/// z of the point of a stretch of a ray in `medium` that is nearest to the other side.
+/// z of the point of a stretch of a ray in `half_space` that is nearest to the other side.
 #[inline]
-fn nearest(ray: &TileRay, medium: Medium, stretch: [f64; 2]) -> f64 {
+fn nearest(ray: &TileRay, half_space: HalfSpace, stretch: [f64; 2]) -> f64 {
     let [a, b] = stretch.map(|t| ray.origin.z + t * ray.direction.z);
-    match medium {
-        Medium::Above => a.min(b),
-        Medium::Below => a.max(b),
+    match half_space {
+        HalfSpace::Above => a.min(b),
+        HalfSpace::Below => a.max(b),
     }
 }

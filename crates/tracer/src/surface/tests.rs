@@ -30,7 +30,11 @@ fn a_vertical_ray_meets_exactly_one_facet_and_only_from_its_own_side() {
     };
     let hits: Vec<_> = surface
         .facets()
-        .filter_map(|f| surface.intersect(f, &down, Medium::Above).map(|t| (f, t)))
+        .filter_map(|f| {
+            surface
+                .intersect(f, &down, HalfSpace::Above)
+                .map(|t| (f, t))
+        })
         .collect();
     assert_eq!(hits.len(), 1);
     let (facet, t) = hits[0];
@@ -47,7 +51,7 @@ fn a_vertical_ray_meets_exactly_one_facet_and_only_from_its_own_side() {
     assert!(
         surface
             .facets()
-            .all(|f| surface.intersect(f, &down, Medium::Below).is_none())
+            .all(|f| surface.intersect(f, &down, HalfSpace::Below).is_none())
     );
 }
 
@@ -63,10 +67,10 @@ fn corners_lie_on_the_plane_and_turn_counter_clockwise() {
     }
 }
 
-/// How a ray in `Medium::Above` meets each facet.
+/// How a ray in `HalfSpace::Above` meets each facet.
 fn hits(surface: &Surface, origin: DVec3, direction: DVec3) -> Vec<(Facet, f64)> {
     let ray = TileRay { origin, direction };
-    let hit = |f| surface.intersect(f, &ray, Medium::Above).map(|t| (f, t));
+    let hit = |f| surface.intersect(f, &ray, HalfSpace::Above).map(|t| (f, t));
     surface.facets().filter_map(hit).collect()
 }
 

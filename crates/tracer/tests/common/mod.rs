@@ -9,7 +9,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Estimate, Layout};
 use asperity_tracer::{
-    Accelerator, Geometry, Illumination, Medium, PathSettings, Surface, Tracer, Work,
+    Accelerator, Geometry, HalfSpace, Illumination, PathSettings, Surface, Tracer, Work,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -64,7 +64,7 @@ pub struct Run<'a, G = Surface> {
     pub surface: &'a G,
     pub accelerator: &'a dyn Accelerator<G>,
     pub material: Material,
-    pub incident: Medium,
+    pub incident: HalfSpace,
     pub settings: PathSettings,
     pub theta_deg: f64,
     pub phi_deg: f64,
@@ -78,7 +78,7 @@ impl<'a, G: Geometry> Run<'a, G> {
             surface,
             accelerator,
             material,
-            incident: Medium::Above,
+            incident: HalfSpace::Above,
             settings: PathSettings::default(),
             theta_deg: 30.0,
             phi_deg: 180.0,

@@ -18,8 +18,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, Sides};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Geometry, Illumination, Medium, PathSettings, Substrate, Surface,
-    Tracer, Work,
+    AcceleratorKind, BottomShape, Geometry, HalfSpace, Illumination, PathSettings, Substrate,
+    Surface, Tracer, Work,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -76,7 +76,7 @@ impl Scene {
             &self.surface,
             &*accelerator,
             Material::dielectric(self.eta).unwrap(),
-            Medium::Above,
+            HalfSpace::Above,
             self.settings,
         )
         .over(substrate);

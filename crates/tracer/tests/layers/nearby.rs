@@ -1,7 +1,9 @@
 //! What a look nearby tells of a stretch of a ray, against looking at every facet.
 
 use asperity_surface::{Border, HeightField};
-use asperity_tracer::{Accelerator, BruteForce, Geometry, Medium, Nearby, Query, Surface, TileRay};
+use asperity_tracer::{
+    Accelerator, BruteForce, Geometry, HalfSpace, Nearby, Query, Surface, TileRay,
+};
 use glam::DVec3;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -36,30 +38,30 @@ fn a_look_nearby_tells_what_a_search_finds() {
         for _ in 0..4000 {
             let mut ray = anywhere(&surface, &mut rng);
             let (facet, below) = surface.over(ray.origin.x, ray.origin.y).unwrap();
-            let medium = if ray.origin.z > below.z {
-                Medium::Above
+            let half_space = if ray.origin.z > below.z {
+                HalfSpace::Above
             } else {
-                Medium::Below
+                HalfSpace::Below
             };
             // A quarter starts on the surface, as what has just passed it does.
             if rng.random_range(0..4) == 0 {
                 ray.origin = below;
-                if medium.sign() * ray.direction.dot(surface.normal(facet)) < 0.0 {
+                if half_space.sign() * ray.direction.dot(surface.normal(facet)) < 0.0 {
                     ray.direction = -ray.direction;
                 }
             }
-            let found = BruteForce.closest_hit(&surface, &Query { ray, medium });
+            let found = BruteForce.closest_hit(&surface, &Query { ray, half_space });
             let reach = 12.0 * rng.random::<f64>().powi(3);
             // Once anyhow, and once just before and just after what is met.
             let around = found.map_or(reach, |hit| hit.t);
             for reach in [reach, around * (1.0 - 1e-6), around * (1.0 + 1e-6)] {
                 let within = found.filter(|hit| hit.t <= reach);
-                match surface.nearby(&ray, medium, reach) {
+                match surface.nearby(&ray, half_space, reach) {
                     Nearby::Clear => assert_eq!(within, None, "{ray:?} up to {reach}"),
                     Nearby::Met(hit) => assert_eq!(within, Some(hit), "{ray:?} up to {reach}"),
                     Nearby::Unknown => {}
                 }
-                match surface.nearby(&ray, medium, reach) {
+                match surface.nearby(&ray, half_space, reach) {
                     Nearby::Clear => clear += 1,
                     Nearby::Met(_) => met += 1,
                     Nearby::Unknown => unknown += 1,
@@ -78,7 +80,7 @@ fn nothing_is_met_beyond_the_heights_of_a_flat_surface() {
         origin: DVec3::new(1.5, 1.5, z),
         direction: DVec3::new(0.0, 0.0, up),
     };
-    let nearby = |z, up, reach| flat.nearby(&ray(z, up), Medium::Below, reach);
+    let nearby = |z, up, reach| flat.nearby(&ray(z, up), HalfSpace::Below, reach);
     assert_eq!(nearby(-2.0, 1.0, 1.9), Nearby::Clear);
     assert_eq!(nearby(-2.0, -1.0, 1e9), Nearby::Clear);
     assert_eq!(nearby(0.0, -1.0, 1.0), Nearby::Clear);

@@ -3,7 +3,7 @@
 use asperity_optics::{Bottom, Layer};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout};
-use asperity_tracer::{AcceleratorKind, Geometry, Medium, Surface, Tracer};
+use asperity_tracer::{AcceleratorKind, Geometry, HalfSpace, Surface, Tracer};
 
 use crate::common::waves;
 use crate::{Scene, medium, slab, z_between};
@@ -199,7 +199,7 @@ fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
         &surface,
         &*accelerator,
         glass,
-        Medium::Below,
+        HalfSpace::Below,
         Default::default(),
     )
     .over(substrate);

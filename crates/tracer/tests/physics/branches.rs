@@ -3,7 +3,7 @@
 use asperity_optics::Material;
 use asperity_surface::Border;
 use asperity_tally::{Layout, OrderClass, Share, Side, Sides};
-use asperity_tracer::{Branching, Medium, MeshBvh, PathSettings, Surface};
+use asperity_tracer::{Branching, HalfSpace, MeshBvh, PathSettings, Surface};
 
 use crate::common::{Run, rugged, waves, z_score};
 use crate::{budget, glass};
@@ -62,10 +62,10 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
         let bvh = MeshBvh::build(surface).unwrap();
         for branching in [Branching::Split, Branching::Pick] {
             for (max_order, incident) in [
-                (1, Medium::Above),
-                (2, Medium::Above),
-                (3, Medium::Below),
-                (1000, Medium::Above),
+                (1, HalfSpace::Above),
+                (2, HalfSpace::Above),
+                (3, HalfSpace::Below),
+                (1000, HalfSpace::Above),
             ] {
                 // Roulette decides about most branches, so that a draw more or less would be seen.
                 let settings = PathSettings::new(branching, 0.5, max_order).unwrap();

@@ -3,7 +3,9 @@
 use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side};
-use asperity_tracer::{BruteForce, Illumination, Medium, MeshBvh, PathSettings, Surface, Tracer};
+use asperity_tracer::{
+    BruteForce, HalfSpace, Illumination, MeshBvh, PathSettings, Surface, Tracer,
+};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -69,7 +71,7 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
         &surface,
         &BruteForce,
         glass(),
-        Medium::Above,
+        HalfSpace::Above,
         PathSettings::default(),
     );
     for (theta_deg, phi_deg) in [(32.0, 3.0), (47.0, 101.0), (62.0, 305.0)] {

@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
-use asperity_tracer::{Illumination, Medium, MeshBvh, PathSettings, Sampling, Surface, Tracer};
+use asperity_tracer::{HalfSpace, Illumination, MeshBvh, PathSettings, Sampling, Surface, Tracer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -18,7 +18,7 @@ fn samplings_agree_and_even_ones_scatter_less() {
     let bvh = MeshBvh::build(&surface).unwrap();
     let layout = Layout::default();
     let settings = exhaustive();
-    let tracer = Tracer::new(&surface, &bvh, glass(), Medium::Above, settings);
+    let tracer = Tracer::new(&surface, &bvh, glass(), HalfSpace::Above, settings);
     let incidence = Incidence::from_degrees(50.0, 20.0).unwrap();
     let found = [
         Sampling::Random,
@@ -63,7 +63,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     let bvh = MeshBvh::build(&surface).unwrap();
     let layout = Layout::default();
     let settings = PathSettings::default();
-    let tracer = Tracer::new(&surface, &bvh, glass(), Medium::Above, settings);
+    let tracer = Tracer::new(&surface, &bvh, glass(), HalfSpace::Above, settings);
     let batches = |theta_deg, seed| {
         let incidence = Incidence::from_degrees(theta_deg, 33.0).unwrap();
         let mut statistics = BatchStatistics::new(layout.len());

@@ -4,7 +4,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Side};
 use asperity_tracer::{
-    AcceleratorKind, BruteForce, Geometry, Illumination, Medium, MeshBvh, PathSettings, Surface,
+    AcceleratorKind, BruteForce, Geometry, HalfSpace, Illumination, MeshBvh, PathSettings, Surface,
     Tracer,
 };
 use rand::{RngExt, SeedableRng};
@@ -21,7 +21,7 @@ fn light_from_below_equals_light_from_above_on_the_inverted_surface() {
         .unwrap();
     let (surface, inverted) = (Surface::new(field), Surface::new(inverted));
     let below = Run {
-        incident: Medium::Below,
+        incident: HalfSpace::Below,
         theta_deg: 50.0,
         ..Run::new(&surface, &BruteForce, glass())
     };
@@ -72,8 +72,8 @@ fn diffuse_light_passes_both_ways_alike() {
         }
         statistics.estimate(Layout::TRANSMITTED)
     };
-    let down = diffuse(Medium::Above, GLASS, 1);
-    let up = diffuse(Medium::Below, 1.0 / GLASS, 2);
+    let down = diffuse(HalfSpace::Above, GLASS, 1);
+    let up = diffuse(HalfSpace::Below, 1.0 / GLASS, 2);
     let n2 = GLASS * GLASS;
     let z = z_score(down, n2 * up.mean, n2 * up.se.unwrap());
     println!("down {down:?}, n^2 up {}, z = {z}", n2 * up.mean);

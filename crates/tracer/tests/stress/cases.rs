@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_surface::Roughness;
-use asperity_tracer::{Geometry, Medium, Surface, border};
+use asperity_tracer::{Geometry, HalfSpace, Surface, border};
 
 use crate::Effort;
 
@@ -18,7 +18,7 @@ const SPIKY: f64 = 1e3;
 pub(super) struct Case {
     pub(super) theta_deg: f64,
     pub(super) material: Material,
-    pub(super) incident: Medium,
+    pub(super) incident: HalfSpace,
 }
 
 /// Cases of light that a scene can be lit with: angles at which light need not cross more tiles than
@@ -35,7 +35,7 @@ pub(super) fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case
     for (i, theta_deg) in thetas.enumerate() {
         for (j, &material) in materials.iter().enumerate() {
             // Of 20 cases an angle, the small effort takes one or two, others for other scenes.
-            for (k, incident) in [Medium::Above, Medium::Below].into_iter().enumerate() {
+            for (k, incident) in [HalfSpace::Above, HalfSpace::Below].into_iter().enumerate() {
                 if every_case || (2 * j + k + 7 * i + 3 * index).is_multiple_of(17) {
                     cases.push(Case {
                         theta_deg,

@@ -2,7 +2,7 @@
 //! rays are traced.
 
 use asperity_surface::Border;
-use asperity_tracer::{Geometry, Medium, Surface, TileRay};
+use asperity_tracer::{Geometry, HalfSpace, Surface, TileRay};
 
 /// The surface as a function of place, in tile coordinates continued beyond the tile.
 pub(crate) struct Ground<'a> {
@@ -130,14 +130,14 @@ impl<'a> Ground<'a> {
         (distance > self.tolerance(place, ray, t)).then_some(distance)
     }
 
-    /// First place in `[from, to]` where a ray in `medium` is on the wrong side by more than rounding.
+    /// First place in `[from, to]` where a ray in `half_space` is on the wrong side by more than rounding.
     ///
     /// Between the lines where it crosses columns, rows and diagonals, the height of the ray above
     /// the surface is linear; so it is enough to look at these, all of them.
     pub(crate) fn breach(
         &self,
         ray: &TileRay,
-        medium: Medium,
+        half_space: HalfSpace,
         [from, to]: [f64; 2],
     ) -> Option<Breach> {
         let at = ray.at(from);
@@ -164,7 +164,7 @@ impl<'a> Ground<'a> {
                     }
                     let p = ray.at(t);
                     let h = cell.height(p.x - corner[0], p.y - corner[1]);
-                    let depth = medium.sign() * (h - p.z);
+                    let depth = half_space.sign() * (h - p.z);
                     if depth > 0.0 {
                         let tolerance = self.tolerance(place, ray, t);
                         if depth > tolerance {

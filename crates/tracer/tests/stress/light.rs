@@ -5,7 +5,7 @@ use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, Layout};
 use asperity_tracer::border::Heading;
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, Illumination, Medium, PathSettings, Query, Surface,
+    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Query, Surface,
     TileRay, Tracer,
 };
 use glam::DVec3;
@@ -45,7 +45,8 @@ fn powers_of_two_of_scale_change_no_byte() {
         let trace = |scale: f64| {
             let surface = Surface::new(scaled(&field, scale));
             let values = accelerators(&surface).into_iter().map(|(_, accelerator)| {
-                let tracer = Tracer::new(&surface, &*accelerator, glass, Medium::Above, settings);
+                let tracer =
+                    Tracer::new(&surface, &*accelerator, glass, HalfSpace::Above, settings);
                 let mut rng = generator(61, 0);
                 tracer.batch(
                     &Illumination::new(incidence, false),
@@ -123,14 +124,14 @@ pub(super) fn watched(
 }
 
 /// What is asked first about a ray that starts with `heading`.
-fn first_query(surface: &Surface, heading: &Heading, medium: Medium) -> Query {
+fn first_query(surface: &Surface, heading: &Heading, half_space: HalfSpace) -> Query {
     let scale = DVec3::new(1.0, surface.aspect(), 1.0);
     Query {
         ray: TileRay {
             origin: heading.origin,
             direction: heading.direction * scale,
         },
-        medium,
+        half_space,
     }
 }
 

@@ -51,7 +51,7 @@ impl Scheme for Offset {
             surface,
             &TwoSided { skipped: None },
             leg.heading,
-            leg.medium,
+            leg.half_space,
         )
     }
 
@@ -69,7 +69,7 @@ impl Scheme for SkipLast {
             surface,
             &TwoSided { skipped: leg.last },
             leg.heading,
-            leg.medium,
+            leg.half_space,
         )
     }
 }

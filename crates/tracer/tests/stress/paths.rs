@@ -5,7 +5,7 @@
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
 use asperity_tracer::border::{End, Heading, Travel, travel};
-use asperity_tracer::{Accelerator, Branching, Facet, Geometry, Medium, Surface, TileRay};
+use asperity_tracer::{Accelerator, Branching, Facet, Geometry, HalfSpace, Surface, TileRay};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -19,7 +19,7 @@ const WATCHED: f64 = 2000.0;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leg {
     pub(crate) heading: Heading,
-    pub(crate) medium: Medium,
+    pub(crate) half_space: HalfSpace,
     /// The facet that it has just left.
     pub(crate) last: Option<Facet>,
     flux: f64,
@@ -44,7 +44,7 @@ pub(crate) struct BySide<'a>(pub(crate) &'a dyn Accelerator<Surface>);
 
 impl Scheme for BySide<'_> {
     fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
-        travel(surface, self.0, leg.heading, leg.medium)
+        travel(surface, self.0, leg.heading, leg.half_space)
     }
 }
 
@@ -52,7 +52,7 @@ impl Scheme for BySide<'_> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Light {
     pub(crate) material: Material,
-    pub(crate) incident: Medium,
+    pub(crate) incident: HalfSpace,
     pub(crate) branching: Branching,
     /// Split branches weaker than this end, booked as truncated; there is no roulette.
     pub(crate) weakest: f64,
@@ -178,7 +178,7 @@ pub(crate) fn walk(
     let ground = Ground::new(surface);
     let mut legs = vec![Leg {
         heading,
-        medium: light.incident,
+        half_space: light.incident,
         last: None,
         flux: 1.0,
         order: 0,
@@ -190,7 +190,7 @@ pub(crate) fn walk(
         watch(surface, &ground, light, &leg, &end, &mut account);
         match end {
             Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
-                let side = usize::from(leg.medium != light.incident);
+                let side = usize::from(leg.half_space != light.incident);
                 account.leave(side, leg.order, leg.flux);
             }
             Travel::Ended(End::LeftPatch) => account.left_patch += leg.flux,
@@ -241,7 +241,7 @@ fn interact(
 ) {
     let Some(facet) = leg.last else { return };
     let wi = -leg.heading.direction;
-    let mut m = leg.medium.sign() * surface.normal(facet);
+    let mut m = leg.half_space.sign() * surface.normal(facet);
     let [low, high] = surface.z_range();
     if wi.dot(m) < -grazing(high - low) {
         account.fault(leg, "hit from the wrong side");
@@ -249,7 +249,7 @@ fn interact(
     }
     let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
     let index = light.material.transmitting_index().map(|eta| {
-        if leg.medium == light.incident {
+        if leg.half_space == light.incident {
             eta
         } else {
             1.0 / eta
@@ -260,7 +260,7 @@ fn interact(
         None => light.material.fresnel(cos_alpha),
     };
 
-    let mut push = |direction: DVec3, medium, share: f64, transmissions| {
+    let mut push = |direction: DVec3, half_space, share: f64, transmissions| {
         let flux = leg.flux * share;
         if flux < light.weakest && light.branching == Branching::Split {
             account.truncated += flux;
@@ -274,7 +274,7 @@ fn interact(
                 direction,
                 mirrored: leg.heading.mirrored,
             },
-            medium,
+            half_space,
             flux,
             order: leg.order + 1,
             transmissions,
@@ -291,7 +291,7 @@ fn interact(
             let direction = refract(wi, m, eta, fresnel.cos_beta);
             push(
                 direction,
-                leg.medium.other(),
+                leg.half_space.other(),
                 transmitted,
                 leg.transmissions + 1,
             );
@@ -299,14 +299,14 @@ fn interact(
         _ => {}
     }
     if reflected > 0.0 {
-        push(reflect(wi, m), leg.medium, reflected, leg.transmissions);
+        push(reflect(wi, m), leg.half_space, reflected, leg.transmissions);
     }
     if index.is_none() {
         account.absorbed += leg.flux * transmitted;
     }
 }
 
-/// Notes where a leg is not in the medium that it claims.
+/// Notes where a leg is not in the half space that it claims.
 fn watch(
     surface: &Surface,
     ground: &Ground<'_>,
@@ -320,7 +320,7 @@ fn watch(
         origin: leg.heading.origin,
         direction: DVec3::new(d.x, d.y * surface.aspect(), d.z),
     };
-    let q = leg.medium.sign();
+    let q = leg.half_space.sign();
     let to = match end {
         Travel::Met(hit, met) => {
             if let Some(depth) = ground.beside(&ray, hit.t) {
@@ -347,7 +347,7 @@ fn watch(
         vec![[0.0, watched], [to - watched, to]]
     };
     for stretch in stretches {
-        if let Some(breach) = ground.breach(&ray, leg.medium, stretch) {
+        if let Some(breach) = ground.breach(&ray, leg.half_space, stretch) {
             account.fault(leg, &format!("{breach:?} on the way to {end:?}"));
             return;
         }

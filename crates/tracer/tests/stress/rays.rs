@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, Medium, Query, Surface, TileRay};
+use asperity_tracer::{Facet, Geometry, HalfSpace, Query, Surface, TileRay};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -47,10 +47,10 @@ impl Family {
 const OFF_AXIS: [f64; 6] = [0.0, 1e-9, 6e-17, 1e-40, 1e-300, 5e-324];
 
 /// A physical direction of unit length that goes to the other side: down for `Above`.
-fn onward(rng: &mut ChaCha8Rng, medium: Medium) -> DVec3 {
+fn onward(rng: &mut ChaCha8Rng, half_space: HalfSpace) -> DVec3 {
     let turn = rng.random_range(0.0..TAU);
     let steepness = 10_f64.powf(rng.random_range(-6.0..1.5));
-    DVec3::new(turn.cos(), turn.sin(), -medium.sign() * steepness).normalize()
+    DVec3::new(turn.cos(), turn.sin(), -half_space.sign() * steepness).normalize()
 }
 
 /// A physical direction, in tile coordinates.
@@ -123,12 +123,12 @@ fn along(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
 
 /// A ray of one family.
 pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Query {
-    let medium = if rng.random::<bool>() {
-        Medium::Above
+    let half_space = if rng.random::<bool>() {
+        HalfSpace::Above
     } else {
-        Medium::Below
+        HalfSpace::Below
     };
-    let q = medium.sign();
+    let q = half_space.sign();
     let [cx, cy] = surface.extent();
     let [_, high] = surface.z_range();
     let place = DVec3::new(
@@ -139,11 +139,11 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
     let distance = |rng: &mut ChaCha8Rng, range| 10_f64.powf(rng.random_range(range));
     let (origin, direction) = match family {
         Family::Outside => {
-            let d = in_tile(surface, onward(rng, medium));
+            let d = in_tile(surface, onward(rng, half_space));
             (place - d * distance(rng, -6.0..3.0), d)
         }
         Family::Far => {
-            let d = in_tile(surface, onward(rng, medium));
+            let d = in_tile(surface, onward(rng, half_space));
             (place - d * distance(rng, 4.0..7.0), d)
         }
         Family::Axis => {
@@ -186,7 +186,7 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
         }
         Family::Aimed => {
             let target = frame_point(surface, rng);
-            let d = in_tile(surface, onward(rng, medium));
+            let d = in_tile(surface, onward(rng, half_space));
             // From the height of the highest point, if it is not too far, or from anywhere before.
             let back = match rng.random_range(0..3) {
                 0 => ((target.z - q * high) / d.z).min(1e6),
@@ -215,7 +215,7 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
             (start, d)
         }
         Family::FromCorners => {
-            let d = in_tile(surface, onward(rng, medium));
+            let d = in_tile(surface, onward(rng, half_space));
             let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
             let d = match rng.random_range(0..4) {
                 0 => {
@@ -229,7 +229,7 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
         }
         Family::FromFacets => {
             let facet = any_facet(surface, rng);
-            let d = onward(rng, medium);
+            let d = onward(rng, half_space);
             let sign = if q * d.dot(surface.normal(facet)) > 0.0 {
                 1.0
             } else {
@@ -241,6 +241,6 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
     };
     Query {
         ray: TileRay { origin, direction },
-        medium,
+        half_space,
     }
 }

@@ -1,7 +1,7 @@
 //! Other ways not to hit the facet just left, which are known to fail and must be seen to.
 
 use asperity_optics::Material;
-use asperity_tracer::{BruteForce, Medium, Surface};
+use asperity_tracer::{BruteForce, HalfSpace, Surface};
 
 use crate::cases::Case;
 use crate::generator;
@@ -50,7 +50,7 @@ fn rough_and_grazing(name: &str, scheme: &dyn Scheme, aim: Aim, rays: usize) -> 
     let case = Case {
         theta_deg: 85.0,
         material: Material::dielectric(1.5).unwrap(),
-        incident: Medium::Above,
+        incident: HalfSpace::Above,
     };
     let account = watched(&surface, scheme, case, aim, rays, &mut generator(80, 0));
     let aimed = match aim {

@@ -1,6 +1,6 @@
 //! Hits: every accelerator against brute force, and brute force against the textbook.
 
-use asperity_tracer::{Accelerator, BruteForce, Geometry, Medium, Query, Surface, TileRay};
+use asperity_tracer::{Accelerator, BruteForce, Geometry, HalfSpace, Query, Surface, TileRay};
 use glam::DVec3;
 
 use crate::rays::{self, Family};
@@ -29,7 +29,7 @@ fn a_direction_of_minus_zero_is_one_of_zero() {
             origin: DVec3::new(0.5755153097254041, 39.978964499528345, 74.80689877960589),
             direction: DVec3::new(-0.0, -0.4472135954999579, -0.8944271909999159),
         },
-        medium: Medium::Above,
+        half_space: HalfSpace::Above,
     };
     let expected = BruteForce.closest_hit(surface, &query);
     assert!(expected.is_some());

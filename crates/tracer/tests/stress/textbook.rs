@@ -1,7 +1,7 @@
 //! A second way to find hits, and how far two ways may differ by rounding.
 
 use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, Hit, Medium, Query, Surface};
+use asperity_tracer::{Facet, Geometry, HalfSpace, Hit, Query, Surface};
 use glam::DVec3;
 
 use crate::ground::Ground;
@@ -75,7 +75,7 @@ pub(crate) fn closest_hit(surface: &Surface, query: &Query) -> Option<Hit<Facet>
     let mut closest = None;
     for facet in surface.facets() {
         let (t, determinant, inside) = moeller_trumbore(surface, facet, query);
-        if query.medium.sign() * determinant <= 0.0 {
+        if query.half_space.sign() * determinant <= 0.0 {
             continue;
         }
         let hit = Hit { t, facet };
@@ -180,7 +180,7 @@ fn around(surface: &Surface, facet: Facet, columns: u32) -> Vec<Facet> {
         .collect()
 }
 
-/// Whether the ray is in the medium that it claims where it first comes over the tile: there alone
+/// Whether the ray is in the half space that it claims where it first comes over the tile: there alone
 /// does what it meets in this tile make sense.
 pub(crate) fn comes_in_its_medium(surface: &Surface, query: &Query) -> bool {
     let ray = query.ray;
@@ -202,6 +202,7 @@ pub(crate) fn comes_in_its_medium(surface: &Surface, query: &Query) -> bool {
     }
     let at = ray.at(start);
     let ground = Ground::new(surface);
-    let side = |medium: Medium| medium.sign() * (at.z - ground.height_in_tile(at.x, at.y));
-    side(query.medium) >= -ground.tolerance_in_tile(&ray, start)
+    let side =
+        |half_space: HalfSpace| half_space.sign() * (at.z - ground.height_in_tile(at.x, at.y));
+    side(query.half_space) >= -ground.tolerance_in_tile(&ray, start)
 }

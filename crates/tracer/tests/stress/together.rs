@@ -4,7 +4,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, Layout, Side};
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, Illumination, Medium, PathSettings, Surface, Tracer,
+    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Surface, Tracer,
 };
 use rand::RngExt;
 
@@ -23,7 +23,7 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
         .into_iter()
         .enumerate()
     {
-        for incident in [Medium::Above, Medium::Below] {
+        for incident in [HalfSpace::Above, HalfSpace::Below] {
             for (eta, theta_deg) in [(1.5, 40.0), (1.0 / 1.5, 25.0), (1.0, 70.0)] {
                 let glass = Material::dielectric(eta).unwrap();
                 cases.push((10.0, border, incident, glass, theta_deg, Branching::Split));

@@ -12,13 +12,13 @@ pub(super) const MOST_LEVELS: usize = 15;
 /// Cells that one pyramid can hold.
 const MOST_CELLS: usize = 1 << 30;
 
-/// Steps into which the heights are divided for the bounds; two halves of a word, one a medium.
+/// Steps into which the heights are divided for the bounds; two halves of a word, one per half space.
 const STEPS: f32 = 65_000.0;
 
 /// Heights in f32, and bounds of nodes.
 ///
 /// All heights are tile coordinates. The cells have no bounds of their own, since looking at the four
-/// heights of a cell says more and costs as much. A bound is kept for either medium: the highest `z` for rays
+/// heights of a cell says more and costs as much. A bound is kept for either half space: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.
 pub(super) struct Bounds {

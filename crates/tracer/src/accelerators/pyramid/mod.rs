@@ -75,8 +75,8 @@ impl Pyramid {
     /// passes the cell by after all.
     #[cold]
     fn hit_in_cell(&self, surface: &Surface, cell: [u32; 2], query: &Query) -> Option<Hit<Facet>> {
-        let Query { ray, medium } = query;
-        let hit = surface.intersect_cell(cell, ray, *medium);
+        let Query { ray, half_space } = query;
+        let hit = surface.intersect_cell(cell, ray, *half_space);
         hit.or_else(|| self.closest_hit(surface, query))
     }
 }

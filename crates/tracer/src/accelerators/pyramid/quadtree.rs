@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bounds::Bounds;
 use crate::accelerator::Query;
-use crate::ray::{Hit, Medium};
+use crate::ray::{HalfSpace, Hit};
 use crate::surface::{Facet, Surface};
 
 /// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
@@ -17,7 +17,7 @@ const WIDENING: f64 = 1e-10;
 /// A node is left out if the ray stays on its own side of the node's bound all the way across its
 /// footprint, or gets there only behind the closest hit so far.
 pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
-    let Query { ray, medium } = *query;
+    let Query { ray, half_space } = *query;
     let [cx, cy] = bounds.cells;
     let far = ray.origin.abs().max_element().max(cx.max(cy) as f64);
     let widening = WIDENING * far;
@@ -43,7 +43,7 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
         }
         if level == 0 {
             let cell = [nx as u32, ny as u32];
-            if let Some(hit) = surface.intersect_cell(cell, &ray, medium)
+            if let Some(hit) = surface.intersect_cell(cell, &ray, half_space)
                 && hit.is_before(&closest)
             {
                 closest = Some(hit);
@@ -51,10 +51,10 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
             continue;
         }
         // The lowest signed height that the ray has over the footprint.
-        let q = medium.sign();
+        let q = half_space.sign();
         let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
         let lowest = z + rise * if rise < 0.0 { leave } else { enter };
-        if lowest > f64::from(bounds.bound(level, [nx, ny], medium == Medium::Below)) {
+        if lowest > f64::from(bounds.bound(level, [nx, ny], half_space == HalfSpace::Below)) {
             continue;
         }
         // The nearest child last, since the last one is taken first.

@@ -73,7 +73,7 @@ pub(super) struct Ray {
 /// Rays field by field; an entry a ray, and room behind the last for a full load of lanes.
 ///
 /// x and y are measured from the corner of the cell that the ray starts in, so that they are exact
-/// to a few 2^-24 of the way travelled, however large the tile; z and its rate are signed by medium,
+/// to a few 2^-24 of the way travelled, however large the tile; z and its rate are signed by half space,
 /// so that every ray is above.
 #[derive(Default)]
 pub(super) struct Rays {
@@ -155,7 +155,7 @@ impl Rays {
         z_range: [f64; 2],
         place: i32,
     ) -> Option<()> {
-        let Query { ray, medium } = *query;
+        let Query { ray, half_space } = *query;
         let (o, d) = (ray.origin, ray.direction);
         let extent = cells.map(|n| n as f64);
         let inside = o.x >= 0.0
@@ -172,7 +172,7 @@ impl Rays {
         let (dx, dy) = (d.x as f32, d.y as f32);
         let (column, x) = cell(p.x, dx, cells[0])?;
         let (row, y) = cell(p.y, dy, cells[1])?;
-        let q = medium.sign();
+        let q = half_space.sign();
         let i = self.count;
         self.x[i] = x as f32;
         self.y[i] = y as f32;

@@ -122,7 +122,7 @@ struct State<L: Lanes> {
     slow: L::F,
     /// How far, in columns, rounding may move it a unit of `t`.
     drift: L::F,
-    /// By how many bits the bound of its medium is shifted in a word.
+    /// By how many bits the bound of its half space is shifted in a word.
     half: L::I,
     first_x: L::I,
     first_y: L::I,

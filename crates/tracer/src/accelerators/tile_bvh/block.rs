@@ -7,7 +7,7 @@ use glam::Vec3A;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-use crate::ray::Medium;
+use crate::ray::HalfSpace;
 use crate::surface::Surface;
 
 /// Cells along a side of a block. Measured on 1024 x 1024 at 30 and 70 degrees, on surfaces of
@@ -48,9 +48,9 @@ impl Boundable for BlockBox {
     }
 }
 
-/// A block as it is seen from one medium.
+/// A block as it is seen from one half space.
 pub(super) struct Side<'a> {
-    /// Its highest z, signed by medium so that the ray is above.
+    /// Its highest z, signed by half space so that the ray is above.
     pub(super) top: f64,
     step: f64,
     drops: &'a [u8; ACROSS * ACROSS],
@@ -105,12 +105,12 @@ impl Block {
         })
     }
 
-    /// What a ray in `medium` sees of it.
-    pub(super) fn seen_from(&self, medium: Medium) -> Side<'_> {
+    /// What a ray in `half_space` sees of it.
+    pub(super) fn seen_from(&self, half_space: HalfSpace) -> Side<'_> {
         let [low, high] = self.heights.map(f64::from);
-        let (top, drops) = match medium {
-            Medium::Above => (high, &self.drops[0]),
-            Medium::Below => (-low, &self.drops[1]),
+        let (top, drops) = match half_space {
+            HalfSpace::Above => (high, &self.drops[0]),
+            HalfSpace::Below => (-low, &self.drops[1]),
         };
         Side {
             top,

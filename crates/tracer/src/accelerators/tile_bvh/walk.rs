@@ -6,7 +6,7 @@ use super::axis::{Axis, Steps};
 use super::block::{Block, Cells, SQUARE, cells_of, larger, smaller};
 use crate::accelerator::Query;
 use crate::geometry::Geometry;
-use crate::ray::{Hit, Medium, TileRay};
+use crate::ray::{HalfSpace, Hit, TileRay};
 use crate::surface::{Facet, Surface};
 
 /// By how much edges are moved where rounding must not matter, relative to the size of the tile: far
@@ -45,12 +45,12 @@ impl Entry {
 pub(super) struct Walk<'a> {
     surface: &'a Surface,
     ray: TileRay,
-    medium: Medium,
+    half_space: HalfSpace,
     /// Along x and y.
     axes: [Axis; 2],
     /// Crossings that are nearer to each other are of lines that may be crossed in either order.
     corner: f64,
-    /// Height and its rate, signed by medium so that the ray is above.
+    /// Height and its rate, signed by half space so that the ray is above.
     z: f64,
     rise: f64,
     inverse_rise: f64,
@@ -65,10 +65,10 @@ pub(super) struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     pub(super) fn new(surface: &'a Surface, query: &Query) -> Self {
-        let Query { ray, medium } = *query;
+        let Query { ray, half_space } = *query;
         let [cx, cy] = surface.cells();
         let widening = WIDENING * cx.max(cy) as f64;
-        let q = medium.sign();
+        let q = half_space.sign();
         let rise = q * ray.direction.z;
         let [_, reach] = surface.z_range();
         let size = cx.max(cy) as f64 + reach;
@@ -79,7 +79,7 @@ impl<'a> Walk<'a> {
         Self {
             surface,
             ray,
-            medium,
+            half_space,
             corner: larger(axes[0].doubt, axes[1].doubt),
             axes,
             z: q * ray.origin.z,
@@ -133,7 +133,7 @@ impl<'a> Walk<'a> {
             (leave_y, ay.doubt)
         };
         // The part in which the ray is not above all of the block.
-        let block = block.seen_from(self.medium);
+        let block = block.seen_from(self.half_space);
         let top = block.top + self.margin;
         let t_top = (top - self.z) * self.inverse_rise;
         if self.rise < 0.0 && t_top > t {
@@ -273,7 +273,7 @@ impl<'a> Walk<'a> {
 
     fn intersect_cell(&self, cell: [usize; 2]) -> Option<Hit<Facet>> {
         self.surface
-            .intersect_cell(cell.map(|i| i as u32), &self.ray, self.medium)
+            .intersect_cell(cell.map(|i| i as u32), &self.ray, self.half_space)
     }
 
     /// Whether the ray comes near to a facet of a cell or under it, in an interval: a ray that is above
@@ -282,7 +282,7 @@ impl<'a> Walk<'a> {
     fn comes_near(&self, [ix, iy]: [usize; 2], [enter, leave]: [f64; 2]) -> bool {
         let surface = self.surface;
         let [h00, h10, h01, h11] = self.corners([ix, iy]);
-        let q = self.medium.sign();
+        let q = self.half_space.sign();
         let [z00, z10, z01, z11] = [h00, h10, h01, h11].map(|h| q * surface.z_of(h));
         let [ax, ay] = &self.axes;
         let (x, y) = (ax.origin - ix as f64, ay.origin - iy as f64);
