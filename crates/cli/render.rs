@@ -95,7 +95,7 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     };
     let outcome = outcome.map_err(|error| match error {
         RenderError::View(_)
-        | RenderError::Substrate(_)
+        | RenderError::Layer(_)
         | RenderError::TooGrazing { .. }
         | RenderError::BadSize(..) => Failure::usage(error),
         _ => Failure::failed(error),

@@ -36,7 +36,7 @@
 //! different sigma, as at different angles, are not independent. No surface is rescaled to its sigma.
 //!
 //! # Two ways
-//! By rays, a point looks along a direction ([`asperity_tracer::look`]). By horizons, the steepest rise
+//! By rays, a point looks along a direction ([`asperity_tracer::trace_visibility`]). By horizons, the steepest rise
 //! before it answers for all polar angles of an azimuth ([`asperity_tracer::Horizons`]), and, since it
 //! grows as sigma does, for all sigma. The mirrored rays have no azimuth in common and are always rays.
 

@@ -5,7 +5,7 @@ use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_surface::RefinementError;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, BuildError, Geometry, SubstrateError, border};
+use asperity_tracer::{AcceleratorKind, BuildError, Geometry, TracedLayerError, border};
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
@@ -48,7 +48,7 @@ pub enum RunError {
     },
     /// A layer that does not fit below the surface.
     #[error(transparent)]
-    Layer(#[from] SubstrateError),
+    Layer(#[from] TracedLayerError),
     /// A control of light on an open patch.
     #[error(
         "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
@@ -70,7 +70,7 @@ pub enum RunError {
     /// Light so flat that it would cross too many tiles.
     #[error(
         "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
-        border::MOST_TILES
+        border::MAX_TILES
     )]
     TooGrazing {
         /// Polar angle, degrees.

@@ -7,7 +7,7 @@ use asperity_optics::{
     Bottom, Layer, LayerError, Material, ParticipatingMedium, ParticipatingMediumError,
     PhaseFunction, PhaseFunctionError,
 };
-use asperity_tracer::{Accelerator, BottomShape, Geometry, Substrate, SubstrateError, Surface};
+use asperity_tracer::{Accelerator, BottomShape, Geometry, Surface, TracedLayer, TracedLayerError};
 use serde::{Deserialize, Serialize};
 
 use crate::case::short;
@@ -132,7 +132,7 @@ impl Default for MediumConfig {
             bottom_eta: None,
             bottom_reflectance: None,
             bottom_surface: BottomSurface::Flat,
-            max_scatterings: Count(Substrate::<Surface>::DEFAULT_MOST_SCATTERINGS.into()),
+            max_scatterings: Count(TracedLayer::<Surface>::DEFAULT_MAX_SCATTERINGS.into()),
         }
     }
 }
@@ -166,7 +166,7 @@ impl MediumConfig {
         }
         if bottom == Bottom::Open && self.bottom_surface != BottomSurface::Flat {
             return Err(ConfigError::Contradiction(
-                SubstrateError::OpenShape.to_string(),
+                TracedLayerError::OpenShape.to_string(),
             ));
         }
         Ok(layers)
@@ -384,7 +384,7 @@ pub(crate) fn substrate<'a, G: Geometry>(
     layer: &Layer,
     (shape, own): (BottomSurface, Option<Found<'a, G>>),
     most_scatterings: u32,
-) -> Result<Substrate<'a, G>, SubstrateError> {
+) -> Result<TracedLayer<'a, G>, TracedLayerError> {
     let surface = |(geometry, accelerator)| BottomShape::Surface {
         geometry,
         accelerator,
@@ -394,7 +394,7 @@ pub(crate) fn substrate<'a, G: Geometry>(
         (None, BottomSurface::Same) => surface(top),
         (None, _) => BottomShape::Flat,
     };
-    Substrate::new(top.0, layer, shape, most_scatterings)
+    TracedLayer::new(top.0, layer, shape, most_scatterings)
 }
 
 #[cfg(test)]

@@ -3,10 +3,10 @@
 //! Light is reversible: the radiance that a camera sees along a line is what arrives on all paths that
 //! begin with that line, followed backwards, from where they leave. On the way radiance changes by the
 //! square of the index at each interface, and back again, so that for paths that begin and end above all
-//! factors cancel, and a path may be followed as light is ([`asperity_tracer::Walk`]).
+//! factors cancel, and a path may be followed as light is ([`asperity_tracer::PathIntegrator`]).
 //!
 //! A sun behind a refracting surface is hardly found by chance. Where a path is scattered inside a medium, the
-//! facets that light it from one direction of the sun's disc are looked for ([`asperity_tracer::Sunbeams`]), a
+//! facets that light it from one direction of the sun's disc are looked for ([`asperity_tracer::LightBeams`]), a
 //! direction for each pass; chance finds the rest: what is reflected, or meets several facets on its way.
 //!
 //! A picture is made in passes, each with as many lines a pixel, spread evenly over it; every row of a pass
@@ -22,8 +22,9 @@ use asperity_optics::{Layer, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BuildError, Geometry, MeshSurface, PathSettings, Search, Seen, SubstrateError,
-    Sunbeams, Sunlit, Surface, Walk, WalkEnd, Walked, border,
+    AcceleratorKind, BeamContribution, BuildError, CameraContribution, FlightSearch, Geometry,
+    LightBeams, MeshSurface, PathEnd, PathIntegrator, PathResult, PathSettings, Surface,
+    TracedLayerError, border,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -95,14 +96,14 @@ pub enum RenderError {
     Build(#[from] BuildError),
     /// The layer does not fit below the surface.
     #[error(transparent)]
-    Substrate(#[from] SubstrateError),
+    Layer(#[from] TracedLayerError),
     /// The camera stands badly.
     #[error(transparent)]
     View(#[from] ViewError),
     /// Lines so flat that they would cross too many tiles.
     #[error(
         "{what} at theta {theta_deg} deg is too flat: straight lines cross up to {tiles:.0} tiles between the highest and the lowest point, {} is the most; take a larger tile or a smaller angle",
-        border::MOST_TILES
+        border::MAX_TILES
     )]
     TooGrazing {
         /// Camera or sun.
@@ -214,14 +215,14 @@ fn render_on<G: Geometry>(
     let scene = Scene {
         camera: settings.view.camera(settings.size, place.highest())?,
         lights: settings.lights,
-        walk: Walk::new(
+        integrator: PathIntegrator::new(
             &geometry,
             &*accelerator,
             material,
             settings.paths,
             substrate,
         )
-        .searching(Search::Nearby),
+        .with_flight_search(FlightSearch::Nearby),
         place,
         size: settings.size,
     };
@@ -245,7 +246,7 @@ fn render_on<G: Geometry>(
         if let (Some(sun), true) = (settings.lights.sun(), scatters) {
             let towards = sun.point(spread(pass, sun_shift));
             match &mut beams {
-                None => beams = Some(Sunbeams::new(&geometry, material, towards)),
+                None => beams = Some(LightBeams::new(&geometry, material, towards)),
                 Some(beams) => beams.aim(&geometry, towards),
             }
         }
@@ -368,7 +369,7 @@ impl Losses {
 struct Scene<'a, G: Geometry> {
     camera: Camera,
     lights: Lights,
-    walk: Walk<'a, G>,
+    integrator: PathIntegrator<'a, G>,
     place: Place,
     size: [usize; 2],
 }
@@ -378,7 +379,7 @@ impl<G: Geometry> Scene<'_, G> {
         &self,
         row: usize,
         samples: u64,
-        beams: Option<&Sunbeams<G>>,
+        beams: Option<&LightBeams<G>>,
         rng: &mut R,
     ) -> Row {
         let [columns, rows] = self.size;
@@ -399,14 +400,19 @@ impl<G: Geometry> Scene<'_, G> {
                 let (origin, direction) = self.camera.line(point);
                 let mut meets = false;
                 let origin = self.place.in_tile(origin);
-                self.walk
-                    .look(origin, direction, beams, rng, |seen| match seen {
-                        Seen::End(walked) => {
-                            meets |= walked.path.order() > 0;
-                            radiance += self.radiance(&walked, &mut out.losses);
+                self.integrator.trace_camera_ray(
+                    origin,
+                    direction,
+                    beams,
+                    rng,
+                    |seen| match seen {
+                        CameraContribution::Path(path) => {
+                            meets |= path.path.order() > 0;
+                            radiance += self.radiance(&path, &mut out.losses);
                         }
-                        Seen::Sunlit(lit) => radiance += self.sunlit(&lit, beams),
-                    });
+                        CameraContribution::Beam(lit) => radiance += self.sunlit(&lit, beams),
+                    },
+                );
                 met += u64::from(meets);
             }
             out.radiance.push(radiance / samples as f64);
@@ -416,7 +422,7 @@ impl<G: Geometry> Scene<'_, G> {
     }
 
     /// What the sun adds where it is found inside the medium.
-    fn sunlit(&self, lit: &Sunlit, beams: Option<&Sunbeams<G>>) -> f64 {
+    fn sunlit(&self, lit: &BeamContribution, beams: Option<&LightBeams<G>>) -> f64 {
         let (Some(sun), Some(beams)) = (self.lights.sun(), beams) else {
             return 0.0;
         };
@@ -425,29 +431,29 @@ impl<G: Geometry> Scene<'_, G> {
     }
 
     /// What comes along a path, from where it leaves.
-    fn radiance(&self, walked: &Walked, losses: &mut Losses) -> f64 {
-        let radiance = match walked.end {
-            WalkEnd::Above if walked.told => self.lights.sky(),
-            WalkEnd::Above => {
-                let place = || self.place.on_mean_plane(walked.origin, walked.direction);
-                self.lights.above(walked.direction, place)
+    fn radiance(&self, path: &PathResult, losses: &mut Losses) -> f64 {
+        let radiance = match path.end {
+            PathEnd::Above if path.sampled_by_beams => self.lights.sky(),
+            PathEnd::Above => {
+                let place = || self.place.on_mean_plane(path.origin, path.direction);
+                self.lights.above(path.direction, place)
             }
-            WalkEnd::Below => self.lights.below(),
-            WalkEnd::Absorbed => 0.0,
-            WalkEnd::Truncated => {
-                losses.truncated += walked.flux;
+            PathEnd::Below => self.lights.below(),
+            PathEnd::Absorbed => 0.0,
+            PathEnd::Truncated => {
+                losses.truncated += path.flux;
                 0.0
             }
-            WalkEnd::LeftPatch => {
-                losses.left_patch += walked.flux;
+            PathEnd::LeftPatch => {
+                losses.left_patch += path.flux;
                 0.0
             }
-            WalkEnd::Lost => {
-                losses.lost += walked.flux;
+            PathEnd::Lost => {
+                losses.lost += path.flux;
                 0.0
             }
         };
-        walked.flux * radiance
+        path.flux * radiance
     }
 }
 

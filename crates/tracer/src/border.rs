@@ -18,7 +18,7 @@ mod tests;
 ///
 /// [`tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
 /// rays that are horizontal to rounding and find nothing in their way.
-pub const MOST_TILES: u32 = 100_000;
+pub const MAX_TILES: u32 = 100_000;
 
 /// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the
 /// lowest point; zero for an open patch, which has no neighbours.
@@ -36,7 +36,7 @@ pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
 /// Whether light from the polar angle `theta`, radians, crosses few enough tiles to be followed.
 #[must_use]
 pub fn is_followed<G: Geometry>(surface: &G, theta: f64) -> bool {
-    tiles_crossed(surface, theta) < 0.5 * f64::from(MOST_TILES)
+    tiles_crossed(surface, theta) < 0.5 * f64::from(MAX_TILES)
 }
 
 /// Where a ray is and where it goes, in the orientation of the tile.
@@ -80,16 +80,16 @@ fn unmirrored(direction: DVec3, mirrored: [bool; 2]) -> DVec3 {
 
 /// Where a ray comes to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Travel<F> {
+pub enum TraversalResult<F> {
     /// It meets the surface: the hit, and the heading with its origin on the facet.
-    Met(Hit<F>, Heading),
+    Hit(Hit<F>, Heading),
     /// It does not.
-    Ended(End),
+    Ended(TraversalEnd),
 }
 
 /// How the way of a ray ends that does not meet the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum TraversalEnd {
     /// It escapes from the surface on the side that it is on.
     Escaped,
     /// It escapes, and needed no search.
@@ -103,23 +103,23 @@ pub enum End {
 
 /// Follows a ray in `half_space` to where it meets the surface or leaves it.
 #[must_use]
-pub fn travel<G: Geometry>(
+pub fn traverse<G: Geometry>(
     geometry: &G,
     accelerator: &dyn Accelerator<G>,
     mut heading: Heading,
     half_space: HalfSpace,
-) -> Travel<G::Facet> {
-    if let Some(end) = set_out(geometry, &mut heading, half_space) {
-        return Travel::Ended(end);
+) -> TraversalResult<G::Facet> {
+    if let Some(end) = begin(geometry, &mut heading, half_space) {
+        return TraversalResult::Ended(end);
     }
     let mut query = heading.query(geometry, half_space);
-    let mut way = Way::new(&heading);
+    let mut way = Traversal::begin(&heading);
     loop {
         if let Some(hit) = accelerator.closest_hit(geometry, &query) {
-            return Travel::Met(hit, way.arrival(geometry, &query, &hit));
+            return TraversalResult::Hit(hit, way.arrival(geometry, &query, &hit));
         }
-        if let Some(end) = way.go_on(geometry, &mut query) {
-            return Travel::Ended(end);
+        if let Some(end) = way.step(geometry, &mut query) {
+            return TraversalResult::Ended(end);
         }
     }
 }
@@ -127,17 +127,17 @@ pub fn travel<G: Geometry>(
 /// Moves a ray so that the tile at the origin is the first to be searched, or says how its way ends
 /// without a search.
 #[inline(always)]
-pub(crate) fn set_out<G: Geometry>(
+pub(crate) fn begin<G: Geometry>(
     geometry: &G,
     heading: &mut Heading,
     half_space: HalfSpace,
-) -> Option<End> {
+) -> Option<TraversalEnd> {
     let Query { ray, .. } = heading.query(geometry, half_space);
     if !(ray.origin.is_finite() && ray.direction.is_finite()) {
-        return Some(End::Lost);
+        return Some(TraversalEnd::Lost);
     }
     if let Some(escape) = geometry.escapes(&ray, half_space) {
-        return Some(End::EscapedUnsearched(escape));
+        return Some(TraversalEnd::EscapedUnsearched(escape));
     }
     let [cx, cy] = geometry.extent();
     let [low, high] = geometry.z_range();
@@ -154,14 +154,18 @@ pub(crate) fn set_out<G: Geometry>(
 
 /// The same for a ray from beside the tile, from above all heights, or from below them.
 #[inline(never)]
-fn enter<G: Geometry>(geometry: &G, heading: &mut Heading, half_space: HalfSpace) -> Option<End> {
+fn enter<G: Geometry>(
+    geometry: &G,
+    heading: &mut Heading,
+    half_space: HalfSpace,
+) -> Option<TraversalEnd> {
     let ray = heading.query(geometry, half_space).ray;
     let border = geometry.border();
     if border == Border::Open
         && let Some(rim) = rim(&ray, geometry.extent())
         && geometry.is_beyond(rim, half_space)
     {
-        return Some(End::LeftPatch);
+        return Some(TraversalEnd::LeftPatch);
     }
     let [start, end] = between_heights(geometry, &ray);
     if start > end {
@@ -200,7 +204,7 @@ pub(crate) fn mirror_image<G: Geometry>(geometry: &G, mut heading: Heading) -> H
 /// Moves a place into the tile that it lies over, in the orientation of that tile or its mirror image;
 /// false if there is none, beside an open patch.
 #[inline]
-pub(crate) fn come_home<G: Geometry>(geometry: &G, heading: &mut Heading) -> bool {
+pub(crate) fn wrap<G: Geometry>(geometry: &G, heading: &mut Heading) -> bool {
     for (axis, size) in geometry.extent().into_iter().enumerate() {
         let place = heading.origin[axis];
         if (0.0..size).contains(&place) {
@@ -247,7 +251,7 @@ pub(crate) fn approach<G: Geometry>(
     let mut moved = *heading;
     moved.origin += t * heading.query(geometry, half_space).ray.direction;
     moved.origin.z = q * nearest;
-    if !come_home(geometry, &mut moved) {
+    if !wrap(geometry, &mut moved) {
         return 0.0;
     }
     *heading = moved;
@@ -255,19 +259,19 @@ pub(crate) fn approach<G: Geometry>(
 }
 
 /// How the way of a ray ends if no tile has anything in it.
-fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> End {
+fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> TraversalEnd {
     if half_space.sign() * direction.z > 0.0 {
-        End::Escaped
+        TraversalEnd::Escaped
     } else if border == Border::Open {
-        End::LeftPatch
+        TraversalEnd::LeftPatch
     } else {
-        End::Lost
+        TraversalEnd::Lost
     }
 }
 
 /// The way of a ray from tile to tile, beside the [`Query`] that asks what it meets in the current one.
 #[derive(Debug)]
-pub(crate) struct Way {
+pub(crate) struct Traversal {
     /// Unit direction in physical lengths, in the orientation of the current tile.
     direction: DVec3,
     /// Which axes of the current tile are mirrored against the world.
@@ -276,10 +280,10 @@ pub(crate) struct Way {
     crossing: Option<Box<Crossing>>,
 }
 
-impl Way {
-    /// The way of a ray that has [`set_out`].
+impl Traversal {
+    /// The way of a ray that has [`begin`].
     #[inline]
-    pub(crate) const fn new(heading: &Heading) -> Self {
+    pub(crate) const fn begin(heading: &Heading) -> Self {
         Self {
             direction: heading.direction,
             mirrored: heading.mirrored,
@@ -289,7 +293,11 @@ impl Way {
 
     /// Goes on where nothing is met in the current tile: to the next one, unless the way ends.
     #[inline(never)]
-    pub(crate) fn go_on<G: Geometry>(&mut self, geometry: &G, query: &mut Query) -> Option<End> {
+    pub(crate) fn step<G: Geometry>(
+        &mut self,
+        geometry: &G,
+        query: &mut Query,
+    ) -> Option<TraversalEnd> {
         let border = geometry.border();
         let nothing_met = nothing_met(border, self.direction, query.half_space);
         if border == Border::Open {
@@ -300,8 +308,8 @@ impl Way {
             None => Crossing::begin(geometry, &query.ray),
         };
         crossing.searched += 1;
-        if crossing.searched == MOST_TILES {
-            return Some(End::Lost);
+        if crossing.searched == MAX_TILES {
+            return Some(TraversalEnd::Lost);
         }
         let size = geometry.extent();
         let Some(axis) = crossing.advance(size) else {

@@ -53,8 +53,10 @@ pub use path::{Illumination, Starts, Tracer, Work};
 pub use path_settings::{Branching, PathSettings, PathSettingsError};
 pub use ray::{HalfSpace, Hit, TileRay};
 pub use sampling::Sampling;
-pub use sight::{Look, Sight, look};
-pub use substrate::{BottomShape, Substrate, SubstrateError};
-pub use sunbeams::Sunbeams;
+pub use sight::{Visibility, VisibilityRay, trace_visibility};
+pub use substrate::{BottomShape, TracedLayer, TracedLayerError};
+pub use sunbeams::LightBeams;
 pub use surface::{Facet, Surface};
-pub use walk::{Search, Seen, Sunlit, Walk, WalkEnd, Walked};
+pub use walk::{
+    BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
+};

@@ -15,13 +15,13 @@ use rand::{Rng, RngExt};
 
 use crate::accelerator::{Accelerator, Query};
 use crate::beam::Beam;
-use crate::border::{End, Heading, Way, set_out};
+use crate::border::{Heading, Traversal, TraversalEnd, begin};
 use crate::geometry::Geometry;
 use crate::path_settings::{Branching, PathSettings};
 use crate::ray::{HalfSpace, Hit};
 use crate::sampling::Places;
 use crate::scatter::{Branch, Scattered, scatter};
-use crate::substrate::{Face, Substrate};
+use crate::substrate::{Face, TracedLayer};
 
 pub use illumination::{Illumination, Starts};
 pub use work::Work;
@@ -40,7 +40,7 @@ pub struct Tracer<'a, G: Geometry> {
     material: Material,
     incident: HalfSpace,
     settings: PathSettings,
-    substrate: Option<Substrate<'a, G>>,
+    substrate: Option<TracedLayer<'a, G>>,
 }
 
 /// The state of one batch.
@@ -83,7 +83,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// # Panics
     /// Unless the light comes from above onto a dielectric: there is no medium elsewhere.
     #[must_use]
-    pub fn over(self, substrate: Substrate<'a, G>) -> Self {
+    pub fn over(self, substrate: TracedLayer<'a, G>) -> Self {
         assert!(
             self.incident == HalfSpace::Above && self.material.transmitting_index().is_some(),
             "a half_space lies below a dielectric that is lit from above"
@@ -219,7 +219,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     fn face(&self, face: Face) -> Option<(&'a G, &'a dyn Accelerator<G>)> {
         match face {
             Face::Top => Some((self.geometry, self.accelerator)),
-            Face::Bottom => self.substrate.as_ref().and_then(Substrate::surface),
+            Face::Bottom => self.substrate.as_ref().and_then(TracedLayer::surface),
         }
     }
 
@@ -262,12 +262,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let Some(geometry) = self.geometry_of(face) else {
             return;
         };
-        if let Some(end) = set_out(geometry, &mut heading, half_space) {
+        if let Some(end) = begin(geometry, &mut heading, half_space) {
             let direction = heading.world_direction();
             self.end(end, direction, (face, half_space), &light, &errand, batch);
         } else {
             let leg = Leg {
-                way: Way::new(&heading),
+                way: Traversal::begin(&heading),
                 light,
                 errand,
                 flight: f64::INFINITY,
@@ -311,7 +311,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             return;
         };
         let Some(hit) = hit else {
-            match leg.way.go_on(geometry, query) {
+            match leg.way.step(geometry, query) {
                 Some(end) => {
                     let direction = leg.way.world_direction();
                     let place = (face, query.half_space);
@@ -371,7 +371,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Books a leg whose way, in the `direction` given, has ended without meeting the surface.
     fn end<R: Rng>(
         &self,
-        end: End,
+        end: TraversalEnd,
         direction: DVec3,
         (face, half_space): (Face, HalfSpace),
         light: &Light,
@@ -385,13 +385,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Errand::Sight(at) => return self.looked(end, light, at, batch),
         }
         match end {
-            End::Escaped | End::EscapedUnsearched(_) => {
+            TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_) => {
                 let exit = self.exit(direction, face, half_space, light);
                 batch.record.add_exit(&exit);
                 return;
             }
-            End::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
-            End::Lost => batch.record.add_loss(Loss::Lost, light.flux),
+            TraversalEnd::LeftPatch => batch.record.add_loss(Loss::LeftPatch, light.flux),
+            TraversalEnd::Lost => batch.record.add_loss(Loss::Lost, light.flux),
         }
         self.unseen(direction, half_space, light, batch);
     }
@@ -502,7 +502,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         if last && !batch.record.asks(self.side_of(Face::Top, half_space)) {
             batch.record.add_loss(Loss::NotAsked, light.flux);
             self.unseen(heading.world_direction(), half_space, &light, batch);
-            batch.work.branches_not_asked += 1;
+            batch.work.branches_not_recorded += 1;
         } else {
             self.set_out(Face::Top, heading, half_space, light, Errand::Light, batch);
         }

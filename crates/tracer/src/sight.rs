@@ -3,13 +3,13 @@
 use glam::DVec3;
 
 use crate::accelerator::Accelerator;
-use crate::border::{End, Heading, Way, set_out};
+use crate::border::{Heading, Traversal, TraversalEnd, begin};
 use crate::geometry::Geometry;
 use crate::ray::HalfSpace;
 
 /// A point of the surface, and where it looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct VisibilityRay {
     /// A point on a facet, tile coordinates.
     pub origin: DVec3,
     /// Unit direction in physical lengths, above the plane of that facet.
@@ -18,12 +18,12 @@ pub struct Look {
 
 /// What a point sees along a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sight {
+pub enum Visibility {
     /// The sky.
-    Free,
+    Visible,
     /// Another facet.
     Blocked,
-    /// It cannot be told: the way crosses more than [`crate::border::MOST_TILES`] tiles.
+    /// It cannot be told: the way crosses more than [`crate::border::MAX_TILES`] tiles.
     Lost,
 }
 
@@ -34,14 +34,14 @@ const TOGETHER: usize = 1024;
 ///
 /// Facets hide nothing from points on themselves: a look that rises from its facet never meets it again
 /// (see the crate page), so no distance is kept from the surface.
-pub fn look<G: Geometry>(
+pub fn trace_visibility<G: Geometry>(
     geometry: &G,
     accelerator: &dyn Accelerator<G>,
-    looks: &[Look],
-    seen: &mut Vec<Sight>,
+    looks: &[VisibilityRay],
+    seen: &mut Vec<Visibility>,
 ) {
     seen.clear();
-    seen.resize(looks.len(), Sight::Blocked);
+    seen.resize(looks.len(), Visibility::Blocked);
     let mut waiting = looks.iter().enumerate();
     let (mut queries, mut ways, mut hits) = (Vec::new(), Vec::new(), Vec::new());
     loop {
@@ -53,11 +53,11 @@ pub fn look<G: Geometry>(
                 direction: look.direction,
                 mirrored: [false; 2],
             };
-            match set_out(geometry, &mut heading, HalfSpace::Above) {
+            match begin(geometry, &mut heading, HalfSpace::Above) {
                 Some(end) => seen[index] = end.into(),
                 None => {
                     queries.push(heading.query(geometry, HalfSpace::Above));
-                    ways.push((index, Way::new(&heading)));
+                    ways.push((index, Traversal::begin(&heading)));
                 }
             }
         }
@@ -72,7 +72,7 @@ pub fn look<G: Geometry>(
                 continue;
             }
             let (index, way) = &mut ways[i];
-            match way.go_on(geometry, &mut queries[i]) {
+            match way.step(geometry, &mut queries[i]) {
                 Some(end) => seen[*index] = end.into(),
                 None => {
                     queries.swap(kept, i);
@@ -86,11 +86,11 @@ pub fn look<G: Geometry>(
     }
 }
 
-impl From<End> for Sight {
-    fn from(end: End) -> Self {
+impl From<TraversalEnd> for Visibility {
+    fn from(end: TraversalEnd) -> Self {
         match end {
-            End::Escaped | End::EscapedUnsearched(_) => Self::Free,
-            End::LeftPatch | End::Lost => Self::Lost,
+            TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_) => Self::Visible,
+            TraversalEnd::LeftPatch | TraversalEnd::Lost => Self::Lost,
         }
     }
 }

@@ -23,7 +23,7 @@ pub enum BottomShape<'a, G: Geometry> {
 }
 
 /// A layer below a surface, in the tile coordinates of that surface.
-pub struct Substrate<'a, G: Geometry> {
+pub struct TracedLayer<'a, G: Geometry> {
     shape: BottomShape<'a, G>,
     bottom: Option<Bottom>,
     /// z of the mean plane of the bottom; far below everything if there is none.
@@ -33,13 +33,13 @@ pub struct Substrate<'a, G: Geometry> {
     mean_free_path: f64,
     albedo: f64,
     phase: PhaseFunction,
-    most_scatterings: u32,
+    max_scatterings: u32,
 }
 
 /// Why a layer does not fit below a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum SubstrateError {
+pub enum TracedLayerError {
     /// The surfaces would touch.
     #[error(
         "the thickness {thickness} is too small for the relief: the surface goes {depth:.6e} below its mean plane and the bottom rises {height:.6e} above its own, so more than {:.6e} is needed",
@@ -105,20 +105,20 @@ pub(crate) enum Face {
     Bottom,
 }
 
-impl<'a, G: Geometry> Substrate<'a, G> {
+impl<'a, G: Geometry> TracedLayer<'a, G> {
     /// Scatterings after which a path is truncated unless another number is given.
-    pub const DEFAULT_MOST_SCATTERINGS: u32 = 100_000;
+    pub const DEFAULT_MAX_SCATTERINGS: u32 = 100_000;
 
-    /// A layer below `top`; light that is scattered inside `most_scatterings` times is truncated.
+    /// A layer below `top`; light that is scattered inside `max_scatterings` times is truncated.
     ///
     /// # Errors
-    /// [`SubstrateError`] if the layer is thinner than the relief, or its bottom another tile.
+    /// [`TracedLayerError`] if the layer is thinner than the relief, or its bottom another tile.
     pub fn new(
         top: &G,
         layer: &Layer,
         shape: BottomShape<'a, G>,
-        most_scatterings: u32,
-    ) -> Result<Self, SubstrateError> {
+        max_scatterings: u32,
+    ) -> Result<Self, TracedLayerError> {
         top.prepare_nearby();
         let unit = top.unit();
         let medium = layer.medium();
@@ -130,7 +130,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
             mean_free_path: medium.mean_free_path() / unit,
             albedo: medium.albedo(),
             phase: medium.phase(),
-            most_scatterings,
+            max_scatterings,
         };
         let extent = top.extent().into_iter().fold(0.0, f64::max);
         let [low, high] = top.z_range();
@@ -141,7 +141,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
             if (least..=most).contains(&value) {
                 return Ok(());
             }
-            Err(SubstrateError::OutOfProportion {
+            Err(TracedLayerError::OutOfProportion {
                 what,
                 value: value * unit,
                 extent: extent * unit,
@@ -165,7 +165,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
         let mut height = 0.0;
         if let BottomShape::Surface { geometry, .. } = &substrate.shape {
             if slab.bottom == Bottom::Open {
-                return Err(SubstrateError::OpenShape);
+                return Err(TracedLayerError::OpenShape);
             }
             let tile = |of: &G| of.extent().map(|e| e * of.unit());
             let same = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
@@ -175,7 +175,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
             let same_cells =
                 same(top.extent(), geometry.extent()) && same([unit; 2], [geometry.unit(); 2]);
             if !same_cells || top.border() != geometry.border() {
-                return Err(SubstrateError::OtherTile {
+                return Err(TracedLayerError::OtherTile {
                     top: tile(top),
                     top_border: top.border(),
                     bottom: tile(geometry),
@@ -188,7 +188,7 @@ impl<'a, G: Geometry> Substrate<'a, G> {
         }
         let depth = top.mean_plane() - top.z_range()[0];
         if depth + height >= slab.thickness / unit {
-            return Err(SubstrateError::TooThin {
+            return Err(TracedLayerError::TooThin {
                 thickness: slab.thickness,
                 depth: depth * unit,
                 height: height * unit,
@@ -219,8 +219,8 @@ impl<'a, G: Geometry> Substrate<'a, G> {
     }
 
     /// Scatterings after which a path is truncated.
-    pub(crate) const fn most_scatterings(&self) -> u32 {
-        self.most_scatterings
+    pub(crate) const fn max_scatterings(&self) -> u32 {
+        self.max_scatterings
     }
 
     /// How far light goes before it interacts, tile coordinates: exponentially distributed.

@@ -24,7 +24,7 @@ const LEAF: usize = 8;
 const LONGEST: f64 = 16.0;
 
 /// The beams of light from one direction below all facets of a tile.
-pub struct Sunbeams<G: Geometry> {
+pub struct LightBeams<G: Geometry> {
     material: Material,
     towards: DVec3,
     /// Facets in an order in which neighbours are near.
@@ -64,7 +64,7 @@ struct Bounds {
     high: DVec3,
 }
 
-impl<G: Geometry> Sunbeams<G> {
+impl<G: Geometry> LightBeams<G> {
     /// For light that falls on `geometry`, of a dielectric `material`, from the direction `towards`.
     #[must_use]
     pub fn new(geometry: &G, material: Material, towards: DVec3) -> Self {

@@ -1,6 +1,6 @@
 //! One light path at a time, from interaction to interaction: the plain way to follow light.
 //!
-//! [`crate::Tracer`] follows many paths together, splits them, and takes short cuts; a [`Walk`] does none
+//! [`crate::Tracer`] follows many paths together, splits them, and takes short cuts; a [`PathIntegrator`] does none
 //! of it. At an interface one way on is picked at random by its share, every flight is searched for facets
 //! from its beginning, and the path is a loop. It is what the tracer is tested against, and what looks
 //! through a camera: light is reversible, so that a path may as well be followed from the eye.
@@ -15,35 +15,35 @@ use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
 use crate::accelerator::Accelerator;
-use crate::border::{End, Heading, Travel, approach, come_home, travel};
+use crate::border::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::geometry::{Geometry, Nearby};
 use crate::path_settings::PathSettings;
 use crate::ray::HalfSpace;
 use crate::scatter::{Scattered, scatter};
-use crate::substrate::{Face, Substrate};
-use crate::sunbeams::Sunbeams;
+use crate::substrate::{Face, TracedLayer};
+use crate::sunbeams::LightBeams;
 
 use bottom::{at_bottom, nothing};
-pub use seen::{Seen, Sunlit, WalkEnd, Walked};
+pub use seen::{BeamContribution, CameraContribution, PathEnd, PathResult};
 use state::{Path, Space};
 
 /// Follows light that comes from above, one path at a time.
 ///
 /// Of the settings it takes the roulette and the highest order; it always picks a branch.
-pub struct Walk<'a, G: Geometry> {
+pub struct PathIntegrator<'a, G: Geometry> {
     geometry: &'a G,
     accelerator: &'a dyn Accelerator<G>,
     material: Material,
     settings: PathSettings,
-    substrate: Option<Substrate<'a, G>>,
-    search: Search,
+    substrate: Option<TracedLayer<'a, G>>,
+    search: FlightSearch,
 }
 
 /// How a flight inside a layer is searched for facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Search {
+pub enum FlightSearch {
     /// For all of its straight line.
-    Plain,
+    Full,
     /// By the heights nearby, where they can tell; the same facets are found.
     Nearby,
 }
@@ -54,10 +54,10 @@ enum Next<F> {
     Facet(Face, F, Heading, f64),
     FlatBottom(f64),
     Collision(f64),
-    End(WalkEnd),
+    End(PathEnd),
 }
 
-impl<'a, G: Geometry> Walk<'a, G> {
+impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// Light from above on a surface, and in the layer below it, if there is one.
     ///
     /// # Panics
@@ -68,7 +68,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
         accelerator: &'a dyn Accelerator<G>,
         material: Material,
         settings: PathSettings,
-        substrate: Option<Substrate<'a, G>>,
+        substrate: Option<TracedLayer<'a, G>>,
     ) -> Self {
         assert!(
             substrate.is_none() || material.transmitting_index().is_some(),
@@ -80,13 +80,13 @@ impl<'a, G: Geometry> Walk<'a, G> {
             material,
             settings,
             substrate,
-            search: Search::Plain,
+            search: FlightSearch::Full,
         }
     }
 
     /// The same, which searches in another way.
     #[must_use]
-    pub fn searching(self, search: Search) -> Self {
+    pub fn with_flight_search(self, search: FlightSearch) -> Self {
         Self { search, ..self }
     }
 
@@ -94,7 +94,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
     ///
     /// `origin`: tile coordinates of the upper surface, above it, be it over another tile; `direction`: a
     /// unit vector in the world.
-    pub fn follow<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> Walked {
+    pub fn trace<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> PathResult {
         let mut path = Path::new(origin, direction);
         loop {
             if let Some(end) = self.step(&mut path, None, rng, &mut |_| {}) {
@@ -109,13 +109,13 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
     /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
     /// that is the thinner one, in which light may rise below the surface; they end after some tiles.
-    pub fn look<R: Rng>(
+    pub fn trace_camera_ray<R: Rng>(
         &self,
         origin: DVec3,
         direction: DVec3,
-        beams: Option<&Sunbeams<G>>,
+        beams: Option<&LightBeams<G>>,
         rng: &mut R,
-        mut each: impl FnMut(Seen),
+        mut each: impl FnMut(CameraContribution),
     ) {
         let denser = self
             .material
@@ -125,8 +125,8 @@ impl<'a, G: Geometry> Walk<'a, G> {
         let mut path = Path::new(origin, direction);
         let (facet, at, t) = match self.next(&path, rng) {
             Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
-            Next::End(end) => return each(Seen::End(path.ended(end))),
-            _ => return each(Seen::End(path.ended(WalkEnd::Lost))),
+            Next::End(end) => return each(CameraContribution::Path(path.ended(end))),
+            _ => return each(CameraContribution::Path(path.ended(PathEnd::Lost))),
         };
         self.advance(&mut path, t);
         path.heading = at;
@@ -143,12 +143,12 @@ impl<'a, G: Geometry> Walk<'a, G> {
                         break end;
                     }
                 };
-                let told = beams.is_some_and(|beams| path.flight <= beams.farthest())
-                    && end == WalkEnd::Above
+                let sampled_by_beams = beams.is_some_and(|beams| path.flight <= beams.farthest())
+                    && end == PathEnd::Above
                     && path.scatterings > 0
                     && path.events_since == 1;
-                each(Seen::End(Walked {
-                    told,
+                each(CameraContribution::Path(PathResult {
+                    sampled_by_beams,
                     ..path.ended(end)
                 }));
             }
@@ -159,10 +159,10 @@ impl<'a, G: Geometry> Walk<'a, G> {
     fn step<R: Rng>(
         &self,
         path: &mut Path,
-        beams: Option<&Sunbeams<G>>,
+        beams: Option<&LightBeams<G>>,
         rng: &mut R,
-        each: &mut impl FnMut(Seen),
-    ) -> Option<WalkEnd> {
+        each: &mut impl FnMut(CameraContribution),
+    ) -> Option<PathEnd> {
         match self.next(path, rng) {
             Next::End(end) => Some(end),
             Next::Facet(face, facet, at, t) => {
@@ -170,7 +170,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 path.heading = at;
                 path.flight = t;
                 if path.events.order() >= self.settings.max_order {
-                    return Some(WalkEnd::Truncated);
+                    return Some(PathEnd::Truncated);
                 }
                 let scattered = self.scattered(face, facet, path, rng);
                 self.pick(face, &scattered, path, rng)
@@ -178,35 +178,35 @@ impl<'a, G: Geometry> Walk<'a, G> {
             Next::FlatBottom(t) => {
                 let substrate = self.substrate.as_ref()?;
                 if !self.fly(path, t) {
-                    return Some(WalkEnd::LeftPatch);
+                    return Some(PathEnd::LeftPatch);
                 }
                 substrate.put_onto_bottom(&mut path.heading.origin);
                 let bottom = substrate.bottom()?;
                 if bottom == Bottom::Open {
-                    return Some(WalkEnd::Below);
+                    return Some(PathEnd::Below);
                 }
                 if path.events.order() >= self.settings.max_order {
-                    return Some(WalkEnd::Truncated);
+                    return Some(PathEnd::Truncated);
                 }
                 let wi = -path.heading.direction;
                 let scattered = at_bottom(bottom, Space::Inside, wi, DVec3::Z, rng);
                 let end = self.pick(Face::Bottom, &scattered, path, rng);
                 // Nothing lies beyond a plane.
-                end.or((path.space == Space::Beyond).then_some(WalkEnd::Below))
+                end.or((path.space == Space::Beyond).then_some(PathEnd::Below))
             }
             Next::Collision(t) => {
                 let substrate = self.substrate.as_ref()?;
                 if !self.fly(path, t) {
-                    return Some(WalkEnd::LeftPatch);
+                    return Some(PathEnd::LeftPatch);
                 }
                 let scattered = path.flux * substrate.albedo();
                 path.absorbed += path.flux - scattered;
                 path.flux = scattered;
                 if scattered == 0.0 {
-                    return Some(WalkEnd::Absorbed);
+                    return Some(PathEnd::Absorbed);
                 }
-                if path.scatterings == substrate.most_scatterings() {
-                    return Some(WalkEnd::Truncated);
+                if path.scatterings == substrate.max_scatterings() {
+                    return Some(PathEnd::Truncated);
                 }
                 path.scatterings += 1;
                 path.events_since = 0;
@@ -225,11 +225,11 @@ impl<'a, G: Geometry> Walk<'a, G> {
     /// decides, and nothing may stand in its way inside and above.
     fn find_sun<R: Rng>(
         &self,
-        substrate: &Substrate<'_, G>,
+        substrate: &TracedLayer<'_, G>,
         path: &Path,
-        beams: &Sunbeams<G>,
+        beams: &LightBeams<G>,
         rng: &mut R,
-        each: &mut impl FnMut(Seen),
+        each: &mut impl FnMut(CameraContribution),
     ) {
         let reach = substrate.free_flight(rng);
         let goes_on = self.geometry.border() != Border::Open;
@@ -258,17 +258,17 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 direction: beams.towards(),
                 ..at
             };
-            let sees = travel(self.geometry, self.accelerator, up, HalfSpace::Above);
+            let sees = traverse(self.geometry, self.accelerator, up, HalfSpace::Above);
             if !matches!(
                 sees,
-                Travel::Ended(End::Escaped | End::EscapedUnsearched(_))
+                TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_))
             ) {
                 return;
             }
             let d = beam.direction;
             let phase = substrate.phase_density(path.heading.direction.dot(-d));
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
-            each(Seen::Sunlit(Sunlit {
+            each(CameraContribution::Beam(BeamContribution {
                 share: path.flux * phase * beam.share,
                 origin: (path.place - beam.t * level).extend(at.origin.z),
             }));
@@ -283,9 +283,9 @@ impl<'a, G: Geometry> Walk<'a, G> {
             met.unwrap_or_else(|other| Next::End(other.unwrap_or(end)))
         };
         let substrate = match (path.space, &self.substrate) {
-            (Space::Above, _) => return outside(Face::Top, HalfSpace::Above, WalkEnd::Above),
-            (Space::Inside, None) => return outside(Face::Top, HalfSpace::Below, WalkEnd::Below),
-            (Space::Beyond, _) => return outside(Face::Bottom, HalfSpace::Below, WalkEnd::Below),
+            (Space::Above, _) => return outside(Face::Top, HalfSpace::Above, PathEnd::Above),
+            (Space::Inside, None) => return outside(Face::Top, HalfSpace::Below, PathEnd::Below),
+            (Space::Beyond, _) => return outside(Face::Bottom, HalfSpace::Below, PathEnd::Below),
             (Space::Inside, Some(substrate)) => substrate,
         };
         let mut reach = substrate.free_flight(rng);
@@ -296,7 +296,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
             next = Next::FlatBottom(flat);
         }
         let mut failed = None;
-        for face in Substrate::<G>::faces_ahead(path.heading.direction) {
+        for face in TracedLayer::<G>::faces_ahead(path.heading.direction) {
             match self.meet(face, &path.heading, face.inside(), reach) {
                 Ok(Next::Facet(face, facet, at, t)) if t <= reach => {
                     reach = t;
@@ -308,7 +308,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
         }
         if reach.is_infinite() {
             // Nothing ends a clear medium.
-            return Next::End(failed.unwrap_or(WalkEnd::Below));
+            return Next::End(failed.unwrap_or(PathEnd::Below));
         }
         next
     }
@@ -321,7 +321,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
         heading: &Heading,
         half_space: HalfSpace,
         reach: f64,
-    ) -> Result<Next<G::Facet>, Option<WalkEnd>> {
+    ) -> Result<Next<G::Facet>, Option<PathEnd>> {
         let (mut heading, mut geometry, mut accelerator) =
             (*heading, self.geometry, self.accelerator);
         if face == Face::Bottom {
@@ -340,13 +340,13 @@ impl<'a, G: Geometry> Walk<'a, G> {
             None => heading,
         };
         let inside = self.substrate.is_some() && half_space == face.inside();
-        let gone = if self.search == Search::Nearby && inside {
+        let gone = if self.search == FlightSearch::Nearby && inside {
             approach(geometry, &mut heading, half_space, reach)
         } else {
             0.0
         };
         let reach = reach - gone;
-        if self.search == Search::Nearby && reach.is_finite() {
+        if self.search == FlightSearch::Nearby && reach.is_finite() {
             let query = heading.query(geometry, half_space);
             match geometry.nearby(&query.ray, half_space, reach) {
                 Nearby::Clear => return Err(None),
@@ -358,13 +358,15 @@ impl<'a, G: Geometry> Walk<'a, G> {
                 Nearby::Unknown => {}
             }
         }
-        match travel(geometry, accelerator, heading, half_space) {
-            Travel::Met(hit, heading) => {
+        match traverse(geometry, accelerator, heading, half_space) {
+            TraversalResult::Hit(hit, heading) => {
                 Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t))
             }
-            Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => Err(None),
-            Travel::Ended(End::LeftPatch) => Err(Some(WalkEnd::LeftPatch)),
-            Travel::Ended(End::Lost) => Err(Some(WalkEnd::Lost)),
+            TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
+                Err(None)
+            }
+            TraversalResult::Ended(TraversalEnd::LeftPatch) => Err(Some(PathEnd::LeftPatch)),
+            TraversalResult::Ended(TraversalEnd::Lost) => Err(Some(PathEnd::Lost)),
         }
     }
 
@@ -379,7 +381,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
         self.advance(path, t);
         let d = path.heading.direction;
         path.heading.origin += t * DVec3::new(d.x, d.y * self.geometry.aspect(), d.z);
-        come_home(self.geometry, &mut path.heading)
+        wrap(self.geometry, &mut path.heading)
     }
 
     /// What a facet does with the light that has come to it.
@@ -418,13 +420,13 @@ impl<'a, G: Geometry> Walk<'a, G> {
         scattered: &Scattered,
         path: &mut Path,
         rng: &mut R,
-    ) -> Option<WalkEnd> {
+    ) -> Option<PathEnd> {
         let [transmitted, reflected] = &scattered.branches;
         let kept = transmitted.share + reflected.share;
         path.absorbed += path.flux * scattered.absorbed;
         path.flux *= kept;
         if path.flux == 0.0 {
-            return Some(WalkEnd::Absorbed);
+            return Some(PathEnd::Absorbed);
         }
         let branch = if rng.random::<f64>() * kept < reflected.share {
             reflected
@@ -436,7 +438,7 @@ impl<'a, G: Geometry> Walk<'a, G> {
     }
 
     /// Weak light goes on with a probability proportional to its flux, and then carries the threshold.
-    fn roulette<R: Rng>(&self, path: &mut Path, rng: &mut R) -> Option<WalkEnd> {
+    fn roulette<R: Rng>(&self, path: &mut Path, rng: &mut R) -> Option<PathEnd> {
         let threshold = self.settings.roulette_below;
         if path.flux >= threshold {
             return None;
@@ -445,6 +447,6 @@ impl<'a, G: Geometry> Walk<'a, G> {
         let kept = if survives { threshold } else { 0.0 };
         path.truncated += path.flux - kept;
         path.flux = kept;
-        (!survives).then_some(WalkEnd::Truncated)
+        (!survives).then_some(PathEnd::Truncated)
     }
 }

@@ -1,6 +1,6 @@
 //! The layer below a surface, followed by many paths together and by one path at a time.
 //!
-//! [`Tracer`] divides light, waits for searches, and passes over most of them; [`Walk`] does none of it.
+//! [`Tracer`] divides light, waits for searches, and passes over most of them; [`PathIntegrator`] does none of it.
 //! Both draw random numbers of their own, so what they find must agree within the noise of both.
 
 #![allow(
@@ -15,8 +15,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, History, Layout, Share, Side};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, Geometry, HalfSpace, Illumination, PathSettings,
-    Search, Substrate, Surface, Tracer, Walk, WalkEnd, Walked,
+    AcceleratorKind, BottomShape, Branching, FlightSearch, Geometry, HalfSpace, Illumination,
+    PathEnd, PathIntegrator, PathResult, PathSettings, Surface, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -45,8 +45,8 @@ struct Scene {
     /// Height of a bottom of its own.
     rough: Option<f64>,
     settings: PathSettings,
-    most_scatterings: u32,
-    search: Search,
+    max_scatterings: u32,
+    search: FlightSearch,
 }
 
 const ISOTROPIC: PhaseFunction = PhaseFunction::Isotropic;
@@ -62,8 +62,8 @@ fn scene(border: Border, path: f64, albedo: f64, phase: PhaseFunction) -> Scene 
         end: None,
         rough: None,
         settings: PathSettings::default(),
-        most_scatterings: 100_000,
-        search: Search::Plain,
+        max_scatterings: 100_000,
+        search: FlightSearch::Full,
     }
 }
 
@@ -116,7 +116,7 @@ impl Scene {
                 },
                 _ => BottomShape::Flat,
             };
-            Substrate::new(&top, &layer, shape, self.most_scatterings).unwrap()
+            TracedLayer::new(&top, &layer, shape, self.max_scatterings).unwrap()
         };
         let glass = Material::dielectric(self.eta).unwrap();
         let incidence = Incidence::from_degrees(40.0, 25.0).unwrap();
@@ -134,16 +134,17 @@ impl Scene {
             let (record, _) = tracer.batch(&light, STRATA, layout, None, &mut rng);
             together.push(&record);
         }
-        let walk = Walk::new(&top, &*top_hits, glass, self.settings, Some(substrate()));
-        let walk = walk.searching(self.search);
+        let integrator =
+            PathIntegrator::new(&top, &*top_hits, glass, self.settings, Some(substrate()));
+        let integrator = integrator.with_flight_search(self.search);
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(2);
             rng.set_stream(block);
             let mut record = vec![0.0; layout.len()];
             for _ in 0..STRATA * STRATA {
                 let origin = start(&top, incidence, &mut rng);
-                let walked = walk.follow(origin, -incidence.wi(), &mut rng);
-                count(&walked, &layout, &mut record);
+                let path = integrator.trace(origin, -incidence.wi(), &mut rng);
+                count(&path, &layout, &mut record);
             }
             alone.push(&record);
         }
@@ -169,38 +170,35 @@ fn start(top: &Surface, incidence: Incidence, rng: &mut ChaCha8Rng) -> DVec3 {
 }
 
 /// Adds one path to the entries that are compared.
-fn count(walked: &Walked, layout: &Layout, record: &mut [f64]) {
-    let whole = walked.flux + walked.absorbed + walked.truncated;
-    assert!((whole - 1.0).abs() < 1e-12, "{walked:?}");
+fn count(path: &PathResult, layout: &Layout, record: &mut [f64]) {
+    let whole = path.flux + path.absorbed + path.truncated;
+    assert!((whole - 1.0).abs() < 1e-12, "{path:?}");
     let mut add = |entry: usize, flux: f64| record[entry] += flux / PATHS;
-    add(Layout::ABSORBED, walked.absorbed);
-    add(Layout::TRUNCATED, walked.truncated);
-    let side = match walked.end {
-        WalkEnd::Above => Side::Reflected,
-        WalkEnd::Below => Side::Transmitted,
-        WalkEnd::Absorbed => return,
-        WalkEnd::Truncated => return add(Layout::TRUNCATED, walked.flux),
-        WalkEnd::LeftPatch => {
-            add(Layout::LEFT_PATCH, walked.flux);
-            return add(Layout::TRUNCATED, walked.flux);
+    add(Layout::ABSORBED, path.absorbed);
+    add(Layout::TRUNCATED, path.truncated);
+    let side = match path.end {
+        PathEnd::Above => Side::Reflected,
+        PathEnd::Below => Side::Transmitted,
+        PathEnd::Absorbed => return,
+        PathEnd::Truncated => return add(Layout::TRUNCATED, path.flux),
+        PathEnd::LeftPatch => {
+            add(Layout::LEFT_PATCH, path.flux);
+            return add(Layout::TRUNCATED, path.flux);
         }
-        WalkEnd::Lost => return add(Layout::LOST, walked.flux),
+        PathEnd::Lost => return add(Layout::LOST, path.flux),
     };
     let total = match side {
         Side::Reflected => Layout::REFLECTED,
         Side::Transmitted => Layout::TRANSMITTED,
     };
-    add(total, walked.flux);
+    add(total, path.flux);
     add(
-        layout.history(side, History::of(walked.scatterings)),
-        walked.flux,
+        layout.history(side, History::of(path.scatterings)),
+        path.flux,
     );
-    add(
-        layout.order(side, walked.path.order() as usize),
-        walked.flux,
-    );
-    let bin = layout.grid().index_of(side, walked.direction);
-    add(layout.bins(Share::Total).start + bin, walked.flux);
+    add(layout.order(side, path.path.order() as usize), path.flux);
+    let bin = layout.grid().index_of(side, path.direction);
+    add(layout.bins(Share::Total).start + bin, path.flux);
 }
 
 fn assert_agreement(
@@ -330,12 +328,12 @@ fn settings_of_paths() {
     let short = settings(Branching::Split, 0.01, 3).unwrap();
     slab(short).compare("at most three interactions");
     let few = Scene {
-        most_scatterings: 4,
+        max_scatterings: 4,
         ..slab(PathSettings::default())
     };
     few.compare("at most four scatterings");
     let nearby = Scene {
-        search: Search::Nearby,
+        search: FlightSearch::Nearby,
         ..scene(Border::Mirrored, 0.3, 0.97, forwards(0.6)).over_rough(INTERFACE, 2.5)
     };
     nearby.compare("walks that look nearby");

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
-use asperity_tracer::border::{End, Heading, Travel, travel};
+use asperity_tracer::border::{Heading, TraversalEnd, TraversalResult, traverse};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, Geometry, HalfSpace, MeshBvh, MeshSurface,
     MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
@@ -333,9 +333,11 @@ fn no_ray_slips_through_where_facets_meet() {
                 direction,
                 mirrored: [false; 2],
             };
-            match travel(&mesh, &bvh, heading, half_space) {
-                Travel::Met(..) => met += 1,
-                Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
+            match traverse(&mesh, &bvh, heading, half_space) {
+                TraversalResult::Hit(..) => met += 1,
+                TraversalResult::Ended(
+                    TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_),
+                ) => {
                     assert!(
                         half_space.sign() * direction.z > 0.0,
                         "{heading:?} {half_space:?}"
@@ -377,8 +379,11 @@ fn no_ray_slips_through_where_tiles_meet() {
                 direction: towards,
                 mirrored: [false; 2],
             };
-            let end = travel(&mesh, &bvh, heading, half_space);
-            assert!(matches!(end, Travel::Met(..)), "{end:?} {heading:?}");
+            let end = traverse(&mesh, &bvh, heading, half_space);
+            assert!(
+                matches!(end, TraversalResult::Hit(..)),
+                "{end:?} {heading:?}"
+            );
         }
     }
 }

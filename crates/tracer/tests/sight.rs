@@ -8,7 +8,8 @@
 
 use asperity_surface::{Border, HeightField, Psd, Synthesis, Triangle};
 use asperity_tracer::{
-    AcceleratorKind, Facet, Geometry, Horizon, HorizonError, Horizons, Look, Sight, Surface, look,
+    AcceleratorKind, Facet, Geometry, Horizon, HorizonError, Horizons, Surface, Visibility,
+    VisibilityRay, trace_visibility,
 };
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -37,19 +38,19 @@ fn horizons(surface: &Surface, points: &[(Facet, DVec3)], phi: f64, least: f64) 
 }
 
 /// What each point that faces `w` sees, by rays; `None` for those that face away.
-fn rays(surface: &Surface, points: &[(Facet, DVec3)], w: DVec3) -> Vec<Option<Sight>> {
+fn rays(surface: &Surface, points: &[(Facet, DVec3)], w: DVec3) -> Vec<Option<Visibility>> {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let faces = |facet: Facet| surface.normal(facet).dot(w) > 0.0;
-    let looks: Vec<Look> = points
+    let looks: Vec<VisibilityRay> = points
         .iter()
         .filter(|(facet, _)| faces(*facet))
-        .map(|&(_, origin)| Look {
+        .map(|&(_, origin)| VisibilityRay {
             origin,
             direction: w,
         })
         .collect();
     let mut seen = Vec::new();
-    look(surface, &*accelerator, &looks, &mut seen);
+    trace_visibility(surface, &*accelerator, &looks, &mut seen);
     let mut seen = seen.into_iter();
     points
         .iter()
@@ -163,7 +164,7 @@ fn rays_and_horizons_agree_point_by_point() {
                         asked += 1;
                         let hidden = horizon.beyond > cotangent;
                         blocked += usize::from(hidden);
-                        if hidden != (seen == Sight::Blocked) {
+                        if hidden != (seen == Visibility::Blocked) {
                             // Only contact to rounding may be seen either way: heights of some ten
                             // columns are rounded by 2e-15, over distances of 1e-3 or more.
                             let grazing = (horizon.beyond / cotangent - 1.0).abs();
@@ -252,7 +253,11 @@ fn grooves_cast_the_shadows_of_two_planes() {
                 // No point lies nearer to the edge of the shadow than rounding.
                 assert!((z - edge).abs() > 1e-9);
                 let lit = !(rises && k < 1.0) && (k >= 1.0 || z > edge);
-                assert_eq!(seen == Some(Sight::Free), lit, "{phi} {theta} {z} {edge}");
+                assert_eq!(
+                    seen == Some(Visibility::Visible),
+                    lit,
+                    "{phi} {theta} {z} {edge}"
+                );
                 let cotangent = w.z / w.x.hypot(w.y);
                 assert_eq!(
                     horizon.steepest() <= cotangent,
@@ -273,7 +278,7 @@ fn a_flat_surface_sees_the_whole_sky() {
         assert_eq!((horizon.own, horizon.beyond), (0.0, 1e-6));
     }
     let seen = rays(&surface, &points, direction(89.9, 0.4));
-    assert!(seen.iter().all(|seen| *seen == Some(Sight::Free)));
+    assert!(seen.iter().all(|seen| *seen == Some(Visibility::Visible)));
 }
 
 #[test]
@@ -318,5 +323,5 @@ fn mirrored_surfaces_have_rays_but_no_horizons() {
     let error = Horizons::new(&surface, 0.0, 0.1).err();
     assert_eq!(error, Some(HorizonError::Mirrored));
     let seen = rays(&surface, &points(&surface, 1), direction(60.0, 0.3));
-    assert!(seen.contains(&Some(Sight::Free)) && seen.contains(&Some(Sight::Blocked)));
+    assert!(seen.contains(&Some(Visibility::Visible)) && seen.contains(&Some(Visibility::Blocked)));
 }

@@ -16,8 +16,8 @@ use asperity_optics::{
 use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Geometry, PathSettings, Search, Seen, Substrate, Sunbeams,
-    Surface, Walk, WalkEnd,
+    AcceleratorKind, BottomShape, CameraContribution, FlightSearch, Geometry, LightBeams, PathEnd,
+    PathIntegrator, PathSettings, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -82,14 +82,14 @@ fn compare(name: &str, case: Case) {
     } else {
         BottomShape::Flat
     };
-    let substrate = Substrate::new(&top, &layer, shape, 1000).unwrap();
+    let substrate = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
     let glass = Material::dielectric(1.5).unwrap();
     let settings = PathSettings::default();
-    let walk = Walk::new(&top, &*top_hits, glass, settings, Some(substrate));
-    let walk = walk.searching(Search::Nearby);
+    let integrator = PathIntegrator::new(&top, &*top_hits, glass, settings, Some(substrate));
+    let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let sun = from_spherical(0.9, 2.0);
     let solid_angle = TAU * (1.0 - COS_RADIUS);
-    let mut beams = Sunbeams::new(&top, glass, sun);
+    let mut beams = LightBeams::new(&top, glass, sun);
     let [cx, cy] = top.extent();
     let [_, high] = top.z_range();
     let direction = -from_spherical(0.5, 4.0);
@@ -104,19 +104,19 @@ fn compare(name: &str, case: Case) {
             let mu = 1.0 - rng.random::<f64>() * (1.0 - COS_RADIUS);
             beams.aim(&top, around(sun, mu, rng.random()));
             let origin = DVec3::new(cx * rng.random::<f64>(), cy * rng.random::<f64>(), high);
-            walk.look(
+            integrator.trace_camera_ray(
                 origin,
                 direction,
                 Some(&beams),
                 &mut rng,
                 |seen| match seen {
-                    Seen::Sunlit(lit) => {
+                    CameraContribution::Beam(lit) => {
                         found[0] += lit.share * solid_angle / f64::from(case.lines)
                     }
-                    Seen::End(walked) => {
-                        if walked.told && walked.direction.dot(sun) > COS_RADIUS {
-                            assert_eq!(walked.end, WalkEnd::Above);
-                            found[1] += walked.flux / f64::from(case.lines);
+                    CameraContribution::Path(path) => {
+                        if path.sampled_by_beams && path.direction.dot(sun) > COS_RADIUS {
+                            assert_eq!(path.end, PathEnd::Above);
+                            found[1] += path.flux / f64::from(case.lines);
                             told_apart += 1;
                         }
                     }

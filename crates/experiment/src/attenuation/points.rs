@@ -2,7 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_surface::{Border, Triangle};
-use asperity_tracer::{Facet, Geometry, Look, Surface};
+use asperity_tracer::{Facet, Geometry, Surface, VisibilityRay};
 use rand::{Rng, RngExt};
 
 use crate::stream::point_stream;
@@ -13,13 +13,13 @@ pub(super) const CHUNK: usize = 1 << 13;
 /// A point of the surface, looking along the normal of its facet until it is told where to look.
 pub(super) struct Point {
     pub(super) facet: Facet,
-    pub(super) look: Look,
+    pub(super) look: VisibilityRay,
     is_sample: bool,
 }
 
 impl Point {
     /// What it looks at along a direction that its facet faces and that is not vertical.
-    pub(super) fn look_along(&self, direction: &Incidence, surface: &Surface) -> Look {
+    pub(super) fn look_along(&self, direction: &Incidence, surface: &Surface) -> VisibilityRay {
         let w = direction.wi();
         let mut origin = self.look.origin;
         if self.is_sample {
@@ -32,7 +32,7 @@ impl Point {
             origin.y += half * y;
             origin.z += half * w.z;
         }
-        Look {
+        VisibilityRay {
             origin,
             direction: w,
         }
@@ -59,7 +59,7 @@ pub(super) fn points(
         let [a, b, c] = surface.corners(facet);
         let [far, near] = sorted_pair(&mut rng);
         let place = a + far * (b - a) + near * (c - b);
-        let look = Look {
+        let look = VisibilityRay {
             origin: surface.snap(facet, place),
             direction: surface.normal(facet),
         };
@@ -112,7 +112,7 @@ pub(super) fn samples(
                 ix: before(ix, left, cx) as u32,
                 triangle,
             };
-            let look = Look {
+            let look = VisibilityRay {
                 origin: surface.corners(facet)[corner],
                 direction: surface.normal(facet),
             };

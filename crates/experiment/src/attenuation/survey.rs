@@ -3,7 +3,8 @@
 use asperity_optics::{Incidence, reflect};
 use asperity_surface::HeightField;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Geometry, Horizon, Look, Sight, Surface, look,
+    Accelerator, AcceleratorKind, Geometry, Horizon, Surface, Visibility, VisibilityRay,
+    trace_visibility,
 };
 use rayon::prelude::*;
 
@@ -262,7 +263,7 @@ impl Site<'_> {
         let looks = points.iter().zip(lit).map(|(point, &lit)| {
             let wo = reflect(wi, point.look.direction);
             // What goes down meets the surface.
-            (lit && wo.z > 0.0).then_some(Look {
+            (lit && wo.z > 0.0).then_some(VisibilityRay {
                 direction: wo,
                 ..point.look
             })
@@ -271,15 +272,19 @@ impl Site<'_> {
     }
 
     /// Which of the looks that are taken see the sky.
-    fn free(&self, looks: impl Iterator<Item = Option<Look>>, lost: &mut u64) -> Vec<bool> {
-        let all: Vec<Option<Look>> = looks.collect();
-        let taken: Vec<Look> = all.iter().copied().flatten().collect();
+    fn free(
+        &self,
+        looks: impl Iterator<Item = Option<VisibilityRay>>,
+        lost: &mut u64,
+    ) -> Vec<bool> {
+        let all: Vec<Option<VisibilityRay>> = looks.collect();
+        let taken: Vec<VisibilityRay> = all.iter().copied().flatten().collect();
         let mut seen = Vec::new();
-        look(self.surface, self.accelerator, &taken, &mut seen);
-        *lost += ones(seen.iter().map(|sight| *sight == Sight::Lost));
+        trace_visibility(self.surface, self.accelerator, &taken, &mut seen);
+        *lost += ones(seen.iter().map(|sight| *sight == Visibility::Lost));
         let mut seen = seen.into_iter();
         all.iter()
-            .map(|look| look.is_some() && seen.next() == Some(Sight::Free))
+            .map(|look| look.is_some() && seen.next() == Some(Visibility::Visible))
             .collect()
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::Layout;
-use asperity_tracer::{BottomShape, Branching, HalfSpace, Illumination, Substrate, Tracer};
+use asperity_tracer::{BottomShape, Branching, HalfSpace, Illumination, TracedLayer, Tracer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -166,7 +166,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
         );
         if let Some(layer) = layer {
             let flat = BottomShape::Flat;
-            tracer = tracer.over(Substrate::new(&surface, layer, flat, 100_000).unwrap());
+            tracer = tracer.over(TracedLayer::new(&surface, layer, flat, 100_000).unwrap());
         }
         let mut sums = BatchStatistics::new(1);
         for block in 0..50 {
@@ -315,9 +315,9 @@ fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
     // The same plane, but chance alone finds the sun.
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-    let substrate = Substrate::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
-    let walk = Walk::new(&surface, &*hits, GLASS, settings.paths, Some(substrate));
-    let walk = walk.searching(Search::Nearby);
+    let substrate = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
+    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, settings.paths, Some(substrate));
+    let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let height = 16.0 / 4.0;
     let seen_depth = width / height;
     let unit = surface.unit();
@@ -331,11 +331,11 @@ fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
             let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
             let (x, y) = (width * u, middle[1] + seen_depth * (v - 0.5));
             let origin = DVec3::new(x / unit, y / unit * surface.aspect(), high);
-            let walked = walk.follow(origin, DVec3::NEG_Z, &mut rng);
-            if walked.end != WalkEnd::Above {
+            let path = integrator.trace(origin, DVec3::NEG_Z, &mut rng);
+            if path.end != PathEnd::Above {
                 continue;
             }
-            let (o, d) = (walked.origin, walked.direction);
+            let (o, d) = (path.origin, path.direction);
             let t = (o.z - plane) / d.z;
             let x = (o.x - t * d.x) * unit;
             let y = (o.y / surface.aspect() - t * d.y) * unit;
@@ -343,7 +343,7 @@ fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
             let lit = (0.3..0.55).contains(&x) && (0.2..0.8).contains(&y);
             let in_sun = d.dot(towards.wi()) > 0.6_f64.cos();
             let disc = 0.7 / 0.6_f64.sin().powi(2);
-            sum += walked.flux * (0.3 + if lit && in_sun { disc } else { 0.0 });
+            sum += path.flux * (0.3 + if lit && in_sun { disc } else { 0.0 });
         }
         sums.push(&[sum / 600.0]);
     }

@@ -55,9 +55,9 @@ fn a_periodic_border_equals_copies_of_the_tile() {
             origin: origin + shift,
             ..heading
         };
-        let wrapped = travel(&surface, &BruteForce, heading, HalfSpace::Above);
-        let direct = travel(&big, &BruteForce, far, HalfSpace::Above);
-        if let (Travel::Met(_, a), Travel::Met(_, b)) = (wrapped, direct) {
+        let wrapped = traverse(&surface, &BruteForce, heading, HalfSpace::Above);
+        let direct = traverse(&big, &BruteForce, far, HalfSpace::Above);
+        if let (TraversalResult::Hit(_, a), TraversalResult::Hit(_, b)) = (wrapped, direct) {
             met += 1;
             let dx = (b.origin.x - a.origin.x).rem_euclid(cx);
             let dy = (b.origin.y - a.origin.y).rem_euclid(cy);
@@ -104,9 +104,9 @@ fn a_mirrored_border_equals_mirrored_copies_of_a_symmetric_split() {
             origin: origin + shift,
             ..heading
         };
-        let folded = travel(&surface, &BruteForce, heading, HalfSpace::Above);
-        let direct = travel(&big, &BruteForce, far, HalfSpace::Above);
-        if let (Travel::Met(_, a), Travel::Met(_, b)) = (folded, direct) {
+        let folded = traverse(&surface, &BruteForce, heading, HalfSpace::Above);
+        let direct = traverse(&big, &BruteForce, far, HalfSpace::Above);
+        if let (TraversalResult::Hit(_, a), TraversalResult::Hit(_, b)) = (folded, direct) {
             met += 1;
             assert!((a.world_direction() - b.world_direction()).length() < 1e-12);
             let fold = |x: f64, size: f64| {
@@ -142,7 +142,8 @@ fn unequal_spacings_are_those_of_the_physical_surface() {
         direction: d,
         mirrored: [false; 2],
     };
-    let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, HalfSpace::Above) else {
+    let TraversalResult::Hit(_, met) = traverse(&surface, &BruteForce, heading, HalfSpace::Above)
+    else {
         panic!("no hit");
     };
     let t = (start.z - height(start.x, start.y)) / (0.3 * d.x - 0.2 * d.y - d.z);
@@ -168,7 +169,9 @@ fn mirror_images_of_mirror_images_are_upright() {
             direction: d,
             mirrored: before,
         };
-        let Travel::Met(_, met) = travel(&surface, &BruteForce, heading, HalfSpace::Above) else {
+        let TraversalResult::Hit(_, met) =
+            traverse(&surface, &BruteForce, heading, HalfSpace::Above)
+        else {
             panic!("no hit");
         };
         assert_eq!(met.mirrored, [!before[0], before[1]]);
@@ -186,8 +189,8 @@ fn an_open_patch_lets_rays_out_sideways() {
         direction: d,
         mirrored: [false; 2],
     };
-    let journey = travel(&surface, &BruteForce, heading, HalfSpace::Above);
-    assert_eq!(journey, Travel::Ended(End::LeftPatch));
+    let journey = traverse(&surface, &BruteForce, heading, HalfSpace::Above);
+    assert_eq!(journey, TraversalResult::Ended(TraversalEnd::LeftPatch));
 }
 
 #[test]
@@ -205,10 +208,10 @@ fn light_from_under_the_rim_of_an_open_patch_is_not_let_in() {
         mirrored: [false; 2],
     };
     let [_, high] = surface.z_range();
-    let under = travel(&surface, &BruteForce, from(high - 0.3), HalfSpace::Above);
-    assert_eq!(under, Travel::Ended(End::LeftPatch));
-    let over = travel(&surface, &BruteForce, from(high + 0.015), HalfSpace::Above);
-    assert!(matches!(over, Travel::Met(..)), "{over:?}");
+    let under = traverse(&surface, &BruteForce, from(high - 0.3), HalfSpace::Above);
+    assert_eq!(under, TraversalResult::Ended(TraversalEnd::LeftPatch));
+    let over = traverse(&surface, &BruteForce, from(high + 0.015), HalfSpace::Above);
+    assert!(matches!(over, TraversalResult::Hit(..)), "{over:?}");
 }
 
 #[test]
@@ -219,9 +222,9 @@ fn a_ray_steeper_than_every_facet_needs_no_search() {
         direction: DVec3::Z,
         mirrored: [false; 2],
     };
-    let journey = travel(&surface, &BruteForce, heading, HalfSpace::Above);
+    let journey = traverse(&surface, &BruteForce, heading, HalfSpace::Above);
     assert_eq!(
         journey,
-        Travel::Ended(End::EscapedUnsearched(Escape::SteeperThanAll))
+        TraversalResult::Ended(TraversalEnd::EscapedUnsearched(Escape::SteeperThanAll))
     );
 }

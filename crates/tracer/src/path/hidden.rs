@@ -6,7 +6,7 @@ use rand::{Rng, RngExt};
 
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
-use crate::border::{End, Heading, Way, set_out};
+use crate::border::{Heading, Traversal, TraversalEnd, begin};
 use crate::geometry::Geometry;
 use crate::ray::HalfSpace;
 use crate::substrate::Face;
@@ -22,13 +22,13 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         // Most facets see the light without a search, and need not be kept.
-        match set_out(self.geometry, &mut towards_light, self.incident) {
+        match begin(self.geometry, &mut towards_light, self.incident) {
             Some(end) => {
                 batch.work.count(end);
                 self.looked(end, &light, &at, batch);
             }
             None => {
-                let way = Way::new(&towards_light);
+                let way = Traversal::begin(&towards_light);
                 let query = towards_light.query(self.geometry, self.incident);
                 let leg = Leg {
                     way,
@@ -44,16 +44,16 @@ impl<G: Geometry> Tracer<'_, G> {
     /// What follows where nothing stands between a facet and the light.
     pub(super) fn looked<R: Rng>(
         &self,
-        end: End,
+        end: TraversalEnd,
         light: &Light,
         at: &Arrival<G::Facet>,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         match end {
-            End::Escaped | End::EscapedUnsearched(_) => {
+            TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_) => {
                 self.interact(at, self.incident, light, batch);
             }
-            End::LeftPatch | End::Lost => {
+            TraversalEnd::LeftPatch | TraversalEnd::Lost => {
                 self.unlit(at, light, batch);
                 batch.record.add_loss(Loss::Lost, light.flux);
             }

@@ -13,11 +13,11 @@ use rand::{Rng, RngExt};
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
 use crate::accelerator::Query;
-use crate::border::{End, Heading, Way, approach, come_home, set_out};
+use crate::border::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
 use crate::geometry::{Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit};
 use crate::scatter::{Branch, Scattered, scatter};
-use crate::substrate::{Face, Substrate};
+use crate::substrate::{Face, TracedLayer};
 
 /// Inside, roulette begins at so many times the flux at which it begins elsewhere.
 ///
@@ -36,7 +36,7 @@ enum Ahead<F> {
     Clear,
     Met(Arrival<F>),
     /// A search must tell, which begins here.
-    Search(Heading),
+    FlightSearch(Heading),
     Lost,
 }
 
@@ -56,7 +56,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// faces ahead.
     fn fly<R: Rng>(
         &self,
-        substrate: &Substrate<'_, G>,
+        substrate: &TracedLayer<'_, G>,
         mut heading: Heading,
         mut light: Light,
         mut flight: f64,
@@ -66,7 +66,7 @@ impl<G: Geometry> Tracer<'_, G> {
         loop {
             let to_bottom = substrate.to_flat_bottom(&heading);
             let mut reach = flight.min(to_bottom);
-            let faces = Substrate::<G>::faces_ahead(heading.direction);
+            let faces = TracedLayer::<G>::faces_ahead(heading.direction);
             for face in &faces[clear_of..] {
                 let Some(geometry) = self.geometry_of(*face) else {
                     continue;
@@ -84,8 +84,8 @@ impl<G: Geometry> Tracer<'_, G> {
                         self.meet(*face, at, face.inside(), &light, batch);
                         return;
                     }
-                    Ahead::Search(heading) => {
-                        let way = Way::new(&heading);
+                    Ahead::FlightSearch(heading) => {
+                        let way = Traversal::begin(&heading);
                         let query = heading.query(geometry, face.inside());
                         let leg = Leg {
                             way,
@@ -113,7 +113,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 return self.leave_clear(substrate, &heading, &light, batch);
             }
             heading.origin += reach * heading.query(self.geometry, HalfSpace::Below).ray.direction;
-            if !come_home(self.geometry, &mut heading) {
+            if !wrap(self.geometry, &mut heading) {
                 batch.record.add_loss(Loss::LeftPatch, light.flux);
                 return;
             }
@@ -134,7 +134,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// or leaves an open patch, below the surface or beside a bottom of its own.
     fn leave_clear<R>(
         &self,
-        substrate: &Substrate<'_, G>,
+        substrate: &TracedLayer<'_, G>,
         heading: &Heading,
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
@@ -156,7 +156,7 @@ impl<G: Geometry> Tracer<'_, G> {
     #[inline]
     fn collide<R: Rng>(
         &self,
-        substrate: &Substrate<'_, G>,
+        substrate: &TracedLayer<'_, G>,
         light: &mut Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) -> bool {
@@ -165,14 +165,14 @@ impl<G: Geometry> Tracer<'_, G> {
         if kept == 0.0 {
             return false;
         }
-        if light.scatterings == substrate.most_scatterings() {
+        if light.scatterings == substrate.max_scatterings() {
             batch.record.add_loss(Loss::Truncated, kept);
             return false;
         }
         light.flux = kept;
         light.scatterings += 1;
         batch.work.scatterings += 1;
-        batch.work.most_scatterings = batch.work.most_scatterings.max(light.scatterings);
+        batch.work.max_scatterings = batch.work.max_scatterings.max(light.scatterings);
         let threshold = (EAGERNESS * self.settings.roulette_below).min(1.0);
         self.survives_below(threshold, light, batch)
     }
@@ -180,7 +180,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Goes on with a leg inside that has been searched for in one tile.
     pub(super) fn arrive_inside<R: Rng>(
         &self,
-        substrate: &Substrate<'_, G>,
+        substrate: &TracedLayer<'_, G>,
         face: Face,
         mut leg: Leg<G::Facet>,
         query: &mut Query,
@@ -205,18 +205,18 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             // It meets the face only after its flight has ended.
             Some(_) => None,
-            None => match leg.way.go_on(geometry, query) {
+            None => match leg.way.step(geometry, query) {
                 Some(end) => Some(end),
                 None if leg.way.entered() <= reach => return self.push(face, leg, *query, batch),
                 None => None,
             },
         };
-        if end == Some(End::Lost) && leg.way.entered() <= reach {
+        if end == Some(TraversalEnd::Lost) && leg.way.entered() <= reach {
             batch.work.segments += 1;
             batch.record.add_loss(Loss::Lost, leg.light.flux);
             return;
         }
-        let ahead = Substrate::<G>::faces_ahead(from.direction);
+        let ahead = TracedLayer::<G>::faces_ahead(from.direction);
         let clear_of = 1 + ahead.iter().position(|f| *f == face).unwrap_or(0);
         self.fly(substrate, from, leg.light, leg.flight, clear_of, batch);
     }
@@ -228,7 +228,7 @@ impl<G: Geometry> Tracer<'_, G> {
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let Some(bottom) = self.substrate.as_ref().and_then(Substrate::bottom) else {
+        let Some(bottom) = self.substrate.as_ref().and_then(TracedLayer::bottom) else {
             return;
         };
         if bottom == Bottom::Open {
@@ -282,7 +282,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
         let (Some(bottom), Some(geometry)) = (
-            self.substrate.as_ref().and_then(Substrate::bottom),
+            self.substrate.as_ref().and_then(TracedLayer::bottom),
             self.geometry_of(Face::Bottom),
         ) else {
             return;
@@ -322,13 +322,17 @@ fn ahead<G: Geometry>(
     match geometry.nearby(&query.ray, query.half_space, reach) {
         Nearby::Clear => Ahead::Clear,
         Nearby::Met(hit) => Ahead::Met(Arrival {
-            heading: Way::new(&heading).arrival(geometry, &query, &hit),
+            heading: Traversal::begin(&heading).arrival(geometry, &query, &hit),
             facet: hit.facet,
         }),
-        Nearby::Unknown => match set_out(geometry, &mut heading, face.inside()) {
-            None => Ahead::Search(heading),
-            Some(End::Lost) => Ahead::Lost,
-            Some(End::Escaped | End::EscapedUnsearched(_) | End::LeftPatch) => Ahead::Clear,
+        Nearby::Unknown => match begin(geometry, &mut heading, face.inside()) {
+            None => Ahead::FlightSearch(heading),
+            Some(TraversalEnd::Lost) => Ahead::Lost,
+            Some(
+                TraversalEnd::Escaped
+                | TraversalEnd::EscapedUnsearched(_)
+                | TraversalEnd::LeftPatch,
+            ) => Ahead::Clear,
         },
     }
 }

@@ -4,7 +4,7 @@ use asperity_tally::{Event, EventPath};
 use glam::DVec2;
 
 use crate::accelerator::Query;
-use crate::border::{Heading, Way};
+use crate::border::{Heading, Traversal};
 use crate::ray::HalfSpace;
 use crate::scatter::Branch;
 
@@ -51,7 +51,7 @@ pub(super) enum Errand<F> {
 
 /// One stretch of a path that is being followed.
 pub(super) struct Leg<F> {
-    pub(super) way: Way,
+    pub(super) way: Traversal,
     pub(super) light: Light,
     pub(super) errand: Errand<F>,
     /// How far it goes before it interacts with a medium; infinite where there is none.

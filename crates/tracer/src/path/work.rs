@@ -1,12 +1,10 @@
 //! What a batch took.
 
-use serde::Serialize;
-
-use crate::border::End;
+use crate::border::TraversalEnd;
 use crate::geometry::Escape;
 
 /// What was done, counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Incident rays.
     pub rays: u64,
@@ -16,18 +14,18 @@ pub struct Work {
     pub segments_skipped: u64,
     /// Those of them that the slopes nearby excused, not those of the whole surface.
     pub segments_skipped_nearby: u64,
-    /// Branches not followed, since they could end only on a side that is not asked for.
-    pub branches_not_asked: u64,
+    /// Branches not followed, since they could end only on a side that is not recorded.
+    pub branches_not_recorded: u64,
     /// Scatterings inside the medium below.
     pub scatterings: u64,
-    /// Most scatterings of one path.
-    pub most_scatterings: u32,
+    /// Largest number of scatterings of one path.
+    pub max_scatterings: u32,
 }
 
 impl Work {
     /// Counts a segment that met nothing, by how its way ended.
-    pub(super) fn count(&mut self, end: End) {
-        if let End::EscapedUnsearched(escape) = end {
+    pub(super) fn count(&mut self, end: TraversalEnd) {
+        if let TraversalEnd::EscapedUnsearched(escape) = end {
             self.segments_skipped += 1;
             self.segments_skipped_nearby += u64::from(escape == Escape::SteeperThanNear);
         } else {
@@ -42,8 +40,8 @@ impl std::ops::AddAssign for Work {
         self.segments += other.segments;
         self.segments_skipped += other.segments_skipped;
         self.segments_skipped_nearby += other.segments_skipped_nearby;
-        self.branches_not_asked += other.branches_not_asked;
+        self.branches_not_recorded += other.branches_not_recorded;
         self.scatterings += other.scatterings;
-        self.most_scatterings = self.most_scatterings.max(other.most_scatterings);
+        self.max_scatterings = self.max_scatterings.max(other.max_scatterings);
     }
 }

@@ -6,9 +6,9 @@ use glam::DVec3;
 /// The end of a path, and what became of its flux, which begins as one: what it has left, what was
 /// absorbed and what was truncated on the way add up to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Walked {
+pub struct PathResult {
     /// Where it ended.
-    pub end: WalkEnd,
+    pub end: PathEnd,
     /// Flux that it has left there.
     pub flux: f64,
     /// Flux that was absorbed on its way.
@@ -19,9 +19,9 @@ pub struct Walked {
     pub path: EventPath,
     /// How often it was scattered inside the layer.
     pub scatterings: u32,
-    /// Whether [`Seen::Sunlit`] stands for where it has come from: it left above through one facet, straight
+    /// Whether [`CameraContribution::Beam`] stands for where it has come from: it left above through one facet, straight
     /// after it was scattered inside no farther away than sunbeams go, and they were asked for.
-    pub told: bool,
+    pub sampled_by_beams: bool,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,
     /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it
@@ -31,16 +31,16 @@ pub struct Walked {
 
 /// What is seen along a path that is followed from the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Seen {
+pub enum CameraContribution {
     /// Its end.
-    End(Walked),
+    Path(PathResult),
     /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
-    Sunlit(Sunlit),
+    Beam(BeamContribution),
 }
 
 /// Light that is scattered into a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sunlit {
+pub struct BeamContribution {
     /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
     pub share: f64,
     /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
@@ -49,7 +49,7 @@ pub struct Sunlit {
 
 /// Where a path may end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WalkEnd {
+pub enum PathEnd {
     /// It left above.
     Above,
     /// It left below.

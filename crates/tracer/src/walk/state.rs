@@ -3,7 +3,7 @@
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 
-use super::seen::{WalkEnd, Walked};
+use super::seen::{PathEnd, PathResult};
 use crate::border::Heading;
 use crate::scatter::Branch;
 use crate::substrate::Face;
@@ -69,15 +69,15 @@ impl Path {
         }
     }
 
-    pub(super) fn ended(&self, end: WalkEnd) -> Walked {
-        Walked {
+    pub(super) fn ended(&self, end: PathEnd) -> PathResult {
+        PathResult {
             end,
             flux: self.flux,
             absorbed: self.absorbed,
             truncated: self.truncated,
             path: self.events,
             scatterings: self.scatterings,
-            told: false,
+            sampled_by_beams: false,
             direction: self.heading.world_direction(),
             origin: self.place.extend(self.heading.origin.z),
         }

@@ -2,7 +2,7 @@
 
 use asperity_optics::{Bottom, dielectric};
 use asperity_tally::{History, Layout, Side};
-use asperity_tracer::{BottomShape, PathSettings, Substrate, SubstrateError};
+use asperity_tracer::{BottomShape, PathSettings, TracedLayer, TracedLayerError};
 
 use crate::common::{rugged, z_score};
 use crate::{Scene, budget, clear, flat, medium, slab};
@@ -118,14 +118,14 @@ fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
     let top = rugged(9, 10, 1.0, 2, Border::Periodic);
     let refusal = |thickness, bottom, shape: BottomShape<'_, asperity_tracer::Surface>| {
         let layer = slab(medium(1.0, 0.5), thickness, bottom);
-        Substrate::new(&top, &layer, shape, 100).err()
+        TracedLayer::new(&top, &layer, shape, 100).err()
     };
     let brute = asperity_tracer::BruteForce;
     let under = |geometry| BottomShape::Surface {
         geometry,
         accelerator: &brute,
     };
-    let thin = |error| matches!(error, Some(SubstrateError::TooThin { .. }));
+    let thin = |error| matches!(error, Some(TracedLayerError::TooThin { .. }));
     assert!(thin(refusal(0.5, Bottom::Mirror, BottomShape::Flat)));
     assert!(refusal(1.5, Bottom::Mirror, BottomShape::Flat).is_none());
     assert!(thin(refusal(1.5, Bottom::Mirror, under(&top))));
@@ -134,7 +134,7 @@ fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
     let error = refusal(9.0, Bottom::Mirror, under(&other)).unwrap();
     assert!(error.to_string().contains("does not lie under"));
     let error = refusal(9.0, Bottom::Open, under(&top)).unwrap();
-    assert_eq!(error, SubstrateError::OpenShape);
+    assert_eq!(error, TracedLayerError::OpenShape);
 }
 
 #[test]

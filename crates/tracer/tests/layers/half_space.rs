@@ -122,7 +122,7 @@ fn light_scattered_once_without_an_interface_is_known_for_every_phase_function()
 #[test]
 fn a_medium_that_never_absorbs_loses_nothing() {
     let scene = Scene {
-        most_scatterings: 2000,
+        max_scatterings: 2000,
         ..Scene::new(flat(), Layer::half_space(medium(1.0, 1.0)))
     };
     let (found, work) = scene.trace(8, 20);
@@ -133,7 +133,7 @@ fn a_medium_that_never_absorbs_loses_nothing() {
     assert!((reflected + truncated - 1.0).abs() < 1e-12);
     // What is still inside after n scatterings falls as 1 / sqrt(n), about 4 / sqrt(n) here.
     assert!(truncated > 0.0 && truncated < 0.2);
-    assert_eq!(work.most_scatterings, 2000);
+    assert_eq!(work.max_scatterings, 2000);
 }
 
 #[test]

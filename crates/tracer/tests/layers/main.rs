@@ -18,8 +18,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, Sides};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Geometry, HalfSpace, Illumination, PathSettings, Substrate,
-    Surface, Tracer, Work,
+    AcceleratorKind, BottomShape, Geometry, HalfSpace, Illumination, PathSettings, Surface,
+    TracedLayer, Tracer, Work,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -33,7 +33,7 @@ struct Scene {
     bottom: Option<Surface>,
     theta_deg: f64,
     settings: PathSettings,
-    most_scatterings: u32,
+    max_scatterings: u32,
     accelerator: AcceleratorKind,
     sides: Sides,
     seed: u64,
@@ -48,7 +48,7 @@ impl Scene {
             bottom: None,
             theta_deg: 30.0,
             settings: PathSettings::default(),
-            most_scatterings: 100_000,
+            max_scatterings: 100_000,
             accelerator: AcceleratorKind::Auto,
             sides: Sides::Both,
             seed: 1,
@@ -71,7 +71,7 @@ impl Scene {
             },
         };
         let substrate =
-            Substrate::new(&self.surface, &self.layer, shape, self.most_scatterings).unwrap();
+            TracedLayer::new(&self.surface, &self.layer, shape, self.max_scatterings).unwrap();
         let tracer = Tracer::new(
             &self.surface,
             &*accelerator,

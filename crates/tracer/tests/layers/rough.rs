@@ -72,7 +72,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     // Over a tile of 16 columns.
     let surface = rough(1.0);
     let refusal = |layer, shape| {
-        let refused = asperity_tracer::Substrate::new(&surface, &layer, shape, 10);
+        let refused = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10);
         refused.err().map(|error| error.to_string())
     };
     let flat = || asperity_tracer::BottomShape::Flat;
@@ -95,7 +95,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     // A plane is alike everywhere.
     let plane = crate::flat();
     let layer = Layer::half_space(medium(1e100, 0.5));
-    assert!(asperity_tracer::Substrate::new(&plane, &layer, flat(), 10).is_ok());
+    assert!(asperity_tracer::TracedLayer::new(&plane, &layer, flat(), 10).is_ok());
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let layer = Layer::half_space(medium(1.0, 0.5));
     let shape = asperity_tracer::BottomShape::Flat;
-    let substrate = asperity_tracer::Substrate::new(&surface, &layer, shape, 10).unwrap();
+    let substrate = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10).unwrap();
     let glass = asperity_optics::Material::dielectric(1.5).unwrap();
     let _ = Tracer::new(
         &surface,

@@ -80,7 +80,7 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
                     .go(2, 48)
                 };
                 let (both, work_of_both) = asking(Sides::Both);
-                assert_eq!(work_of_both.branches_not_asked, 0);
+                assert_eq!(work_of_both.branches_not_recorded, 0);
                 for sides in [Sides::Reflected, Sides::Transmitted] {
                     let (one, work) = asking(sides);
                     // All that differs is the way of the flux that went to the other side.
@@ -123,10 +123,10 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
                     assert!(found == expected, "{branching:?} {max_order} {sides}");
                     // Followed, a branch of the highest order is one segment.
                     assert_eq!(
-                        work.segments + work.segments_skipped + work.branches_not_asked,
+                        work.segments + work.segments_skipped + work.branches_not_recorded,
                         work_of_both.segments + work_of_both.segments_skipped
                     );
-                    skipped += work.branches_not_asked;
+                    skipped += work.branches_not_recorded;
                 }
             }
         }

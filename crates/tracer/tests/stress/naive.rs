@@ -1,7 +1,7 @@
 //! Tracers that break on purpose: they meet facets from either side, and keep from meeting again the
 //! facet that light has just left in ways that are often seen.
 
-use asperity_tracer::border::{Travel, travel};
+use asperity_tracer::border::{TraversalResult, traverse};
 use asperity_tracer::{Accelerator, AcceleratorKind, Facet, Hit, Query, Surface};
 use glam::DVec3;
 
@@ -46,8 +46,8 @@ pub(crate) struct Offset {
 }
 
 impl Scheme for Offset {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
-        travel(
+    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
+        traverse(
             surface,
             &TwoSided { skipped: None },
             leg.heading,
@@ -64,8 +64,8 @@ impl Scheme for Offset {
 pub(crate) struct SkipLast;
 
 impl Scheme for SkipLast {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
-        travel(
+    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
+        traverse(
             surface,
             &TwoSided { skipped: leg.last },
             leg.heading,

@@ -4,7 +4,7 @@
 
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tracer::border::{End, Heading, Travel, travel};
+use asperity_tracer::border::{Heading, TraversalEnd, TraversalResult, traverse};
 use asperity_tracer::{Accelerator, Branching, Facet, Geometry, HalfSpace, Surface, TileRay};
 use glam::DVec3;
 use rand::RngExt;
@@ -30,7 +30,7 @@ pub(crate) struct Leg {
 /// How segments are traced.
 pub(crate) trait Scheme: Sync {
     /// Follows a leg to where it meets the surface or leaves it.
-    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet>;
+    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet>;
 
     /// Where light that goes on from `origin` on a facet with the unit normal `away`, on the side
     /// that it goes to, sets off.
@@ -43,8 +43,8 @@ pub(crate) trait Scheme: Sync {
 pub(crate) struct BySide<'a>(pub(crate) &'a dyn Accelerator<Surface>);
 
 impl Scheme for BySide<'_> {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> Travel<Facet> {
-        travel(surface, self.0, leg.heading, leg.half_space)
+    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
+        traverse(surface, self.0, leg.heading, leg.half_space)
     }
 }
 
@@ -189,20 +189,22 @@ pub(crate) fn walk(
         let end = scheme.follow(surface, &leg);
         watch(surface, &ground, light, &leg, &end, &mut account);
         match end {
-            Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
+            TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
                 let side = usize::from(leg.half_space != light.incident);
                 account.leave(side, leg.order, leg.flux);
             }
-            Travel::Ended(End::LeftPatch) => account.left_patch += leg.flux,
-            Travel::Ended(End::Lost) => {
+            TraversalResult::Ended(TraversalEnd::LeftPatch) => account.left_patch += leg.flux,
+            TraversalResult::Ended(TraversalEnd::Lost) => {
                 account.lost += leg.flux;
                 account.lost_segments += 1;
                 account
                     .first_fault
                     .get_or_insert_with(|| format!("lost: {leg:?}"));
             }
-            Travel::Met(..) if leg.order >= light.max_order => account.truncated += leg.flux,
-            Travel::Met(hit, met) => {
+            TraversalResult::Hit(..) if leg.order >= light.max_order => {
+                account.truncated += leg.flux
+            }
+            TraversalResult::Hit(hit, met) => {
                 let arrived = Leg {
                     heading: met,
                     last: Some(hit.facet),
@@ -312,7 +314,7 @@ fn watch(
     ground: &Ground<'_>,
     light: &Light,
     leg: &Leg,
-    end: &Travel<Facet>,
+    end: &TraversalResult<Facet>,
     account: &mut Account,
 ) {
     let d = leg.heading.direction;
@@ -322,13 +324,13 @@ fn watch(
     };
     let q = leg.half_space.sign();
     let to = match end {
-        Travel::Met(hit, met) => {
+        TraversalResult::Hit(hit, met) => {
             if let Some(depth) = ground.beside(&ray, hit.t) {
                 account.fault(leg, &format!("hit {depth:e} beside the surface at {met:?}"));
             }
             hit.t
         }
-        Travel::Ended(End::Escaped | End::EscapedUnsearched(_)) => {
+        TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
             let up = leg.heading.world_direction().z * light.incident.sign() > 0.0;
             if up != leg.transmissions.is_multiple_of(2) || q * d.z <= 0.0 {
                 account.fault(leg, "exit to the wrong side");
@@ -336,7 +338,7 @@ fn watch(
             }
             ((q * surface.z_range()[1] - ray.origin.z) / d.z).max(0.0)
         }
-        Travel::Ended(End::LeftPatch | End::Lost) => return,
+        TraversalResult::Ended(TraversalEnd::LeftPatch | TraversalEnd::Lost) => return,
     };
     // All of a short segment, both ends of a long one.
     let speed = ray.direction.x.abs() + ray.direction.y.abs();

@@ -1,7 +1,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use asperity_surface::{HeightField, Psd, Synthesis};
-use asperity_tracer::{AcceleratorKind, Horizons, Sight, look};
+use asperity_tracer::{AcceleratorKind, Horizons, Visibility, trace_visibility};
 
 use super::*;
 
@@ -34,10 +34,10 @@ fn lit(surface: &Surface, azimuth: f64, cotangent: f64) -> Vec<bool> {
                 return false;
             }
             let looks = [sample.look_along(&light, surface)];
-            look(surface, &*accelerator, &looks, &mut seen);
+            trace_visibility(surface, &*accelerator, &looks, &mut seen);
             let horizon = horizons.of(sample.facet, sample.look.origin);
             let free = horizon.beyond <= light.theta().tan().recip();
-            let is_free = seen[0] == Sight::Free;
+            let is_free = seen[0] == Visibility::Visible;
             assert_eq!(is_free, free, "{azimuth} {cotangent} {:?}", sample.facet);
             free
         })
