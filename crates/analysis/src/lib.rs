@@ -2,6 +2,14 @@
 //!
 //! The models know nothing of ray tracing: they are the independent side of every comparison.
 //!
+//! # Modules, from the bottom up
+//! - `numerics`: quadrature and hashing.
+//! - `microfacet`: Gaussian slopes, the distribution of facet normals, half vectors, sampling.
+//! - `models`: one scattering model per file, and the registry of their names.
+//! - `integrals`: models integrated over bins, hemispheres and all slopes.
+//! - `layer`: a participating medium between flat faces.
+//! - `compare`: tests of models against explicit results; independent of the models.
+//!
 //! # Conventions
 //! `wi` points towards the light (`z > 0`), `wo` to where the light goes (`z > 0` reflected,
 //! `z < 0` transmitted). `eta` is the index behind the surface relative to that before it.
@@ -29,62 +37,41 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod attenuation;
-mod comparison;
-mod control;
-mod deviation;
-mod energy;
-mod expectation;
-mod facet_scattering;
-mod family;
-mod flat_layer;
-mod flux;
-mod gaussian_normals;
-mod hash;
-mod heitz;
-mod kinematics;
-mod kinks;
-mod lobe;
-mod model;
-mod neumann;
-mod quadrature;
-mod registry;
-mod sign_flip;
-mod slopes;
-mod smith;
-mod unshadowed;
-mod v_cavity;
-mod verdict;
-mod visible_normals;
-mod xu_sun;
-mod xu_sun_mc;
+mod compare;
+mod integrals;
+mod layer;
+mod microfacet;
+mod models;
+mod numerics;
 
-pub use attenuation::{
+pub use compare::comparison::{
+    BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
+};
+pub use compare::multiple_tests::{
+    chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold,
+};
+pub use compare::sign_flip::{ScaleTest, SignFlipTest, Untested};
+pub use compare::verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
+pub use integrals::attenuation::{
     facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
     smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
-pub use comparison::{
-    BinComparison, Comparison, ComparisonError, Expected, Grouping, TotalVariation, compare,
-};
-pub use control::{control, unshadowed_control, visible_shares};
-pub use deviation::deviation_bound;
-pub use energy::{HemisphericalEnergy, hemispherical_energy};
-pub use expectation::{Effort, Expectation, expect};
-pub use family::{chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold};
-pub use flat_layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
-pub use flux::{bin_fluxes, flux_into, in_plane_flux};
-pub use hash::fnv1a;
-pub use heitz::Heitz;
-pub use kinematics::{Facet, reflecting_facet, refracting_facet};
-pub use kinks::Kinks;
-pub use model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
-pub use neumann::{Attenuation, CookTorranceNeumann};
-pub use registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
-pub use sign_flip::{ScaleTest, SignFlipTest, Untested};
-pub use slopes::{SlopeCovariance, SlopeError, smith_lambda};
-pub use smith::{Masking, Smith};
-pub use unshadowed::unshadowed_fluxes;
-pub use v_cavity::{VCavity, v_cavity_g1};
-pub use verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
-pub use xu_sun::{XuSun, xu_sun_visibility};
-pub use xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
+pub use integrals::control_variate::{control, unshadowed_control, visible_shares};
+pub use integrals::deviation_bound::deviation_bound;
+pub use integrals::energy::{HemisphericalEnergy, hemispherical_energy};
+pub use integrals::expectation::{Effort, Expectation, expect};
+pub use integrals::flux::{bin_fluxes, flux_into, in_plane_flux};
+pub use integrals::unshadowed::unshadowed_fluxes;
+pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
+pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
+pub use microfacet::slopes::{SlopeCovariance, SlopeError, smith_lambda};
+pub use models::heitz::Heitz;
+pub use models::kinks::Kinks;
+pub use models::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+pub use models::neumann::{Attenuation, CookTorranceNeumann};
+pub use models::registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
+pub use models::smith::{Masking, Smith};
+pub use models::v_cavity::{VCavity, v_cavity_g1};
+pub use models::xu_sun::{XuSun, xu_sun_visibility};
+pub use models::xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
+pub use numerics::hash::fnv1a;

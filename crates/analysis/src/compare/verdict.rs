@@ -1,0 +1,160 @@
+//! Whether a model holds within the error of the explicit result.
+
+use std::fmt;
+
+use crate::compare::comparison::Comparison;
+use crate::compare::multiple_tests::sidak_level;
+use crate::compare::sign_flip::{LEAST_P, Untested};
+
+/// The probability with which at least one model that is right may be said to fail.
+pub const DEFAULT_LEVEL: f64 = 0.01;
+
+/// What a comparison says of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Verdict {
+    /// No deviation beyond the error was found. A smaller error might still find one: the noise of
+    /// the total variation says how large a deviation would have been seen.
+    Holds,
+    /// The deviation is larger than chance explains.
+    Fails,
+    /// The data cannot tell.
+    NotResolved(Unresolved),
+}
+
+/// Why the data cannot tell whether a model holds.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Unresolved {
+    /// There is no p value.
+    #[error(transparent)]
+    Untested(#[from] Untested),
+    /// Even the largest deviation could not reach the level.
+    #[error(
+        "the least p value that can come out is {min_p:.2e}, above the level {level:.2e}; {}",
+        match needed {
+            Some(needed) => format!("{needed} surfaces can decide"),
+            None => "test fewer models, or at a larger alpha".to_owned(),
+        }
+    )]
+    LevelOutOfReach {
+        /// The least p value.
+        min_p: f64,
+        /// The level of one test.
+        level: f64,
+        /// Surfaces whose least p value is below the level; `None` if no number of flips that is tried
+        /// reaches it.
+        needed: Option<u32>,
+    },
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Holds => f.write_str("holds"),
+            Self::Fails => f.write_str("fails"),
+            Self::NotResolved(reason) => write!(f, "not resolved: {reason}"),
+        }
+    }
+}
+
+/// One verdict for each of the models compared with the same surfaces.
+///
+/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that
+/// no model that is right fails with a probability of `1 - level`: exactly so if they are independent. Those
+/// of models on the same surfaces, and of shares of the same light, are not; as far as they depend
+/// positively on each other, which is not proven, this errs towards holding.
+#[must_use]
+pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
+    let level = sidak_level(level, comparisons.len());
+    comparisons
+        .iter()
+        .map(|comparison| match &comparison.test {
+            Err(reason) => Verdict::NotResolved((*reason).into()),
+            Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
+                min_p: test.min_p,
+                level,
+                // R surfaces have 2^(R - 1) distinct flips, of which so many are tried at most.
+                needed: (level > LEAST_P).then(|| 2 + (-level.log2()).floor() as u32),
+            }),
+            Ok(test) if test.p < level => Verdict::Fails,
+            Ok(_) => Verdict::Holds,
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Expected, compare};
+
+    fn surfaces(count: usize) -> Vec<Vec<f64>> {
+        // Deviations from 0.3 of either sign, the same in sum.
+        (0..count)
+            .map(|r| vec![0.3 + if r % 2 == 0 { 1e-3 } else { -1e-3 } * (1.0 + r as f64 / 8.0)])
+            .collect()
+    }
+
+    #[test]
+    fn the_words_are_holds_fails_and_not_resolved() {
+        let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
+        let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
+        let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
+        assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
+        assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
+    }
+
+    #[test]
+    fn too_few_surfaces_leave_the_question_open() {
+        // Seven surfaces reach p = 1/64 at best: no deviation could fail a model at 0.01.
+        for (count, text) in [
+            (1, "not resolved: one surface shows"),
+            (4, "not resolved: too few surfaces: 4, at least 6"),
+            (7, "not resolved: the least p value"),
+        ] {
+            let wrong =
+                compare(&surfaces(count), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+            let verdict = verdicts(&[&wrong], DEFAULT_LEVEL)[0].to_string();
+            assert!(verdict.starts_with(text), "{verdict}");
+        }
+        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Fails]);
+    }
+
+    /// The Sidak level of two comparisons at 0.01 is 0.00501, of three 0.00334.
+    #[test]
+    fn comparisons_share_the_level_among_them() {
+        let of_p = |p: f64| {
+            let mut found =
+                compare(&surfaces(12), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
+            found.test.as_mut().unwrap().p = p;
+            found
+        };
+        let cases = [
+            (0.007, [Verdict::Fails, Verdict::Holds, Verdict::Holds]),
+            (0.004, [Verdict::Fails, Verdict::Fails, Verdict::Holds]),
+            (0.003, [Verdict::Fails; 3]),
+        ];
+        for (p, expected) in cases {
+            for (others, expected) in expected.into_iter().enumerate() {
+                let all = vec![of_p(p); others + 1];
+                let all: Vec<&Comparison> = all.iter().collect();
+                let found = verdicts(&all, 0.01);
+                assert_eq!(found, vec![expected; others + 1], "{p} {others}");
+            }
+        }
+    }
+
+    /// Eight surfaces reach 1/128 = 0.0078 at best: enough for one model, and for none of two.
+    #[test]
+    fn surfaces_that_suffice_for_one_model_may_be_too_few_for_two() {
+        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Fails]);
+        let reason = Unresolved::LevelOutOfReach {
+            min_p: 1.0 / 128.0,
+            level: sidak_level(0.01, 2),
+            needed: Some(9),
+        };
+        let expected = [Verdict::NotResolved(reason); 2];
+        assert_eq!(verdicts(&[&wrong, &wrong], 0.01), expected);
+    }
+}

@@ -1,0 +1,10 @@
+//! Models integrated over bins, hemispheres and slopes.
+
+pub(crate) mod attenuation;
+pub(crate) mod control_variate;
+pub(crate) mod deviation_bound;
+pub(crate) mod energy;
+pub(crate) mod expectation;
+pub(crate) mod flux;
+mod lobe;
+pub(crate) mod unshadowed;

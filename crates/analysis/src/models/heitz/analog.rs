@@ -1,0 +1,221 @@
+//! The walk in its plainest form, to check the quicker one by: one branch, weight one, escape by chance.
+
+use asperity_optics::{Material, dielectric, reflect, refract};
+use asperity_tally::{Event, EventPath, Exit, History, Loss, Record, Side};
+use glam::DVec3;
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+
+use crate::microfacet::slopes::SlopeCovariance;
+use crate::microfacet::visible_normals::visible_normal;
+use crate::models::model::Walk;
+
+/// The random walk of Heitz et al. 2016 as they write it, in one frame, with `C1` itself and the sign
+/// rule of Lambda.
+pub(crate) struct Analog {
+    pub(crate) slopes: SlopeCovariance,
+    pub(crate) material: Material,
+}
+
+impl Analog {
+    /// Lambda of a direction anywhere on the sphere, for a ray whose medium lies towards `up`.
+    fn lambda(&self, d: DVec3, up: f64) -> f64 {
+        let lambda = self.slopes.lambda(d);
+        if d.z * up > 0.0 {
+            lambda
+        } else {
+            -1.0 - lambda
+        }
+    }
+}
+
+impl Walk for Analog {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
+        let mut path = EventPath::default();
+        // +1 in the incident medium, -1 in the other.
+        let mut up = 1.0;
+        let mut d = -wi;
+        // Share of the surface on the far side of the medium that the ray is in.
+        let mut c1: f64 = 1.0;
+        while path.order() < 1000 {
+            let lambda = self.lambda(d, up);
+            let u: f64 = rng.random();
+            if d.z * up > 0.0 && u >= 1.0 - c1.powf(lambda) {
+                let side = if up > 0.0 {
+                    Side::Reflected
+                } else {
+                    Side::Transmitted
+                };
+                let wo = d;
+                record.add_exit(&Exit {
+                    side,
+                    wo,
+                    flux: 1.0,
+                    path,
+                    history: History::Unscattered,
+                });
+                return;
+            }
+            c1 /= (1.0 - u).powf(1.0 / lambda);
+            let flip = DVec3::new(1.0, 1.0, up);
+            let m = flip * visible_normal(&self.slopes, -d * flip, rng);
+            let cos_alpha = m.dot(-d).clamp(0.0, 1.0);
+            match self.material {
+                Material::Dielectric { eta } => {
+                    let eta = if up > 0.0 { eta } else { 1.0 / eta };
+                    let fresnel = dielectric(cos_alpha, eta);
+                    if rng.random::<f64>() < fresnel.reflected {
+                        path = path.then(Event::Reflection);
+                        d = reflect(-d, m);
+                    } else {
+                        path = path.then(Event::Transmission);
+                        d = refract(-d, m, eta, fresnel.cos_beta);
+                        up = -up;
+                        c1 = 1.0 - c1;
+                    }
+                }
+                opaque => {
+                    if rng.random::<f64>() >= opaque.fresnel(cos_alpha).reflected {
+                        record.add_loss(Loss::Absorbed, 1.0);
+                        return;
+                    }
+                    path = path.then(Event::Reflection);
+                    d = reflect(-d, m);
+                }
+            }
+        }
+        record.add_loss(Loss::Truncated, 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::multiple_tests::{chi_squared_survival, sidak_level, sidak_z_threshold};
+    use crate::models::heitz::Heitz;
+    use asperity_optics::from_spherical;
+    use asperity_tally::{Azimuth, BatchStatistics, HemisphereGrid, Layout, Share};
+    use rand::SeedableRng;
+
+    const BATCHES: u64 = 200;
+
+    fn layout() -> Layout {
+        Layout::new(
+            HemisphereGrid::new(6, 8).unwrap(),
+            Layout::DEFAULT_HALF_WIDTH,
+        )
+        .unwrap()
+    }
+
+    fn sampled(walk: &dyn Walk, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
+        let mut rng = ChaCha8Rng::seed_from_u64(seed);
+        let mut statistics = BatchStatistics::new(layout().len());
+        for _ in 0..BATCHES {
+            let mut record = Record::new(layout(), Azimuth::From(0.0));
+            for _ in 0..rays / BATCHES {
+                walk.follow(wi, &mut rng, &mut record);
+            }
+            statistics.push(&record.into_fractions(rays / BATCHES));
+        }
+        statistics
+    }
+
+    /// (slope variances and covariance, material, theta of the light in degrees)
+    fn cases() -> Vec<(SlopeCovariance, Material, f64)> {
+        let isotropic = |s| SlopeCovariance::isotropic(s).unwrap();
+        let turned = SlopeCovariance::new(0.5, 2.0, 0.6).unwrap();
+        let glass = Material::dielectric(1.5).unwrap();
+        vec![
+            (isotropic(3.0), glass, 60.0),
+            (isotropic(0.5), glass, 30.0),
+            (
+                isotropic(1.0),
+                Material::dielectric(1.0 / 1.5).unwrap(),
+                70.0,
+            ),
+            (turned, glass, 50.0),
+            (turned, Material::conductor(0.2, 3.0).unwrap(), 70.0),
+        ]
+    }
+
+    #[test]
+    fn the_quick_walk_agrees_with_the_plain_one() {
+        let cases = cases();
+        let mut z_values = Vec::new();
+        let mut p_values = Vec::new();
+        for (i, &(slopes, material, theta)) in cases.iter().enumerate() {
+            let wi = from_spherical(theta.to_radians(), 0.7);
+            let plain = sampled(&Analog { slopes, material }, wi, 100_000, 211 + i as u64);
+            let quick = Heitz::new(slopes, material).unwrap();
+            let quick = sampled(&quick, wi, 60_000, 231 + i as u64);
+            let layout = layout();
+            // Each path of two and of three facets; others are too rare.
+            let paths = |side| {
+                layout
+                    .listed_paths()
+                    .filter(|path| matches!(path.order(), 2 | 3))
+                    .map(move |path| layout.path(side, path))
+            };
+            let entries = Side::BOTH.into_iter().flat_map(|side| {
+                (1..5)
+                    .map(move |order| layout.order(side, order))
+                    .chain([layout.multiple(side), side.index()])
+                    .chain(paths(side))
+            });
+            let z = |i: usize| {
+                let (a, b) = (plain.estimate(i), quick.estimate(i));
+                (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
+            };
+            // The plain walk counts rays: below some 40 of them they are not normally distributed.
+            let enough = |i: &usize| plain.means()[*i] > 40.0 / 100_000.0;
+            z_values.extend(entries.chain([Layout::ABSORBED]).filter(enough).map(z));
+            for share in [Share::Single, Share::Multiple] {
+                let bins: Vec<f64> = layout.bins(share).filter(enough).map(z).collect();
+                let chi_squared = bins.iter().map(|z| z * z).sum();
+                p_values.push(chi_squared_survival(chi_squared, bins.len()));
+            }
+        }
+        println!("z {z_values:.2?}");
+        println!("p {p_values:.4?}");
+        let bound = sidak_z_threshold(1e-3, z_values.len());
+        assert!(z_values.len() > 40 && z_values.iter().all(|z| z.abs() < bound));
+        let level = sidak_level(1e-3, p_values.len());
+        assert!(p_values.iter().all(|&p| p > level), "{level}");
+    }
+
+    /// On slopes of some thirty a mirror holds light for long: what leaves after more than 30 reflections
+    /// must be as much by both walks, and the quick one must not end it.
+    #[test]
+    fn a_steep_mirror_sends_light_back_after_many_reflections() {
+        let slopes = SlopeCovariance::isotropic(0.05).unwrap();
+        let material = Material::Mirror;
+        let wi = from_spherical(f64::to_radians(50.0), 0.7);
+        let layout = layout();
+        let often = |walk: &dyn Walk, seed| -> [f64; 4] {
+            let mut rng = ChaCha8Rng::seed_from_u64(seed);
+            let fluxes: Vec<[f64; 2]> = (0..100)
+                .map(|_| {
+                    let mut record = Record::new(layout, Azimuth::From(0.0));
+                    (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut record));
+                    let values = record.into_fractions(80);
+                    let orders = (31..=64).map(|k| values[layout.order(Side::Reflected, k)]);
+                    [orders.sum(), values[Layout::TRUNCATED]]
+                })
+                .collect();
+            let [often, ended] = [0, 1].map(|k| {
+                let mean = fluxes.iter().map(|x| x[k]).sum::<f64>() / 100.0;
+                let squares: f64 = fluxes.iter().map(|x| (x[k] - mean).powi(2)).sum();
+                [mean, (squares / 9900.0).sqrt()]
+            });
+            [often[0], often[1], ended[0], ended[1]]
+        };
+        let [plain, plain_se, ..] = often(&Analog { slopes, material }, 251);
+        let quick = Heitz::new(slopes, material).unwrap();
+        let [quick, quick_se, ended, ended_se] = often(&quick, 252);
+        let z = [(quick - plain) / quick_se.hypot(plain_se), ended / ended_se];
+        println!("{quick:.4} and {plain:.4}, ended {ended:.4}, z {z:.2?}");
+        assert!(plain > 0.5);
+        // Two values of z, each beyond 4 with probability 6e-5.
+        assert!(z.iter().all(|z| z.abs() < 4.0));
+    }
+}

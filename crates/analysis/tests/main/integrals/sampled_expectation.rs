@@ -1,0 +1,170 @@
+//! What a walk is expected to find: the parts of a record fit together.
+
+use asperity_analysis::{
+    Effort, Expectation, ScatteringModel, SlopeCovariance, create_model, expect,
+    hemispherical_energy, sidak_z_threshold,
+};
+use asperity_optics::{Incidence, Material};
+use asperity_tally::{
+    Azimuth, Event, EventPath, HemisphereGrid, Layout, OrderClass, Share, Side, Sides,
+};
+
+/// Sectors of 10 degrees, like the in-plane wedge.
+fn layout() -> Layout {
+    let grid = HemisphereGrid::new(6, 36).unwrap();
+    Layout::new(grid, 5_f64.to_radians()).unwrap()
+}
+
+const EFFORT: Effort = Effort {
+    rays: 20_000,
+    batches: 50,
+    seed: 3,
+};
+
+fn rough_glass() -> Box<dyn ScatteringModel> {
+    let slopes = SlopeCovariance::new(0.5, 2.0, 0.6).unwrap();
+    create_model("heitz", slopes, Material::dielectric(1.5).unwrap()).unwrap()
+}
+
+/// Light of 50 degrees that travels towards the azimuth of 5 degrees, the middle of the first sector.
+fn found(layout: Layout, effort: Effort) -> Expectation {
+    let incidence = Incidence::from_degrees(50.0, 185.0).unwrap();
+    let forward = Azimuth::From(5_f64.to_radians());
+    expect(rough_glass().as_ref(), incidence, &layout, forward, effort)
+}
+
+/// Quadrature knows a bin to 1e-12 of the incident flux, and there are some hundred of them; energies come
+/// by another integral, to 1e-10.
+const ROUNDING: f64 = 3e-10;
+
+#[test]
+fn every_view_of_an_expectation_agrees() {
+    let layout = layout();
+    let found = found(layout, EFFORT);
+    assert!(!found.is_exact() && found.rays() == EFFORT.rays);
+    assert!(found.describes(Share::Multiple));
+    let n_phi = layout.grid().n_phi();
+    for record in found.records() {
+        let of = |share| record[layout.bins(share)].to_vec();
+        let [single, multiple, total] = Share::ALL.map(of);
+        for i in 0..total.len() {
+            assert!((total[i] - single[i] - multiple[i]).abs() < 1e-15);
+        }
+        for side in Side::BOTH {
+            let of_side = |bins: &[f64]| -> Vec<f64> {
+                let n = layout.grid().bins_per_side();
+                bins[side.index() * n..][..n].to_vec()
+            };
+            let views = [
+                (of_side(&single), layout.order(side, 1), OrderClass::First),
+                (of_side(&total), side.index(), OrderClass::All),
+            ];
+            for (bins, energy, class) in views {
+                assert!((bins.iter().sum::<f64>() - record[energy]).abs() < ROUNDING);
+                let rings = &record[layout.rings(side, class)];
+                // In-plane bins go from -90 to 90 degrees off the side's own normal.
+                let in_plane = &record[layout.in_plane(side, class)];
+                let n_theta = rings.len();
+                for (ring, bins) in bins.chunks_exact(n_phi).enumerate() {
+                    assert!((bins.iter().sum::<f64>() - rings[ring]).abs() < ROUNDING);
+                    let from_pole = match side {
+                        Side::Reflected => ring,
+                        Side::Transmitted => n_theta - 1 - ring,
+                    };
+                    let forward = in_plane[n_theta + from_pole];
+                    let backward = in_plane[n_theta - 1 - from_pole];
+                    assert!((bins[0] - forward).abs() < ROUNDING, "{side:?} {ring}");
+                    assert!(
+                        (bins[n_phi / 2] - backward).abs() < ROUNDING,
+                        "{side:?} {ring}"
+                    );
+                }
+            }
+            let multiple = of_side(&multiple).iter().sum::<f64>();
+            assert!((multiple - record[layout.multiple(side)]).abs() < 1e-14);
+            let orders: f64 = (1..=64)
+                .map(|order| record[layout.order(side, order)])
+                .sum();
+            assert!((orders - record[side.index()]).abs() < 1e-14);
+            let paths: f64 = layout
+                .listed_paths()
+                .map(|path| record[layout.path(side, path)])
+                .sum();
+            let all = paths + record[layout.longer_paths(side)];
+            assert!((all - record[side.index()]).abs() < 1e-14);
+        }
+    }
+}
+
+#[test]
+fn light_scattered_once_is_that_of_the_closed_form_without_error() {
+    let layout = layout();
+    let found = found(layout, EFFORT);
+    let model = rough_glass();
+    let wi = Incidence::from_degrees(50.0, 185.0).unwrap().wi();
+    let energy = hemispherical_energy(model.density().unwrap(), wi);
+    let sides = [
+        (Side::Reflected, Event::Reflection, energy.reflected),
+        (Side::Transmitted, Event::Transmission, energy.transmitted),
+    ];
+    for (side, event, energy) in sides {
+        let path = layout.path(side, EventPath::default().then(event));
+        for entry in [layout.order(side, 1), path] {
+            let estimate = found.statistics().estimate(entry);
+            assert!((estimate.mean - energy).abs() < 1e-14);
+            assert!(estimate.se.unwrap() < 1e-15);
+        }
+        let multiple = found.statistics().estimate(layout.multiple(side));
+        assert!(multiple.mean > 0.0 && multiple.se.unwrap() > 0.0);
+    }
+}
+
+#[test]
+fn energies_add_up_within_their_errors() {
+    // Light scattered once is exact and the rest is sampled: the sum is one on average.
+    let found = found(layout(), EFFORT);
+    let sums: Vec<f64> = found
+        .records()
+        .iter()
+        .map(|record| record[..5].iter().sum())
+        .collect();
+    let n = sums.len() as f64;
+    let mean = sums.iter().sum::<f64>() / n;
+    let variance = sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let z = (mean - 1.0) / (variance / n).sqrt();
+    println!("sum of all energies {mean:.6}, z {z:.2}");
+    assert!(z.abs() < sidak_z_threshold(1e-3, 1));
+    assert!((mean - 1.0).abs() < 0.01);
+}
+
+#[test]
+fn thread_count_changes_no_byte_and_the_seed_does() {
+    let run = |threads, seed| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let effort = Effort { seed, ..EFFORT };
+        pool.install(|| found(layout(), effort).records().to_vec())
+    };
+    let one = run(1, 3);
+    assert_eq!(one, run(2, 3));
+    assert_ne!(one, run(1, 4));
+}
+
+#[test]
+fn a_side_that_is_not_asked_for_stays_empty_and_changes_nothing() {
+    let both = found(layout(), EFFORT);
+    let layout = layout().with_sides(Sides::Reflected);
+    let asked = found(layout, EFFORT);
+    for (both, asked) in both.records().iter().zip(asked.records()) {
+        for share in Share::ALL {
+            let n = layout.grid().bins_per_side();
+            let (both, asked) = (&both[layout.bins(share)], &asked[layout.bins(share)]);
+            assert_eq!(both[..n], asked[..n]);
+            assert!(asked[n..].iter().all(|&flux| flux == 0.0));
+        }
+        assert_eq!(asked[Layout::TRANSMITTED], 0.0);
+        assert_eq!(both[Layout::REFLECTED], asked[Layout::REFLECTED]);
+    }
+}

@@ -1,0 +1,413 @@
+//! A medium between flat faces: limits, sums and symmetries of its closed forms.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use asperity_analysis::{FlatLayer, LayerPaths};
+use asperity_optics::{
+    Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction, dielectric, from_spherical,
+};
+use asperity_tally::{
+    Azimuth, HemisphereGrid, History, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side, Sides,
+};
+use glam::DVec3;
+
+const BOTH: [LayerPaths; 2] = LayerPaths::ALL;
+
+fn medium(albedo: f64, g: f64) -> ParticipatingMedium {
+    let phase = PhaseFunction::henyey_greenstein(g).unwrap();
+    ParticipatingMedium::from_mean_free_path(1.0, albedo, phase).unwrap()
+}
+
+/// Optical thickness is the thickness.
+fn slab(albedo: f64, g: f64, tau: f64, bottom: Bottom) -> Layer {
+    Layer::slab(medium(albedo, g), tau, bottom).unwrap()
+}
+
+fn model(eta: f64, layer: &Layer, paths: LayerPaths) -> FlatLayer {
+    FlatLayer::new(eta, layer, paths).unwrap()
+}
+
+fn degrees(theta: f64, phi: f64) -> DVec3 {
+    from_spherical(theta.to_radians(), phi.to_radians())
+}
+
+fn light(theta: f64) -> Incidence {
+    Incidence::from_degrees(theta, 0.0).unwrap()
+}
+
+fn layout(n_theta: usize, n_phi: usize, half_width: f64) -> Layout {
+    let grid = HemisphereGrid::new(n_theta, n_phi).unwrap();
+    Layout::new(grid, half_width).unwrap().with_histories()
+}
+
+/// The record of light in the plane of azimuth zero.
+fn record(model: &FlatLayer, theta: f64, layout: &Layout) -> Vec<f64> {
+    model.record(light(theta), layout, Azimuth::From(PI))
+}
+
+fn of_history(model: &FlatLayer, theta: f64, history: History) -> [f64; 2] {
+    let layout = layout(6, 4, 0.1);
+    let record = record(model, theta, &layout);
+    Side::BOTH.map(|side| record[layout.history(side, history)])
+}
+
+#[test]
+fn the_letter_is_the_papers() {
+    // Eqs. 20 and 21 and the first-order transmitted radiance, computed apart in angles within the layer.
+    let layer = slab(0.9, 0.3, 0.1, Bottom::Interface { eta: 1.0 / 1.5 });
+    let model = model(1.5, &layer, LayerPaths::HanrahanKrueger);
+    let wi = degrees(30.0, 0.0);
+    for (theta, phi, expected) in [
+        (45.0, 180.0, 0.0015583406857313682),
+        (60.0, 90.0, 0.001518990769615514),
+        (135.0, 180.0, 0.008114635744529896),
+        // As steep as it entered: cos theta_i = cos theta_t.
+        (150.0, 180.0, 0.007849640489273014),
+        (105.0, 0.0, 0.003665182808610311),
+    ] {
+        let f = model.bsdf(wi, degrees(theta, phi));
+        assert!((f / expected - 1.0).abs() < 1e-12, "{theta} {phi} {f}");
+    }
+    let beams = model.unscattered(wi);
+    assert!((beams[0].flux - 0.04152262597582152).abs() < 1e-15);
+    assert!((beams[1].flux - 0.8262278781720569).abs() < 1e-15);
+    // Between parallel faces light leaves as it came.
+    assert!((beams[1].wo + wi).length() < 1e-15);
+}
+
+#[test]
+fn a_matched_half_space_is_lommel_and_seeliger() {
+    let layer = Layer::half_space(medium(0.7, 0.0));
+    for paths in BOTH {
+        let model = model(1.0, &layer, paths);
+        for (theta_i, theta_o) in [(0.0, 0.0), (30.0, 70.0), (85.0, 89.9)] {
+            let (wi, wo) = (degrees(theta_i, 0.0), degrees(theta_o, 50.0));
+            let expected = 0.7 / (4.0 * PI) / (wi.z + wo.z);
+            assert!((model.bsdf(wi, wo) / expected - 1.0).abs() < 1e-14);
+        }
+        assert_eq!(model.bsdf(degrees(30.0, 0.0), -DVec3::Z), 0.0);
+    }
+}
+
+#[test]
+fn thick_slabs_are_half_spaces_whatever_is_below() {
+    let endless = Layer::half_space(medium(0.8, 0.4));
+    for bottom in [
+        Bottom::Open,
+        Bottom::Absorbing,
+        Bottom::Mirror,
+        Bottom::Interface { eta: 0.6 },
+    ] {
+        let thick = slab(0.8, 0.4, 60.0, bottom);
+        let [a, b] = [&endless, &thick].map(|layer| model(1.4, layer, LayerPaths::All));
+        for theta in [0.0, 40.0, 88.0] {
+            let wo = degrees(theta, 100.0);
+            let wi = degrees(20.0, 0.0);
+            assert!((b.bsdf(wi, wo) / a.bsdf(wi, wo) - 1.0).abs() < 1e-15);
+            assert!(b.bsdf(wi, -wo) < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn both_models_agree_where_nothing_comes_back_from_below() {
+    for layer in [
+        Layer::half_space(medium(0.8, 0.4)),
+        slab(0.8, 0.4, 0.3, Bottom::Absorbing),
+    ] {
+        let [letter, exact] = BOTH.map(|paths| model(1.5, &layer, paths));
+        for theta in [0.0, 30.0, 80.0] {
+            let (wi, wo) = (degrees(50.0, 0.0), degrees(theta, 70.0));
+            assert!((letter.bsdf(wi, wo) / exact.bsdf(wi, wo) - 1.0).abs() < 1e-15);
+        }
+    }
+    let [letter, exact] = BOTH.map(|paths| model(1.5, &slab(0.8, 0.4, 0.3, Bottom::Open), paths));
+    let (wi, wo) = (degrees(50.0, 0.0), degrees(110.0, 70.0));
+    assert!(exact.bsdf(wi, wo) > 1.01 * letter.bsdf(wi, wo));
+}
+
+#[test]
+fn the_way_back_is_the_way_there() {
+    // Upside down: the top becomes the bottom.
+    for (eta, beyond) in [(1.5, 1.0 / 1.5), (1.5, 0.9), (0.8, 1.3), (1.2, 1.0)] {
+        let there = slab(0.9, 0.6, 0.5, Bottom::Interface { eta: beyond });
+        let back = slab(0.9, 0.6, 0.5, Bottom::Interface { eta: 1.0 / eta });
+        for paths in BOTH {
+            let (there, back) = (model(eta, &there, paths), model(1.0 / beyond, &back, paths));
+            for (theta_i, theta_o, phi) in [(10.0, 40.0, 30.0), (40.0, 20.0, 170.0)] {
+                let (wi, wr) = (degrees(theta_i, 0.0), degrees(theta_o, phi));
+                let forth = there.bsdf(wi, wr);
+                assert!(forth > 0.0);
+                assert!((there.bsdf(wr, wi) / forth - 1.0).abs() < 1e-13);
+                // f(wi, wo) / n_o^2 = f(wo, wi) / n_i^2 with n_o / n_i = eta beyond.
+                let mirrored = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
+                let wt = mirrored(wr);
+                let forth = there.bsdf(wi, wt) / (eta * beyond).powi(2);
+                let return_way = back.bsdf(mirrored(wt), mirrored(wi));
+                assert!(forth > 0.0);
+                assert!(
+                    (return_way / forth - 1.0).abs() < 1e-13,
+                    "{eta} {beyond} {paths:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_clear_plate_passes_what_a_stack_of_two_faces_does() {
+    // Without a medium the reflectances of two equal faces sum to 2 R / (1 + R): Stokes 1862.
+    let phase = PhaseFunction::Isotropic;
+    let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, phase).unwrap();
+    let eta: f64 = 1.5;
+    let layer = Layer::slab(clear, 1.0, Bottom::Interface { eta: 1.0 / eta }).unwrap();
+    let model = model(eta, &layer, LayerPaths::All);
+    for theta in [0.0, 40.0, 80.0, 89.99] {
+        let wi = degrees(theta, 10.0);
+        let r = dielectric(wi.z, eta).reflected;
+        let [reflected, transmitted] = [0, 1].map(|i| model.unscattered(wi)[i].flux);
+        // Seen from within, the cosine outside magnifies the rounding of that inside by eta^2 / cos, and dR /
+        // dcos is at most about 4 eta.
+        let rounding = 8.0 * eta.powi(3) / wi.z * f64::EPSILON;
+        assert!(
+            (reflected - 2.0 * r / (1.0 + r)).abs() < 2.0 * rounding,
+            "{theta}"
+        );
+        assert!((reflected + transmitted - 1.0).abs() < 1e-12);
+        // In orders 1, 3, 5 ... and 2, 4, 6 ...
+        let layout = layout(6, 4, 0.1);
+        let record = record(&model, theta, &layout);
+        let t = 1.0 - r;
+        for (side, order, expected) in [
+            (Side::Reflected, 1, r),
+            (Side::Reflected, 3, t * t * r),
+            (Side::Reflected, 5, t * t * r.powi(3)),
+            (Side::Transmitted, 2, t * t),
+            (Side::Transmitted, 4, t * t * r * r),
+        ] {
+            assert!((record[layout.order(side, order)] - expected).abs() < 4.0 * rounding);
+        }
+        let orders = |side| (1..=MAX_LISTED_ORDER).map(move |order| layout.order(side, order));
+        let sum: f64 = Side::BOTH
+            .into_iter()
+            .flat_map(orders)
+            .map(|i| record[i])
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{theta}: {sum}");
+    }
+    // An endless clear medium is its face alone.
+    let half = FlatLayer::new(eta, &Layer::half_space(clear), LayerPaths::All).unwrap();
+    let beams = half.unscattered(degrees(40.0, 0.0));
+    let r = dielectric(40_f64.to_radians().cos(), eta).reflected;
+    assert!((beams[0].flux - r).abs() < 1e-15 && (beams[1].flux - (1.0 - r)).abs() < 1e-15);
+}
+
+#[test]
+fn light_that_returns_from_a_mirror_is_the_sum_of_its_bounces() {
+    let (eta, tau): (f64, f64) = (1.5, 0.4);
+    let model = model(eta, &slab(0.5, 0.0, tau, Bottom::Mirror), LayerPaths::All);
+    for theta in [20.0, 85.0] {
+        let wi = degrees(theta, 0.0);
+        let face = dielectric(wi.z, eta);
+        let (r, t) = (face.reflected, face.transmitted);
+        let there_and_back = (-2.0 * tau / face.cos_beta).exp();
+        let bounces = (0..60).map(|k| t * t * there_and_back.powi(k + 1) * r.powi(k));
+        let expected = r + bounces.sum::<f64>();
+        let [beam] = model.unscattered(wi)[..] else {
+            panic!("nothing passes a mirror");
+        };
+        assert!((beam.flux / expected - 1.0).abs() < 1e-13, "{theta}");
+    }
+}
+
+#[test]
+fn thin_plates_scatter_what_they_meet_and_let_go_what_is_within_the_escape_cone() {
+    // To first order in tau, light crosses the medium on 1 / mu_i free paths (1 + R + R^2 ...) T = 1 times,
+    // and of what is scattered evenly the share 1 - sqrt(1 - 1/eta^2) lies in the two cones that the faces let
+    // through sooner or later; the rest is caught. The next order is tau / mu, mu > 0.74 all over.
+    let eta: f64 = 1.5;
+    for tau in [1e-3, 1e-5] {
+        let layer = slab(1.0, 0.0, tau, Bottom::Interface { eta: 1.0 / eta });
+        let model = model(eta, &layer, LayerPaths::All);
+        for theta in [0.0_f64, 50.0] {
+            let mu = (1.0 - (theta.to_radians().sin() / eta).powi(2)).sqrt();
+            let expected = tau / mu * (1.0 - (1.0 - 1.0 / (eta * eta)).sqrt());
+            let [reflected, transmitted] = of_history(&model, theta, History::Once);
+            let ratio = (reflected + transmitted) / expected;
+            println!("tau {tau} theta {theta}: {ratio}");
+            assert!((ratio - 1.0).abs() < 4.0 * tau, "{ratio}");
+            // Evenly scattered light leaves on both sides alike.
+            assert!((reflected / transmitted - 1.0).abs() < 4.0 * tau);
+        }
+    }
+    // Matched and open, everything gets out but what grazes: tau (ln(1 / tau) + 1) of it is met again.
+    let tau = 1e-4;
+    let model = model(
+        1.0,
+        &slab(1.0, 0.5, tau, Bottom::Open),
+        LayerPaths::HanrahanKrueger,
+    );
+    let once = of_history(&model, 60.0, History::Once);
+    let ratio = (once[0] + once[1]) / (tau / 0.5);
+    println!("matched: {ratio}");
+    assert!((ratio - 1.0).abs() < tau * (1.0 - tau.ln()) + 2.0 * tau);
+}
+
+#[test]
+fn nothing_is_undefined_at_critical_angles_at_grazing_or_without_thickness() {
+    let bottoms = [
+        Bottom::Open,
+        Bottom::Absorbing,
+        Bottom::Mirror,
+        Bottom::Interface { eta: 0.5 },
+        Bottom::Interface { eta: 1.8 },
+    ];
+    for eta in [0.5, 1.0, 1.5] {
+        for tau in [1e-300, 1e-12, 1.0, 1e4] {
+            for bottom in bottoms {
+                let model = model(eta, &slab(1.0, 0.9, tau, bottom), LayerPaths::All);
+                for theta_i in [0.0, 29.999_999_999_999_99, 30.0, 60.0, 89.999_999_999] {
+                    let wi = degrees(theta_i, 0.0);
+                    let flux: f64 = model.unscattered(wi).iter().map(|beam| beam.flux).sum();
+                    assert!(
+                        (0.0..=1.0 + 1e-12).contains(&flux),
+                        "{eta} {tau} {bottom:?} {flux}"
+                    );
+                    for theta_o in [
+                        0.0,
+                        30.0,
+                        60.0,
+                        89.999_999_999,
+                        90.000_000_001,
+                        150.0,
+                        180.0,
+                    ] {
+                        let f = model.bsdf(wi, degrees(theta_o, 180.0));
+                        assert!(f.is_finite() && f >= 0.0, "{eta} {tau} {bottom:?} {f}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
+    let layer = slab(1.0, 0.0, 1.0, Bottom::Interface { eta: 1.8 });
+    let model = model(0.8, &layer, LayerPaths::All);
+    let critical = 0.8_f64.asin().to_degrees();
+    let wi = degrees(critical + 0.1, 0.0);
+    assert_eq!(model.unscattered(wi).len(), 1);
+    assert_eq!(model.unscattered(wi)[0].flux, 1.0);
+    assert_eq!(model.bsdf(wi, DVec3::Z), 0.0);
+    let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PhaseFunction::Isotropic);
+    let plate = Layer::slab(clear.unwrap(), 1.0, Bottom::Interface { eta: 1.8 }).unwrap();
+    for paths in BOTH {
+        let plate = FlatLayer::new(0.8, &plate, paths).unwrap();
+        assert_eq!(plate.unscattered(wi)[0].flux, 1.0);
+        assert_eq!(
+            of_history(&plate, critical + 0.1, History::Unscattered),
+            [1.0, 0.0]
+        );
+    }
+    let wi = degrees(20.0, 0.0);
+    assert!(model.bsdf(wi, degrees(critical - 0.1, 0.0)) > 0.0);
+    assert_eq!(model.bsdf(wi, degrees(critical + 0.1, 0.0)), 0.0);
+    // Into the denser medium below, none leaves flatter than its own critical angle.
+    let critical = 180.0 - (1_f64 / 1.8).asin().to_degrees();
+    assert!(model.bsdf(wi, degrees(critical + 0.1, 0.0)) > 0.0);
+    assert_eq!(model.bsdf(wi, degrees(critical - 0.1, 0.0)), 0.0);
+}
+
+#[test]
+fn a_record_is_the_same_on_every_grid_and_its_parts_add_up() {
+    let cases = [
+        (1.5, 0.99, 0.2, Bottom::Interface { eta: 1.0 / 1.5 }),
+        (1.5, -0.9, 0.2, Bottom::Mirror),
+        (0.7, 0.5, 1e-3, Bottom::Interface { eta: 2.0 }),
+        (1.0, 0.0, 1e-6, Bottom::Open),
+        (1.4, 0.8, 2.0, Bottom::Open),
+    ];
+    let coarse = layout(1, 1, FRAC_PI_2);
+    let fine = layout(9, 12, FRAC_PI_2);
+    for (eta, g, tau, bottom) in cases {
+        let model = model(eta, &slab(0.9, g, tau, bottom), LayerPaths::All);
+        let (one, many) = (record(&model, 25.0, &coarse), record(&model, 25.0, &fine));
+        for side in Side::BOTH {
+            for history in [History::Unscattered, History::Once] {
+                let a = one[coarse.history(side, history)];
+                let b = many[fine.history(side, history)];
+                assert!((a - b).abs() < 1e-11, "{eta} {bottom:?} {side} {a} {b}");
+                let rings: f64 = many[fine.history_rings(side, history)].iter().sum();
+                let profile: f64 = many[fine.history_in_plane(side, history)].iter().sum();
+                // A wedge of half a turn to both sides is everything.
+                assert!((rings - b).abs() < 1e-11 && (profile - b).abs() < 1e-11);
+            }
+            let all = many[side.index()];
+            let total: f64 = Share::ALL
+                .map(|share| {
+                    let first = fine.bins(share).start + side.index() * fine.grid().bins_per_side();
+                    many[first..first + fine.grid().bins_per_side()]
+                        .iter()
+                        .sum::<f64>()
+                })
+                .into_iter()
+                .sum();
+            assert!((0.5 * total - all).abs() < 1e-11);
+            let first = many[fine.order(side, 1)];
+            assert!((first + many[fine.multiple(side)] - all).abs() < 1e-11);
+            let rings: f64 = many[fine.rings(side, OrderClass::First)].iter().sum();
+            assert!((rings - first).abs() < 1e-11);
+        }
+    }
+}
+
+#[test]
+fn sides_and_azimuths_that_are_not_asked_for_are_not_filled() {
+    let model = model(1.5, &slab(0.9, 0.5, 0.3, Bottom::Open), LayerPaths::All);
+    let reflected = layout(3, 4, 0.1).with_sides(Sides::Reflected);
+    let record = record(&model, 30.0, &reflected);
+    assert!(record[Layout::REFLECTED] > 0.0 && record[Layout::TRANSMITTED] == 0.0);
+    assert_eq!(
+        record[reflected.history(Side::Transmitted, History::Once)],
+        0.0
+    );
+    assert!(
+        record[Layout::NOT_ASKED] > 0.5,
+        "the unscattered light, which would have gone there"
+    );
+    // From straight above, all bins of a ring hold the same.
+    let layout = layout(3, 4, 0.1);
+    let record = model.record(light(0.0), &layout, Azimuth::Free);
+    for ring in record[layout.history_bins(History::Unscattered)].chunks(4) {
+        assert!(ring.iter().all(|flux| flux == &ring[0]));
+    }
+    for ring in record[layout.history_bins(History::Once)].chunks(4) {
+        assert!(ring.iter().all(|flux| (flux - ring[0]).abs() < 1e-15));
+    }
+}
+
+#[test]
+fn layers_without_such_a_model_are_refused() {
+    let refusal = |name: &str, eta: f64, bottom| {
+        let error = FlatLayer::by_name(name, eta, &slab(0.5, 0.0, 1.0, bottom)).unwrap_err();
+        error.to_string()
+    };
+    let white = Bottom::Lambertian { reflectance: 1.0 };
+    for name in FlatLayer::NAMES {
+        assert!(refusal(name, 1.5, white).contains("Lambertian"));
+        assert!(refusal(name, -1.0, Bottom::Open).contains("eta is -1"));
+    }
+    assert!(refusal("hanrahan-krueger", 1.5, Bottom::Mirror).contains("flat-layer has"));
+    assert!(refusal("kubelka-munk", 1.5, Bottom::Open).contains("hanrahan-krueger, flat-layer"));
+    for name in FlatLayer::NAMES {
+        let layer = slab(0.5, 0.0, 1.0, Bottom::Open);
+        assert_eq!(
+            FlatLayer::by_name(name, 1.5, &layer)
+                .unwrap()
+                .paths()
+                .name(),
+            name
+        );
+    }
+}
