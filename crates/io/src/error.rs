@@ -6,8 +6,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_surface::HeightFieldError;
 
-use crate::format::{HeightMapFormat, list_endings};
-use crate::mesh::{MeshFormat, list_mesh_endings};
+use crate::formats::{HeightMapFormat, MeshFormat, list_endings, list_mesh_endings};
 
 /// Why a file cannot be read.
 ///

@@ -28,35 +28,26 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod atomic;
-mod csv;
+mod encoding;
 mod error;
-mod exr;
-mod format;
-mod gsf;
-mod memory;
-mod mesh;
-mod npy;
-mod picture;
-mod png;
-mod samples;
-mod text;
-mod text_file;
-mod unit;
-mod x3p;
+mod files;
+mod formats;
+mod height_maps;
+mod limits;
+mod meshes;
+mod pictures;
+mod surface_format;
 
 #[cfg(test)]
-mod hostile_tests;
+mod damage_tests;
 
-pub use atomic::{
-    check_output_folder, create_output_folder, remove_files, write_atomically, write_bytes,
-    write_json,
-};
-pub use csv::{CsvField, write_csv};
 pub use error::{ReadError, WriteError};
-pub use format::{HeightMapFormat, SurfaceFormat, read_height_map, write_height_map};
-pub use memory::available_memory;
-pub use mesh::{MeshData, MeshFormat, MeshView, read_mesh, write_mesh};
-pub use npy::write_array;
-pub use picture::{Picture, PictureFormat, write_picture};
-pub use text_file::{read_json, read_text};
+pub use files::{
+    CsvField, available_memory, check_output_folder, create_output_folder, read_json, read_text,
+    remove_files, write_atomically, write_bytes, write_csv, write_json,
+};
+pub use formats::{HeightMapFormat, MeshFormat};
+pub use height_maps::{read_height_map, write_array, write_height_map};
+pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
+pub use pictures::{Picture, PictureFormat, write_picture};
+pub use surface_format::SurfaceFormat;

@@ -8,14 +8,13 @@ mod stl;
 #[cfg(test)]
 mod read_tests;
 
-use std::fmt;
 use std::io::{self, BufRead, BufReader, Seek, Write};
 use std::path::Path;
 
-use crate::atomic::replace;
+use crate::encoding::single;
 use crate::error::{ReadError, WriteError};
-use crate::format::{list, open};
-use crate::samples::single;
+use crate::files::{open, replace};
+use crate::formats::{MeshFormat, list_mesh_endings};
 
 /// A triangle mesh as a file holds it.
 ///
@@ -38,57 +37,6 @@ pub struct MeshView<'a> {
     pub vertices: &'a [[f64; 3]],
     /// Three indices into `vertices` each.
     pub triangles: &'a [[u32; 3]],
-}
-
-/// A file format of meshes, chosen by the ending of the file's name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum MeshFormat {
-    /// Stanford polygon file, binary, little-endian, double precision.
-    Ply,
-    /// Wavefront object, text with as many digits as give the same doubles back.
-    Obj,
-    /// Stereolithography, binary: single precision, every triangle with its own corners and normal.
-    Stl,
-}
-
-impl fmt::Display for MeshFormat {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Ply => "PLY mesh",
-            Self::Obj => "OBJ mesh",
-            Self::Stl => "STL mesh",
-        })
-    }
-}
-
-impl MeshFormat {
-    /// All formats.
-    pub const ALL: [Self; 3] = [Self::Ply, Self::Obj, Self::Stl];
-
-    /// The ending that stands for the format, in small letters and without the dot.
-    #[must_use]
-    pub const fn ending(self) -> &'static str {
-        match self {
-            Self::Ply => "ply",
-            Self::Obj => "obj",
-            Self::Stl => "stl",
-        }
-    }
-
-    /// The format that the ending of `path` stands for, in capital or small letters.
-    #[must_use]
-    pub fn from_path(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        Self::ALL
-            .into_iter()
-            .find(|format| format.ending() == ending)
-    }
-}
-
-/// The endings of all formats: ".ply, .obj and .stl".
-pub(crate) fn list_mesh_endings() -> String {
-    list(MeshFormat::ALL.map(MeshFormat::ending))
 }
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{field, read, refused, valid};
-use crate::format::HeightMapFormat;
+use crate::formats::HeightMapFormat;
 
 /// An X3P of the given main.xml and parts, as any ZIP program would pack it.
 fn x3p(xml: &str, parts: &[(&str, &[u8])]) -> Vec<u8> {

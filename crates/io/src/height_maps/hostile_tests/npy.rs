@@ -4,7 +4,7 @@ use asperity_surface::{Border, MissingPolicy};
 
 use super::{read, refused};
 use crate::error::ReadError;
-use crate::format::HeightMapFormat;
+use crate::formats::HeightMapFormat;
 
 fn npy(header: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY\x01\x00".to_vec();

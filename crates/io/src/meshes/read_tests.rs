@@ -4,9 +4,10 @@ use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use super::{MeshData, MeshFormat, MeshView, read_mesh, read_mesh_from, write_mesh};
+use super::{MeshData, MeshView, read_mesh, read_mesh_from, write_mesh};
+use crate::damage_tests::{assert_sentence, damaged};
 use crate::error::ReadError;
-use crate::hostile_tests::{assert_sentence, damaged};
+use crate::formats::MeshFormat;
 
 /// A tent over a square: five vertices, four triangles.
 fn tent() -> MeshData {

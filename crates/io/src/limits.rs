@@ -1,90 +1,11 @@
-//! Binary numbers of any width and byte order into doubles.
+//! Limits of readers: sizes are checked before memory is taken, and panics of decoders are caught.
 
-use std::io::{self, Read};
 use std::path::Path;
 
 use asperity_surface::check_grid;
 
-use crate::error::{ReadError, WriteError};
-use crate::format::HeightMapFormat;
-
-/// The kinds of number that binary formats hold.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SampleKind {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    I64,
-    U64,
-    F32,
-    F64,
-}
-
-impl SampleKind {
-    pub(crate) const fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::I64 | Self::U64 | Self::F64 => 8,
-        }
-    }
-
-    /// Appends the numbers in `bytes` (a multiple of the width) to `out`.
-    ///
-    /// Whole numbers of 64 bits beyond 2^53 are rounded to the nearest double.
-    pub(crate) fn decode(self, bytes: &[u8], big_endian: bool, out: &mut Vec<f64>) {
-        macro_rules! decode {
-            ($number:ty) => {{
-                let (words, _) = bytes.as_chunks::<{ size_of::<$number>() }>();
-                if big_endian {
-                    out.extend(words.iter().map(|w| <$number>::from_be_bytes(*w) as f64));
-                } else {
-                    out.extend(words.iter().map(|w| <$number>::from_le_bytes(*w) as f64));
-                }
-            }};
-        }
-        match self {
-            Self::I8 => decode!(i8),
-            Self::U8 => decode!(u8),
-            Self::I16 => decode!(i16),
-            Self::U16 => decode!(u16),
-            Self::I32 => decode!(i32),
-            Self::U32 => decode!(u32),
-            Self::I64 => decode!(i64),
-            Self::U64 => decode!(u64),
-            Self::F32 => decode!(f32),
-            Self::F64 => decode!(f64),
-        }
-    }
-
-    /// Reads `count` numbers, a block at a time, handing the raw bytes to `seen` as well.
-    ///
-    /// `out` is expected to have room for them.
-    pub(crate) fn read(
-        self,
-        reader: &mut impl Read,
-        count: usize,
-        big_endian: bool,
-        out: &mut Vec<f64>,
-        mut seen: impl FnMut(&[u8]),
-    ) -> io::Result<()> {
-        let mut block = [0; 1 << 13];
-        let mut left = count;
-        while left > 0 {
-            let now = left.min(block.len() / self.bytes());
-            let bytes = &mut block[..now * self.bytes()];
-            reader.read_exact(bytes)?;
-            seen(bytes);
-            self.decode(bytes, big_endian, out);
-            left -= now;
-        }
-        Ok(())
-    }
-}
+use crate::error::ReadError;
+use crate::formats::HeightMapFormat;
 
 /// Room for `nx * ny` numbers, or an error where there is none.
 pub(crate) fn room<T>(path: &Path, nx: u64, ny: u64) -> Result<Vec<T>, ReadError> {
@@ -181,20 +102,6 @@ fn too_large(path: &Path, [ny, nx]: [u64; 2], length: u64) -> ReadError {
         nx,
         ny,
         length,
-    }
-}
-
-/// A number in single precision, unless it is beyond its range.
-pub(crate) fn single(path: &Path, what: &str, value: f64) -> Result<f32, WriteError> {
-    let single = value as f32;
-    if single.is_finite() {
-        Ok(single)
-    } else {
-        Err(WriteError::OutOfRange {
-            path: path.to_owned(),
-            what: what.to_owned(),
-            value,
-        })
     }
 }
 

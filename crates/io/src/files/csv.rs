@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::atomic::replace;
+use super::atomic::replace;
 use crate::error::WriteError;
 
 /// One field of a table.

@@ -12,10 +12,12 @@ use std::path::Path;
 
 use asperity_surface::{HeightField, LengthUnit, RawHeightMap};
 
+use super::samples::SampleKind;
+use super::unit::PowerOfMetre;
+use crate::encoding::single;
 use crate::error::{ReadError, WriteError};
-use crate::format::HeightMapFormat;
-use crate::samples::{SampleKind, check_plain_data, room, single};
-use crate::unit::PowerOfMetre;
+use crate::formats::HeightMapFormat;
+use crate::limits::{check_plain_data, room};
 
 /// First line of every file, without its line feed.
 pub(crate) const MAGIC: &str = "Gwyddion Simple Field 1.0";

@@ -3,7 +3,7 @@
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{read, refused};
-use crate::format::HeightMapFormat;
+use crate::formats::HeightMapFormat;
 
 fn gsf(header: &str, heights: &[f32]) -> Vec<u8> {
     let mut bytes = format!("Gwyddion Simple Field 1.0\n{header}").into_bytes();

@@ -6,7 +6,7 @@ use asperity_surface::{Border, MissingPolicy};
 
 use super::{read, refused, valid};
 use crate::error::ReadError;
-use crate::format::HeightMapFormat;
+use crate::formats::HeightMapFormat;
 
 /// Writes an EXR by the encoder's general interface.
 fn exr(width: usize, height: usize, channels: &[(&str, ::exr::image::FlatSamples)]) -> Vec<u8> {

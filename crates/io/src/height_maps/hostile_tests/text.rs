@@ -4,7 +4,7 @@ use asperity_surface::{Border, LengthUnit, MissingPolicy};
 
 use super::{read, refused};
 use crate::error::ReadError;
-use crate::format::HeightMapFormat;
+use crate::formats::HeightMapFormat;
 
 #[test]
 fn text_errors_name_line_and_column() {

@@ -5,20 +5,15 @@
 //! relative to a unit that the text attribute `comments` names. PNG (.png): greyscale of 8 bits, radiance
 //! times the exposure by the curve of sRGB, cut off at white. Row 0 is on top in both.
 
-use std::io::{self, Cursor, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
-use ::exr::error::Error;
-use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
-use ::exr::math::Vec2;
 use ::exr::meta::attribute::Text;
 use ::exr::meta::header::LayerAttributes;
-use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage};
 
-use crate::atomic::replace;
+use crate::encoding::{encode_exr, png_error, single};
 use crate::error::WriteError;
-use crate::exr::sort_attributes;
-use crate::samples::single;
+use crate::files::replace;
 
 /// Radiance by pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,44 +93,20 @@ fn write_exr(
     out: &mut dyn Write,
 ) -> Result<(), WriteError> {
     let io = WriteError::io(path);
-    let channel = |name: &str, values: &[f64]| {
+    let channel = |name: &'static str, values: &[f64]| {
         let samples = values.iter().map(|value| single(path, name, *value));
-        let samples = samples.collect::<Result<Vec<f32>, _>>()?;
-        Ok::<_, WriteError>(AnyChannel::new(name, FlatSamples::F32(samples)))
+        Ok::<_, WriteError>((name, samples.collect::<Result<Vec<f32>, _>>()?))
     };
-    let channels = [
+    let channels = vec![
         channel("A", &picture.coverage)?,
         channel("Y", &picture.radiance)?,
         channel("error", &picture.error)?,
     ];
-    let [columns, rows] = picture.size;
     let attributes = LayerAttributes {
         comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
         ..LayerAttributes::default()
     };
-    let layer = Layer::new(
-        Vec2(columns, rows),
-        attributes,
-        Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
-        AnyChannels::sort(channels.into_iter().collect()),
-    );
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .map_err(|error| {
-            io(match error {
-                Error::Io(error) => error,
-                other => io::Error::other(other),
-            })
-        })?;
-    let mut file = file.into_inner();
-    sort_attributes(&mut file);
+    let file = encode_exr(picture.size, attributes, channels).map_err(&io)?;
     out.write_all(&file).map_err(io)
 }
 
@@ -150,14 +121,14 @@ fn write_png(picture: &Picture, exposure: f64, out: &mut dyn Write) -> io::Resul
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_compression(::png::Compression::High);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
-    let mut writer = encoder.write_header().map_err(encoding)?;
+    let mut writer = encoder.write_header().map_err(png_error)?;
     let grey: Vec<u8> = picture
         .radiance
         .iter()
         .map(|radiance| (255.0 * srgb(exposure * radiance)).round() as u8)
         .collect();
-    writer.write_image_data(&grey).map_err(encoding)?;
-    writer.finish().map_err(encoding)
+    writer.write_image_data(&grey).map_err(png_error)?;
+    writer.finish().map_err(png_error)
 }
 
 /// The curve of sRGB: from linear values to stored ones, both cut off to `[0, 1]`.
@@ -170,13 +141,6 @@ fn srgb(linear: f64) -> f64 {
         12.92 * linear
     } else {
         1.055 * linear.powf(1.0 / 2.4) - 0.055
-    }
-}
-
-fn encoding(error: ::png::EncodingError) -> io::Error {
-    match error {
-        ::png::EncodingError::IoError(error) => error,
-        other => io::Error::other(other),
     }
 }
 

@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::Path;
 
-use super::{MeshData, MeshFormat};
+use super::MeshData;
 use crate::error::ReadError;
+use crate::formats::MeshFormat;
 
 /// A mesh that grows while its file is read.
 pub(super) struct Builder<'a> {

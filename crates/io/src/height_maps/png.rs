@@ -4,11 +4,12 @@
 //! black. Text chunks keep the mapping: `height = height_min + grey (height_max - height_min) / 65535`
 //! with `height_min`, `height_max`, `spacing_x`, `spacing_y`, `unit` and `border`. Row 0 is on top.
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::Path;
 
 use asperity_surface::HeightField;
 
+use crate::encoding::png_error;
 use crate::error::WriteError;
 
 pub(crate) fn write<W: Write>(
@@ -47,10 +48,10 @@ pub(crate) fn write<W: Write>(
     ] {
         encoder
             .add_text_chunk(keyword.to_owned(), text)
-            .map_err(|e| io(encoding(e)))?;
+            .map_err(|e| io(png_error(e)))?;
     }
-    let mut writer = encoder.write_header().map_err(|e| io(encoding(e)))?;
-    let mut stream = writer.stream_writer().map_err(|e| io(encoding(e)))?;
+    let mut writer = encoder.write_header().map_err(|e| io(png_error(e)))?;
+    let mut stream = writer.stream_writer().map_err(|e| io(png_error(e)))?;
     let mut row = Vec::with_capacity(2 * field.nx());
     for heights in heights.chunks(field.nx()) {
         row.clear();
@@ -59,8 +60,8 @@ pub(crate) fn write<W: Write>(
         }
         stream.write_all(&row).map_err(&io)?;
     }
-    stream.finish().map_err(|e| io(encoding(e)))?;
-    writer.finish().map_err(|e| io(encoding(e)))
+    stream.finish().map_err(|e| io(png_error(e)))?;
+    writer.finish().map_err(|e| io(png_error(e)))
 }
 
 fn grey(height: f64, lowest: f64, highest: f64) -> u16 {
@@ -70,12 +71,5 @@ fn grey(height: f64, lowest: f64, highest: f64) -> u16 {
         ((height / 2.0 - lowest / 2.0) / range * 65535.0).round() as u16
     } else {
         0
-    }
-}
-
-fn encoding(error: ::png::EncodingError) -> io::Error {
-    match error {
-        ::png::EncodingError::IoError(error) => error,
-        other => io::Error::other(other),
     }
 }

@@ -11,21 +11,21 @@
 //! 32-bit whole numbers; scan lines or tiles, of which the finest level counts; NaN marks missing
 //! points. Absent attributes mean spacing 1, arbitrary unit, unknown border, not generated.
 
-use std::io::{Cursor, Read, Seek, Write};
+use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use ::exr::block::reader::ChunksReader;
 use ::exr::error::Error;
-use ::exr::image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer};
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
-use ::exr::prelude::{Blocks, Compression, LineOrder, WritableImage, f16};
+use ::exr::prelude::f16;
 use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, check_grid};
 
+use crate::encoding::{encode_exr, single};
 use crate::error::{ReadError, WriteError};
-use crate::format::HeightMapFormat;
-use crate::samples::{check_packed_claim, guarded, room, single};
+use crate::formats::HeightMapFormat;
+use crate::limits::{check_packed_claim, guarded, room};
 
 /// Names under which a channel is taken for the heights, the best first.
 const CHANNEL_NAMES: [&str; 3] = ["height", "Z", "Y"];
@@ -305,31 +305,12 @@ pub(crate) fn write<W: Write>(
             .other
             .insert(Text::from_slice_unchecked(name.as_bytes()), value);
     }
-    let channel = AnyChannel::new("height", FlatSamples::F32(samples));
-    let layer = Layer::new(
-        Vec2(field.nx(), field.ny()),
+    let file = encode_exr(
+        [field.nx(), field.ny()],
         attributes,
-        Encoding {
-            compression: Compression::ZIP16,
-            blocks: Blocks::ScanLines,
-            line_order: LineOrder::Increasing,
-        },
-        AnyChannels::sort(std::iter::once(channel).collect()),
+        vec![("height", samples)],
     );
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .map_err(|error| {
-            io(match error {
-                Error::Io(error) => error,
-                other => std::io::Error::other(other),
-            })
-        })?;
-    let mut file = file.into_inner();
-    sort_attributes(&mut file);
-    out.write_all(&file).map_err(io)
+    out.write_all(&file.map_err(&io)?).map_err(io)
 }
 
 fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)> {
@@ -365,38 +346,4 @@ fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)>
         ]);
     }
     attributes
-}
-
-/// Puts the attributes of a file of one part in alphabetical order.
-///
-/// The encoder keeps them in a hash map whose order changes from run to run; equal surfaces shall
-/// give equal bytes. The header keeps its length, so that all offsets stay right.
-pub(crate) fn sort_attributes(file: &mut [u8]) {
-    /// Magic number and version come first.
-    const START: usize = 8;
-    let Some(header) = file.get(START..) else {
-        return;
-    };
-    let mut attributes = Vec::new();
-    let mut rest = header;
-    // Each: name, NUL, type, NUL, size in four bytes, value. An empty name ends the header.
-    while let Some(name) = rest.iter().position(|byte| *byte == 0).filter(|n| *n > 0) {
-        let after_name = &rest[name + 1..];
-        let Some(kind) = after_name.iter().position(|byte| *byte == 0) else {
-            return;
-        };
-        let Some(size) = after_name[kind + 1..].first_chunk() else {
-            return;
-        };
-        let Some((attribute, after)) =
-            rest.split_at_checked(name + kind + 6 + u32::from_le_bytes(*size) as usize)
-        else {
-            return;
-        };
-        attributes.push(attribute);
-        rest = after;
-    }
-    attributes.sort_unstable();
-    let sorted = attributes.concat();
-    file[START..START + sorted.len()].copy_from_slice(&sorted);
 }

@@ -21,9 +21,9 @@ use std::path::Path;
 
 use asperity_surface::{LengthUnit, RawHeightMap};
 
+use super::unit::PowerOfMetre;
 use crate::error::ReadError;
-use crate::samples::{check_claim, room};
-use crate::unit::PowerOfMetre;
+use crate::limits::{check_claim, room};
 
 pub(crate) fn read<R: BufRead>(
     path: &Path,

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde::de::DeserializeOwned;
 
+use super::open::open;
 use crate::error::ReadError;
-use crate::format::open;
 
 /// Reads a whole text file in UTF-8, which may be empty.
 ///

@@ -20,10 +20,11 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipArchive, ZipWriter};
 
+use super::samples::SampleKind;
+use super::unit::power_of;
 use crate::error::{ReadError, WriteError};
-use crate::format::HeightMapFormat;
-use crate::samples::{COMPRESSION_LIMIT, SampleKind, check_packed_claim, room};
-use crate::unit::power_of;
+use crate::formats::HeightMapFormat;
+use crate::limits::{COMPRESSION_LIMIT, check_packed_claim, room};
 
 const MAIN: &str = "main.xml";
 const DATA: &str = "bindata/data.bin";

@@ -11,10 +11,11 @@ use std::path::Path;
 use asperity_surface::{HeightField, RawHeightMap};
 use npyz::{DType, Endianness, NpyHeader, Order, TypeChar, WriterBuilder};
 
-use crate::atomic::replace;
+use super::samples::SampleKind;
 use crate::error::{ReadError, WriteError};
-use crate::format::HeightMapFormat;
-use crate::samples::{SampleKind, check_plain_data, guarded, room};
+use crate::files::replace;
+use crate::formats::HeightMapFormat;
+use crate::limits::{check_plain_data, guarded, room};
 
 /// Longest header that is read; NumPy itself stops at 10,000 characters.
 const HEADER_LIMIT: u64 = 1 << 16;

@@ -13,9 +13,10 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 
+use super::MeshData;
 use super::build::{Builder, Line, short};
-use super::{MeshData, MeshFormat};
 use crate::error::ReadError;
+use crate::formats::MeshFormat;
 
 /// Longest header that is read.
 const HEADER_LIMIT: u64 = 1 << 20;

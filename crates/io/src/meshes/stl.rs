@@ -7,9 +7,10 @@
 use std::io::{BufRead, Read, Seek};
 use std::path::Path;
 
+use super::MeshData;
 use super::build::{Builder, Line, short};
-use super::{MeshData, MeshFormat};
 use crate::error::ReadError;
+use crate::formats::MeshFormat;
 
 /// Title and count.
 const HEADER: u64 = 84;

@@ -8,9 +8,10 @@
 use std::io::BufRead;
 use std::path::Path;
 
+use super::MeshData;
 use super::build::{Builder, Line, short};
-use super::{MeshData, MeshFormat};
 use crate::error::ReadError;
+use crate::formats::MeshFormat;
 
 pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadError> {
     let mut mesh = Builder::new(path, MeshFormat::Obj);

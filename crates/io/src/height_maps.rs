@@ -1,0 +1,174 @@
+//! Height maps: one file per format, and their choice by the ending of the file name.
+
+mod exr;
+mod gsf;
+mod npy;
+mod png;
+mod samples;
+mod text;
+mod unit;
+mod x3p;
+
+#[cfg(test)]
+mod hostile_tests;
+
+use std::io::{BufRead, BufReader, Read, Seek, Write};
+use std::path::Path;
+
+use asperity_surface::{HeightField, RawHeightMap};
+
+use crate::error::{ReadError, WriteError};
+use crate::files::{open, replace};
+use crate::formats::{HeightMapFormat, list_endings};
+
+pub use npy::write_array;
+
+/// Reads a height map; the ending of `path` chooses the format.
+///
+/// Missing points are NaN in the result. Rows and columns keep the order of the file: its first
+/// row is row 0, at y = 0.
+///
+/// # Errors
+/// [`ReadError`] if the file is not there, not of the format its ending says, damaged, cut short,
+/// of an unknown ending, or holds no surface (too small, infinite heights, spacings not positive).
+pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError> {
+    let path = path.as_ref();
+    let format = HeightMapFormat::from_path(path);
+    if format == Some(HeightMapFormat::Png) {
+        return Err(ReadError::NoScale {
+            path: path.to_owned(),
+        });
+    }
+    let format = format.ok_or_else(|| ReadError::UnknownEnding {
+        path: path.to_owned(),
+    })?;
+    let (file, length) = open(path)?;
+    read_from(
+        path,
+        format,
+        BufReader::with_capacity(1 << 16, file),
+        length,
+    )
+}
+
+/// Reads a height map of a known format; `path` serves messages only.
+pub(crate) fn read_from<R: BufRead + Seek>(
+    path: &Path,
+    format: HeightMapFormat,
+    mut reader: R,
+    length: u64,
+) -> Result<RawHeightMap, ReadError> {
+    let mut mark = [0; 32];
+    let found = read_up_to(&mut reader, &mut mark).map_err(|e| ReadError::io(path, e))?;
+    reader.rewind().map_err(|e| ReadError::io(path, e))?;
+    check_mark(path, format, &mark[..found])?;
+    match format {
+        HeightMapFormat::Exr => exr::read(path, reader, length),
+        HeightMapFormat::Npy => npy::read(path, reader, length),
+        HeightMapFormat::Gsf => gsf::read(path, reader, length),
+        HeightMapFormat::X3p => x3p::read(path, reader, length),
+        HeightMapFormat::Text => text::read(path, reader, length),
+        HeightMapFormat::Png => Err(ReadError::NoScale {
+            path: path.to_owned(),
+        }),
+    }
+}
+
+/// First bytes of each format that has such.
+const MARKS: [(HeightMapFormat, &[u8]); 5] = [
+    (HeightMapFormat::Exr, b"\x76\x2f\x31\x01"),
+    (HeightMapFormat::Npy, b"\x93NUMPY"),
+    (HeightMapFormat::Gsf, gsf::MAGIC.as_bytes()),
+    (HeightMapFormat::X3p, b"PK\x03\x04"),
+    (HeightMapFormat::Png, b"\x89PNG\r\n\x1a\n"),
+];
+
+/// Compares the first bytes of a file with what its ending promises.
+fn check_mark(path: &Path, format: HeightMapFormat, start: &[u8]) -> Result<(), ReadError> {
+    let found = MARKS.iter().find(|(_, mark)| start.starts_with(mark));
+    match found {
+        Some((other, _)) if *other == format => return Ok(()),
+        None if format == HeightMapFormat::Text => return Ok(()),
+        _ => {}
+    }
+    let own = MARKS.iter().find(|(other, _)| *other == format);
+    if let (None, Some((_, mark))) = (found, own)
+        && start.len() < mark.len()
+        && mark.starts_with(start)
+    {
+        return Err(ReadError::truncated(
+            path,
+            format_args!(
+                "its {} bytes are less than the mark of the format",
+                start.len()
+            ),
+        ));
+    }
+    Err(ReadError::WrongFormat {
+        path: path.to_owned(),
+        expected: format,
+        found: found.map_or_else(
+            || "none of the known formats".to_owned(),
+            |(other, _)| other.with_article(),
+        ),
+    })
+}
+
+fn read_up_to(reader: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match reader.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(e) if e.kind() == std::io::ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(filled)
+}
+
+/// Writes a height map; the ending of `path` chooses the format.
+///
+/// Written aside and renamed, so that nothing incomplete is ever found under `path`. Row 0 of the
+/// heights is the first row of the file. The bytes depend on `field` alone. What each format keeps:
+///
+/// | ending | heights | spacing, unit | border | provenance |
+/// |---|---|---|---|---|
+/// | .exr | single precision (relative error at most 6e-8) | yes | yes | yes |
+/// | .npy | exact | no | no | no |
+/// | .gsf | single precision (relative error at most 6e-8) | yes | yes, in a field of its own | no |
+/// | .x3p | double precision, in metres: exact if the unit is metre | yes, as metres | yes, in a comment | no |
+/// | .png | 65536 grey levels between the lowest and the highest | in text chunks | in a text chunk | no |
+///
+/// # Errors
+/// [`WriteError`] if the ending is unknown or of a format that is only read, the format cannot
+/// hold the surface (no unit for X3P, beyond single precision for EXR and GSF), or the operating
+/// system refuses.
+pub fn write_height_map(path: impl AsRef<Path>, field: &HeightField) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    let format = HeightMapFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
+        path: path.to_owned(),
+        allowed: list_endings(HeightMapFormat::can_write),
+    })?;
+    replace(path, |out| write_to(path, format, field, out))
+}
+
+/// Writes a height map in a known format; `path` serves messages only.
+pub(crate) fn write_to<W: Write>(
+    path: &Path,
+    format: HeightMapFormat,
+    field: &HeightField,
+    out: &mut W,
+) -> Result<(), WriteError> {
+    match format {
+        HeightMapFormat::Exr => exr::write(path, field, out),
+        HeightMapFormat::Npy => npy::write(path, field, out),
+        HeightMapFormat::Gsf => gsf::write(path, field, out),
+        HeightMapFormat::X3p => x3p::write(path, field, out),
+        HeightMapFormat::Png => png::write(path, field, out),
+        HeightMapFormat::Text => Err(WriteError::ReadOnly {
+            path: path.to_owned(),
+            format,
+        }),
+    }
+}

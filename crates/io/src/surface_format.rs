@@ -1,0 +1,31 @@
+//! The format of a surface of either kind, by the ending of its file name.
+
+use std::path::Path;
+
+use crate::error::ReadError;
+use crate::formats::{HeightMapFormat, MeshFormat};
+
+/// A file format of surfaces, which are height maps or meshes, chosen by the ending of the file's name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SurfaceFormat {
+    /// A height map, read by [`read_height_map`].
+    HeightMap(HeightMapFormat),
+    /// A triangle mesh, read by [`read_mesh`](crate::read_mesh).
+    Mesh(MeshFormat),
+}
+
+impl SurfaceFormat {
+    /// The format that the ending of `path` stands for, in capital or small letters.
+    ///
+    /// # Errors
+    /// [`ReadError::UnknownSurfaceEnding`] if it stands for none.
+    pub fn from_path(path: &Path) -> Result<Self, ReadError> {
+        let mesh = || MeshFormat::from_path(path).map(Self::Mesh);
+        HeightMapFormat::from_path(path)
+            .map(Self::HeightMap)
+            .or_else(mesh)
+            .ok_or_else(|| ReadError::UnknownSurfaceEnding {
+                path: path.to_owned(),
+            })
+    }
+}
