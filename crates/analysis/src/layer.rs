@@ -280,7 +280,7 @@ impl FlatLayer {
         let passes = inside.top.transmitted > 0.0 && face.transmitted > 0.0;
         passes.then(|| {
             let across = -wi.truncate() / (self.eta * index);
-            across.extend(-face.cos_beta).normalize()
+            across.extend(-face.cos_theta_t).normalize()
         })
     }
 
@@ -300,12 +300,12 @@ impl FlatLayer {
             (Bottom::Mirror, _) => Fresnel {
                 reflected: 1.0,
                 transmitted: 0.0,
-                cos_beta: 0.0,
+                cos_theta_t: 0.0,
             },
             _ => Fresnel {
                 reflected: 0.0,
                 transmitted: 1.0,
-                cos_beta: mu,
+                cos_theta_t: mu,
             },
         }
     }

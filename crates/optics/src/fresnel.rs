@@ -4,7 +4,7 @@
 //! an index near one, at normal incidence or at grazing:
 //!
 //! ```text
-//! m   relative index, c = cos(alpha), g = m cos(beta) = sqrt((m - 1)(m + 1) + c^2)
+//! m   relative index, c = cos(theta_i), g = m cos(theta_t) = sqrt((m - 1)(m + 1) + c^2)
 //! r_s = (c - g) / (c + g)         = -(m - 1)(m + 1) / (c + g)^2
 //! r_p = (m^2 c - g) / (m^2 c + g) =  (m - 1)(m + 1) ((m^2 + 1) c^2 - 1) / (m^2 c + g)^2
 //! ```
@@ -22,23 +22,23 @@ pub struct Fresnel {
     /// Fraction transmitted (dielectric) or absorbed (conductor), `[0, 1]`.
     pub transmitted: f64,
     /// Cosine of the angle of refraction; zero under total reflection and for conductors.
-    pub cos_beta: f64,
+    pub cos_theta_t: f64,
 }
 
-/// Dielectric interface of relative index `eta > 0`, met at `cos_alpha` in `[0, 1]`.
+/// Dielectric interface of relative index `eta > 0`, met at `cos_theta_i` in `[0, 1]`.
 ///
 /// Total reflection gives `reflected = 1`, `transmitted = 0` exactly. For `eta = 1` nothing is
-/// reflected and `cos_beta = cos_alpha`.
+/// reflected and `cos_theta_t = cos_theta_i`.
 #[must_use]
 #[inline]
-pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
-    let c = cos_alpha;
+pub fn dielectric(cos_theta_i: f64, eta: f64) -> Fresnel {
+    let c = cos_theta_i;
     let delta = (eta - 1.0) * (eta + 1.0);
     if delta == 0.0 {
         return Fresnel {
             reflected: 0.0,
             transmitted: 1.0,
-            cos_beta: c,
+            cos_theta_t: c,
         };
     }
     let g_squared = delta + c * c;
@@ -46,14 +46,14 @@ pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
         return Fresnel {
             reflected: 1.0,
             transmitted: 0.0,
-            cos_beta: 0.0,
+            cos_theta_t: 0.0,
         };
     }
     if c <= 0.0 {
         return Fresnel {
             reflected: 1.0,
             transmitted: 0.0,
-            cos_beta: g_squared.sqrt() / eta,
+            cos_theta_t: g_squared.sqrt() / eta,
         };
     }
     let g = g_squared.sqrt();
@@ -75,7 +75,7 @@ pub fn dielectric(cos_alpha: f64, eta: f64) -> Fresnel {
     Fresnel {
         reflected,
         transmitted,
-        cos_beta: (g / eta).min(1.0),
+        cos_theta_t: (g / eta).min(1.0),
     }
 }
 
@@ -90,10 +90,10 @@ pub struct FresnelAmplitudes {
 
 /// Amplitudes of reflection at an absorbing conductor of relative index `eta + i kappa`.
 ///
-/// `eta > 0`, `kappa >= 0`, `cos_alpha` in `[0, 1]`.
+/// `eta > 0`, `kappa >= 0`, `cos_theta_i` in `[0, 1]`.
 #[must_use]
-pub fn conductor_amplitudes(cos_alpha: f64, eta: f64, kappa: f64) -> FresnelAmplitudes {
-    let c = cos_alpha;
+pub fn conductor_amplitudes(cos_theta_i: f64, eta: f64, kappa: f64) -> FresnelAmplitudes {
+    let c = cos_theta_i;
     let m = Complex64::new(eta, kappa);
     let m2 = m * m;
     let delta = (m - 1.0) * (m + 1.0);
@@ -109,15 +109,15 @@ pub fn conductor_amplitudes(cos_alpha: f64, eta: f64, kappa: f64) -> FresnelAmpl
 
 /// Absorbing conductor of relative index `eta + i kappa`; what is not reflected is absorbed.
 ///
-/// `eta > 0`, `kappa >= 0`, `cos_alpha` in `[0, 1]`.
+/// `eta > 0`, `kappa >= 0`, `cos_theta_i` in `[0, 1]`.
 #[must_use]
-pub fn conductor(cos_alpha: f64, eta: f64, kappa: f64) -> Fresnel {
-    let FresnelAmplitudes { r_s, r_p } = conductor_amplitudes(cos_alpha, eta, kappa);
+pub fn conductor(cos_theta_i: f64, eta: f64, kappa: f64) -> Fresnel {
+    let FresnelAmplitudes { r_s, r_p } = conductor_amplitudes(cos_theta_i, eta, kappa);
     let reflected = (0.5 * (r_s.norm_sqr() + r_p.norm_sqr())).min(1.0);
     Fresnel {
         reflected,
         transmitted: 1.0 - reflected,
-        cos_beta: 0.0,
+        cos_theta_t: 0.0,
     }
 }
 
@@ -129,7 +129,7 @@ mod tests {
     fn normal_incidence_is_the_textbook_value() {
         let f = dielectric(1.0, 1.5);
         assert!((f.reflected - 0.04).abs() < 1e-17);
-        assert_eq!(f.cos_beta, 1.0);
+        assert_eq!(f.cos_theta_t, 1.0);
         let inverse = dielectric(1.0, 1.0 / 1.5);
         assert!((inverse.reflected - 0.04).abs() < 1e-16);
     }
@@ -170,7 +170,7 @@ mod tests {
     fn matched_indices_let_light_pass_unchanged() {
         for c in [0.0, 1e-9, 0.3, 1.0] {
             let f = dielectric(c, 1.0);
-            assert_eq!((f.reflected, f.transmitted, f.cos_beta), (0.0, 1.0, c));
+            assert_eq!((f.reflected, f.transmitted, f.cos_theta_t), (0.0, 1.0, c));
         }
     }
 
@@ -192,14 +192,14 @@ mod tests {
 
     #[test]
     fn both_sides_of_an_interface_reflect_alike() {
-        // Stokes: the reflectance is the same seen from alpha outside and from beta inside.
+        // Stokes: the reflectance is the same at theta_i outside and at theta_t inside.
         for eta in [1.33, 1.5, 2.4] {
             for i in 1..100 {
                 let c = f64::from(i) / 100.0;
                 let outside = dielectric(c, eta);
-                let inside = dielectric(outside.cos_beta, 1.0 / eta);
-                // Near the critical angle c = sqrt(1 - eta^2 (1 - cos_beta^2)) magnifies the
-                // rounding of cos_beta by eta^2 / c, and dR/dc is at most about 4 eta.
+                let inside = dielectric(outside.cos_theta_t, 1.0 / eta);
+                // Near the critical angle c = sqrt(1 - eta^2 (1 - cos_theta_t^2)) magnifies the
+                // rounding of cos_theta_t by eta^2 / c, and dR/dc is at most about 4 eta.
                 let tolerance = 8.0 * eta.powi(3) / c * f64::EPSILON;
                 assert!(
                     (outside.reflected - inside.reflected).abs() < tolerance,

@@ -15,16 +15,16 @@ pub fn reflect(wi: DVec3, m: DVec3) -> DVec3 {
 
 /// The refracted direction by Snell's law in vector form, renormalised.
 ///
-/// `cos_beta` is that of [`crate::dielectric`] for `wi . m` and `eta`. For `eta = 1` the result is
+/// `cos_theta_t` is that of [`crate::dielectric`] for `wi . m` and `eta`. For `eta = 1` the result is
 /// `-wi` exactly.
 #[must_use]
 #[inline]
-pub fn refract(wi: DVec3, m: DVec3, eta: f64, cos_beta: f64) -> DVec3 {
+pub fn refract(wi: DVec3, m: DVec3, eta: f64, cos_theta_t: f64) -> DVec3 {
     if eta == 1.0 {
         return -wi;
     }
     let inverse = 1.0 / eta;
-    ((wi.dot(m) * inverse - cos_beta) * m - inverse * wi).normalize()
+    ((wi.dot(m) * inverse - cos_theta_t) * m - inverse * wi).normalize()
 }
 
 #[cfg(test)]
@@ -42,10 +42,10 @@ mod tests {
                 if fresnel.transmitted == 0.0 {
                     continue;
                 }
-                let wt = refract(wi, m, eta, fresnel.cos_beta);
-                let sin_alpha = wi.cross(m).length();
-                let sin_beta = wt.cross(m).length();
-                assert!((sin_alpha - eta * sin_beta).abs() < 1e-14);
+                let wt = refract(wi, m, eta, fresnel.cos_theta_t);
+                let sin_theta_i = wi.cross(m).length();
+                let sin_theta_t = wt.cross(m).length();
+                assert!((sin_theta_i - eta * sin_theta_t).abs() < 1e-14);
                 assert!((wi.cross(m) + eta * wt.cross(m)).length() < 1e-14);
                 assert!(wt.dot(m) < 0.0);
             }

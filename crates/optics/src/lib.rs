@@ -3,7 +3,7 @@
 //! # Conventions
 //! The mean plane of the surface is `z = 0` and +z points into the incident medium. `wi` points
 //! towards the light, `wo` to where the light goes. Angles are radians. `eta` is the refractive
-//! index behind the interface relative to that before it: `sin(alpha) = eta sin(beta)`. An
+//! index behind the interface relative to that before it: `sin(theta_i) = eta sin(theta_t)` for the angles to the facet normal. An
 //! absorbing conductor has the relative index `n + i k`, `k >= 0`, for the time factor `exp(-i w t)`.
 
 mod direction;

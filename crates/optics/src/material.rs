@@ -64,14 +64,14 @@ impl Material {
 
     /// Fresnel terms for light that meets the interface from the incident medium.
     #[must_use]
-    pub fn fresnel(&self, cos_alpha: f64) -> Fresnel {
+    pub fn fresnel(&self, cos_theta_i: f64) -> Fresnel {
         match *self {
-            Self::Dielectric { eta } => dielectric(cos_alpha, eta),
-            Self::Conductor { eta, kappa } => conductor(cos_alpha, eta, kappa),
+            Self::Dielectric { eta } => dielectric(cos_theta_i, eta),
+            Self::Conductor { eta, kappa } => conductor(cos_theta_i, eta, kappa),
             Self::Mirror => Fresnel {
                 reflected: 1.0,
                 transmitted: 0.0,
-                cos_beta: 0.0,
+                cos_theta_t: 0.0,
             },
         }
     }

@@ -36,11 +36,11 @@ const ROWS: [([f64; 2], f64, f64); 18] = [
 ];
 
 fn reflectance([n, k]: [f64; 2], degrees: f64) -> f64 {
-    let cos_alpha = degrees.to_radians().cos();
+    let cos_theta_i = degrees.to_radians().cos();
     if k == 0.0 {
-        dielectric(cos_alpha, n).reflected
+        dielectric(cos_theta_i, n).reflected
     } else {
-        conductor(cos_alpha, n, k).reflected
+        conductor(cos_theta_i, n, k).reflected
     }
 }
 

@@ -46,7 +46,7 @@ pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -
         share,
     };
     let behind = if transmitted > 0.0 {
-        refract(wi, m, eta, fresnel.cos_beta)
+        refract(wi, m, eta, fresnel.cos_theta_t)
     } else {
         DVec3::ZERO
     };

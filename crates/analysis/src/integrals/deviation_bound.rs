@@ -72,18 +72,18 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
             let (a, b) = (deviate(i), deviate(j));
             let slope = DVec2::new(along_x * a, shared * a + along_y * b);
             let m = (-slope).extend(1.0).normalize();
-            let cos_alpha = wi.dot(m);
-            if cos_alpha <= 0.0 {
+            let cos_theta_i = wi.dot(m);
+            if cos_theta_i <= 0.0 {
                 continue;
             }
-            let weight = cos_alpha / (m.z * wi.z);
+            let weight = cos_theta_i / (m.z * wi.z);
             let probability = step * step * (-0.5 * (a * a + b * b)).exp() / TAU;
-            let fresnel = material.fresnel(cos_alpha.min(1.0));
+            let fresnel = material.fresnel(cos_theta_i.min(1.0));
             let mut flux = fresnel.reflected * hidden_share(slopes, slope, reflect(wi, m));
             if let Some(eta) = material.transmitting_index()
                 && fresnel.transmitted > 0.0
             {
-                let wo = refract(wi, m, eta, fresnel.cos_beta);
+                let wo = refract(wi, m, eta, fresnel.cos_theta_t);
                 // Upside down.
                 let up = DVec3::new(wo.x, wo.y, -wo.z);
                 flux += fresnel.transmitted * hidden_share(slopes, -slope, up);

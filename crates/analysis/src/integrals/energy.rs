@@ -132,8 +132,8 @@ pub(crate) fn over_facing_normals(
 
 /// Flux fraction per solid angle of facet normals.
 fn per_normal(model: &dyn BsdfModel, wi: DVec3, m: DVec3, refracted: Option<f64>) -> f64 {
-    let cos_alpha = wi.dot(m);
-    if cos_alpha <= 0.0 {
+    let cos_theta_i = wi.dot(m);
+    if cos_theta_i <= 0.0 {
         return 0.0;
     }
     let (wo, facet) = match refracted {
@@ -145,11 +145,11 @@ fn per_normal(model: &dyn BsdfModel, wi: DVec3, m: DVec3, refracted: Option<f64>
             (wo, reflecting_facet(wi, wo))
         }
         Some(eta) => {
-            let fresnel = model.material().fresnel(cos_alpha.min(1.0));
+            let fresnel = model.material().fresnel(cos_theta_i.min(1.0));
             if fresnel.transmitted <= 0.0 {
                 return 0.0;
             }
-            let wo = refract(wi, m, eta, fresnel.cos_beta);
+            let wo = refract(wi, m, eta, fresnel.cos_theta_t);
             if wo.z >= 0.0 {
                 return 0.0;
             }

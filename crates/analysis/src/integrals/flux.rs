@@ -288,7 +288,7 @@ impl<'a> FluxIntegral<'a> {
         let edge = match (side, index) {
             // Refraction ends where light meets the facet, or leaves it, at grazing.
             (Side::Transmitted, Some(eta)) => Some(-eta.min(1.0 / eta)),
-            // cos(2 alpha) at the critical angle sin(alpha) = eta.
+            // cos(2 theta_i) at the critical angle, sin(theta_i) = eta.
             (Side::Reflected, Some(eta)) if eta < 1.0 => Some(1.0 - 2.0 * eta * eta),
             _ => None,
         };
@@ -302,18 +302,18 @@ impl<'a> FluxIntegral<'a> {
             .iter()
             .filter_map(|t| {
                 let m = (*t * unit).extend(1.0).normalize();
-                let cos_alpha = wi.dot(m);
-                if cos_alpha <= 0.0 {
+                let cos_theta_i = wi.dot(m);
+                if cos_theta_i <= 0.0 {
                     return None;
                 }
                 let wo = match side {
                     Side::Reflected => reflect(wi, m),
                     Side::Transmitted => {
-                        let fresnel = material.fresnel(cos_alpha.min(1.0));
+                        let fresnel = material.fresnel(cos_theta_i.min(1.0));
                         if fresnel.transmitted <= 0.0 {
                             return None;
                         }
-                        refract(wi, m, eta, fresnel.cos_beta)
+                        refract(wi, m, eta, fresnel.cos_theta_t)
                     }
                 };
                 Some(polar_angle(wo))

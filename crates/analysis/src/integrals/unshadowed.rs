@@ -67,8 +67,8 @@ fn absorbed(slopes: &SlopeCovariance, material: Material, incidence: Incidence) 
     }
     let wi = incidence.wi();
     over_facing_normals(slopes, wi, &Edges::none(wi), |m| {
-        let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
-        let lost = material.fresnel(cos_alpha).transmitted;
-        cos_alpha * lost * slopes.normal_density(m) / wi.z
+        let cos_theta_i = wi.dot(m).clamp(0.0, 1.0);
+        let lost = material.fresnel(cos_theta_i).transmitted;
+        cos_theta_i * lost * slopes.normal_density(m) / wi.z
     })
 }

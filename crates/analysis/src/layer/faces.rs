@@ -51,7 +51,7 @@ impl FlatLayer {
     /// Light from `wi`, `z > 0`, as it is inside before it is scattered.
     pub(super) fn enter(&self, wi: DVec3) -> Inside {
         let top = dielectric(wi.z.min(1.0), self.eta);
-        let mu = top.cos_beta;
+        let mu = top.cos_theta_t;
         let mut inside = Inside {
             across: -wi.truncate() / self.eta,
             mu,
@@ -83,7 +83,7 @@ impl FlatLayer {
                 (eta, dielectric(c, 1.0 / eta))
             }
         };
-        let mu = near.cos_beta;
+        let mu = near.cos_theta_t;
         if near.transmitted == 0.0 || mu == 0.0 {
             return None;
         }

@@ -7,7 +7,7 @@ use crate::microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 use crate::microfacet::slopes::SlopeCovariance;
 
 /// The BSDF in 1/sr of Gaussian facets that all see the light and are all seen:
-/// `cos(alpha) F D(m) chi / (cos(theta_i) |cos(theta_o)|)`, with `F` reflected or transmitted by the
+/// `(wi . m) F D(m) chi / (wi.z |wo.z|)`, with `F` reflected or transmitted by the
 /// side of `wo`. A model multiplies it by the share of facets that are visible both ways.
 ///
 /// # Source
@@ -43,12 +43,12 @@ pub(crate) fn scattering_facet(
     if d == 0.0 {
         return None;
     }
-    let fresnel = material.fresnel(facet.cos_alpha.min(1.0));
+    let fresnel = material.fresnel(facet.cos_theta_i.min(1.0));
     let f = if reflected {
         fresnel.reflected
     } else {
         fresnel.transmitted
     };
-    let bsdf = facet.cos_alpha * f * d * facet.chi / (wi.z * wo.z.abs());
+    let bsdf = facet.cos_theta_i * f * d * facet.chi / (wi.z * wo.z.abs());
     (bsdf != 0.0).then_some((bsdf, facet))
 }

@@ -8,28 +8,28 @@ pub struct Facet {
     /// Unit normal, on the side of `wi`.
     pub m: DVec3,
     /// `wi . m`, above zero.
-    pub cos_alpha: f64,
+    pub cos_theta_i: f64,
     /// `|wo . m|`, above zero.
-    pub cos_beta: f64,
+    pub cos_theta_t: f64,
     /// `chi = dOmega_m / dOmega_o`: solid angle of normals per solid angle of `wo`.
     pub chi: f64,
 }
 
 /// The facet that mirrors `wi` into `wo`; `None` unless both see its front and it looks upward.
 ///
-/// `m = normalise(wi + wo)`, `chi = 1 / (4 cos alpha)`.
+/// `m = normalise(wi + wo)`, `chi = 1 / (4 cos theta_i)`.
 ///
 /// # Source
 /// Torrance and Sparrow 1967; Walter et al. 2007, Eqs. 13 and 14.
 #[must_use]
 pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
     let m = (wi + wo).try_normalize()?;
-    let cos_alpha = wi.dot(m);
-    (cos_alpha > 0.0 && m.z > 0.0).then(|| Facet {
+    let cos_theta_i = wi.dot(m);
+    (cos_theta_i > 0.0 && m.z > 0.0).then(|| Facet {
         m,
-        cos_alpha,
-        cos_beta: cos_alpha,
-        chi: 0.25 / cos_alpha,
+        cos_theta_i,
+        cos_theta_t: cos_theta_i,
+        chi: 0.25 / cos_theta_i,
     })
 }
 
@@ -37,8 +37,8 @@ pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
 /// it looks upward.
 ///
 /// The half vector `wi + eta wo` points down for `eta > 1` and up for `eta < 1`: the facet normal
-/// is on the side of `wi`. With `|wi + eta wo| = |eta cos beta - cos alpha|`,
-/// `chi = eta^2 cos beta / (eta cos beta - cos alpha)^2`.
+/// is on the side of `wi`. With `|wi + eta wo| = |eta cos theta_t - cos theta_i|`,
+/// `chi = eta^2 cos theta_t / (eta cos theta_t - cos theta_i)^2`.
 ///
 /// # Source
 /// Xu and Sun 2008, Eq. A.14, simplified; identical to Walter et al. 2007, Eqs. 16 and 17.
@@ -51,13 +51,13 @@ pub fn refracting_facet(wi: DVec3, wo: DVec3, eta: f64) -> Option<Facet> {
     };
     let length_squared = half.length_squared();
     let m = half.try_normalize()?;
-    let cos_alpha = wi.dot(m);
-    let cos_beta = -wo.dot(m);
-    (cos_alpha > 0.0 && cos_beta > 0.0 && m.z > 0.0).then(|| Facet {
+    let cos_theta_i = wi.dot(m);
+    let cos_theta_t = -wo.dot(m);
+    (cos_theta_i > 0.0 && cos_theta_t > 0.0 && m.z > 0.0).then(|| Facet {
         m,
-        cos_alpha,
-        cos_beta,
-        chi: eta * eta * cos_beta / length_squared,
+        cos_theta_i,
+        cos_theta_t,
+        chi: eta * eta * cos_theta_t / length_squared,
     })
 }
 
@@ -99,10 +99,10 @@ mod tests {
                 if fresnel.transmitted < 0.2 {
                     continue;
                 }
-                let turn = |m: DVec3| refract(wi, m, eta, dielectric(wi.dot(m), eta).cos_beta);
+                let turn = |m: DVec3| refract(wi, m, eta, dielectric(wi.dot(m), eta).cos_theta_t);
                 let facet = refracting_facet(wi, turn(m), eta).unwrap();
                 assert!((facet.m - m).length() < 1e-13, "{eta}");
-                assert!((facet.cos_beta - fresnel.cos_beta).abs() < 1e-13);
+                assert!((facet.cos_theta_t - fresnel.cos_theta_t).abs() < 1e-13);
                 let numeric = stretch(m, turn);
                 assert!((facet.chi * numeric - 1.0).abs() < 1e-6, "{eta} {theta}");
             }

@@ -99,7 +99,7 @@ impl Kinks {
         let mut n = [none; 4];
         match (self, refracted) {
             (Self::Grooves, Some(eta)) => {
-                // With R^2 = A^2 + (eta^2 - 1) N = (eta cos(beta) / m.z)^2 the share that is seen is
+                // With R^2 = A^2 + (eta^2 - 1) N = (eta cos(theta_t) / m.z)^2 the share that is seen is
                 // 2 (c N - A + R) / (N R). It equals g where R (g N - 2) = 2 (c N - A); N = 0 is a root of
                 // the square of that.
                 let delta = (eta - 1.0) * (eta + 1.0);
@@ -240,16 +240,16 @@ mod tests {
     }
 
     fn outgoing(wi: DVec3, m: DVec3, refracted: Option<f64>) -> Option<DVec3> {
-        let cos_alpha = wi.dot(m);
-        if cos_alpha <= 0.0 {
+        let cos_theta_i = wi.dot(m);
+        if cos_theta_i <= 0.0 {
             return None;
         }
         let Some(eta) = refracted else {
             return Some(reflect(wi, m)).filter(|wo| wo.z > 0.0);
         };
-        let fresnel = Material::Dielectric { eta }.fresnel(cos_alpha);
+        let fresnel = Material::Dielectric { eta }.fresnel(cos_theta_i);
         (fresnel.transmitted > 0.0)
-            .then(|| refract(wi, m, eta, fresnel.cos_beta))
+            .then(|| refract(wi, m, eta, fresnel.cos_theta_t))
             .filter(|wo| wo.z < 0.0)
     }
 }

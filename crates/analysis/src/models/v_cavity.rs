@@ -216,7 +216,7 @@ mod tests {
                 if fresnel.transmitted == 0.0 {
                     continue;
                 }
-                let wo = refract(wi, m, eta, fresnel.cos_beta);
+                let wo = refract(wi, m, eta, fresnel.cos_theta_t);
                 if wo.z >= 0.0 {
                     continue;
                 }

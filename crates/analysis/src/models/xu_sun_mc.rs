@@ -5,7 +5,7 @@
 //!
 //! Rays are shot from the direction of the light. The height of a hit is drawn from the density of heights
 //! and its normal `n` from the density of slopes, independently of all before. A shot ray has the
-//! weight `W = V(zeta, theta_i) cos(alpha) / cos(theta_n)` (Eq. 26), and its flux is `W / cos(theta_i)` (Eq.
+//! weight `W = V(zeta, theta_i) (wi . n) / n.z` (Eq. 26), and its flux is `W / wi.z` (Eq.
 //! 28). It splits into `F_r W` and `F_t W`, or into one ray under total reflection. A ray whose
 //! weight is below a threshold ends; any other is blocked or not by its direction, the visibility at
 //! its height, and a random number, and hits again if it is blocked.
@@ -22,7 +22,7 @@
 //! 3. *Normals that look away*: of a shot ray they count nothing, as Eq. 26 has no meaning for
 //!    them. A later hit cannot count nothing without the flux of its ray vanishing; its normal is drawn
 //!    among those that face the ray, and without the weight of Eq. 26, which the paper gives to
-//!    shot rays alone. Seen facets would be weighted by `cos(alpha)`, which is what rays that are scattered more
+//!    shot rays alone. Seen facets would be weighted by `v . n`, which is what rays that are scattered more
 //!    than once lack here.
 //! 4. *The height of a later hit* is drawn like that of the first, whatever the height that the ray comes
 //!    from and whether it goes up or down.
@@ -134,8 +134,8 @@ impl XuSunMonteCarlo {
             }
             (Side::Transmitted, material) => (-m, material),
         };
-        let cos_alpha = v.dot(m).clamp(0.0, 1.0);
-        let fresnel = material.fresnel(cos_alpha);
+        let cos_theta_i = v.dot(m).clamp(0.0, 1.0);
+        let fresnel = material.fresnel(cos_theta_i);
         let reflected = Light {
             direction: reflect(v, m),
             flux: light.flux * fresnel.reflected,
@@ -145,7 +145,7 @@ impl XuSunMonteCarlo {
         let rest = light.flux * fresnel.transmitted;
         let transmitted = match material.transmitting_index() {
             Some(eta) if rest > 0.0 => Some(Light {
-                direction: refract(v, m, eta, fresnel.cos_beta),
+                direction: refract(v, m, eta, fresnel.cos_theta_t),
                 side: match light.side {
                     Side::Reflected => Side::Transmitted,
                     Side::Transmitted => Side::Reflected,

@@ -290,7 +290,7 @@ fn interact(
     };
     match index {
         Some(eta) if transmitted > 0.0 => {
-            let direction = refract(wi, m, eta, fresnel.cos_beta);
+            let direction = refract(wi, m, eta, fresnel.cos_theta_t);
             push(
                 direction,
                 leg.half_space.other(),

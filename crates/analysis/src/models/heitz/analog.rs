@@ -59,23 +59,23 @@ impl Walk for Analog {
             c1 /= (1.0 - u).powf(1.0 / lambda);
             let flip = DVec3::new(1.0, 1.0, up);
             let m = flip * visible_normal(&self.slopes, -d * flip, rng);
-            let cos_alpha = m.dot(-d).clamp(0.0, 1.0);
+            let cos_theta_i = m.dot(-d).clamp(0.0, 1.0);
             match self.material {
                 Material::Dielectric { eta } => {
                     let eta = if up > 0.0 { eta } else { 1.0 / eta };
-                    let fresnel = dielectric(cos_alpha, eta);
+                    let fresnel = dielectric(cos_theta_i, eta);
                     if rng.random::<f64>() < fresnel.reflected {
                         path = path.then(Event::Reflection);
                         d = reflect(-d, m);
                     } else {
                         path = path.then(Event::Transmission);
-                        d = refract(-d, m, eta, fresnel.cos_beta);
+                        d = refract(-d, m, eta, fresnel.cos_theta_t);
                         up = -up;
                         c1 = 1.0 - c1;
                     }
                 }
                 opaque => {
-                    if rng.random::<f64>() >= opaque.fresnel(cos_alpha).reflected {
+                    if rng.random::<f64>() >= opaque.fresnel(cos_theta_i).reflected {
                         record.add_loss(Loss::Absorbed, 1.0);
                         return;
                     }

@@ -34,14 +34,14 @@ pub(super) fn ways_on(
     at: &Arrival,
     m: DVec3,
 ) -> ([Way; 2], f64) {
-    let cos_alpha = at.w.dot(m).clamp(0.0, 1.0);
+    let cos_theta_i = at.w.dot(m).clamp(0.0, 1.0);
     let index = material.transmitting_index().map(|eta| match at.side {
         Side::Reflected => eta,
         Side::Transmitted => 1.0 / eta,
     });
     let fresnel = match index {
-        Some(eta) => dielectric(cos_alpha, eta),
-        None => material.fresnel(cos_alpha),
+        Some(eta) => dielectric(cos_theta_i, eta),
+        None => material.fresnel(cos_theta_i),
     };
     let up = Way {
         event: Event::Reflection,
@@ -56,7 +56,7 @@ pub(super) fn ways_on(
     let reflected = up.carrying(fresnel.reflected, slopes);
     match index {
         Some(eta) if fresnel.transmitted > 0.0 => {
-            let d = refract(at.w, m, eta, fresnel.cos_beta);
+            let d = refract(at.w, m, eta, fresnel.cos_theta_t);
             let through = Way {
                 event: Event::Transmission,
                 side: behind(at.side),

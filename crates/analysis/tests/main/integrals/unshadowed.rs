@@ -91,14 +91,14 @@ impl BsdfModel for Unmasked {
                 .and_then(|eta| refracting_facet(wi, wo, eta))
         };
         facet.map_or(0.0, |facet| {
-            let fresnel = self.material.fresnel(facet.cos_alpha.min(1.0));
+            let fresnel = self.material.fresnel(facet.cos_theta_i.min(1.0));
             let part = if wo.z > 0.0 {
                 fresnel.reflected
             } else {
                 fresnel.transmitted
             };
             let d = self.slopes.normal_density(facet.m);
-            facet.cos_alpha * part * d * facet.chi / (wi.z * wo.z.abs())
+            facet.cos_theta_i * part * d * facet.chi / (wi.z * wo.z.abs())
         })
     }
 }
@@ -146,12 +146,12 @@ fn drawn(
         let (s, t) = (TAU * rng.random::<f64>()).sin_cos();
         let (u, v) = (radius * t, radius * s);
         let m = DVec3::new(-a * u, -b * u - c * v, 1.0).normalize();
-        let cos_alpha = wi.dot(m);
-        if cos_alpha <= 0.0 {
+        let cos_theta_i = wi.dot(m);
+        if cos_theta_i <= 0.0 {
             continue;
         }
-        let weight = cos_alpha / (m.z * wi.z);
-        let fresnel = material.fresnel(cos_alpha.min(1.0));
+        let weight = cos_theta_i / (m.z * wi.z);
+        let fresnel = material.fresnel(cos_theta_i.min(1.0));
         let mut book = |i: usize, flux: f64| {
             sums[i][0] += flux;
             sums[i][1] += flux * flux;
@@ -169,7 +169,7 @@ fn drawn(
         }
         match material.transmitting_index() {
             Some(eta) if fresnel.transmitted > 0.0 => {
-                let wo = refract(wi, m, eta, fresnel.cos_beta);
+                let wo = refract(wi, m, eta, fresnel.cos_theta_t);
                 if wo.z < 0.0 {
                     send(Side::Transmitted, wo, weight * fresnel.transmitted);
                 }

@@ -210,7 +210,7 @@ fn light_that_returns_from_a_mirror_is_the_sum_of_its_bounces() {
         let wi = degrees(theta, 0.0);
         let face = dielectric(wi.z, eta);
         let (r, t) = (face.reflected, face.transmitted);
-        let there_and_back = (-2.0 * tau / face.cos_beta).exp();
+        let there_and_back = (-2.0 * tau / face.cos_theta_t).exp();
         let bounces = (0..60).map(|k| t * t * there_and_back.powi(k + 1) * r.powi(k));
         let expected = r + bounces.sum::<f64>();
         let [beam] = model.unscattered(wi)[..] else {

@@ -48,12 +48,12 @@ fn traced(
         let m = (-slope).extend(1.0).normalize();
         // A point of the side evenly over its length: depth below the rims above.
         let d = rng.random::<f64>();
-        let cos_alpha = wi.dot(m);
-        if cos_alpha <= 0.0 || !leaves(wi, m, d) {
+        let cos_theta_i = wi.dot(m);
+        if cos_theta_i <= 0.0 || !leaves(wi, m, d) {
             continue;
         }
-        let weight = cos_alpha / (m.z * wi.z);
-        let fresnel = material.fresnel(cos_alpha.min(1.0));
+        let weight = cos_theta_i / (m.z * wi.z);
+        let fresnel = material.fresnel(cos_theta_i.min(1.0));
         let up = reflect(wi, m);
         let mut add = |side: Side, wo: DVec3, flux: f64| {
             let bin = grid.index_of(side, wo);
@@ -64,7 +64,7 @@ fn traced(
             add(Side::Reflected, up, weight * fresnel.reflected);
         }
         if fresnel.transmitted > 0.0 {
-            let down = refract(wi, m, eta, fresnel.cos_beta);
+            let down = refract(wi, m, eta, fresnel.cos_theta_t);
             // From below the rims are the bottoms, and the side looks the other way.
             if down.z < 0.0 && leaves(down, DVec3::new(-m.x, -m.y, m.z), 1.0 - d) {
                 add(Side::Transmitted, down, weight * fresnel.transmitted);

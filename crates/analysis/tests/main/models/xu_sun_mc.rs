@@ -242,7 +242,7 @@ fn at_facet(v: DVec3, above: bool, m: DVec3, eta: f64) -> [Leaving; 2] {
     let (m, eta) = if above { (m, eta) } else { (-m, 1.0 / eta) };
     let fresnel = dielectric(v.dot(m).min(1.0), eta);
     let down = if fresnel.transmitted > 0.0 {
-        refract(v, m, eta, fresnel.cos_beta)
+        refract(v, m, eta, fresnel.cos_theta_t)
     } else {
         -v
     };
