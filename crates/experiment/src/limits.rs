@@ -5,7 +5,9 @@ use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_surface::RefinementError;
 use asperity_tally::Layout;
-use asperity_tracer::{AcceleratorKind, BuildError, Geometry, TracedLayerError, border};
+use asperity_tracer::{
+    AcceleratorKind, BuildError, Geometry, MAX_TILES, TracedLayerError, can_traverse, tiles_crossed,
+};
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
@@ -70,7 +72,7 @@ pub enum RunError {
     /// Light so flat that it would cross too many tiles.
     #[error(
         "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
-        border::MAX_TILES
+        MAX_TILES
     )]
     TooGrazing {
         /// Polar angle, degrees.
@@ -173,8 +175,8 @@ pub(crate) fn check_grazing<G: Geometry>(
     surface: &G,
     incidence: Incidence,
 ) -> Result<(), RunError> {
-    let tiles = border::tiles_crossed(surface, incidence.theta());
-    if border::is_followed(surface, incidence.theta()) {
+    let tiles = tiles_crossed(surface, incidence.theta());
+    if can_traverse(surface, incidence.theta()) {
         return Ok(());
     }
     Err(RunError::TooGrazing {

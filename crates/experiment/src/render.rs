@@ -23,8 +23,8 @@ use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
     AcceleratorKind, BeamContribution, BuildError, CameraContribution, FlightSearch, Geometry,
-    LightBeams, MeshSurface, PathEnd, PathIntegrator, PathResult, PathSettings, Surface,
-    TracedLayerError, border,
+    LightBeams, MAX_TILES, MeshSurface, PathEnd, PathIntegrator, PathResult, PathSettings, Surface,
+    TracedLayerError, can_traverse, tiles_crossed,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -103,7 +103,7 @@ pub enum RenderError {
     /// Lines so flat that they would cross too many tiles.
     #[error(
         "{what} at theta {theta_deg} deg is too flat: straight lines cross up to {tiles:.0} tiles between the highest and the lowest point, {} is the most; take a larger tile or a smaller angle",
-        border::MAX_TILES
+        MAX_TILES
     )]
     TooGrazing {
         /// Camera or sun.
@@ -331,11 +331,11 @@ fn check_grazing<G: Geometry>(geometry: &G, settings: &RenderSettings) -> Result
     let camera = settings.view.parallel_theta();
     let sun = settings.lights.sun().map(Sun::theta);
     for (what, theta) in [("the camera", camera), ("the sun", sun)] {
-        if let Some(theta) = theta.filter(|theta| !border::is_followed(geometry, *theta)) {
+        if let Some(theta) = theta.filter(|theta| !can_traverse(geometry, *theta)) {
             return Err(RenderError::TooGrazing {
                 what,
                 theta_deg: theta.to_degrees(),
-                tiles: border::tiles_crossed(geometry, theta),
+                tiles: tiles_crossed(geometry, theta),
             });
         }
     }

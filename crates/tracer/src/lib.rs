@@ -3,7 +3,7 @@
 //! A [`Surface`] is a height field seen as the triangles that are traced: cell `(ix, iy)` split
 //! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`; a [`MeshSurface`] is any
 //! triangles, also with overhangs. An [`Accelerator`] finds
-//! where a ray meets one tile of it; [`border`] carries rays across periodic, mirrored and open
+//! where a ray meets one tile of it; [`periodic`] carries rays across periodic, mirrored and open
 //! borders without copying geometry; [`Tracer`] follows light from interaction to interaction and
 //! hands what leaves to a record.
 //!
@@ -14,49 +14,39 @@
 //! hit again, and since neighbouring facets share the heights of their common edge, no ray slips
 //! between them.
 
-mod accelerator;
 mod accelerators;
-mod beam;
-pub mod border;
-mod cell;
-mod facet_sum;
 mod geometry;
-mod horizon;
-mod mesh;
-mod mesh_surface;
-mod morton;
+mod interaction;
 mod path;
-mod path_settings;
+mod periodic;
 mod ray;
-mod relief;
+mod reference;
 mod sampling;
-mod scatter;
-mod sight;
-mod steepness;
-mod substrate;
-mod sunbeams;
-mod surface;
-mod walk;
+mod settings;
+mod visibility;
 
-pub use accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+pub use accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 pub use accelerators::brute_force::BruteForce;
 pub use accelerators::flat::Flat;
 pub use accelerators::mesh_bvh::MeshBvh;
 pub use accelerators::pyramid::{Instructions, Pyramid};
 pub use accelerators::tile_bvh::TileBvh;
-pub use facet_sum::{sum_over_facets, unshadowed_fluxes};
+pub use geometry::export::{MeshError, TriangleMesh};
+pub use geometry::height_field::{Facet, Surface};
+pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::{Escape, Geometry, Nearby};
-pub use horizon::{Horizon, HorizonError, Horizons};
-pub use mesh::{MeshError, TriangleMesh};
-pub use mesh_surface::{MeshSurface, MeshSurfaceError, Repairs};
+pub use interaction::layer::{BottomShape, TracedLayer, TracedLayerError};
+pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Work};
-pub use path_settings::{Branching, PathSettings, PathSettingsError};
+pub use periodic::{
+    Heading, MAX_TILES, TraversalEnd, TraversalResult, can_traverse, tiles_crossed, traverse,
+};
 pub use ray::{HalfSpace, Hit, TileRay};
-pub use sampling::Sampling;
-pub use sight::{Visibility, VisibilityRay, trace_visibility};
-pub use substrate::{BottomShape, TracedLayer, TracedLayerError};
-pub use sunbeams::LightBeams;
-pub use surface::{Facet, Surface};
-pub use walk::{
+pub use reference::{
     BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
 };
+pub use sampling::Sampling;
+pub use settings::{Branching, PathSettings, PathSettingsError};
+pub use visibility::horizon::{Horizon, HorizonError, Horizons};
+pub use visibility::light_beams::LightBeams;
+pub use visibility::rays::{Visibility, VisibilityRay, trace_visibility};

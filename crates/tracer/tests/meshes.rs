@@ -14,11 +14,11 @@ use std::f64::consts::TAU;
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
-use asperity_tracer::border::{Heading, TraversalEnd, TraversalResult, traverse};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, Geometry, HalfSpace, MeshBvh, MeshSurface,
     MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
 };
+use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use common::{Run, rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

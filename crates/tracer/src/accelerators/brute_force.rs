@@ -1,6 +1,6 @@
 //! Every facet for every ray: the specification of all accelerators.
 
-use crate::accelerator::{Accelerator, AcceleratorKind, Query};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, Query};
 use crate::geometry::Geometry;
 use crate::ray::Hit;
 

@@ -10,7 +10,7 @@ use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams};
 
 use super::obvhs_ray::Handover;
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
 use crate::geometry::Geometry;
 use crate::ray::Hit;
 

@@ -6,10 +6,10 @@ use rand::{Rng, RngExt};
 
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
-use crate::border::{Heading, Traversal, TraversalEnd, begin};
 use crate::geometry::Geometry;
+use crate::interaction::layer::Face;
+use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;
-use crate::substrate::Face;
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Looks along `towards_light` whether a facet is lit.

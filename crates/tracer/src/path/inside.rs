@@ -12,12 +12,12 @@ use rand::{Rng, RngExt};
 
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
-use crate::accelerator::Query;
-use crate::border::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
+use crate::accelerators::accelerator::Query;
 use crate::geometry::{Geometry, Nearby};
+use crate::interaction::facet::{Branch, Scattered, scatter};
+use crate::interaction::layer::{Face, TracedLayer};
+use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
 use crate::ray::{HalfSpace, Hit};
-use crate::scatter::{Branch, Scattered, scatter};
-use crate::substrate::{Face, TracedLayer};
 
 /// Inside, roulette begins at so many times the flux at which it begins elsewhere.
 ///

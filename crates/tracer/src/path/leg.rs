@@ -3,10 +3,10 @@
 use asperity_tally::{Event, EventPath};
 use glam::DVec2;
 
-use crate::accelerator::Query;
-use crate::border::{Heading, Traversal};
+use crate::accelerators::accelerator::Query;
+use crate::interaction::facet::Branch;
+use crate::periodic::{Heading, Traversal};
 use crate::ray::HalfSpace;
-use crate::scatter::Branch;
 
 /// What light carries along its path.
 #[derive(Clone, Copy)]

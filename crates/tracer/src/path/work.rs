@@ -1,7 +1,7 @@
 //! What a batch took.
 
-use crate::border::TraversalEnd;
 use crate::geometry::Escape;
+use crate::periodic::TraversalEnd;
 
 /// What was done, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

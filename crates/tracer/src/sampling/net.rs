@@ -19,7 +19,7 @@
 use rand::{Rng, RngExt};
 
 use super::jittered;
-use crate::morton::morton_code;
+use crate::sampling::morton::morton_code;
 
 /// The scrambled points of a batch, in the order in which they are handed out.
 pub(super) struct Net {

@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_surface::Roughness;
-use asperity_tracer::{Geometry, HalfSpace, Surface, border};
+use asperity_tracer::{Geometry, HalfSpace, Surface, tiles_crossed};
 
 use crate::Effort;
 
@@ -29,7 +29,7 @@ pub(super) fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case
     materials.push(Material::Mirror);
     let thetas = THETAS
         .into_iter()
-        .filter(|theta| border::tiles_crossed(surface, theta.to_radians()) < 1e4);
+        .filter(|theta| tiles_crossed(surface, theta.to_radians()) < 1e4);
     let every_case = effort.every_case && Roughness::of(surface.field()).steepest.slope < SPIKY;
     let mut cases = Vec::new();
     for (i, theta_deg) in thetas.enumerate() {
@@ -51,6 +51,6 @@ pub(super) fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case
 
 /// Whether brute force would take long for a ray that goes down to the lowest point.
 pub(super) fn is_long(surface: &Surface, case: Case) -> bool {
-    let tiles = border::tiles_crossed(surface, case.theta_deg.to_radians());
+    let tiles = tiles_crossed(surface, case.theta_deg.to_radians());
     (tiles + 1.0) * surface.facet_count() as f64 > 2e4
 }

@@ -3,7 +3,7 @@
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, Layout};
-use asperity_tracer::border::Heading;
+use asperity_tracer::Heading;
 use asperity_tracer::{
     AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Query, Surface,
     TileRay, Tracer,

@@ -1,8 +1,8 @@
 //! Tracers that break on purpose: they meet facets from either side, and keep from meeting again the
 //! facet that light has just left in ways that are often seen.
 
-use asperity_tracer::border::{TraversalResult, traverse};
 use asperity_tracer::{Accelerator, AcceleratorKind, Facet, Hit, Query, Surface};
+use asperity_tracer::{TraversalResult, traverse};
 use glam::DVec3;
 
 use crate::paths::{Leg, Scheme};

@@ -4,8 +4,8 @@
 
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tracer::border::{Heading, TraversalEnd, TraversalResult, traverse};
 use asperity_tracer::{Accelerator, Branching, Facet, Geometry, HalfSpace, Surface, TileRay};
+use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::accelerator::BuildError;
+use crate::accelerators::accelerator::BuildError;
 use crate::geometry::Geometry;
-use crate::surface::Surface;
+use crate::geometry::height_field::Surface;
 
 /// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
 pub(super) const MOST_LEVELS: usize = 15;

@@ -25,9 +25,9 @@ use std::cell::Cell;
 
 use self::bounds::Bounds;
 use self::rays::{Answer, Rays};
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::Hit;
-use crate::surface::{Facet, Surface};
 
 pub use self::wide::Instructions;
 

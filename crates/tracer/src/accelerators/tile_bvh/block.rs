@@ -7,8 +7,8 @@ use glam::Vec3A;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
+use crate::geometry::height_field::Surface;
 use crate::ray::HalfSpace;
-use crate::surface::Surface;
 
 /// Cells along a side of a block. Measured on 1024 x 1024 at 30 and 70 degrees, on surfaces of
 /// s = 1, 2 and 6: blocks of 32 cells are 8 % slower, since there is more to propose. Those of 128

@@ -25,9 +25,9 @@ use obvhs::ray::RayHit;
 
 use super::mesh_bvh::held_by;
 use super::obvhs_ray::Handover;
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::Hit;
-use crate::surface::{Facet, Surface};
 use block::{BLOCK, Block, BlockBox};
 use walk::Walk;
 

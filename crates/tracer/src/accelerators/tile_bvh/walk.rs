@@ -4,10 +4,10 @@
 
 use super::axis::{Axis, Steps};
 use super::block::{Block, Cells, SQUARE, cells_of, larger, smaller};
-use crate::accelerator::Query;
+use crate::accelerators::accelerator::Query;
 use crate::geometry::Geometry;
+use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::{HalfSpace, Hit, TileRay};
-use crate::surface::{Facet, Surface};
 
 /// By how much edges are moved where rounding must not matter, relative to the size of the tile: far
 /// more than rounding in f64 can move a ray.

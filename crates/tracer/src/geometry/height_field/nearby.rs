@@ -1,8 +1,8 @@
 //! What a short stretch of a ray meets on a surface, told without a search.
 
+use crate::geometry::height_field::height_bounds::{Cells, Relief};
 use crate::geometry::{Geometry, Nearby, is_beside};
 use crate::ray::{HalfSpace, Hit, TileRay};
-use crate::relief::{Cells, Relief};
 
 use super::{Facet, Surface};
 

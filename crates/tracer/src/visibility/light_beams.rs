@@ -11,10 +11,10 @@ use asperity_optics::Material;
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::border::is_followed;
 use crate::geometry::Geometry;
-use crate::morton::morton_code;
-use crate::scatter::scatter;
+use crate::interaction::facet::scatter;
+use crate::periodic::can_traverse;
+use crate::sampling::morton::morton_code;
 
 /// Facets of a leaf: few enough to look at, many enough for the tree to be small beside the surface.
 const LEAF: usize = 8;
@@ -102,7 +102,7 @@ impl<G: Geometry> LightBeams<G> {
         self.towards = towards;
         // The rest of a disc at the horizon lights nothing, behind so many tiles.
         let theta = towards.z.clamp(-1.0, 1.0).acos();
-        self.is_up = towards.z > 0.0 && is_followed(geometry, theta);
+        self.is_up = towards.z > 0.0 && can_traverse(geometry, theta);
         for leaf in 0..self.leaves {
             let mut node = Node::NONE;
             for &facet in self.of_leaf(leaf) {

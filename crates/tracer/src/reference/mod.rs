@@ -14,14 +14,14 @@ use asperity_surface::Border;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-use crate::accelerator::Accelerator;
-use crate::border::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
+use crate::accelerators::accelerator::Accelerator;
 use crate::geometry::{Geometry, Nearby};
-use crate::path_settings::PathSettings;
+use crate::interaction::facet::{Scattered, scatter};
+use crate::interaction::layer::{Face, TracedLayer};
+use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::ray::HalfSpace;
-use crate::scatter::{Scattered, scatter};
-use crate::substrate::{Face, TracedLayer};
-use crate::sunbeams::LightBeams;
+use crate::settings::PathSettings;
+use crate::visibility::light_beams::LightBeams;
 
 use bottom::{at_bottom, nothing};
 pub use seen::{BeamContribution, CameraContribution, PathEnd, PathResult};

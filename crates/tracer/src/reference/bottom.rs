@@ -6,7 +6,7 @@ use glam::DVec3;
 use rand::{Rng, RngExt};
 
 use super::state::Space;
-use crate::scatter::{Branch, Scattered, scatter};
+use crate::interaction::facet::{Branch, Scattered, scatter};
 
 /// What a bottom does with light that comes through a space from `wi`, to a place of normal `m` on the side
 /// of `wi`.

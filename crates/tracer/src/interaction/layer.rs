@@ -4,9 +4,9 @@ use asperity_optics::{Bottom, Layer, PhaseFunction};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::accelerator::Accelerator;
-use crate::border::Heading;
+use crate::accelerators::accelerator::Accelerator;
 use crate::geometry::Geometry;
+use crate::periodic::Heading;
 use crate::ray::HalfSpace;
 
 /// The shape of a layer's bottom.

@@ -1,11 +1,15 @@
 //! What rays meet: triangles in one tile of a plane that goes on as its border says.
 
+pub(crate) mod export;
+pub(crate) mod height_field;
+pub(crate) mod mesh;
+
 use std::fmt::Debug;
 
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
 /// Triangles that light meets.

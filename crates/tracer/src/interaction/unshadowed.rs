@@ -12,8 +12,8 @@ use asperity_tally::{OrderClass, Share};
 use glam::DVec3;
 
 use crate::geometry::Geometry;
+use crate::interaction::facet::scatter;
 use crate::ray::HalfSpace;
-use crate::scatter::scatter;
 
 /// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
 /// `incident` medium if nothing is in its way, before or after: flux fractions by `layout`.

@@ -1,5 +1,6 @@
 //! Light paths: from interaction to interaction until all flux has left.
 
+mod beam;
 mod hidden;
 mod illumination;
 mod inside;
@@ -13,15 +14,15 @@ use asperity_tally::{Azimuth, Control, EventPath, Exit, History, Layout, Loss, R
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-use crate::accelerator::{Accelerator, Query};
-use crate::beam::Beam;
-use crate::border::{Heading, Traversal, TraversalEnd, begin};
+use crate::accelerators::accelerator::{Accelerator, Query};
 use crate::geometry::Geometry;
-use crate::path_settings::{Branching, PathSettings};
+use crate::interaction::facet::{Branch, Scattered, scatter};
+use crate::interaction::layer::{Face, TracedLayer};
+use crate::path::beam::Beam;
+use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
 use crate::ray::{HalfSpace, Hit};
 use crate::sampling::Places;
-use crate::scatter::{Branch, Scattered, scatter};
-use crate::substrate::{Face, TracedLayer};
+use crate::settings::{Branching, PathSettings};
 
 pub use illumination::{Illumination, Starts};
 pub use work::Work;

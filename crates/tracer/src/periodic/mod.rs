@@ -7,7 +7,7 @@
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::accelerator::{Accelerator, Query};
+use crate::accelerators::accelerator::{Accelerator, Query};
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
@@ -35,7 +35,7 @@ pub fn tiles_crossed<G: Geometry>(surface: &G, theta: f64) -> f64 {
 
 /// Whether light from the polar angle `theta`, radians, crosses few enough tiles to be followed.
 #[must_use]
-pub fn is_followed<G: Geometry>(surface: &G, theta: f64) -> bool {
+pub fn can_traverse<G: Geometry>(surface: &G, theta: f64) -> bool {
     tiles_crossed(surface, theta) < 0.5 * f64::from(MAX_TILES)
 }
 

@@ -3,8 +3,8 @@
 use asperity_surface::Triangle;
 use glam::DVec3;
 
+use crate::geometry::height_field::Facet;
 use crate::ray::{HalfSpace, TileRay};
-use crate::surface::Facet;
 
 /// z at the corners of a cell, tile coordinates.
 pub(crate) struct Cell {

@@ -4,9 +4,9 @@ use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 
 use super::seen::{PathEnd, PathResult};
-use crate::border::Heading;
-use crate::scatter::Branch;
-use crate::substrate::Face;
+use crate::interaction::facet::Branch;
+use crate::interaction::layer::Face;
+use crate::periodic::Heading;
 
 /// The three spaces that the surface and the bottom divide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

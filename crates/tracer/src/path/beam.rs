@@ -4,8 +4,8 @@ use asperity_optics::Incidence;
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
 
-use crate::border::{Heading, mirror_image};
 use crate::geometry::Geometry;
+use crate::periodic::{Heading, mirror_image};
 use crate::ray::HalfSpace;
 
 /// Light that falls evenly on one period of a surface.

@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 
-use crate::accelerator::Accelerator;
-use crate::border::{Heading, Traversal, TraversalEnd, begin};
+use crate::accelerators::accelerator::Accelerator;
 use crate::geometry::Geometry;
+use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;
 
 /// A point of the surface, and where it looks.
@@ -23,7 +23,7 @@ pub enum Visibility {
     Visible,
     /// Another facet.
     Blocked,
-    /// It cannot be told: the way crosses more than [`crate::border::MAX_TILES`] tiles.
+    /// It cannot be told: the way crosses more than [`crate::periodic::MAX_TILES`] tiles.
     Lost,
 }
 

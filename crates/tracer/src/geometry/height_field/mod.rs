@@ -1,6 +1,9 @@
 //! The meshed surface: facets, their normals, and where a ray meets one of them.
 
+mod cell;
+mod height_bounds;
 mod nearby;
+mod slope_bounds;
 #[cfg(test)]
 mod tests;
 
@@ -9,17 +12,17 @@ use std::sync::OnceLock;
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
 use crate::accelerators::brute_force::BruteForce;
 use crate::accelerators::flat::Flat;
 use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::accelerators::pyramid::Pyramid;
 use crate::accelerators::tile_bvh::TileBvh;
-use crate::cell::{Cell, Size};
+use crate::geometry::height_field::cell::{Cell, Size};
+use crate::geometry::height_field::height_bounds::Relief;
+use crate::geometry::height_field::slope_bounds::Steepness;
 use crate::geometry::{Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, TileRay};
-use crate::relief::Relief;
-use crate::steepness::Steepness;
 
 /// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -26,7 +26,7 @@ use self::intake::{
     Frame, align, check_edges, check_ground, check_indices, faces_away, is_degenerate,
     lies_on_border,
 };
-use crate::accelerator::{Accelerator, AcceleratorKind, BuildError};
+use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError};
 use crate::accelerators::brute_force::BruteForce;
 use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::geometry::{Escape, Geometry};

@@ -7,8 +7,9 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use self::net::Net;
-use crate::morton::{MortonSquare, morton_place};
+use crate::sampling::morton::{MortonSquare, morton_place};
 
+pub(crate) mod morton;
 mod net;
 
 /// How the rays of a batch are spread over the mean plane and, where it is free, over azimuth.
@@ -180,7 +181,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
 
     use super::*;
-    use crate::morton::morton_code;
+    use crate::sampling::morton::morton_code;
 
     const ALL: [Sampling; 3] = [
         Sampling::Random,

@@ -2,7 +2,7 @@
 
 use asperity_surface::Triangle;
 
-use crate::surface::Surface;
+use crate::geometry::height_field::Surface;
 
 /// Why a mesh cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
