@@ -5,7 +5,7 @@ mod layer;
 use std::f64::consts::PI;
 
 use asperity_analysis::{
-    Effort, FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, Scope, SlopeCovariance,
+    FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel, Scope, SlopeCovariance,
     create_model, expect,
 };
 use asperity_experiment::{energy_table, expectation_json, write_expectation};
@@ -56,13 +56,13 @@ pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
     })?;
     let slopes = slopes(smoothness, command.smoothness_y, command.azimuth)?;
     let model = create_model(name, slopes, material).map_err(Failure::usage)?;
-    if model.walk().is_none() && (command.rays.is_some() || command.seed.is_some()) {
+    if model.random_walk().is_none() && (command.rays.is_some() || command.seed.is_some()) {
         return Err(Failure::usage(format!(
             "the model {name} has a closed form and follows no rays; leave out --rays and --seed"
         )));
     }
     match (model.density(), command.bins) {
-        (Some(density), None) if !command.json && model.walk().is_none() => {
+        (Some(density), None) if !command.json && model.random_walk().is_none() => {
             let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
             directions(
                 command,
@@ -126,7 +126,7 @@ fn bins(
     } else {
         Azimuth::From(incidence.phi() + PI)
     };
-    let effort = Effort {
+    let effort = SamplingEffort {
         rays: command.rays.unwrap_or(1_000_000),
         batches: BATCHES,
         seed: command.seed.unwrap_or(1),

@@ -53,13 +53,15 @@ pub use compare::multiple_tests::{
 pub use compare::sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use compare::verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use integrals::attenuation::{
-    facing_share, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
+    facing_fraction, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
     smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
-pub use integrals::control_variate::{control, unshadowed_control, visible_shares};
+pub use integrals::control_variate::{
+    control_variate, unshadowed_control_variate, visible_fractions,
+};
 pub use integrals::deviation_bound::deviation_bound;
 pub use integrals::energy::{HemisphericalEnergy, hemispherical_energy};
-pub use integrals::expectation::{Effort, Expectation, expect};
+pub use integrals::expectation::{Expectation, SamplingEffort, expect};
 pub use integrals::flux::{bin_fluxes, flux_into, in_plane_flux};
 pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
@@ -67,7 +69,7 @@ pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 pub use microfacet::slopes::{SlopeCovariance, SlopeError, smith_lambda};
 pub use models::heitz::Heitz;
 pub use models::kinks::Kinks;
-pub use models::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+pub use models::model::{BsdfModel, ModelError, RandomWalk, ScatteringModel, Scope};
 pub use models::neumann::{Attenuation, CookTorranceNeumann};
 pub use models::registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use models::smith::{Masking, Smith};

@@ -1,8 +1,8 @@
 //! The model of a case by its name: of the surface, or of what lies below it.
 
 use asperity_analysis::{
-    BsdfModel, Effort, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ScatteringModel, Scope,
-    create_model, expect,
+    BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel,
+    Scope, create_model, expect,
 };
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Azimuth, History, Layout, Share, Sides};
@@ -115,7 +115,7 @@ impl CaseModel {
         incidence: Incidence,
         layout: &Layout,
         azimuth: Azimuth,
-        effort: Effort,
+        effort: SamplingEffort,
     ) -> Expectation {
         match self {
             Self::Surface(model) => expect(model.as_ref(), incidence, layout, azimuth, effort),

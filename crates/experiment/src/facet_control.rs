@@ -4,7 +4,7 @@
 //! its place, so that what is left to sampling is shadow, masking and multiple scattering of this
 //! surface; noise of rays goes, and there is no other.
 
-use asperity_analysis::{ModelError, SlopeCovariance, visible_shares};
+use asperity_analysis::{ModelError, SlopeCovariance, visible_fractions};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{Control, Layout, Sides};
@@ -51,7 +51,7 @@ impl Method {
         // The side that is not asked for has its control too.
         let layout = settings.layout;
         let both = layout.with_sides(Sides::Both);
-        let shares = match visible_shares(&slopes, material, incidence, &layout) {
+        let shares = match visible_fractions(&slopes, material, incidence, &layout) {
             Ok(shares) => shares,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
                 return Ok(Self::PLAIN);

@@ -1,7 +1,7 @@
 //! What needs no tracing: cases in which shadow, masking and further interactions cannot change more
 //! than an error that is good enough.
 
-use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed_control};
+use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
 use asperity_tally::{BatchStatistics, Layout, Share};
 
@@ -40,11 +40,12 @@ impl Known {
             return Ok(None);
         }
         let layout = &settings.layout;
-        let control = match unshadowed_control(slopes, case.material, case.incidence, layout) {
-            Ok(control) => control,
-            Err(ModelError::MatchedIndices(_)) => return Ok(None),
-            Err(error) => return Err(error),
-        };
+        let control =
+            match unshadowed_control_variate(slopes, case.material, case.incidence, layout) {
+                Ok(control) => control,
+                Err(ModelError::MatchedIndices(_)) => return Ok(None),
+                Err(error) => return Err(error),
+            };
         let budget: f64 = control.expected()[Layout::REFLECTED..=Layout::LOST]
             .iter()
             .sum();

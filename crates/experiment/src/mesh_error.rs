@@ -1,7 +1,7 @@
 //! What the spacing of a mesh does to results: what is known of it beforehand, and what meshes of
 //! several spacings show.
 
-use asperity_analysis::{ModelError, SlopeCovariance, control, unshadowed_fluxes};
+use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
 use asperity_surface::{HeightField, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Control, Estimate, Layout, UnshadowedFluxes};
 use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Surface};
@@ -385,7 +385,7 @@ impl FirstOrder<'_> {
             incidence,
             ..
         } = *self.case;
-        let control = control(&slopes(&psd)?, material, incidence, self.layout)?;
+        let control = control_variate(&slopes(&psd)?, material, incidence, self.layout)?;
         let fluxes = self.fluxes(&self.slopes(synthesis)?)?;
         let of_mesh = Control::new(*self.layout, control.shares().clone(), &fluxes);
         let expected = of_mesh.expected().iter().zip(control.expected());

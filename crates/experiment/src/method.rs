@@ -1,6 +1,6 @@
 //! How a case is estimated: where its paths start, and what is subtracted from them.
 
-use asperity_analysis::{ModelError, SlopeCovariance, control};
+use asperity_analysis::{ModelError, SlopeCovariance, control_variate};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{BatchStatistics, Control, Layout};
 use asperity_tracer::{Illumination, Starts};
@@ -52,7 +52,7 @@ impl Method {
         if estimator == Estimator::Plain {
             return Ok(Self::PLAIN);
         }
-        match control(slopes, material, incidence, layout) {
+        match control_variate(slopes, material, incidence, layout) {
             Ok(control) => {
                 let mean = ControlMean::GaussianSlopes;
                 Ok(Self::with_control(

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use asperity_analysis::{
-    Comparison, Effort, Expectation, Expected, Grouping, Verdict, compare, verdicts,
+    Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, verdicts,
 };
 use asperity_tally::{Azimuth, BatchStatistics, Estimate, Layout, Share, Side};
 use rayon::prelude::*;
@@ -154,7 +154,7 @@ struct Beside<'a> {
 impl Beside<'_> {
     fn compare(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
         let surfaces = self.ensemble.records.len() as u64;
-        let effort = Effort {
+        let effort = SamplingEffort {
             rays: self.config.compare.model_rays.0,
             batches: match surfaces {
                 0 | 1 => BATCHES_WITHOUT_SURFACES,

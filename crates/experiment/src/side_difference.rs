@@ -101,7 +101,7 @@ fn intensities(layout: &Layout, profile: &[f64], forward_alone: bool) -> Vec<f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_analysis::{Effort, SlopeCovariance, create_model, expect};
+    use asperity_analysis::{SamplingEffort, SlopeCovariance, create_model, expect};
     use asperity_optics::{Incidence, Material};
     use asperity_tally::Share;
     use asperity_tally::{Azimuth, HemisphereGrid};
@@ -120,7 +120,7 @@ mod tests {
             Incidence::from_degrees(50.0, 0.0).unwrap(),
             &layout,
             Azimuth::From(std::f64::consts::PI),
-            Effort {
+            SamplingEffort {
                 rays: 400,
                 batches: 4,
                 seed: 7,

@@ -14,7 +14,7 @@ use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Share of the points whose facets face `w`: `1 - erfc(a) / 2`, `a = cot(theta) / (sqrt 2 deviation)`.
 #[must_use]
-pub fn facing_share(slopes: &SlopeCovariance, w: DVec3) -> f64 {
+pub fn facing_fraction(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     facing_at(argument(slopes, w))
 }
 
@@ -24,7 +24,7 @@ pub fn facing_share(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// Smith 1967, Eq. 24: the share `S(theta)` of the lit surface.
 #[must_use]
 pub fn smith_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    facing_share(slopes, w) * slopes.g1(w)
+    facing_fraction(slopes, w) * slopes.g1(w)
 }
 
 /// Share of the points that face both directions that are, by Smith, both lit and seen, if the one knew
@@ -90,7 +90,7 @@ pub fn v_cavity_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// The same as a share of the points that face `w`.
 #[must_use]
 pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    v_cavity_lit(slopes, w) / facing_share(slopes, w)
+    v_cavity_lit(slopes, w) / facing_fraction(slopes, w)
 }
 
 /// Share of the points that face both directions, both with `z > 0`, that are lit and seen in V-cavities:
@@ -355,7 +355,7 @@ mod tests {
             assert!((smith_lit(&slopes, w) - 0.99).abs() < 1e-12);
             let cotangent = smith_demarcation(&slopes, 0.01, true).unwrap();
             let w = from_spherical(cotangent.recip().atan(), 0.0);
-            let hidden = facing_share(&slopes, w) - smith_lit(&slopes, w);
+            let hidden = facing_fraction(&slopes, w) - smith_lit(&slopes, w);
             assert!((hidden - 0.01).abs() < 1e-12);
         }
         assert_eq!(smith_demarcation(&slopes(1.0), 1.5, false), None);

@@ -35,13 +35,13 @@ const ROUGH: [f64; 2] = [1e-14, 1e-3];
 ///
 /// # Errors
 /// [`ModelError`] as of [`unshadowed_fluxes`].
-pub fn control(
+pub fn control_variate(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
     layout: &Layout,
 ) -> Result<Control, ModelError> {
-    let shares = visible_shares(slopes, material, incidence, layout)?;
+    let shares = visible_fractions(slopes, material, incidence, layout)?;
     let fluxes = unshadowed_fluxes(slopes, material, incidence, layout)?;
     Ok(Control::new(*layout, shares, &fluxes))
 }
@@ -50,7 +50,7 @@ pub fn control(
 ///
 /// # Errors
 /// [`ModelError`] as of [`unshadowed_fluxes`].
-pub fn unshadowed_control(
+pub fn unshadowed_control_variate(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
@@ -76,7 +76,7 @@ pub fn unshadowed_control(
 ///
 /// # Source
 /// Heitz et al. 2016, as [`Masking::HeightCorrelated`].
-pub fn visible_shares(
+pub fn visible_fractions(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,

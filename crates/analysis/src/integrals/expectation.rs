@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use crate::integrals::energy::hemispherical_energy;
 use crate::integrals::flux::{bin_fluxes_of, in_plane_fluxes};
-use crate::models::model::{BsdfModel, ScatteringModel, Scope, Walk};
+use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
 use crate::numerics::hash::fnv1a;
 
 /// How much a model that follows rays is given to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Effort {
+pub struct SamplingEffort {
     /// Rays in all.
     pub rays: u64,
     /// Independent batches that they are divided into, two or more; one a surface where a model is
@@ -51,13 +51,13 @@ pub fn expect(
     incidence: Incidence,
     layout: &Layout,
     azimuth: Azimuth,
-    effort: Effort,
+    effort: SamplingEffort,
 ) -> Expectation {
     let single = model
         .density()
         .map(|density| single_scattering(density, incidence, layout));
     let exact_single = single.is_some();
-    let (records, rays) = match (model.walk(), single) {
+    let (records, rays) = match (model.random_walk(), single) {
         (None, single) => (vec![single.unwrap_or_else(|| vec![0.0; layout.len()])], 0),
         (Some(walk), single) => {
             let batches = effort.batches.max(2);
@@ -230,7 +230,7 @@ fn single_path(layout: &Layout, side: Side) -> usize {
 }
 
 fn batch_of(
-    walk: &dyn Walk,
+    walk: &dyn RandomWalk,
     incidence: Incidence,
     layout: &Layout,
     azimuth: Azimuth,
@@ -294,7 +294,7 @@ mod tests {
         let of = |visibility| {
             let model = XuSunMonteCarlo::new(slopes, glass, visibility).unwrap();
             let light = Incidence::from_degrees(50.0, 0.0).unwrap();
-            let effort = Effort {
+            let effort = SamplingEffort {
                 rays: 160,
                 batches: 8,
                 seed: 5,

@@ -35,7 +35,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::visible_normals::visible_normal;
-use crate::models::model::{BsdfModel, ModelError, ScatteringModel, Scope, Walk};
+use crate::models::model::{BsdfModel, ModelError, RandomWalk, ScatteringModel, Scope};
 use crate::models::smith::{Masking, Smith};
 use height::Height;
 use way::{Way, ways_on};
@@ -105,12 +105,12 @@ impl ScatteringModel for Heitz {
         Some(&self.single)
     }
 
-    fn walk(&self) -> Option<&dyn Walk> {
+    fn random_walk(&self) -> Option<&dyn RandomWalk> {
         Some(self)
     }
 }
 
-impl Walk for Heitz {
+impl RandomWalk for Heitz {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
         let first = Arrival {
             side: Side::Reflected,

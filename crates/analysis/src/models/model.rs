@@ -57,7 +57,7 @@ pub trait ScatteringModel: Send + Sync {
 
     /// How the model follows a ray, if it is evaluated so. Light that was scattered once is taken from
     /// the density where there is one, and the walk counts for what was scattered more often.
-    fn walk(&self) -> Option<&dyn Walk> {
+    fn random_walk(&self) -> Option<&dyn RandomWalk> {
         None
     }
 }
@@ -79,7 +79,7 @@ pub trait BsdfModel: ScatteringModel {
 }
 
 /// A model that follows light through its own statistics.
-pub trait Walk: Send + Sync {
+pub trait RandomWalk: Send + Sync {
     /// Follows one incident ray of flux one, which comes from `wi` (a unit vector, `z > 0`), and books
     /// in `record` where all its light goes.
     ///

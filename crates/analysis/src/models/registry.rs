@@ -109,7 +109,7 @@ mod tests {
             let model = create_model(name, slopes, Material::Mirror).unwrap();
             assert_eq!(model.name(), name);
             assert!(!model.description().is_empty() && !model.valid_range().is_empty());
-            assert!(model.density().is_some() || model.walk().is_some());
+            assert!(model.density().is_some() || model.random_walk().is_some());
         }
     }
 

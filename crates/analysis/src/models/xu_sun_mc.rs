@@ -50,7 +50,9 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::normals::{draw_facing_normal, draw_normal};
 use crate::microfacet::slopes::SlopeCovariance;
-use crate::models::model::{ModelError, ScatteringModel, Scope, Walk, smoothness_of, validate};
+use crate::models::model::{
+    ModelError, RandomWalk, ScatteringModel, Scope, smoothness_of, validate,
+};
 use crate::models::xu_sun::blocking;
 
 /// A ray of less than this share of the flux of an incident ray ends.
@@ -235,12 +237,12 @@ impl ScatteringModel for XuSunMonteCarlo {
         self.slopes
     }
 
-    fn walk(&self) -> Option<&dyn Walk> {
+    fn random_walk(&self) -> Option<&dyn RandomWalk> {
         Some(self)
     }
 }
 
-impl Walk for XuSunMonteCarlo {
+impl RandomWalk for XuSunMonteCarlo {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
         let height = rng.random::<f64>();
         let m = draw_normal(&self.slopes, rng);

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::visible_normals::visible_normal;
-use crate::models::model::Walk;
+use crate::models::model::RandomWalk;
 
 /// The random walk of Heitz et al. 2016 as they write it, in one frame, with `C1` itself and the sign
 /// rule of Lambda.
@@ -29,7 +29,7 @@ impl Analog {
     }
 }
 
-impl Walk for Analog {
+impl RandomWalk for Analog {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
         let mut path = EventPath::default();
         // +1 in the incident medium, -1 in the other.
@@ -107,7 +107,7 @@ mod tests {
         .unwrap()
     }
 
-    fn sampled(walk: &dyn Walk, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
+    fn sampled(walk: &dyn RandomWalk, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut statistics = BatchStatistics::new(layout().len());
         for _ in 0..BATCHES {
@@ -191,7 +191,7 @@ mod tests {
         let material = Material::Mirror;
         let wi = from_spherical(f64::to_radians(50.0), 0.7);
         let layout = layout();
-        let often = |walk: &dyn Walk, seed| -> [f64; 4] {
+        let often = |walk: &dyn RandomWalk, seed| -> [f64; 4] {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let fluxes: Vec<[f64; 2]> = (0..100)
                 .map(|_| {

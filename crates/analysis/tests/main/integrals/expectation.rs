@@ -2,13 +2,13 @@
 
 use std::f64::consts::PI;
 
-use asperity_analysis::{CLOSED_FORMS, Effort, bin_fluxes, expect, hemispherical_energy};
+use asperity_analysis::{CLOSED_FORMS, SamplingEffort, bin_fluxes, expect, hemispherical_energy};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Azimuth, HemisphereGrid, Layout, OrderClass, Share, Side, Sides};
 
 use crate::common::closed_form;
 
-const EFFORT: Effort = Effort {
+const EFFORT: SamplingEffort = SamplingEffort {
     rays: 1,
     batches: 2,
     seed: 1,

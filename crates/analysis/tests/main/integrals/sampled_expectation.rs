@@ -1,7 +1,7 @@
 //! What a walk is expected to find: the parts of a record fit together.
 
 use asperity_analysis::{
-    Effort, Expectation, ScatteringModel, SlopeCovariance, create_model, expect,
+    Expectation, SamplingEffort, ScatteringModel, SlopeCovariance, create_model, expect,
     hemispherical_energy, sidak_z_threshold,
 };
 use asperity_optics::{Incidence, Material};
@@ -15,7 +15,7 @@ fn layout() -> Layout {
     Layout::new(grid, 5_f64.to_radians()).unwrap()
 }
 
-const EFFORT: Effort = Effort {
+const EFFORT: SamplingEffort = SamplingEffort {
     rays: 20_000,
     batches: 50,
     seed: 3,
@@ -27,7 +27,7 @@ fn rough_glass() -> Box<dyn ScatteringModel> {
 }
 
 /// Light of 50 degrees that travels towards the azimuth of 5 degrees, the middle of the first sector.
-fn found(layout: Layout, effort: Effort) -> Expectation {
+fn found(layout: Layout, effort: SamplingEffort) -> Expectation {
     let incidence = Incidence::from_degrees(50.0, 185.0).unwrap();
     let forward = Azimuth::From(5_f64.to_radians());
     expect(rough_glass().as_ref(), incidence, &layout, forward, effort)
@@ -144,7 +144,7 @@ fn thread_count_changes_no_byte_and_the_seed_does() {
             .num_threads(threads)
             .build()
             .unwrap();
-        let effort = Effort { seed, ..EFFORT };
+        let effort = SamplingEffort { seed, ..EFFORT };
         pool.install(|| found(layout(), effort).records().to_vec())
     };
     let one = run(1, 3);

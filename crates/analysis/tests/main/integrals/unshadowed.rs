@@ -4,9 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
-    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, bin_fluxes, control,
+    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, bin_fluxes, control_variate,
     hemispherical_energy, reflecting_facet, refracting_facet, sidak_z_threshold, unshadowed_fluxes,
-    visible_shares,
+    visible_fractions,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
 use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, UnshadowedFluxes};
@@ -405,8 +405,8 @@ fn shares_are_the_ratio_of_smiths_fluxes_to_unshadowed_ones() {
         ] {
             let incidence = light(theta, 30.0);
             let slopes = isotropic(s);
-            let shares = visible_shares(&slopes, material, incidence, &layout).unwrap();
-            let again = visible_shares(&slopes, material, incidence, &layout).unwrap();
+            let shares = visible_fractions(&slopes, material, incidence, &layout).unwrap();
+            let again = visible_fractions(&slopes, material, incidence, &layout).unwrap();
             assert_eq!(shares, again);
             let g1 = slopes.g1(incidence.wi());
             assert_eq!(shares.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
@@ -443,8 +443,8 @@ fn isotropic_shares_do_not_depend_on_the_way_they_are_integrated() {
     for material in [glass(1.5), glass(1.0 / 1.5)] {
         let incidence = light(60.0, 0.0);
         let near = SlopeCovariance::new(0.5, 0.5 * (1.0 + 1e-9), 0.0).unwrap();
-        let a = visible_shares(&isotropic(2.0), material, incidence, &layout).unwrap();
-        let b = visible_shares(&near, material, incidence, &layout).unwrap();
+        let a = visible_fractions(&isotropic(2.0), material, incidence, &layout).unwrap();
+        let b = visible_fractions(&near, material, incidence, &layout).unwrap();
         for (a, b) in a.rings.iter().flatten().zip(b.rings.iter().flatten()) {
             assert!((a - b).abs() < 0.004 || (a - b).abs() > 0.02 && (*a == 1.0 || *b == 1.0));
         }
@@ -458,7 +458,7 @@ fn a_control_is_its_shares_of_the_fluxes() {
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let incidence = light(70.0, 100.0);
     let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &layout).unwrap();
-    let control = control(&slopes, gold, incidence, &layout).unwrap();
+    let control = control_variate(&slopes, gold, incidence, &layout).unwrap();
     let n_phi = layout.grid().n_phi();
     let bins = &control.expected()[layout.bins(Share::Single)];
     for (i, (expected, flux)) in bins.iter().zip(&fluxes.bins).enumerate() {
@@ -483,6 +483,6 @@ fn what_has_no_density_is_refused() {
     for eta in [1.0, 1.0 + 1e-6] {
         let refused = unshadowed_fluxes(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout);
         assert_eq!(refused, Err(ModelError::MatchedIndices(eta)));
-        assert!(control(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout).is_err());
+        assert!(control_variate(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout).is_err());
     }
 }

@@ -42,7 +42,7 @@ fn sampled(
     seed: u64,
     mut wi: impl FnMut(&mut ChaCha8Rng) -> DVec3,
 ) -> (BatchStatistics, Vec<Vec<f64>>) {
-    let walk = model.walk().unwrap();
+    let walk = model.random_walk().unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut statistics = BatchStatistics::new(layout.len());
     let mut batches = Vec::new();
@@ -75,7 +75,10 @@ fn all_light_is_accounted_for_ray_by_ray() {
             for k in 0..300 {
                 let mut record = Record::new(layout, Azimuth::From(0.0));
                 let wi = from_spherical(0.3 * f64::from(k % 5), f64::from(k));
-                model.walk().unwrap().follow(wi, &mut rng, &mut record);
+                model
+                    .random_walk()
+                    .unwrap()
+                    .follow(wi, &mut rng, &mut record);
                 let values = record.into_fractions(1);
                 let total: f64 = values[..5].iter().sum();
                 // Some tens of products and sums a path.
@@ -441,7 +444,10 @@ fn extreme_light_and_surfaces_are_followed() {
             ] {
                 for _ in 0..20 {
                     let mut record = Record::new(layout, Azimuth::From(0.0));
-                    model.walk().unwrap().follow(wi, &mut rng, &mut record);
+                    model
+                        .random_walk()
+                        .unwrap()
+                        .follow(wi, &mut rng, &mut record);
                     let values = record.into_fractions(1);
                     let total: f64 = values[..5].iter().sum();
                     assert!(

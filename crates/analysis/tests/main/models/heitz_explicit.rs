@@ -4,7 +4,7 @@
 //! matter of errors whether both agree, but of how far the model is off: its figures are printed, and
 //! held only to a wide band.
 
-use asperity_analysis::{Effort, SlopeCovariance, create_model, expect};
+use asperity_analysis::{SamplingEffort, SlopeCovariance, create_model, expect};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Azimuth, HemisphereGrid, Layout, Side};
 
@@ -41,7 +41,7 @@ fn multiple_scattering_is_of_the_size_found_on_surfaces() {
         let slopes = SlopeCovariance::isotropic(case.s).unwrap();
         let model = create_model("heitz", slopes, Material::dielectric(case.eta).unwrap()).unwrap();
         let incidence = Incidence::from_degrees(case.theta, 180.0).unwrap();
-        let effort = Effort {
+        let effort = SamplingEffort {
             rays: 50_000,
             batches: 50,
             seed: 1,

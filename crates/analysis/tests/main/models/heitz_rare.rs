@@ -26,7 +26,10 @@ fn sampled(model: &Heitz, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
     for _ in 0..BATCHES {
         let mut record = Record::new(layout(), Azimuth::From(0.0));
         for _ in 0..rays / BATCHES {
-            model.walk().unwrap().follow(wi, &mut rng, &mut record);
+            model
+                .random_walk()
+                .unwrap()
+                .follow(wi, &mut rng, &mut record);
         }
         statistics.push(&record.into_fractions(rays / BATCHES));
     }
@@ -71,7 +74,10 @@ fn the_least_rest_of_a_ray_is_followed() {
         let mut rays = 0;
         for _ in 0..10_000 {
             let mut record = Record::new(layout(), Azimuth::From(0.0));
-            model.walk().unwrap().follow(wi, &mut rng, &mut record);
+            model
+                .random_walk()
+                .unwrap()
+                .follow(wi, &mut rng, &mut record);
             let values = record.into_fractions(1);
             let rest = 1.0 - values[layout().order(Side::Reflected, 1)];
             if (1e-11..1e-6).contains(&rest) {

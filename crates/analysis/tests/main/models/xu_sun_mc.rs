@@ -3,8 +3,8 @@
 use std::f64::consts::{LN_2, TAU};
 
 use asperity_analysis::{
-    BsdfModel, Effort, Expectation, Masking, ModelError, ScatteringModel, Scope, SlopeCovariance,
-    Smith, bin_fluxes, chi_squared_survival, closed_form, create_model, expect,
+    BsdfModel, Expectation, Masking, ModelError, SamplingEffort, ScatteringModel, Scope,
+    SlopeCovariance, Smith, bin_fluxes, chi_squared_survival, closed_form, create_model, expect,
     hemispherical_energy, xu_sun_visibility,
 };
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
@@ -52,7 +52,7 @@ fn in_batches(
     seed: u64,
 ) -> Expectation {
     let (incidence, azimuth) = light(theta_deg);
-    let effort = Effort {
+    let effort = SamplingEffort {
         rays,
         batches,
         seed,
@@ -418,7 +418,7 @@ fn turning_the_surface_turns_the_light() {
         let model = create_model("xu-sun-mc-smith", slopes, glass()).unwrap();
         let incidence = Incidence::from_degrees(40.0, phi).unwrap();
         let azimuth = Azimuth::From(incidence.phi() + std::f64::consts::PI);
-        let effort = Effort {
+        let effort = SamplingEffort {
             rays: 60_000,
             batches: 200,
             seed,
