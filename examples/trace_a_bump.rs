@@ -8,10 +8,9 @@
 
 use std::f64::consts::TAU;
 
-use asperity_experiment::{
-    BottomSurface, Estimator, RaySettings, Scene, Silent, energy_table, trace,
-};
 use asperity_optics::{Incidence, Material};
+use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_studies::energy_table;
 use asperity_surface::HeightField;
 use asperity_tally::Layout;
 use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};

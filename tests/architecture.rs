@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// Crates of the workspace that each crate may use, outside of its tests.
-const ALLOWED: [(&str, &[&str]); 8] = [
+const ALLOWED: [(&str, &[&str]); 10] = [
     ("optics", &[]),
     ("tally", &["optics"]),
     ("surface", &[]),
@@ -16,10 +16,18 @@ const ALLOWED: [(&str, &[&str]); 8] = [
     ("io", &["surface"]),
     ("plot", &[]),
     (
-        "experiment",
+        "simulate",
+        &["optics", "surface", "tally", "tracer", "analysis", "io"],
+    ),
+    (
+        "studies",
         &[
-            "optics", "surface", "tally", "tracer", "analysis", "io", "plot",
+            "optics", "surface", "tally", "tracer", "analysis", "io", "plot", "simulate",
         ],
+    ),
+    (
+        "render",
+        &["optics", "surface", "tally", "tracer", "io", "simulate"],
     ),
 ];
 

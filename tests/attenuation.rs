@@ -561,7 +561,7 @@ fn the_examples_are_understood() {
     for (name, directions) in [("geometric_attenuation", 20), ("visibility", 4)] {
         let path = examples.join(name).with_extension("toml");
         let text = fs::read_to_string(path).unwrap();
-        let config = asperity_experiment::AttenuationConfig::from_toml(&text).unwrap();
+        let config = asperity_studies::AttenuationConfig::from_toml(&text).unwrap();
         config.check().unwrap();
         let thetas = serde_json::to_value(&config.light.theta).unwrap();
         assert_eq!(thetas.as_array().unwrap().len(), directions);

@@ -240,6 +240,6 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
 fn the_example_is_understood() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/converge.toml");
     let text = fs::read_to_string(path).unwrap();
-    let config = asperity_experiment::ConvergeConfig::from_toml(&text).unwrap();
+    let config = asperity_studies::ConvergeConfig::from_toml(&text).unwrap();
     config.check().unwrap();
 }

@@ -11,11 +11,9 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-use asperity_experiment::{
-    ControlMean, Count, Estimator, RaySettings, RunConfig, Scene, Silent, VerifyConfig,
-    VerifyOutcome, trace, verify,
-};
 use asperity_optics::{Incidence, Material};
+use asperity_simulate::{ControlMean, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
 use asperity_tracer::HalfSpace;

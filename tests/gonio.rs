@@ -513,7 +513,7 @@ fn summary_tells_all_and_examples_are_understood() {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         if name.starts_with("translucent_") || name == "small_gonio.toml" {
             let text = fs::read_to_string(&path).unwrap();
-            let config = asperity_experiment::GonioConfig::from_toml(&text).unwrap();
+            let config = asperity_studies::GonioConfig::from_toml(&text).unwrap();
             config.check(None).unwrap();
             seen += 1;
         }

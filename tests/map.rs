@@ -417,7 +417,7 @@ fn the_examples_are_maps() {
     for (name, cells) in [("validity_map", 8 * 2 * 5), ("small_map", 4 * 2)] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("examples/{name}.toml"));
         let text = fs::read_to_string(path).unwrap();
-        let config = asperity_experiment::MapConfig::from_toml(&text).unwrap();
+        let config = asperity_studies::MapConfig::from_toml(&text).unwrap();
         config.check().unwrap();
         assert_eq!(config.count().unwrap(), cells, "{name}");
     }

@@ -11,11 +11,10 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{
-    BottomSurface, Estimator, RaySettings, Scene, Silent, VerifyConfig, trace, verify,
-};
 use asperity_io::read_height_map;
 use asperity_optics::{Incidence, Material};
+use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_studies::{VerifyConfig, verify};
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
 use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};

@@ -426,7 +426,7 @@ fn every_example_configuration_is_understood() {
             if text.contains("[converge]") || text.contains("[map]") || of_others {
                 continue;
             }
-            let config = asperity_experiment::VerifyConfig::from_toml(&text).unwrap();
+            let config = asperity_studies::VerifyConfig::from_toml(&text).unwrap();
             config.run.ray_settings().unwrap();
             config.check_surfaces().unwrap();
             seen += 1;

@@ -9,9 +9,8 @@ mod render;
 
 use std::path::PathBuf;
 
-use asperity_experiment::{
-    Aim, Azimuth, Estimator, parse_count, parse_number, parse_order, parse_seconds,
-};
+use asperity_simulate::{Aim, Estimator};
+use asperity_studies::{Azimuth, parse_count, parse_number, parse_order, parse_seconds};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Branching, Sampling};

@@ -1,10 +1,10 @@
 //! `asperity attenuation`: shadowing and masking on explicit surfaces.
 
-use asperity_experiment::{
+use asperity_io::check_output_folder;
+use asperity_studies::{
     AttenuationConfig, AttenuationError, Count, Number, OneOrMany, PerAxis, attenuation,
     attenuation_report, attenuation_summary, attenuation_table,
 };
-use asperity_io::check_output_folder;
 
 use crate::args::{Attenuation, Common};
 use crate::failure::Failure;

@@ -1,10 +1,10 @@
 //! `asperity converge`: run time against error.
 
-use asperity_experiment::{
+use asperity_io::check_output_folder;
+use asperity_studies::{
     ConvergeConfig, ConvergeError, Count, Number, OneOrMany, VerifyError, converge,
     converge_report, converge_summary, converge_table,
 };
-use asperity_io::check_output_folder;
 
 use crate::args::{Common, Converge};
 use crate::failure::Failure;

@@ -1,6 +1,6 @@
 //! `asperity generate`: a random rough surface.
 
-use asperity_experiment::check_memory;
+use asperity_simulate::check_memory;
 use asperity_surface::{Psd, Roughness, Synthesis};
 
 use crate::args::{Common, Generate, PsdKind};

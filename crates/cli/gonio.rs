@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use asperity_experiment::{
-    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds, StoppedBy,
-    VerifyError, gonio, gonio_report, gonio_summary, gonio_table,
-};
 use asperity_io::{SurfaceFormat, check_output_folder};
+use asperity_simulate::StoppedBy;
+use asperity_studies::{
+    Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds, VerifyError,
+    gonio, gonio_report, gonio_summary, gonio_table,
+};
 use asperity_surface::HeightField;
 use serde_json::json;
 

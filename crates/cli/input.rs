@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use asperity_experiment::{
-    ConfigError, Count, Incident, LightConfig, MaterialConfig, MaterialKind, Number, OneOrMany,
-    PerAxis, RunConfig, SurfaceConfig,
-};
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, read_text,
     write_height_map,
 };
 use asperity_optics::{Incidence, Material};
+use asperity_studies::{
+    ConfigError, Count, Incident, LightConfig, MaterialConfig, MaterialKind, Number, OneOrMany,
+    PerAxis, RunConfig, SurfaceConfig,
+};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
 };

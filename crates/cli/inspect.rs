@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use asperity_experiment::height_map_figure;
 use asperity_io::write_bytes;
+use asperity_studies::height_map_figure;
 use asperity_surface::{HeightField, Roughness};
 
 use crate::args::{Common, Inspect};

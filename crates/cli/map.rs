@@ -1,9 +1,10 @@
 //! `asperity map`: where each model holds.
 
-use asperity_experiment::{
-    MapConfig, MapError, Number, StoppedBy, VerifyError, map, map_report, map_summary, map_table,
-};
 use asperity_io::check_output_folder;
+use asperity_simulate::StoppedBy;
+use asperity_studies::{
+    MapConfig, MapError, Number, VerifyError, map, map_report, map_summary, map_table,
+};
 
 use crate::args::{Common, Map};
 use crate::failure::Failure;

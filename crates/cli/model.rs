@@ -8,9 +8,9 @@ use asperity_analysis::{
     FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel, Scope, SlopeCovariance,
     create_model, expect,
 };
-use asperity_experiment::{energy_table, expectation_json, write_expectation};
 use asperity_io::{CsvField as Field, write_csv};
 use asperity_optics::{Incidence, Material, from_spherical};
+use asperity_studies::{energy_table, expectation_json, write_expectation};
 use asperity_surface::Psd;
 use asperity_tally::{Azimuth, Layout, Side};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use asperity_experiment::{Progress, StoppedBy};
+use asperity_simulate::{Progress, StoppedBy};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::Common;

@@ -3,12 +3,13 @@
 use std::path::Path;
 use std::time::Duration;
 
-use asperity_experiment::{
-    BottomSurface, Deadline, Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings,
-    Sun, View, exposure, render, render_mesh,
-};
 use asperity_io::{PictureFormat, SurfaceFormat, write_picture};
 use asperity_optics::Incidence;
+use asperity_render::{
+    Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
+    render, render_mesh,
+};
+use asperity_simulate::{BottomSurface, Deadline};
 use asperity_surface::HeightField;
 use asperity_tracer::{AcceleratorKind, Branching, MeshSurface, PathSettings};
 

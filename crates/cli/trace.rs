@@ -3,13 +3,16 @@
 use std::path::Path;
 use std::time::Duration;
 
-use asperity_experiment::{
-    Azimuth, BottomSurface, Deadline, Light, RaySettings, RunError, Scene, Stopping, Summary,
-    Surroundings, Target, check_light, check_sides, energy_table, errors_table, layer_name,
-    lost_warning, trace, trace_mesh, trace_report, work_line,
-};
 use asperity_io::{SurfaceFormat, check_output_folder};
 use asperity_optics::Material;
+use asperity_simulate::{
+    BottomSurface, Deadline, RaySettings, RunError, Scene, Stopping, Target, layer_name, trace,
+    trace_mesh,
+};
+use asperity_studies::{
+    Azimuth, Light, Summary, Surroundings, check_light, check_sides, energy_table, errors_table,
+    lost_warning, trace_report, work_line,
+};
 use asperity_surface::{Border, HeightField, RefinementError, Roughness};
 use asperity_tally::Layout;
 use asperity_tracer::{BuildError, Geometry, HalfSpace, MeshSurface, PathSettings};

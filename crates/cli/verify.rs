@@ -1,10 +1,10 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
-use asperity_experiment::{
+use asperity_io::check_output_folder;
+use asperity_studies::{
     CompareConfig, Count, LightConfig, MaterialConfig, Number, OutputConfig, RunConfig, Seconds,
     SurfaceConfig, VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
 };
-use asperity_io::check_output_folder;
 
 use crate::args::{Common, Verify};
 use crate::failure::Failure;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Way, parse_count, parse_number};
+use asperity_studies::{Way, parse_count, parse_number};
 use asperity_surface::Border;
 use clap::Args;
 

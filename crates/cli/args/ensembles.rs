@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{Aim, Estimator, parse_count, parse_number, parse_order, parse_seconds};
+use asperity_simulate::{Aim, Estimator};
+use asperity_studies::{parse_count, parse_number, parse_order, parse_seconds};
 use asperity_tally::{HemisphereGrid, Sides};
 use asperity_tracer::{AcceleratorKind, Sampling};
 use clap::Args;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{parse_count, parse_number, parse_seconds};
+use asperity_studies::{parse_count, parse_number, parse_seconds};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::HemisphereGrid;
 use clap::Args;

@@ -4,11 +4,11 @@ use std::convert::Infallible;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use asperity_experiment::{
-    BottomKind, BottomSurface, Count, MediumConfig, Number, OneOrMany, PhaseKind, parse_count,
-    parse_number,
-};
 use asperity_optics::{Layer, Material};
+use asperity_simulate::BottomSurface;
+use asperity_studies::{
+    BottomKind, Count, MediumConfig, Number, OneOrMany, PhaseKind, parse_count, parse_number,
+};
 use clap::{Args, ValueEnum};
 
 use crate::failure::Failure;

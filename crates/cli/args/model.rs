@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_experiment::{parse_count, parse_number};
+use asperity_studies::{parse_count, parse_number};
 use asperity_tally::HemisphereGrid;
 use clap::Args;
 

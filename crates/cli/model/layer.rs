@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use asperity_analysis::FlatLayer;
-use asperity_experiment::{
+use asperity_optics::{Incidence, Layer, Material, from_spherical};
+use asperity_studies::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
 };
-use asperity_optics::{Incidence, Layer, Material, from_spherical};
 use asperity_tally::{Azimuth, Layout};
 
 use super::directions;

@@ -15,6 +15,10 @@
 mod lights;
 mod view;
 
+use asperity_simulate::{
+    BottomSurface, Progress, RunError, StoppedBy, check_memory, hierarchy_bytes, meshes_bytes,
+    picture_stream, substrate,
+};
 use std::time::Instant;
 
 use asperity_io::Picture;
@@ -29,12 +33,6 @@ use asperity_tracer::{
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 use rayon::prelude::*;
-
-use crate::limits::{RunError, check_memory, hierarchy_bytes, meshes_bytes};
-use crate::medium::{BottomSurface, substrate};
-use crate::progress::Progress;
-use crate::stopping::StoppedBy;
-use crate::stream::picture_stream;
 
 pub use lights::{Lights, LightsError, Patch, Sun};
 use view::Camera;

@@ -1,5 +1,6 @@
 //! Pictures whose radiance is known, and pictures against light that is traced forwards.
 
+use asperity_simulate::Silent;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
@@ -10,7 +11,6 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::*;
-use crate::progress::Silent;
 
 const GLASS: Material = Material::Dielectric { eta: 1.5 };
 

@@ -7,10 +7,10 @@ use asperity_tracer::{
 use rayon::prelude::*;
 
 use crate::estimator::Estimator;
-use crate::medium::BottomSurface;
+use crate::layer::BottomSurface;
 use crate::progress::Progress;
-use crate::stopping::Target;
 use crate::stream::ray_stream;
+use crate::target::Target;
 
 /// Rays: how many, from which random streams, how followed, and what is recorded of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,25 +40,47 @@ pub struct RaySettings {
     pub most_scatterings: u32,
 }
 
+impl Default for RaySettings {
+    /// A million stratified rays with the default layout and paths.
+    fn default() -> Self {
+        Self {
+            rays: 1_000_000,
+            seed: 1,
+            layout: Layout::default(),
+            paths: PathSettings::default(),
+            accelerator: AcceleratorKind::Auto,
+            estimator: Estimator::Auto,
+            sampling: Sampling::Stratified,
+            refine: false,
+            target: None,
+            bottom: BottomSurface::Flat,
+            most_scatterings: 0,
+        }
+    }
+}
+
 /// One mesh of a surface with the light that falls on it.
-pub(crate) struct LitMesh<'a, G: Geometry> {
-    pub(crate) tracer: Tracer<'a, G>,
-    pub(crate) light: Illumination,
-    pub(crate) control: Option<&'a Control>,
+pub struct LitMesh<'a, G: Geometry> {
+    pub tracer: Tracer<'a, G>,
+    pub light: Illumination,
+    pub control: Option<&'a Control>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Blocks {
+pub struct Blocks {
     /// Number of the first.
-    pub(crate) first: u64,
-    pub(crate) count: u64,
-    pub(crate) strata: u32,
+    pub first: u64,
+    pub count: u64,
+    pub strata: u32,
 }
 
 /// Strata along a side of an ordinary block: so many that its rays fall near to one another, where the
 /// surface is in cache, few enough to keep every thread busy.
 const ORDINARY_STRATA: u64 = 512;
+
+/// Blocks that a single surface gets at least, since its errors come from them.
+pub(crate) const FEWEST_BLOCKS: u64 = 64;
 
 /// Memory for the records of blocks that are run side by side, and of those run before.
 pub(crate) const RECORD_BUDGET: usize = 1 << 28;
@@ -74,7 +96,7 @@ impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
     ///
     /// Quasi-random rays come in smaller blocks, of a size that `sampling` allows.
-    pub(crate) fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
+    pub fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
         let count = rays.div_ceil(ORDINARY_STRATA.pow(2)).max(fewest.min(rays));
         // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
         let strata = match sampling {
@@ -93,7 +115,7 @@ impl Blocks {
     }
 
     /// `count` more of the same.
-    pub(crate) const fn more(self, count: u64) -> Self {
+    pub const fn more(self, count: u64) -> Self {
         Self {
             first: self.first + self.count,
             count,
@@ -101,7 +123,7 @@ impl Blocks {
         }
     }
 
-    pub(crate) const fn rays(self) -> u64 {
+    pub const fn rays(self) -> u64 {
         self.count * (self.strata as u64).pow(2)
     }
 }
@@ -184,8 +206,7 @@ mod tests {
     use asperity_tracer::{HalfSpace, Starts, Surface};
 
     use super::*;
-    use crate::config::RunConfig;
-    use crate::stopping::StoppedBy;
+    use crate::progress::StoppedBy;
 
     /// Goes on for so many questions whether to stop.
     struct Patience {
@@ -213,7 +234,7 @@ mod tests {
         let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
         let surface = Surface::new(field);
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let settings = RunConfig::default().ray_settings().unwrap();
+        let settings = RaySettings::default();
         let mesh = LitMesh {
             tracer: Tracer::new(
                 &surface,

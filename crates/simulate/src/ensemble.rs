@@ -11,17 +11,18 @@ use asperity_tally::BatchStatistics;
 use asperity_tracer::{HalfSpace, Tracer, Work};
 use rayon::prelude::*;
 
-use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
+use crate::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
 use crate::case::Case;
+use crate::layer::{BottomSurface, substrate};
 use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
-use crate::medium::{BottomSurface, substrate};
 use crate::mesh_error::{MeshStatistics, Meshes};
 use crate::method::Method;
 use crate::progress::Progress;
-use crate::stopping::{StoppedBy, ratio};
-use crate::summary::Used;
-use crate::trace::FEWEST_BLOCKS;
-use crate::verify::VerifyError;
+use crate::progress::StoppedBy;
+use crate::target::ratio;
+use crate::work::Used;
+
+use crate::error::SimulateError;
 
 /// Memory that surfaces traced side by side may take.
 const MEMORY_BUDGET: u64 = 4 << 30;
@@ -69,29 +70,29 @@ struct OfCase {
 
 /// Seconds spent, summed over surfaces.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Seconds {
-    pub(crate) generate: f64,
-    pub(crate) build: f64,
-    pub(crate) trace: f64,
+pub struct Seconds {
+    pub generate: f64,
+    pub build: f64,
+    pub trace: f64,
 }
 
 /// The results of one case: a record a surface.
-pub(crate) struct Ensemble {
-    pub(crate) records: Vec<Vec<f64>>,
+pub struct Ensemble {
+    pub records: Vec<Vec<f64>>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
-    pub(crate) ray_squares: Vec<f64>,
+    pub ray_squares: Vec<f64>,
     /// Statistics over ray blocks, where there is only one surface, or of what is known without any.
-    pub(crate) blocks_of_one: Option<BatchStatistics>,
+    pub blocks_of_one: Option<BatchStatistics>,
     /// What differs between the meshes of each surface, where it has several.
-    pub(crate) shifts: Vec<BatchStatistics>,
-    pub(crate) work: Work,
-    pub(crate) seconds: Seconds,
-    pub(crate) used: Used,
+    pub shifts: Vec<BatchStatistics>,
+    pub work: Work,
+    pub seconds: Seconds,
+    pub used: Used,
 }
 
 impl Ensemble {
     /// What is known without a ray.
-    pub(crate) fn known(statistics: BatchStatistics) -> Self {
+    pub fn known(statistics: BatchStatistics) -> Self {
         Self {
             records: vec![statistics.means().to_vec()],
             ray_squares: vec![0.0; statistics.means().len()],
@@ -101,7 +102,7 @@ impl Ensemble {
     }
 
     /// With the surfaces of `more` behind those that are there.
-    pub(crate) fn append(&mut self, more: Self) {
+    pub fn append(&mut self, more: Self) {
         self.records.extend(more.records);
         for (sum, square) in self.ray_squares.iter_mut().zip(more.ray_squares) {
             *sum += square;
@@ -115,7 +116,7 @@ impl Ensemble {
     }
 
     /// Statistics of the records, a batch being a surface, or a block of rays where there is only one.
-    pub(crate) fn statistics(&self) -> BatchStatistics {
+    pub fn statistics(&self) -> BatchStatistics {
         if let Some(blocks) = &self.blocks_of_one {
             return blocks.clone();
         }
@@ -140,17 +141,17 @@ impl Ensemble {
 }
 
 /// Cases that share their surfaces, and how they are run.
-pub(crate) struct Group<'a> {
-    pub(crate) synthesis: &'a Synthesis,
-    pub(crate) cases: &'a [Case],
+pub struct Group<'a> {
+    pub synthesis: &'a Synthesis,
+    pub cases: &'a [Case],
     /// How each case is estimated.
-    pub(crate) methods: &'a [Method],
-    pub(crate) realisations: u64,
-    pub(crate) settings: &'a RaySettings,
-    pub(crate) incident: HalfSpace,
-    pub(crate) any_azimuth: bool,
+    pub methods: &'a [Method],
+    pub realisations: u64,
+    pub settings: &'a RaySettings,
+    pub incident: HalfSpace,
+    pub any_azimuth: bool,
     /// Whether every second sample alone is traced.
-    pub(crate) coarsened: bool,
+    pub coarsened: bool,
 }
 
 /// Memory that one surface takes at its peak.
@@ -171,7 +172,7 @@ pub(crate) fn surface_bytes(synthesis: &Synthesis, settings: &RaySettings) -> us
 
 impl Group<'_> {
     /// Rays that each case gets from one surface.
-    pub(crate) fn blocks(&self) -> Blocks {
+    pub fn blocks(&self) -> Blocks {
         let fewest = if self.realisations == 1 {
             FEWEST_BLOCKS
         } else {
@@ -191,11 +192,11 @@ impl Group<'_> {
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If
     /// the run is to stop, those that are complete are returned, or, if none is, what there is of the first,
     /// if it has begun.
-    pub(crate) fn run(
+    pub fn run(
         &self,
         surfaces: Range<u64>,
         progress: &dyn Progress,
-    ) -> Result<Vec<Ensemble>, VerifyError> {
+    ) -> Result<Vec<Ensemble>, SimulateError> {
         let bytes = surface_bytes(self.synthesis, self.settings);
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
@@ -249,7 +250,7 @@ impl Group<'_> {
         surfaces: &Range<u64>,
         watch: &Mutex<Watch>,
         progress: &dyn Progress,
-    ) -> Vec<(u64, Result<Realisation, VerifyError>)> {
+    ) -> Vec<(u64, Result<Realisation, SimulateError>)> {
         let mut drawn = Vec::new();
         let mut room = Vec::new();
         loop {
@@ -309,7 +310,7 @@ impl Group<'_> {
     }
 
     /// Draws the surface of that number in the memory given.
-    fn draw(&self, index: u64, memory: Vec<f64>) -> Result<HeightField, VerifyError> {
+    fn draw(&self, index: u64, memory: Vec<f64>) -> Result<HeightField, SimulateError> {
         let field = self
             .synthesis
             .draw_into(self.settings.seed, index, memory)?;
@@ -326,7 +327,7 @@ impl Group<'_> {
         index: u64,
         room: &mut Vec<f64>,
         progress: &dyn Progress,
-    ) -> Result<Realisation, VerifyError> {
+    ) -> Result<Realisation, SimulateError> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
         let field = self.draw(index, std::mem::take(room))?;
@@ -409,36 +410,42 @@ impl Group<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::VerifyConfig;
-    use crate::progress::Silent;
+    use asperity_optics::{Incidence, Material};
+    use asperity_surface::Psd;
     use asperity_tally::Layout;
+    use asperity_tracer::{Branching, PathSettings};
 
-    /// Four surfaces, nearly flat, with 1024 rays on each in four blocks; one random branch of each path.
-    const SURFACES: &str = "
-        [surface]
-        sigma = 1e-9
-        tau = 4
-        size = 32
-        [run]
-        realisations = 4
-        rays = 4000
-        branching = \"pick\"
-        [compare]
-        models = []
-    ";
+    use crate::progress::Silent;
 
-    /// Runs the four surfaces on one thread, one after the other.
+    /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
+    /// blocks, one random branch of each path.
     fn run(progress: &dyn Progress) -> (Blocks, Ensemble) {
-        let config = VerifyConfig::from_toml(SURFACES).unwrap();
-        let cases = config.cases().unwrap();
+        let psd = Psd::gaussian(1e-9, 4.0).unwrap();
+        let cases = [Case {
+            smoothness: 4e9,
+            psd,
+            material: Material::Dielectric { eta: 1.5 },
+            layer: None,
+            incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
+        }];
         let methods = vec![Method::PLAIN; cases.len()];
-        let synthesis = Synthesis::new(cases[0].psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let settings = RaySettings {
+            rays: 4000,
+            paths: PathSettings::new(
+                Branching::Pick,
+                PathSettings::DEFAULT_ROULETTE,
+                PathSettings::DEFAULT_MAX_ORDER,
+            )
+            .unwrap(),
+            ..RaySettings::default()
+        };
         let group = Group {
             synthesis: &synthesis,
             cases: &cases,
             methods: &methods,
             realisations: 4,
-            settings: &config.run.ray_settings().unwrap(),
+            settings: &settings,
             incident: HalfSpace::Above,
             any_azimuth: true,
             coarsened: false,

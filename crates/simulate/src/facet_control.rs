@@ -28,7 +28,7 @@ impl Method {
     /// # Errors
     /// [`RunError::OpenControl`] where a control is insisted on for an open patch: rays that come from
     /// beside it meet other facets than those that are summed over.
-    pub(crate) fn of_surface(
+    pub fn of_surface(
         surface: &Surface,
         material: Material,
         incidence: Incidence,
@@ -124,7 +124,6 @@ mod tests {
     use asperity_surface::{Psd, Synthesis};
 
     use super::*;
-    use crate::config::RunConfig;
 
     /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
     /// a cell `max(0, wi . m) / (cos theta_m cos theta_i) = max(0, 1 - slope . wi / cos theta_i)`, over the
@@ -135,7 +134,7 @@ mod tests {
         let black = Material::conductor(1.0, 0.0).unwrap();
         let incidence = Incidence::from_degrees(65.0, 25.0).unwrap();
         let wi = incidence.wi() / incidence.wi().z;
-        let layout = RunConfig::default().ray_settings().unwrap().layout;
+        let layout = Layout::default();
         let psd = Psd::gaussian(4.0, 4.0).unwrap();
         let synthesis = Synthesis::new(psd, [34, 36], [1.0, 1.0], false).unwrap();
         for border in [Border::Periodic, Border::Mirrored] {

@@ -12,12 +12,12 @@ use crate::method::{ControlMean, Method};
 
 /// The results of a case without a ray.
 pub(crate) struct Known {
-    pub(crate) method: Method,
-    pub(crate) statistics: BatchStatistics,
+    pub method: Method,
+    pub statistics: BatchStatistics,
     /// What no sum of fluxes differs by.
-    pub(crate) bound: f64,
+    pub bound: f64,
     /// The error of the quantity asked for, at most.
-    pub(crate) error: f64,
+    pub error: f64,
 }
 
 impl Known {

@@ -99,7 +99,7 @@ pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), RunError> {
 
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced with an accelerator, at the
 /// peak, which is that of building it.
-pub(crate) fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
+pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
     // Measured, in bytes a cell: the heights, and 1 for the bounds of slopes and for rounding up.
     let heights = 8 + 1;
     let beside = match accelerator {
@@ -114,7 +114,7 @@ pub(crate) fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -
 
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced, and, if it is refined, with
 /// it a finer and a coarser mesh of it, each with its accelerator.
-pub(crate) fn meshes_bytes(
+pub fn meshes_bytes(
     [ny, nx]: [usize; 2],
     accelerator: AcceleratorKind,
     is_flat: bool,
@@ -134,13 +134,13 @@ pub(crate) fn meshes_bytes(
 
 /// Bytes that the hierarchy over the triangles of a mesh takes beside the mesh: as over those of a cell,
 /// without their heights.
-pub(crate) const fn hierarchy_bytes(triangles: usize) -> usize {
+pub const fn hierarchy_bytes(triangles: usize) -> usize {
     triangles.saturating_mul(270)
 }
 
 /// Refuses more results than memory should hold: a record for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
-pub(crate) fn check_results(
+pub fn check_results(
     layout: &Layout,
     realisations: u64,
     cases: usize,
@@ -171,10 +171,7 @@ pub(crate) fn most_realisations(layout: &Layout, cases: usize) -> u64 {
 }
 
 /// Refuses light that would cross more tiles than a ray may.
-pub(crate) fn check_grazing<G: Geometry>(
-    surface: &G,
-    incidence: Incidence,
-) -> Result<(), RunError> {
+pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), RunError> {
     let tiles = tiles_crossed(surface, incidence.theta());
     if can_traverse(surface, incidence.theta()) {
         return Ok(());

@@ -9,7 +9,7 @@ use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Surface};
 use crate::case::Case;
 use crate::limits::RunError;
 use crate::method::Method;
-use crate::verify::slopes;
+use crate::slopes::slopes;
 
 /// Said of a mesh error that nobody asked for.
 pub(crate) const NOT_ASKED: &str = "not estimated: --refine traces a finer mesh";
@@ -32,7 +32,7 @@ const SECOND_ORDER: std::ops::RangeInclusive<f64> = 1.5..=2.5;
 pub(crate) struct Meshes<G = Surface> {
     /// The given mesh; or, if it is refined, the finer one, the given one, and, if its cells are
     /// even, the coarser one.
-    pub(crate) surfaces: Vec<G>,
+    pub surfaces: Vec<G>,
 }
 
 impl<G: Geometry> Meshes<G> {
@@ -81,9 +81,9 @@ impl Meshes {
 #[derive(Clone, Debug)]
 pub(crate) struct MeshStatistics {
     /// Of the records of the first mesh.
-    pub(crate) records: BatchStatistics,
+    pub records: BatchStatistics,
     /// Of [`shifts`], where there are several meshes.
-    pub(crate) shifts: Option<BatchStatistics>,
+    pub shifts: Option<BatchStatistics>,
 }
 
 impl MeshStatistics {
@@ -123,9 +123,9 @@ fn shifts(records: &[f64], len: usize) -> Vec<f64> {
 
 /// What meshes of several spacings showed.
 #[derive(Clone, Debug)]
-pub(crate) struct Refinement {
+pub struct Refinement {
     /// Spacing of the given mesh, length units along x and y.
-    pub(crate) given: [f64; 2],
+    pub given: [f64; 2],
     /// Entries of a record.
     len: usize,
     /// Of [`shifts`]; a batch is a surface, or a ray block where there is one surface.
@@ -133,16 +133,12 @@ pub(crate) struct Refinement {
 }
 
 impl Refinement {
-    pub(crate) const fn new(given: [f64; 2], len: usize, shifts: BatchStatistics) -> Self {
+    pub const fn new(given: [f64; 2], len: usize, shifts: BatchStatistics) -> Self {
         Self { given, len, shifts }
     }
 
     /// From what each of several surfaces showed, or from the ray blocks of one.
-    pub(crate) fn of_surfaces(
-        given: [f64; 2],
-        len: usize,
-        surfaces: &[BatchStatistics],
-    ) -> Option<Self> {
+    pub fn of_surfaces(given: [f64; 2], len: usize, surfaces: &[BatchStatistics]) -> Option<Self> {
         let (first, others) = surfaces.split_first()?;
         let statistics = if others.is_empty() {
             first.clone()
@@ -155,17 +151,17 @@ impl Refinement {
     }
 
     /// Whether there was a mesh of twice the given spacing.
-    pub(crate) fn has_coarser(&self) -> bool {
+    pub fn has_coarser(&self) -> bool {
         self.shifts.means().len() > 2 * self.len
     }
 
     /// The given mesh less the finer one.
-    pub(crate) fn shift(&self, entry: usize) -> Estimate {
+    pub fn shift(&self, entry: usize) -> Estimate {
         self.shifts.estimate(entry)
     }
 
     /// What is left of the mesh error in the finer mesh, for second order: a third of that.
-    pub(crate) fn remaining(&self, entry: usize) -> Estimate {
+    pub fn remaining(&self, entry: usize) -> Estimate {
         let Estimate { mean, se } = self.shift(entry);
         Estimate {
             mean: mean / 3.0,
@@ -174,7 +170,7 @@ impl Refinement {
     }
 
     /// The coarser mesh less the given one.
-    pub(crate) fn coarser_shift(&self, entry: usize) -> Option<Estimate> {
+    pub fn coarser_shift(&self, entry: usize) -> Option<Estimate> {
         self.has_coarser()
             .then(|| self.shifts.estimate(2 * self.len + entry))
     }
@@ -183,7 +179,7 @@ impl Refinement {
     ///
     /// # Errors
     /// Why none is seen.
-    pub(crate) fn order(&self, entry: usize) -> Result<f64, String> {
+    pub fn order(&self, entry: usize) -> Result<f64, String> {
         let Some(coarser) = self.coarser_shift(entry) else {
             return Err("the tile has an odd number of cells, so there is no coarser mesh".into());
         };
@@ -209,7 +205,7 @@ impl Refinement {
     ///
     /// # Errors
     /// Why it is not to be trusted.
-    pub(crate) fn extrapolated(&self, entry: usize) -> Result<Estimate, String> {
+    pub fn extrapolated(&self, entry: usize) -> Result<Estimate, String> {
         let order = self.order(entry)?;
         if SECOND_ORDER.contains(&order) {
             return Ok(self.shifts.estimate(self.len + entry));
@@ -224,14 +220,14 @@ impl Refinement {
 
 /// The error of a mesh, by the layout of the results.
 #[derive(Clone, Debug)]
-pub(crate) struct MeshErrors {
+pub struct MeshErrors {
     /// What the mesh adds, where that is known.
-    pub(crate) remaining: Vec<Option<f64>>,
+    pub remaining: Vec<Option<f64>>,
     /// What it would add but for the control.
-    pub(crate) removed: Option<Vec<f64>>,
+    pub removed: Option<Vec<f64>>,
     /// How both were estimated, or why not.
-    pub(crate) ways: [String; 2],
-    pub(crate) refinement: Option<Refinement>,
+    pub ways: [String; 2],
+    pub refinement: Option<Refinement>,
 }
 
 /// Said where nothing is subtracted whose mean is known.
@@ -239,7 +235,7 @@ const NOTHING_REMOVED: &str = "none: nothing that is known of the continuous sur
 
 impl MeshErrors {
     /// Not known of any of `len` entries, and why.
-    pub(crate) fn unknown(len: usize, why: &str) -> Self {
+    pub fn unknown(len: usize, why: &str) -> Self {
         Self {
             remaining: vec![None; len],
             removed: None,
@@ -249,7 +245,7 @@ impl MeshErrors {
     }
 
     /// Of one surface that was refined.
-    pub(crate) fn of_refined(refinement: Refinement) -> Self {
+    pub fn of_refined(refinement: Refinement) -> Self {
         let mut ways = ["", NOTHING_REMOVED].map(str::to_owned);
         Self {
             remaining: measured(&refinement, &mut ways[0]),
@@ -260,7 +256,7 @@ impl MeshErrors {
     }
 
     /// Of a flat surface, which any mesh shows as it is.
-    pub(crate) fn of_flat(len: usize) -> Self {
+    pub fn of_flat(len: usize) -> Self {
         Self {
             remaining: vec![Some(0.0); len],
             removed: None,
@@ -270,7 +266,7 @@ impl MeshErrors {
     }
 
     /// Of a case whose surfaces `synthesis` draws.
-    pub(crate) fn of_case(
+    pub fn of_case(
         synthesis: &Synthesis,
         (case, method): (&Case, &Method),
         layout: &Layout,
@@ -425,95 +421,8 @@ impl FirstOrder<'_> {
 }
 
 /// The ensemble at half the spacing: the same surfaces, if the grid resolves them.
-fn finer(synthesis: &Synthesis) -> Option<Synthesis> {
+pub fn finer(synthesis: &Synthesis) -> Option<Synthesis> {
     let psd: Psd = *synthesis.psd();
     let shape = synthesis.shape().map(|n| 2 * n);
     Synthesis::new(psd, shape, synthesis.spacing().map(|d| d / 2.0), true).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::config::VerifyConfig;
-    use crate::progress::Silent;
-    use crate::verify::{VerifyOutcome, verify};
-    use asperity_tally::{OrderClass, Side};
-
-    /// Vertical or slanting light on 64 refined surfaces of mirrors of `size` samples a side.
-    fn run([smoothness, tau, theta]: [f64; 3], size: u64, rays: u64, bins: &str) -> VerifyOutcome {
-        let text = format!(
-            "
-            [surface]
-            smoothness = {smoothness}
-            tau = {tau}
-            size = {size}
-            [material]
-            kind = 'mirror'
-            [light]
-            theta = {theta}
-            [run]
-            realisations = 64
-            rays = {rays}
-            bins = '{bins}'
-            refine = true
-            estimator = 'plain'
-            [compare]
-            models = []
-            "
-        );
-        verify(&VerifyConfig::from_toml(&text).unwrap(), &Silent).unwrap()
-    }
-
-    /// On four spacings a correlation length, facets lack 3 % of the slope variance, and the middle of the
-    /// lobe is brighter for it. Each of three rings passes |z| < 4 with probability 1 - 7e-5, if Smith's
-    /// visible shares, all above 0.97 and taken for one here, do not change with the mesh.
-    #[test]
-    fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
-        let outcome = run([3.0, 4.0, 0.0], 128, 2_000_000, "6x1");
-        let (case, layout) = (&outcome.cases[0], outcome.layout);
-        let foreseen = |synthesis: &Synthesis| {
-            let case = (&case.case, &Method::PLAIN);
-            MeshErrors::of_case(synthesis, case, &layout, true, None).remaining
-        };
-        let given = Synthesis::new(case.case.psd, [128, 128], [1.0, 1.0], false).unwrap();
-        let [coarse, fine] = [&given, &finer(&given).unwrap()].map(foreseen);
-        let refinement = case.errors.refinement().unwrap();
-        let mut strongest: f64 = 0.0;
-        for ring in layout.rings(Side::Reflected, OrderClass::First).take(3) {
-            let expected = coarse[ring].unwrap() - fine[ring].unwrap();
-            let found = refinement.shift(ring);
-            let se = found.se.unwrap();
-            let z = (found.mean - expected) / se;
-            println!(
-                "{:.5} +- {se:.5} against {expected:.5}, z = {z:.2}",
-                found.mean
-            );
-            assert!(z.abs() < 4.0, "{z}");
-            strongest = strongest.max(expected.abs() / se);
-        }
-        assert!(strongest > 6.0, "{strongest}");
-    }
-
-    #[test]
-    fn second_order_is_seen_on_a_smooth_surface() {
-        let outcome = run([1.0, 8.0, 30.0], 64, 1_000_000, "18x36");
-        let (case, layout) = (&outcome.cases[0], outcome.layout);
-        let refinement = case.errors.refinement().unwrap();
-        let multiple = layout.multiple(Side::Reflected);
-        let order = refinement.order(multiple).unwrap();
-        println!(
-            "{:?} {:?} {order}",
-            refinement.coarser_shift(multiple),
-            refinement.shift(multiple)
-        );
-        assert!((order - 2.0).abs() < 0.4, "{order}");
-        // What is reported, less the rest that is left of its mesh, is Richardson's value.
-        let extrapolated = refinement.extrapolated(multiple).unwrap();
-        let found = case.statistics.estimate(multiple);
-        let remaining = case.errors.errors(multiple).mesh.unwrap();
-        assert!((found.mean - remaining - extrapolated.mean).abs() < 1e-12);
-        assert!((extrapolated.se.unwrap() / found.se.unwrap() - 1.0).abs() < 0.2);
-        // All light is reflected by every mesh.
-        assert!(refinement.order(Layout::REFLECTED).is_err());
-    }
 }

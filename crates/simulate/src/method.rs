@@ -11,9 +11,9 @@ use crate::estimator::Estimator;
 
 /// Where paths start, and the control of what they give, if there is one.
 #[derive(Clone, Debug)]
-pub(crate) struct Method {
-    pub(crate) starts: Starts,
-    pub(crate) control: Option<(Control, ControlMean)>,
+pub struct Method {
+    pub starts: Starts,
+    pub control: Option<(Control, ControlMean)>,
 }
 
 /// Where the mean of a control comes from.
@@ -36,13 +36,13 @@ const HALVINGS: i32 = 6;
 
 impl Method {
     /// Rays from above, and nothing else.
-    pub(crate) const PLAIN: Self = Self {
+    pub const PLAIN: Self = Self {
         starts: Starts::FromAbove,
         control: None,
     };
 
     /// The method for light on surfaces whose facets have Gaussian `slopes`.
-    pub(crate) fn of_ensemble(
+    pub fn of_ensemble(
         estimator: Estimator,
         slopes: &SlopeCovariance,
         material: Material,
@@ -66,7 +66,7 @@ impl Method {
     }
 
     /// The method that makes best use of a control, or of none if the choice is free and none pays.
-    pub(crate) fn with_control(
+    pub fn with_control(
         estimator: Estimator,
         control: Control,
         mean: ControlMean,
@@ -99,7 +99,7 @@ impl Method {
     }
 
     /// The light of a run by this method.
-    pub(crate) const fn illumination(
+    pub const fn illumination(
         &self,
         incidence: Incidence,
         any_azimuth: bool,
@@ -114,17 +114,17 @@ impl Method {
     }
 
     /// The control, if there is one.
-    pub(crate) fn control(&self) -> Option<&Control> {
+    pub fn control(&self) -> Option<&Control> {
         self.control.as_ref().map(|(control, _)| control)
     }
 
     /// Where its mean comes from.
-    pub(crate) fn control_mean(&self) -> Option<ControlMean> {
+    pub fn control_mean(&self) -> Option<ControlMean> {
         self.control.as_ref().map(|(_, mean)| *mean)
     }
 
     /// The name of the estimator that this is.
-    pub(crate) const fn estimator(&self) -> Estimator {
+    pub const fn estimator(&self) -> Estimator {
         match self.control {
             Some(_) => Estimator::Controlled,
             None => Estimator::Plain,
@@ -133,7 +133,7 @@ impl Method {
 }
 
 /// Statistics of `rays` rays by a method, with errors that its control leaves room for.
-pub(crate) fn with_least_errors(
+pub fn with_least_errors(
     method: &Method,
     layout: &Layout,
     statistics: BatchStatistics,

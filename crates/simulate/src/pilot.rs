@@ -14,7 +14,8 @@ use asperity_surface::Synthesis;
 use asperity_tally::Layout;
 
 use crate::ensemble::Ensemble;
-use crate::stopping::{Aim, PilotFigures, Target, ratio};
+use crate::stopping::PilotFigures;
+use crate::target::{Aim, Target, ratio};
 
 /// Number of the first surface of a pilot run; those of results end far before.
 pub(crate) const FIRST: u64 = 1 << 40;
@@ -70,7 +71,7 @@ const MESH_ORDER: f64 = 1.0 / 3.0;
 /// What a pilot run found of one case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
-    pub(crate) figures: PilotFigures,
+    pub figures: PilotFigures,
     /// Rays in all below which no error reaches the target, since none is reported below one ray.
     fewest_rays: f64,
 }
@@ -78,10 +79,10 @@ pub(crate) struct Figures {
 /// How much of a case is traced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Effort {
-    pub(crate) realisations: u64,
-    pub(crate) rays_of_surface: u64,
+    pub realisations: u64,
+    pub rays_of_surface: u64,
     /// The error to be expected of it, of the most demanding case.
-    pub(crate) expected: f64,
+    pub expected: f64,
 }
 
 impl Figures {

@@ -2,7 +2,25 @@
 
 use std::time::{Duration, Instant};
 
-use crate::stopping::StoppedBy;
+use serde::Serialize;
+
+/// What ended a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StoppedBy {
+    /// The error asked for was reached.
+    Target,
+    /// Surfaces and rays are as many as the error asked for takes, but the mesh adds too much to it.
+    Mesh,
+    /// All that was planned is done.
+    Plan,
+    /// Its time was over.
+    Time,
+    /// An interrupt.
+    Interrupt,
+    /// A bound on all that tracing could find lies below the target: nothing was traced.
+    Bound,
+}
 
 /// Told of a run's progress, and asked whether it should go on; called from any thread.
 pub trait Progress: Sync {

@@ -8,32 +8,43 @@ use rayon::prelude::*;
 
 use crate::blocks::RaySettings;
 use crate::case::Case;
-use crate::config::VerifyConfig;
 use crate::ensemble::{Ensemble, Group, surface_bytes};
+use crate::error::SimulateError;
 use crate::estimator::Estimator;
 use crate::known::Known;
 use crate::limits::{check_memory, most_realisations};
 use crate::method::{Method, with_least_errors};
 use crate::pilot::{self, Figures};
 use crate::progress::Progress;
-use crate::stopping::{StoppedBy, Stopping};
-use crate::tables::error_in_short;
-use crate::verify::{VerifyError, slopes};
-
-#[cfg(test)]
-mod tests;
+use crate::progress::StoppedBy;
+use crate::slopes::slopes;
+use crate::stopping::Stopping;
+use crate::text::error_in_short;
 
 /// Times that surfaces are added to those planned, at most.
 const MOST_ROUNDS: u32 = 4;
 
 /// What the mesh may add to an error at its target: a third of it, squared.
-const MESH_ALLOWANCE: f64 = 1.055;
+pub const MESH_ALLOWANCE: f64 = 1.055;
 
 /// Surfaces added are so many times more than the error found asks for.
 const ROUND_MARGIN: f64 = 1.1;
 
+/// How many surfaces are drawn, and how light falls on them.
+#[derive(Clone, Copy, Debug)]
+pub struct RunPlan {
+    /// Surfaces.
+    pub realisations: u64,
+    /// The side that the light comes from.
+    pub incident: HalfSpace,
+    /// Whether each ray comes from an azimuth of its own.
+    pub any_azimuth: bool,
+    /// Whether the run may end by time.
+    pub limited: bool,
+}
+
 /// The cases of one recipe, and the effort that they take.
-pub(crate) struct Sharing {
+pub struct Sharing {
     synthesis: Synthesis,
     cases: Vec<Case>,
     /// What needs no tracing, by case.
@@ -41,11 +52,11 @@ pub(crate) struct Sharing {
     /// The others, and how they are estimated.
     traced: Vec<Case>,
     methods: Vec<Method>,
-    settings: RaySettings,
+    pub settings: RaySettings,
     incident: HalfSpace,
     any_azimuth: bool,
     /// Surfaces planned.
-    pub(crate) realisations: u64,
+    pub realisations: u64,
     /// Of the pilot run, by traced case.
     figures: Vec<Figures>,
     /// What the mesh adds to each error, as far as the pilot run could tell, by traced case.
@@ -56,29 +67,29 @@ pub(crate) struct Sharing {
 }
 
 /// What was found for one case.
-pub(crate) struct Traced {
-    pub(crate) case: Case,
-    pub(crate) method: Method,
-    pub(crate) ensemble: Ensemble,
-    pub(crate) seconds: f64,
-    pub(crate) stopping: Option<Stopping>,
-    pub(crate) deviation_bound: Option<f64>,
-    pub(crate) size: [usize; 2],
-    pub(crate) spacing: [f64; 2],
+pub struct Traced {
+    pub case: Case,
+    pub method: Method,
+    pub ensemble: Ensemble,
+    pub seconds: f64,
+    pub stopping: Option<Stopping>,
+    pub deviation_bound: Option<f64>,
+    pub size: [usize; 2],
+    pub spacing: [f64; 2],
 }
 
 impl Sharing {
-    /// With the effort that `config` asks for, which a plan may replace.
-    pub(crate) fn new(
-        config: &VerifyConfig,
+    /// With the effort of `plan`, which a plan may replace.
+    pub fn new(
+        plan: &RunPlan,
         settings: RaySettings,
         synthesis: Synthesis,
         cases: Vec<Case>,
-    ) -> Result<Self, VerifyError> {
+    ) -> Result<Self, SimulateError> {
         let known = cases
             .par_iter()
             .map(|case| Ok(Known::of(&settings, &slopes(&case.psd)?, case)?))
-            .collect::<Result<Vec<_>, VerifyError>>()?;
+            .collect::<Result<Vec<_>, SimulateError>>()?;
         let traced: Vec<Case> = cases
             .iter()
             .zip(&known)
@@ -86,7 +97,7 @@ impl Sharing {
             .map(|(case, _)| *case)
             .collect();
         // What one surface does is asked for as it is, without the mean of others.
-        let of_one = config.run.realisations.0 == 1 && settings.target.is_none();
+        let of_one = plan.realisations == 1 && settings.target.is_none();
         let estimator = match settings.estimator {
             Estimator::Auto if of_one => Estimator::Plain,
             chosen => chosen,
@@ -107,7 +118,7 @@ impl Sharing {
                     &settings.layout,
                 )?)
             })
-            .collect::<Result<Vec<_>, VerifyError>>()?;
+            .collect::<Result<Vec<_>, SimulateError>>()?;
         Ok(Self {
             synthesis,
             cases,
@@ -115,13 +126,13 @@ impl Sharing {
             traced,
             methods,
             settings,
-            incident: HalfSpace::from(config.light.from),
-            any_azimuth: config.any_azimuth(),
-            realisations: config.run.realisations.0,
+            incident: plan.incident,
+            any_azimuth: plan.any_azimuth,
+            realisations: plan.realisations,
             figures: Vec::new(),
             mesh_errors: Vec::new(),
             warnings: Vec::new(),
-            limited: settings.target.is_some() || config.run.max_time.is_some(),
+            limited: settings.target.is_some() || plan.limited,
         })
     }
 
@@ -139,14 +150,14 @@ impl Sharing {
     }
 
     /// Rays of all cases, as planned.
-    pub(crate) fn rays(&self) -> u64 {
+    pub fn rays(&self) -> u64 {
         let group = self.group(&self.settings, self.realisations);
         let of_case = group.blocks().rays().saturating_mul(self.realisations);
         of_case.saturating_mul(self.traced.len() as u64)
     }
 
     /// Rays of its pilot run.
-    pub(crate) fn pilot_rays(&self) -> u64 {
+    pub fn pilot_rays(&self) -> u64 {
         let runs = if self.halves() { 2 } else { 1 };
         runs * pilot::RAYS * self.traced.len() as u64
     }
@@ -157,11 +168,7 @@ impl Sharing {
     }
 
     /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
-    pub(crate) fn plan(
-        &mut self,
-        all_cases: usize,
-        progress: &dyn Progress,
-    ) -> Result<(), VerifyError> {
+    pub fn plan(&mut self, all_cases: usize, progress: &dyn Progress) -> Result<(), SimulateError> {
         let Some(target) = self.settings.target else {
             return Ok(());
         };
@@ -285,11 +292,11 @@ impl Sharing {
 
     /// Traces all cases: as planned, and more until the error is reached. Also returns the cases that an
     /// interrupt came before.
-    pub(crate) fn run(
+    pub fn run(
         self,
         all_cases: usize,
         progress: &dyn Progress,
-    ) -> Result<(Vec<Traced>, Vec<Case>), VerifyError> {
+    ) -> Result<(Vec<Traced>, Vec<Case>), SimulateError> {
         let clock = Instant::now();
         let group = self.group(&self.settings, self.realisations);
         let rays = group.blocks().rays();

@@ -8,22 +8,22 @@ use rand_chacha::ChaCha8Rng;
 ///
 /// The ChaCha key holds a name, the seed and the realisation; the block is the stream number. The
 /// name keeps these streams apart from those that draw surfaces.
-pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng {
+pub fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng {
     stream(b"asperity rays v1", [seed, realisation], block)
 }
 
 /// The stream that seeds repeat `repeat` of the run `name` of a convergence measurement under `seed`.
-pub(crate) fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8Rng {
+pub fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8Rng {
     stream(b"asperity conv v1", [seed, fnv1a(name.as_bytes())], repeat)
 }
 
 /// The stream of chunk `chunk` of the points on realisation `realisation` under `seed`.
-pub(crate) fn point_stream(seed: u64, realisation: u64, chunk: u64) -> ChaCha8Rng {
+pub fn point_stream(seed: u64, realisation: u64, chunk: u64) -> ChaCha8Rng {
     stream(b"asperity pts  v1", [seed, realisation], chunk)
 }
 
 /// The stream of row `row` in pass `pass` of a picture under `seed`.
-pub(crate) fn picture_stream(seed: u64, pass: u64, row: u64) -> ChaCha8Rng {
+pub fn picture_stream(seed: u64, pass: u64, row: u64) -> ChaCha8Rng {
     stream(b"asperity pict v1", [seed, pass], row)
 }
 

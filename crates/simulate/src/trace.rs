@@ -7,22 +7,20 @@ use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
 
-use crate::blocks::{Blocks, LitMesh, RaySettings, run_blocks};
+use crate::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
 use crate::budget::ErrorBudget;
 use crate::estimator::Estimator;
+use crate::layer::substrate;
 use crate::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
 };
-use crate::medium::substrate;
 use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
 use crate::method::{Method, with_least_errors};
 use crate::pilot;
 use crate::progress::Progress;
-use crate::stopping::{StoppedBy, Stopping};
-use crate::summary::{SummaryWork, Used};
-
-/// Blocks that a single surface gets at least, since its errors come from them.
-pub(crate) const FEWEST_BLOCKS: u64 = 64;
+use crate::progress::StoppedBy;
+use crate::stopping::Stopping;
+use crate::work::{SummaryWork, Used};
 
 /// What light did on one surface.
 #[derive(Clone, Debug)]

@@ -1,10 +1,10 @@
 //! Every case of a verification as a verification of its own, so that a piece of a long run is the same
 //! whatever it stands beside.
 
-use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::medium::MediumConfig;
 use crate::values::{Number, OneOrMany};
+use asperity_simulate::Case;
 
 impl VerifyConfig {
     /// The cases, each with the configuration that has it alone.

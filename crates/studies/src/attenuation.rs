@@ -53,6 +53,7 @@ mod skyline;
 mod survey;
 mod tables;
 
+use asperity_simulate::{Progress, RunError};
 use std::time::Instant;
 
 use asperity_analysis::{
@@ -64,8 +65,6 @@ use asperity_tally::Estimate;
 use serde::Serialize;
 
 use crate::config::ConfigError;
-use crate::limits::RunError;
-use crate::progress::Progress;
 
 pub use config::{
     AttenuationConfig, AttenuationLight, AttenuationOutput, AttenuationRun, AttenuationSurface,

@@ -5,12 +5,12 @@ use asperity_analysis::{
     Scope, create_model, expect,
 };
 use asperity_optics::{Incidence, Material};
+use asperity_simulate::Case;
 use asperity_tally::{Azimuth, History, Layout, Share, Sides};
 
-use crate::case::Case;
 use crate::config::ConfigError;
 use crate::part::Part;
-use crate::verify::slopes;
+use asperity_simulate::slopes;
 
 /// A model beside a case.
 pub enum CaseModel {

@@ -1,5 +1,6 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
+use asperity_simulate::{Case, Estimator};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
@@ -8,10 +9,8 @@ use asperity_surface::Psd;
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace};
 
-use crate::case::Case;
 use crate::case_model::CaseModel;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
-use crate::estimator::Estimator;
 use crate::values::{Count, Number, OneOrMany};
 
 impl VerifyConfig {

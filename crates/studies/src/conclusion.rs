@@ -1,11 +1,11 @@
 //! The verdicts on a case in words.
 
+use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, Verdict};
 use asperity_tally::{History, Layout, Share};
 
-use crate::case::short;
 use crate::part::Part;
 use crate::tables::distance;
 use crate::verify::CaseOutcome;

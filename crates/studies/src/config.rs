@@ -2,6 +2,7 @@
 
 use asperity_analysis::{DEFAULT_LEVEL, Heitz, LayerPaths, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
+use asperity_simulate::{Aim, Estimator, RaySettings, Target};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
 use asperity_tracer::{
@@ -10,11 +11,9 @@ use asperity_tracer::{
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-use crate::blocks::RaySettings;
-use crate::estimator::Estimator;
-use crate::medium::{BottomKind, BottomSurface, MediumConfig};
-use crate::stopping::{Aim, Target};
+use crate::medium::{BottomKind, MediumConfig};
 use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
+use asperity_simulate::{BottomSurface, TargetError};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -44,6 +43,9 @@ pub enum ConfigError {
     /// The path settings are out of range.
     #[error(transparent)]
     Paths(#[from] PathSettingsError),
+    /// The target error is out of range, or no result has it.
+    #[error(transparent)]
+    Target(#[from] TargetError),
     /// A model is unknown or cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),

@@ -40,15 +40,14 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
+use asperity_simulate::{Case, Progress};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
 use asperity_tally::Layout;
 use serde::Serialize;
 
-use crate::case::Case;
 use crate::config::ConfigError;
-use crate::progress::Progress;
 use crate::verify::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};

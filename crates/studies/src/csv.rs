@@ -1,5 +1,6 @@
 //! Results as tables of numbers.
 
+use asperity_simulate::ErrorBudget;
 use std::path::Path;
 
 use asperity_io::{CsvField as Field, WriteError, write_csv};
@@ -7,7 +8,6 @@ use asperity_tally::{
     BatchStatistics, Estimate, HemisphereGrid, History, Layout, OrderClass, Share,
 };
 
-use crate::budget::ErrorBudget;
 use crate::models::ModelOutcome;
 use crate::part::Part;
 use crate::verify::CaseOutcome;

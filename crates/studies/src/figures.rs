@@ -1,5 +1,6 @@
 //! The plots of a run, as SVG and PNG.
 
+use asperity_simulate::{Case, short};
 use std::ops::Range;
 use std::path::Path;
 
@@ -14,14 +15,13 @@ use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, History, Layout, OrderClass, Share, Side};
 use rayon::prelude::*;
 
-use crate::case::{Case, short};
 use crate::case_model::CaseModel;
 use crate::config::{Incident, VerifyConfig};
-use crate::medium::layer_name;
 use crate::models::ModelOutcome;
 use crate::part::Part;
 use crate::report::ReportError;
 use crate::tables::{SINGLE_SCATTERING, history_name, recorded_orders};
+use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.
 const LINE_STEP_DEG: f64 = 0.5;

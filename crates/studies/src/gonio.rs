@@ -13,20 +13,16 @@ mod sample;
 mod setting;
 mod summary;
 
+use asperity_simulate::{Progress, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, create_output_folder};
 use asperity_optics::Incidence;
 use asperity_tally::Layout;
 
-use crate::blocks::RaySettings;
 use crate::config::ConfigError;
-use crate::limits::RunError;
-use crate::progress::Progress;
-use crate::stopping::StoppedBy;
 use crate::store::{self, CHANGED, StoreError, Unseen, finish};
 use crate::tables::lost_warning;
-use crate::trace::{Scene, trace, trace_mesh};
 use crate::verify::{VerifyError, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};

@@ -1,5 +1,6 @@
 //! What a model of a flat layer expects, as tables and JSON.
 
+use asperity_simulate::short;
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
@@ -8,7 +9,6 @@ use asperity_optics::{Incidence, Layer};
 use asperity_tally::{History, Layout, Side};
 use serde_json::{Value, json};
 
-use crate::case::short;
 use crate::csv::{PLACE, place};
 use crate::tables::aligned;
 

@@ -11,14 +11,12 @@ mod interval;
 mod store;
 mod summary;
 
+use asperity_simulate::{Case, Progress, StoppedBy};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, create_output_folder};
 
-use crate::case::Case;
 use crate::config::ConfigError;
-use crate::progress::Progress;
-use crate::stopping::StoppedBy;
 use crate::store::{Unseen, finish};
 use crate::verify::{VerifyError, verify};
 

@@ -1,16 +1,14 @@
 //! What lies below the surfaces: `[medium]` of a configuration, and the layers that it stands for.
 
-use std::fmt;
-use std::str::FromStr;
+use asperity_simulate::BottomSurface;
 
 use asperity_optics::{
     Bottom, Layer, LayerError, Material, ParticipatingMedium, ParticipatingMediumError,
     PhaseFunction, PhaseFunctionError,
 };
-use asperity_tracer::{Accelerator, BottomShape, Geometry, Surface, TracedLayer, TracedLayerError};
+use asperity_tracer::{Surface, TracedLayer, TracedLayerError};
 use serde::{Deserialize, Serialize};
 
-use crate::case::short;
 use crate::config::ConfigError;
 use crate::values::{Count, Number, OneOrMany};
 
@@ -40,42 +38,6 @@ pub enum BottomKind {
     Mirror,
     /// Reflects light into all directions.
     Lambertian,
-}
-
-/// The shape of a layer's bottom.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum BottomSurface {
-    /// A plane.
-    #[default]
-    Flat,
-    /// The surface above, moved down.
-    Same,
-    /// Another surface of the same statistics, of a realisation of its own.
-    Independent,
-}
-
-impl fmt::Display for BottomSurface {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Flat => "flat",
-            Self::Same => "same",
-            Self::Independent => "independent",
-        })
-    }
-}
-
-impl FromStr for BottomSurface {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        [Self::Flat, Self::Same, Self::Independent]
-            .into_iter()
-            .find(|shape| shape.to_string() == text)
-            .ok_or_else(|| {
-                format!("unknown bottom surface `{text}`; allowed are flat, same and independent")
-            })
-    }
 }
 
 /// `[medium]`: a medium below the surface. Of values that may be several, all combinations are cases.
@@ -321,80 +283,6 @@ impl From<LayerError> for ConfigError {
     fn from(error: LayerError) -> Self {
         Self::Contradiction(error.to_string())
     }
-}
-
-/// A layer for people, as in `mean free path 0.1, albedo 0.9, g = 0.5, 2 thick on a mirror`.
-#[must_use]
-pub fn layer_name(layer: &Layer) -> String {
-    let medium = layer.medium();
-    let mut name = if medium.is_clear() {
-        "clear".to_owned()
-    } else {
-        let path = short(medium.mean_free_path());
-        format!("mean free path {path}, albedo {}", short(medium.albedo()))
-    };
-    match medium.phase() {
-        PhaseFunction::Isotropic => {}
-        PhaseFunction::Rayleigh => name.push_str(", Rayleigh"),
-        phase => name.push_str(&format!(", g = {}", short(phase.mean_cosine()))),
-    }
-    if let Some(slab) = layer.end() {
-        let bottom = match slab.bottom {
-            Bottom::Open => "open below".to_owned(),
-            Bottom::Interface { eta } => format!("on an interface of n = {}", short(eta)),
-            Bottom::Absorbing => "on a black bottom".to_owned(),
-            Bottom::Mirror => "on a mirror".to_owned(),
-            Bottom::Lambertian { reflectance } => {
-                format!("on a Lambertian bottom of {}", short(reflectance))
-            }
-            _ => String::new(),
-        };
-        name.push_str(&format!(", {} thick {bottom}", short(slab.thickness)));
-    }
-    name
-}
-
-/// The same as a part of a folder's name, as in `mfp0.1_albedo0.9_g0.5_d2`.
-pub(crate) fn layer_folder(layer: &Layer) -> String {
-    let medium = layer.medium();
-    let path = if medium.is_clear() {
-        "clear".to_owned()
-    } else {
-        format!("mfp{}", short(medium.mean_free_path()))
-    };
-    let mut name = format!("{path}_albedo{}", short(medium.albedo()));
-    match medium.phase() {
-        PhaseFunction::Isotropic => {}
-        PhaseFunction::Rayleigh => name.push_str("_rayleigh"),
-        phase => name.push_str(&format!("_g{}", short(phase.mean_cosine()))),
-    }
-    if let Some(slab) = layer.end() {
-        name.push_str(&format!("_d{}", short(slab.thickness)));
-    }
-    name
-}
-
-/// A surface and how hits on it are found.
-pub(crate) type Found<'a, G> = (&'a G, &'a dyn Accelerator<G>);
-
-/// What lies below `top`: `layer`, on a bottom of that shape; `own` is the bottom's own surface, where it
-/// has one.
-pub(crate) fn substrate<'a, G: Geometry>(
-    top: Found<'a, G>,
-    layer: &Layer,
-    (shape, own): (BottomSurface, Option<Found<'a, G>>),
-    most_scatterings: u32,
-) -> Result<TracedLayer<'a, G>, TracedLayerError> {
-    let surface = |(geometry, accelerator)| BottomShape::Surface {
-        geometry,
-        accelerator,
-    };
-    let shape = match (own, shape) {
-        (Some(own), _) => surface(own),
-        (None, BottomSurface::Same) => surface(top),
-        (None, _) => BottomShape::Flat,
-    };
-    TracedLayer::new(top.0, layer, shape, most_scatterings)
 }
 
 #[cfg(test)]

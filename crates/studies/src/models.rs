@@ -1,5 +1,6 @@
 //! Models beside the explicit surfaces of a case.
 
+use asperity_simulate::{Case, Ensemble, Method};
 use std::f64::consts::PI;
 
 use asperity_analysis::{
@@ -8,11 +9,8 @@ use asperity_analysis::{
 use asperity_tally::{Azimuth, BatchStatistics, Estimate, Layout, Share, Side};
 use rayon::prelude::*;
 
-use crate::case::Case;
 use crate::case_model::CaseModel;
 use crate::config::VerifyConfig;
-use crate::ensemble::Ensemble;
-use crate::method::Method;
 use crate::part::Part;
 use crate::side_difference::{SideDifference, side_differences};
 use crate::verify::VerifyError;

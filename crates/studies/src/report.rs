@@ -1,5 +1,6 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
+use asperity_simulate::{Progress, TraceOutcome};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
@@ -14,10 +15,8 @@ use crate::csv::{write_comparison, write_tables};
 use crate::figures::{self, Light};
 use crate::models::ComparedShare;
 use crate::part::Part;
-use crate::progress::Progress;
 use crate::summary::Summary;
 use crate::tables::{case_table, verify_table, warnings};
-use crate::trace::TraceOutcome;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
 /// Every file that a run may leave in its folder; an earlier run's are removed first.

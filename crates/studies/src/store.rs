@@ -3,6 +3,7 @@
 //! A file holds results with the configuration that they follow from and a checksum. What is not ours is
 //! refused, what is damaged is found anew.
 
+use asperity_simulate::{Deadline, Progress, StoppedBy};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -12,8 +13,6 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::progress::{Deadline, Progress};
-use crate::stopping::StoppedBy;
 use crate::values::Seconds;
 
 /// What the files look like; another number is another form.

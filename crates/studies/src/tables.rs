@@ -1,20 +1,17 @@
 //! Results as text that people read.
 
+use asperity_simulate::{ControlMean, ErrorBudget, Stopping, short};
 use std::fmt::Write;
 
 use asperity_analysis::SignFlipTest;
 use asperity_tally::{BatchStatistics, Estimate, History, Layout, MAX_LISTED_ORDER, Share, Side};
 use asperity_tracer::PathSettings;
 
-use crate::budget::ErrorBudget;
-use crate::case::short;
 use crate::conclusion::{conclusion, strongest_deviation, verdict_word};
-use crate::method::ControlMean;
 use crate::models::{ComparedShare, ModelOutcome};
 use crate::part::Part;
-use crate::stopping::Stopping;
-use crate::summary::SummaryWork;
 use crate::verify::{CaseOutcome, VerifyOutcome};
+use asperity_simulate::SummaryWork;
 
 /// A flux fraction with its error, as in `0.02481 +- 0.00004`: the error to two digits.
 pub(crate) fn with_error(estimate: Estimate) -> String {
@@ -30,11 +27,6 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
         Some(_) => format!("{} (exact)", short(estimate.mean)),
         None => format!("{} (no error)", short(estimate.mean)),
     }
-}
-
-/// An error to three digits, as in `2.31e-5`.
-pub(crate) fn error_in_short(error: f64) -> String {
-    format!("{error:.2e}")
 }
 
 /// What light of the first order is called.

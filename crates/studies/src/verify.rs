@@ -1,25 +1,20 @@
 //! Explicit surfaces against statistical models.
 
+use asperity_simulate::{
+    Case, Deadline, ErrorBudget, MeshErrors, Progress, RaySettings, Refinement, RunError, Sharing,
+    Stopping, Traced, check_results, with_least_errors,
+};
 use std::time::{Duration, Instant};
 
-use asperity_analysis::{ComparisonError, ModelError, SlopeCovariance, SlopeError, sidak_level};
-use asperity_surface::{CoarseningError, HeightField, Psd, Synthesis, SynthesisError};
+use asperity_analysis::{ComparisonError, ModelError, SlopeError, sidak_level};
+use asperity_surface::{CoarseningError, HeightField, Synthesis, SynthesisError};
 use asperity_tally::{BatchStatistics, Layout};
 use rayon::prelude::*;
 
-use crate::blocks::RaySettings;
-use crate::budget::ErrorBudget;
-use crate::case::Case;
 use crate::config::{ConfigError, VerifyConfig};
-use crate::limits::{RunError, check_results};
-use crate::mesh_error::{MeshErrors, Refinement};
-use crate::method::with_least_errors;
 use crate::models::{ModelOutcome, compare_models};
-use crate::progress::{Deadline, Progress};
-use crate::sharing::{Sharing, Traced};
-use crate::stopping::Stopping;
-use crate::summary::SummaryWork;
 use crate::values::{Count, Number, PerAxis};
+use asperity_simulate::{RunPlan, SimulateError, SummaryWork};
 
 /// Why a verification fails.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +44,18 @@ pub enum VerifyError {
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
+}
+
+impl From<SimulateError> for VerifyError {
+    fn from(error: SimulateError) -> Self {
+        match error {
+            SimulateError::Synthesis(error) => Self::Synthesis(error),
+            SimulateError::Run(error) => Self::Run(error),
+            SimulateError::Slopes(error) => Self::Slopes(error),
+            SimulateError::Model(error) => Self::Model(error),
+            SimulateError::Coarsening(error) => Self::Coarsening(error),
+        }
+    }
 }
 
 /// What was found for one case.
@@ -117,6 +124,16 @@ impl VerifyConfig {
         self.recipes().map(|_| ())
     }
 
+    /// How many surfaces are drawn, and how light falls on them.
+    pub(crate) fn plan(&self) -> RunPlan {
+        RunPlan {
+            realisations: self.run.realisations.0,
+            incident: self.light.from.into(),
+            any_azimuth: self.any_azimuth(),
+            limited: self.run.max_time.is_some(),
+        }
+    }
+
     /// The first surface of a case, drawn again.
     pub(crate) fn first_surface(&self, case: &Case) -> Result<HeightField, VerifyError> {
         Ok(self.recipe(case)?.draw(self.run.seed, 0)?)
@@ -160,12 +177,13 @@ pub fn verify(
     let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
     let progress: &dyn Progress = &Deadline::new(progress, time);
     let settings = config.ray_settings()?;
+    let plan = config.plan();
     // All recipes are checked before the first is run.
     let recipes = config.recipes()?;
     let all_cases = recipes.iter().map(|(_, cases)| cases.len()).sum();
     let mut sharings = recipes
         .into_iter()
-        .map(|(synthesis, cases)| Sharing::new(config, settings, synthesis, cases))
+        .map(|(synthesis, cases)| Sharing::new(&plan, settings, synthesis, cases))
         .collect::<Result<Vec<_>, _>>()?;
     if settings.target.is_some() {
         let pilots = sharings.iter().map(Sharing::pilot_rays).sum();
@@ -212,16 +230,6 @@ pub fn verify(
         left_out,
         seconds: began.elapsed().as_secs_f64(),
     })
-}
-
-/// Slopes of the continuous surface.
-pub(crate) fn slopes(psd: &Psd) -> Result<SlopeCovariance, SlopeError> {
-    let [xx, xy, yy] = psd.slope_covariance();
-    if psd.is_isotropic() {
-        // Whatever the axes, which rounding would tell apart.
-        return SlopeCovariance::new(xx, xx, 0.0);
-    }
-    SlopeCovariance::new(xx, yy, xy)
 }
 
 /// Statistics of one case and its comparison with every model.
@@ -318,3 +326,6 @@ fn errors(
         None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method_and_rays, mesh),
     })
 }
+
+#[cfg(test)]
+mod tests;

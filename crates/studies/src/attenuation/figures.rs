@@ -5,10 +5,10 @@ use asperity_analysis::{
 };
 use asperity_optics::{Incidence, from_spherical};
 use asperity_plot::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+use asperity_simulate::short;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
-use crate::case::short;
 
 /// All plots that the results can fill, by name of their files.
 pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves)> {

@@ -1,5 +1,6 @@
 //! The files of an attenuation run: tables, plots, report.txt and summary.json.
 
+use asperity_simulate::Progress;
 use std::path::Path;
 
 use asperity_io::{
@@ -12,7 +13,6 @@ use super::figures;
 use super::tables::attenuation_table;
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
 use crate::figures::save;
-use crate::progress::Progress;
 use crate::report::{FILES, ReportError};
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were

@@ -2,14 +2,13 @@
 
 use asperity_analysis::{SlopeCovariance, SlopeError};
 use asperity_optics::Incidence;
+use asperity_simulate::{check_memory, short, traced_bytes};
 use asperity_surface::{Border, Psd, Synthesis, SynthesisError};
 use asperity_tracer::{AcceleratorKind, HorizonError};
 
 use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationRun, Way};
-use crate::case::short;
 use crate::config::ConfigError;
-use crate::limits::{check_memory, traced_bytes};
 use crate::values::{Number, OneOrMany, PerAxis};
 
 /// A configuration with its lists checked.

@@ -1,11 +1,10 @@
 //! The points of a surface, one on each facet, and the samples of its grid.
 
 use asperity_optics::Incidence;
+use asperity_simulate::point_stream;
 use asperity_surface::{Border, Triangle};
 use asperity_tracer::{Facet, Geometry, Surface, VisibilityRay};
 use rand::{Rng, RngExt};
-
-use crate::stream::point_stream;
 
 /// Facets whose points share a random stream and are surveyed together, with the samples of their cells.
 pub(super) const CHUNK: usize = 1 << 13;

@@ -1,6 +1,7 @@
 //! One surface surveyed: which of its points and samples face, see and are seen, counted.
 
 use asperity_optics::{Incidence, reflect};
+use asperity_simulate::{Progress, RunError, check_grazing};
 use asperity_surface::HeightField;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, Geometry, Horizon, Surface, Visibility, VisibilityRay,
@@ -15,8 +16,6 @@ use super::plan::Plan;
 use super::points::{CHUNK, Point, chunks, points, samples};
 use super::skyline::{Skyline, cotangent, find_skylines, least_rise};
 use super::{AttenuationConfig, AttenuationError};
-use crate::limits::{RunError, check_grazing};
-use crate::progress::Progress;
 
 /// What was found on one realisation.
 pub(super) struct Surveyed {

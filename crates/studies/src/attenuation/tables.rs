@@ -1,11 +1,11 @@
 //! Attenuation as text that people read.
 
+use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::case::short;
 use crate::tables::{aligned, with_error};
 
 /// What was measured, beside theory.

@@ -1,5 +1,6 @@
 //! The configuration of a convergence run: what `asperity converge` reads from a file.
 
+use asperity_simulate::{Case, Estimator, check_memory, check_results, short, traced_bytes};
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
@@ -10,13 +11,10 @@ use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
 use super::method::{Effort, Method};
-use crate::case::{Case, short};
 use crate::config::{
     CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig, parse_toml,
 };
-use crate::estimator::Estimator;
-use crate::limits::{check_memory, check_results, traced_bytes};
 use crate::number::MOST_COUNT;
 use crate::values::{Count, Number, OneOrMany, PerAxis, names};
 use crate::verify::VerifyError;

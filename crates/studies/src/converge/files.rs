@@ -1,5 +1,6 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
+use asperity_simulate::Progress;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
@@ -11,7 +12,6 @@ use serde_json::{Value, json};
 use super::tables::{case_table, converge_table, method_name};
 use super::{ConvergeOutcome, ConvergedCase, Measurement, MethodOutcome};
 use crate::figures;
-use crate::progress::Progress;
 use crate::report::{FILES, ReportError};
 
 /// Writes what was found into `folder`: the files of every case, in folders of their own where there
@@ -215,7 +215,7 @@ fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
         .to_string()
         .replace("theta", "θᵢ")
         .replace(" deg", "°");
-    let [x, y] = outcome.config.extent().map(crate::case::short);
+    let [x, y] = outcome.config.extent().map(asperity_simulate::short);
     let repeats = outcome.config.converge.repeats.0;
     let plural = if repeats == 1 { "" } else { "s" };
     let threads = case.work.threads;

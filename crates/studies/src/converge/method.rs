@@ -1,12 +1,10 @@
 //! What is measured: methods, and how much each of them does.
 
+use asperity_simulate::{Case, Estimator, convergence_stream, short};
 use asperity_tracer::{AcceleratorKind, Sampling};
 use rand::RngExt;
 use serde::Serialize;
 
-use crate::case::{Case, short};
-use crate::estimator::Estimator;
-use crate::stream::convergence_stream;
 use crate::values::{Number, PerAxis};
 
 /// A way of computing.

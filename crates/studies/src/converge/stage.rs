@@ -1,5 +1,6 @@
 //! One case of a convergence run: its runs by the clock, and what they are measured against.
 
+use asperity_simulate::{Case, Estimator, Group, Progress, RaySettings, Seconds};
 use std::time::Instant;
 
 use asperity_analysis::{Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy};
@@ -15,15 +16,10 @@ use super::{
     ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Effort, Measurement, Method,
     MethodOutcome, Reference,
 };
-use crate::blocks::RaySettings;
-use crate::case::Case;
-use crate::ensemble::{Group, Seconds};
-use crate::estimator::Estimator;
-use crate::medium::BottomSurface;
-use crate::method as estimate;
-use crate::progress::Progress;
 use crate::values::{Number, PerAxis};
-use crate::verify::{VerifyError, slopes};
+use crate::verify::VerifyError;
+use asperity_simulate as estimate;
+use asperity_simulate::{BottomSurface, slopes};
 
 /// Smith's Lambda up to which nothing counts as hidden.
 const NOTHING_HIDDEN: f64 = 1e-12;
@@ -163,9 +159,11 @@ impl<'a> Stage<'a> {
         progress: &dyn Progress,
     ) -> Result<Run, ConvergeError> {
         let clock = Instant::now();
-        let ensembles = self.with_group(method, effort, seed, |group| {
-            group.run(0..effort.surfaces, progress)
-        })?;
+        let ensembles = self
+            .with_group(method, effort, seed, |group| {
+                group.run(0..effort.surfaces, progress)
+            })
+            .map_err(VerifyError::from)?;
         let seconds = clock.elapsed().as_secs_f64();
         if progress.stop().is_some() {
             return Err(ConvergeError::Interrupted);

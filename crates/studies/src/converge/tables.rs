@@ -1,5 +1,6 @@
 //! Run time against error as text that people read.
 
+use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_tally::Estimate;
@@ -7,7 +8,6 @@ use asperity_tally::Estimate;
 use super::{
     ConvergeOutcome, ConvergedCase, Efficiency, Method, MethodOutcome, RepeatedError, SecondsTo,
 };
-use crate::case::short;
 use crate::tables::{aligned, with_error};
 
 /// What a method is called beside the others of its case: what they have in common is left out, the

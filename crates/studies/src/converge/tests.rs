@@ -1,9 +1,8 @@
 //! Tests of definitions and of whole measurements.
 
 use super::*;
-use crate::estimator::Estimator;
-use crate::progress::Silent;
 use crate::values::{Number, PerAxis};
+use asperity_simulate::{Estimator, Silent};
 use asperity_tracer::{AcceleratorKind, Sampling};
 
 fn method(estimator: Estimator, sampling: Sampling) -> Method {

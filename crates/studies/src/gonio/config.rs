@@ -1,5 +1,6 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
+use asperity_simulate::{RaySettings, check_memory, check_results};
 use std::path::PathBuf;
 
 use asperity_optics::Incidence;
@@ -9,13 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use super::plan::Work;
 use super::sample::Sample;
-use crate::blocks::RaySettings;
 use crate::cases::check_sides;
 use crate::config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
     RunConfig, SurfaceConfig, VerifyConfig, parse_toml,
 };
-use crate::limits::{check_memory, check_results};
 use crate::medium::MediumConfig;
 use crate::values::{Number, OneOrMany, PerAxis};
 use crate::verify::VerifyError;

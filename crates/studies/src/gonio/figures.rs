@@ -1,5 +1,6 @@
 //! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by parts.
 
+use asperity_simulate::short;
 use std::path::Path;
 
 use asperity_io::{create_output_folder, remove_files};
@@ -16,7 +17,6 @@ use super::results::part_names;
 use super::setting::Distinction;
 use super::summary::labelled;
 use super::{Direction, GonioOutcome};
-use crate::case::short;
 use crate::figures::save;
 use crate::report::ReportError;
 

@@ -1,16 +1,15 @@
 //! What a configuration stands for: settings, their directions, and how each is measured.
 
 use asperity_optics::Incidence;
+use asperity_simulate::{RaySettings, short};
 use serde_json::{Value, json};
 
 use super::config::GonioConfig;
 use super::sample::Sample;
 use super::setting::Setting;
-use crate::blocks::RaySettings;
-use crate::case::short;
 use crate::cases::check_light;
 use crate::config::{ConfigError, SurfaceConfig, VerifyConfig};
-use crate::medium::BottomSurface;
+use asperity_simulate::BottomSurface;
 
 /// One direction of one setting, and how it is measured.
 #[derive(Clone, Debug)]

@@ -1,10 +1,10 @@
 //! What is measured from all directions: one surface, one material.
 
 use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
+use asperity_simulate::{Case, short};
 use serde::Serialize;
 
-use crate::case::{Case, short};
-use crate::medium::layer_folder;
+use asperity_simulate::layer_folder;
 
 /// One combination of surface and material, measured from all directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,5 +1,6 @@
 //! A measurement in words and as JSON.
 
+use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_tally::Side;
@@ -9,7 +10,6 @@ use super::GonioOutcome;
 use super::files::measured;
 use super::results::part_names;
 use super::setting::Distinction;
-use crate::case::short;
 use crate::config::Azimuth;
 use crate::tables::{aligned, with_error};
 

@@ -1,13 +1,12 @@
 //! The configuration of a map: what `asperity map` reads from a file.
 
+use asperity_simulate::{Case, check_results};
 use serde::{Deserialize, Serialize};
 
-use crate::case::Case;
 use crate::config::{
     CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
 };
-use crate::limits::check_results;
 use crate::values::Number;
 use crate::verify::VerifyError;
 

@@ -1,5 +1,6 @@
 //! The files of a map: map.csv, two plots, report.txt and summary.json.
 
+use asperity_simulate::short;
 use std::path::Path;
 
 use asperity_io::{
@@ -16,7 +17,6 @@ use super::summary::{
     grooves, map_table, material_name, materials, smoothness, summarise, thetas, warnings,
 };
 use super::{MapCell, MapOutcome};
-use crate::case::short;
 use crate::figures;
 use crate::report::{FILES, ReportError};
 

@@ -1,5 +1,6 @@
 //! From which smoothness on a model holds, and how many cells it holds in.
 
+use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_optics::Material;
@@ -8,7 +9,6 @@ use serde::Serialize;
 use super::MapOutcome;
 use super::cell::{FEWEST_SURFACES, LightShare};
 use super::interval::CellVerdict;
-use crate::case::short;
 use crate::tables::aligned;
 
 /// What the map says of one model on one material, over one share of the light.

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::config::VerifyConfig;
-use crate::progress::Silent;
 use crate::values::Number;
 use crate::verify::verify;
+use asperity_simulate::Silent;
 
 /// Of sums and differences of a few numbers near one.
 const ROUNDING: f64 = 1e-14;

@@ -4,9 +4,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_tally::{Layout, Side};
 
-use super::*;
-use crate::progress::Silent;
-use crate::verify::verify;
+use asperity_simulate::{MESH_ALLOWANCE, Progress, Sharing, Silent, StoppedBy};
+use asperity_surface::Synthesis;
+
+use crate::config::VerifyConfig;
+use crate::verify::{VerifyError, verify};
 
 fn config(text: &str) -> VerifyConfig {
     let fixed = "[surface]\ntau = 8\nsize = 128\nsmoothness = 2\n[compare]\nmodels = []\n";
@@ -270,7 +272,7 @@ fn surfaces_are_added_until_the_target_is_reached() {
         let settings = config.run.ray_settings().unwrap();
         let cases = config.cases().unwrap();
         let synthesis = Synthesis::new(cases[0].psd, [128, 128], [1.0, 1.0], false).unwrap();
-        let mut sharing = Sharing::new(&config, settings, synthesis, cases).unwrap();
+        let mut sharing = Sharing::new(&config.plan(), settings, synthesis, cases).unwrap();
         sharing.realisations = 3;
         sharing.settings.rays = 3 * 128;
         let traced = sharing.run(1, &Silent).unwrap().0.remove(0);

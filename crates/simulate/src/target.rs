@@ -1,0 +1,260 @@
+//! The error that a run is to reach, and the quantity whose error it is.
+
+use std::fmt;
+use std::str::FromStr;
+
+use asperity_optics::{Layer, Material};
+use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
+use serde::{Deserialize, Serialize};
+
+/// Why a target is refused.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TargetError {
+    /// The error is not positive and finite.
+    #[error("the target error is {0}; it must be above 0")]
+    NotPositive(f64),
+    /// A quantity without an error to reach.
+    #[error("of = {0} says whose error is to reach a target, but no target error is given")]
+    NoError(Aim),
+    /// The material transmits nothing.
+    #[error(
+        "nothing is transmitted by a conductor or a mirror, so no error of transmitted can be asked for"
+    )]
+    NothingTransmitted,
+    /// Nothing leaves below the layer.
+    #[error("nothing leaves below this medium, so no error of transmitted can be asked for")]
+    NothingBelow,
+    /// The material absorbs nothing.
+    #[error(
+        "nothing is absorbed by a dielectric or a mirror, so no error of absorbed can be asked for"
+    )]
+    NothingAbsorbed,
+    /// The side of the quantity is not recorded.
+    #[error("the side {0} is not recorded, so no error of it can be asked for")]
+    NotRecorded(Aim),
+}
+
+/// The quantity whose error is asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Aim {
+    /// All that is reflected; its error is the standard error of that flux fraction.
+    Reflected,
+    /// All that is transmitted, likewise.
+    Transmitted,
+    /// All that is absorbed, likewise.
+    Absorbed,
+    /// The bins of the hemispheres that are asked for. The error of several fluxes `q` with standard
+    /// errors `se` is relative, `sqrt(sum se^2) / sqrt(sum q^2)`.
+    #[default]
+    Bins,
+    /// The rings of equal polar angle, likewise.
+    Rings,
+    /// The bins about the plane of incidence, likewise.
+    InPlane,
+}
+
+impl Aim {
+    const ALL: [(Self, &'static str); 6] = [
+        (Self::Reflected, "reflected"),
+        (Self::Transmitted, "transmitted"),
+        (Self::Absorbed, "absorbed"),
+        (Self::Bins, "bins"),
+        (Self::Rings, "rings"),
+        (Self::InPlane, "in-plane"),
+    ];
+
+    /// Where in a record the fluxes stand.
+    #[must_use]
+    pub fn entries(self, layout: &Layout) -> Vec<usize> {
+        let all = OrderClass::All;
+        match self {
+            Self::Reflected => vec![Layout::REFLECTED],
+            Self::Transmitted => vec![Layout::TRANSMITTED],
+            Self::Absorbed => vec![Layout::ABSORBED],
+            Self::Bins => {
+                let bins = layout.bins(Share::Total);
+                layout.asked_bins().map(|i| bins.start + i).collect()
+            }
+            Self::Rings => layout.sides().flat_map(|s| layout.rings(s, all)).collect(),
+            Self::InPlane => layout
+                .sides()
+                .flat_map(|s| layout.in_plane(s, all))
+                .collect(),
+        }
+    }
+
+    const fn is_total(self) -> bool {
+        matches!(self, Self::Reflected | Self::Transmitted | Self::Absorbed)
+    }
+
+    /// What errors are divided by, given the sum of squares of the fluxes.
+    #[must_use]
+    pub fn norm(self, square: f64) -> f64 {
+        if self.is_total() { 1.0 } else { square.sqrt() }
+    }
+
+    /// The error that `statistics` have; `None` where they have none.
+    #[must_use]
+    pub fn error(self, layout: &Layout, statistics: &BatchStatistics) -> Option<f64> {
+        let [mut squares, mut errors] = [0.0; 2];
+        for i in self.entries(layout) {
+            let estimate = statistics.estimate(i);
+            squares += estimate.mean.powi(2);
+            errors += estimate.se?.powi(2);
+        }
+        Some(ratio(errors.sqrt(), self.norm(squares)))
+    }
+
+    /// The error of fluxes which together differ from the true ones by the flux `bound` at most.
+    #[must_use]
+    pub fn error_within(self, layout: &Layout, fluxes: &[f64], bound: f64) -> f64 {
+        if self.is_total() {
+            return bound;
+        }
+        let squares = self.entries(layout).into_iter().map(|i| fluxes[i].powi(2));
+        // What is lost here is gained there.
+        ratio(std::f64::consts::SQRT_2 * bound, self.norm(squares.sum()))
+    }
+
+    /// Refuses what a material has not, or nobody asks for.
+    fn check(
+        self,
+        layout: &Layout,
+        material: Material,
+        layer: Option<&Layer>,
+    ) -> Result<(), TargetError> {
+        match (self, material) {
+            (Self::Transmitted, _) if material.transmitting_index().is_none() => {
+                Err(TargetError::NothingTransmitted)
+            }
+            (Self::Transmitted, _) if layer.is_some_and(|layer| !layer.transmits()) => {
+                Err(TargetError::NothingBelow)
+            }
+            (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) if layer.is_none() => {
+                Err(TargetError::NothingAbsorbed)
+            }
+            (Self::Reflected, _) if !layout.asks(Side::Reflected) => {
+                Err(TargetError::NotRecorded(self))
+            }
+            (Self::Transmitted, _) if !layout.asks(Side::Transmitted) => {
+                Err(TargetError::NotRecorded(self))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// `error / norm`; nothing has no error.
+pub(crate) fn ratio(error: f64, norm: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / norm }
+}
+
+impl fmt::Display for Aim {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = Self::ALL.iter().find(|(aim, _)| aim == self);
+        f.write_str(name.map_or("", |(_, name)| name))
+    }
+}
+
+impl FromStr for Aim {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.iter().find(|(_, name)| *name == text);
+        found.map(|(aim, _)| *aim).ok_or_else(|| {
+            format!(
+                "unknown quantity `{text}`; allowed are reflected, transmitted, absorbed, bins, rings and in-plane"
+            )
+        })
+    }
+}
+
+/// An error to reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    error: f64,
+    of: Aim,
+}
+
+impl Target {
+    /// The error `error` of `of`; `None` if neither is given.
+    ///
+    /// # Errors
+    /// [`TargetError`] unless the error is positive and finite, and if a quantity is named
+    /// without an error.
+    pub fn new(error: Option<f64>, of: Option<Aim>) -> Result<Option<Self>, TargetError> {
+        match (error, of) {
+            (None, None) => Ok(None),
+            (None, Some(of)) => Err(TargetError::NoError(of)),
+            (Some(error), _) if !(error > 0.0 && error.is_finite()) => {
+                Err(TargetError::NotPositive(error))
+            }
+            (Some(error), of) => Ok(Some(Self {
+                error,
+                of: of.unwrap_or_default(),
+            })),
+        }
+    }
+
+    /// The error.
+    #[must_use]
+    pub const fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Whose error it is.
+    #[must_use]
+    pub const fn of(&self) -> Aim {
+        self.of
+    }
+
+    /// Refuses a target that no result of `material` over `layer`, recorded by `layout`, has.
+    ///
+    /// # Errors
+    /// [`TargetError`].
+    pub fn check(
+        &self,
+        layout: &Layout,
+        material: Material,
+        layer: Option<&Layer>,
+    ) -> Result<(), TargetError> {
+        self.of.check(layout, material, layer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_of_bins_are_relative_and_those_of_totals_absolute() {
+        let layout = Layout::new("2x1".parse().unwrap(), 0.1).unwrap();
+        let record = |x: f64| {
+            let mut record = vec![0.0; layout.len()];
+            record[Layout::REFLECTED] = x;
+            record[layout.bins(Share::Total).start] = x;
+            record
+        };
+        let mut statistics = BatchStatistics::new(layout.len());
+        statistics.push(&record(0.1));
+        assert_eq!(Aim::Bins.error(&layout, &statistics), None);
+        statistics.push(&record(0.3));
+        // Mean 0.2, standard error 0.1.
+        let error = |aim: Aim| aim.error(&layout, &statistics).unwrap();
+        assert!((error(Aim::Reflected) - 0.1).abs() < 1e-12);
+        assert!((error(Aim::Bins) - 0.5).abs() < 1e-12);
+        assert_eq!(error(Aim::Rings), 0.0);
+    }
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        for (aim, name) in Aim::ALL {
+            assert_eq!(name.parse(), Ok(aim));
+            assert_eq!(aim.to_string(), name);
+            assert_eq!(serde_json::to_value(aim).unwrap(), name);
+        }
+        assert!("ring".parse::<Aim>().unwrap_err().contains("in-plane"));
+    }
+}

@@ -1,0 +1,108 @@
+//! What a run did, and how long it took.
+
+use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
+use serde::Serialize;
+
+use crate::estimator::Estimator;
+use crate::method::{ControlMean, Method};
+
+/// What was done, and how long it took.
+#[derive(Clone, Debug, Serialize)]
+pub struct SummaryWork {
+    /// Surfaces.
+    pub realisations: u64,
+    /// Incident rays.
+    pub rays: u64,
+    /// Segments searched for a hit.
+    pub segments: u64,
+    /// Segments that needed no search.
+    pub segments_skipped: u64,
+    /// Those of them that the slopes nearby excused.
+    pub segments_skipped_nearby: u64,
+    /// Branches not followed, since they could end only on a side that is not asked for.
+    pub branches_not_asked: u64,
+    /// Scatterings inside a medium.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub scatterings: u64,
+    /// Most scatterings of one path.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub most_scatterings: u64,
+    /// Accelerator used.
+    pub accelerator: AcceleratorKind,
+    /// Instructions with which it searches, where there is a choice.
+    pub instructions: Option<String>,
+    /// Estimator used.
+    pub estimator: Estimator,
+    /// Where the mean of its control comes from; `None` without one.
+    pub control: Option<ControlMean>,
+    /// Where its paths start.
+    pub starts: Starts,
+    /// How they are spread.
+    pub sampling: Sampling,
+    /// Seconds spent on drawing surfaces, summed over surfaces.
+    pub generate_seconds: f64,
+    /// Seconds spent on building accelerators, summed over surfaces.
+    pub build_seconds: f64,
+    /// Seconds spent on tracing, summed over surfaces.
+    pub trace_seconds: f64,
+    /// Seconds from beginning to end.
+    pub seconds: f64,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// The accelerator that was built.
+#[derive(Clone, Debug)]
+pub struct Used {
+    accelerator: AcceleratorKind,
+    instructions: Option<String>,
+}
+
+impl Used {
+    pub fn of<G: Geometry>(accelerator: &dyn Accelerator<G>) -> Self {
+        Self {
+            accelerator: accelerator.kind(),
+            instructions: accelerator.instructions(),
+        }
+    }
+}
+
+impl Used {
+    /// None, since nothing was traced.
+    pub const fn nothing() -> Self {
+        Self {
+            accelerator: AcceleratorKind::Auto,
+            instructions: None,
+        }
+    }
+}
+
+impl SummaryWork {
+    pub fn new(work: Work, used: Used, method: &Method, sampling: Sampling) -> Self {
+        Self {
+            realisations: 0,
+            rays: work.rays,
+            segments: work.segments,
+            segments_skipped: work.segments_skipped,
+            segments_skipped_nearby: work.segments_skipped_nearby,
+            branches_not_asked: work.branches_not_recorded,
+            scatterings: work.scatterings,
+            most_scatterings: work.max_scatterings.into(),
+            accelerator: used.accelerator,
+            instructions: used.instructions,
+            estimator: method.estimator(),
+            control: method.control_mean(),
+            starts: method.starts,
+            sampling,
+            generate_seconds: 0.0,
+            build_seconds: 0.0,
+            trace_seconds: 0.0,
+            seconds: 0.0,
+            threads: rayon::current_num_threads(),
+        }
+    }
+}
+
+fn is_zero(count: &u64) -> bool {
+    *count == 0
+}

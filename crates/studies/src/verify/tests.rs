@@ -1,0 +1,3 @@
+mod budget;
+mod mesh_error;
+mod stopping;
