@@ -1,18 +1,21 @@
-//! Files and folders: atomic writes, text, JSON, tables, and what the machine offers.
+//! Files and folders: atomic writes, text, JSON, tables, and folders of results.
 
 mod atomic;
 mod csv;
+mod folder;
+mod manifest;
 mod memory;
 mod open;
+mod parts;
+mod result_folder;
 mod text;
 
-pub use atomic::{
-    check_output_folder, create_output_folder, remove_files, write_atomically, write_bytes,
-    write_json,
-};
+pub use atomic::{write_atomically, write_bytes, write_json};
 pub use csv::{CsvField, write_csv};
+pub use folder::{check_output_folder, create_output_folder, exists, names_in, remove_files};
 pub use memory::available_memory;
+pub use result_folder::ResultFolder;
 pub use text::{read_json, read_text};
 
-pub(crate) use atomic::replace;
+pub(crate) use atomic::{replace, replace_alone};
 pub(crate) use open::open;

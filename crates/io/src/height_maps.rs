@@ -18,7 +18,7 @@ use std::path::Path;
 use asperity_surface::{HeightField, RawHeightMap};
 
 use crate::error::{ReadError, WriteError};
-use crate::files::{open, replace};
+use crate::files::{open, replace_alone};
 use crate::formats::{HeightMapFormat, list_endings};
 
 pub use npy::write_array;
@@ -150,7 +150,7 @@ pub fn write_height_map(path: impl AsRef<Path>, field: &HeightField) -> Result<(
         path: path.to_owned(),
         allowed: list_endings(HeightMapFormat::can_write),
     })?;
-    replace(path, |out| write_to(path, format, field, out))
+    replace_alone(path, |out| write_to(path, format, field, out))
 }
 
 /// Writes a height map in a known format; `path` serves messages only.

@@ -28,6 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod build;
 mod encoding;
 mod error;
 mod files;
@@ -41,10 +42,12 @@ mod surface_format;
 #[cfg(test)]
 mod damage_tests;
 
-pub use error::{ReadError, WriteError};
+pub use build::{Build, RESULTS_EPOCH};
+pub use error::{ReadError, ResultFolderError, WriteError};
 pub use files::{
-    CsvField, available_memory, check_output_folder, create_output_folder, read_json, read_text,
-    remove_files, write_atomically, write_bytes, write_csv, write_json,
+    CsvField, ResultFolder, available_memory, check_output_folder, create_output_folder, exists,
+    names_in, read_json, read_text, remove_files, write_atomically, write_bytes, write_csv,
+    write_json,
 };
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};

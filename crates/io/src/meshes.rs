@@ -13,7 +13,7 @@ use std::path::Path;
 
 use crate::encoding::single;
 use crate::error::{ReadError, WriteError};
-use crate::files::{open, replace};
+use crate::files::{open, replace_alone};
 use crate::formats::{MeshFormat, list_mesh_endings};
 
 /// A triangle mesh as a file holds it.
@@ -88,7 +88,7 @@ pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), Wri
         allowed: list_mesh_endings(),
     })?;
     check(path, format, mesh)?;
-    replace(path, |out| match format {
+    replace_alone(path, |out| match format {
         MeshFormat::Ply => write_ply(mesh, out).map_err(WriteError::io(path)),
         MeshFormat::Obj => write_obj(mesh, out).map_err(WriteError::io(path)),
         MeshFormat::Stl => write_stl(path, mesh, out),

@@ -13,7 +13,7 @@ use ::exr::meta::header::LayerAttributes;
 
 use crate::encoding::{encode_exr, png_error, single};
 use crate::error::WriteError;
-use crate::files::replace;
+use crate::files::replace_alone;
 
 /// Radiance by pixel, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -79,8 +79,8 @@ pub fn write_picture(
         assert_eq!(values.len(), pixels, "a value a pixel");
     }
     match PictureFormat::from_path(path)? {
-        PictureFormat::Exr => replace(path, |out| write_exr(path, picture, comment, out)),
-        PictureFormat::Png => replace(path, |out| {
+        PictureFormat::Exr => replace_alone(path, |out| write_exr(path, picture, comment, out)),
+        PictureFormat::Png => replace_alone(path, |out| {
             write_png(picture, exposure, out).map_err(WriteError::io(path))
         }),
     }

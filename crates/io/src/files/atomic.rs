@@ -2,10 +2,11 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::parts::{remove_stale_parts, temporary_in};
 use crate::error::WriteError;
 
 /// Writes a file through `write`, aside in the same folder, and renames it once it is complete.
@@ -60,84 +61,6 @@ pub fn write_json(
     })
 }
 
-/// Makes the folder `path` and those above it, unless it is there.
-///
-/// # Errors
-/// [`WriteError::FolderIsFile`] if `path` or a part of it is a file, [`WriteError::Folder`] if the
-/// operating system refuses.
-pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
-    let path = path.as_ref();
-    refuse_files(path)?;
-    fs::create_dir_all(path).map_err(WriteError::folder(path))
-}
-
-/// Checks that files can be made in the folder `path`, or that such a folder can be made, and leaves
-/// nothing behind: a long run should not learn at its end that its results have no place, and one
-/// that is refused should not leave an empty folder.
-///
-/// # Errors
-/// As [`create_output_folder`].
-pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
-    let path = path.as_ref();
-    refuse_files(path)?;
-    // What is there already, be it a link that leads nowhere, and what is to be made within it.
-    let is_there = |part: &&Path| fs::symlink_metadata(part).is_ok();
-    let there = path.ancestors().find(is_there).unwrap_or(Path::new(""));
-    let missing = path.strip_prefix(there).unwrap_or(path);
-    let rehearse = || -> io::Result<()> {
-        let place = if there.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            there
-        };
-        if missing.as_os_str().is_empty() {
-            return temporary_in(place).map(drop);
-        }
-        let stage = tempfile::Builder::new()
-            .prefix(TEMPORARY_PREFIX)
-            .tempdir_in(place)?;
-        // A way up again would lead out of the stage.
-        let parts = missing.components();
-        let down = parts.filter(|part| matches!(part, Component::Normal(_)));
-        let rehearsed = stage.path().join(down.collect::<PathBuf>());
-        fs::create_dir_all(&rehearsed)?;
-        temporary_in(&rehearsed).map(drop)
-    };
-    rehearse().map_err(WriteError::folder(path))
-}
-
-/// Refuses a folder whose name, or that of a folder above it, belongs to a file.
-fn refuse_files(path: &Path) -> Result<(), WriteError> {
-    if let Some(file) = path
-        .ancestors()
-        .find(|part| fs::metadata(part).is_ok_and(|meta| !meta.is_dir()))
-    {
-        return Err(WriteError::FolderIsFile {
-            path: path.to_owned(),
-            file: file.to_owned(),
-        });
-    }
-    Ok(())
-}
-
-/// Removes those files of `names` that are in `folder`: what an earlier run left and this one will not
-/// replace.
-///
-/// # Errors
-/// [`WriteError`] if a file is there and cannot be removed.
-pub fn remove_files(folder: impl AsRef<Path>, names: &[&str]) -> Result<(), WriteError> {
-    for name in names {
-        let path = folder.as_ref().join(name);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(WriteError::io(&path)(error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}
-
 /// [`write_atomically`] for writers that seek and have errors of their own.
 pub(crate) fn replace(
     path: &Path,
@@ -185,6 +108,16 @@ pub(crate) fn replace(
     Ok(())
 }
 
+/// [`replace`] for a file that stands alone, outside of a result folder: also removes what killed runs
+/// have left beside it.
+pub(crate) fn replace_alone(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,
+) -> Result<(), WriteError> {
+    remove_stale_parts(&parent(path));
+    replace(path, write)
+}
+
 /// Runs `write` through a buffer, then flushes that.
 fn fill(
     path: &Path,
@@ -206,20 +139,4 @@ fn parent(path: &Path) -> PathBuf {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),
     }
-}
-
-/// How the names of temporary files and folders begin.
-const TEMPORARY_PREFIX: &str = ".asperity-";
-
-/// A temporary file in `folder` with the mode of an ordinary new file, gone when dropped.
-fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY_PREFIX).suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Asked for at creation, hence reduced by the umask.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
 }

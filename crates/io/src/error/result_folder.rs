@@ -1,0 +1,59 @@
+//! Errors of result folders: why one cannot be used.
+
+use std::path::PathBuf;
+
+use super::{ReadError, WriteError};
+
+/// Why a result folder cannot be used, or a file in it not be written.
+///
+/// Every message is one sentence that names the file, what was found and what can be done.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ResultFolderError {
+    /// Something that no earlier run of the command wrote has the name of a result.
+    #[error("the {kind} `{}` was not written by an earlier `{command}` run and is not replaced; move it or choose another folder", .path.display())]
+    InTheWay {
+        /// What is in the way.
+        path: PathBuf,
+        /// File, folder, or symbolic link.
+        kind: &'static str,
+        /// Command of this run.
+        command: String,
+    },
+    /// A result has the name of an input.
+    #[error("`{}` is an input of this run, which would replace it; choose another folder", .path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The folder holds results of another command.
+    #[error("`{}` holds results of `{found}`, which `{command}` does not replace; choose another folder or delete this one", .folder.display())]
+    OtherCommand {
+        /// The folder.
+        folder: PathBuf,
+        /// Command that wrote them.
+        found: String,
+        /// Command of this run.
+        command: String,
+    },
+    /// The folder holds results of a build that wrote no manifest.
+    #[error("`{}` holds results of an older build, which did not list its files in manifest.json; choose another folder or delete this one", .folder.display())]
+    NoManifest {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// The manifest is damaged, of another form, or not ours.
+    #[error("`{}` is not a manifest of results ({reason}); choose another folder or delete this one", .path.display())]
+    InvalidManifest {
+        /// The manifest.
+        path: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The manifest cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A file or folder cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+}

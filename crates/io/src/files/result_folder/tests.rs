@@ -1,0 +1,395 @@
+//! What a result folder replaces, removes, refuses, and leaves alone.
+
+use std::fs;
+use std::path::Path;
+
+use super::*;
+use crate::build::{Build, RESULTS_EPOCH};
+use crate::files::manifest::MANIFEST;
+use crate::files::{write_bytes, write_json};
+
+const USER: &str = "the user's own";
+
+fn open(folder: &Path) -> ResultFolder {
+    ResultFolder::open(folder, "verify", &[]).unwrap()
+}
+
+/// A complete run that writes these names, each with the content `text`.
+fn run(folder: &Path, names: &[&str], text: &str) {
+    let results = open(folder);
+    results.check(names).unwrap();
+    write(&results, names, text);
+    results.finish().unwrap();
+}
+
+fn write(results: &ResultFolder, names: &[&str], text: &str) {
+    for name in names {
+        write_bytes(results.claim(name).unwrap(), text.as_bytes()).unwrap();
+    }
+}
+
+fn text(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+/// All files below `folder` as relative paths, sorted.
+fn tree(folder: &Path) -> Vec<String> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).unwrap() {
+        let entry = entry.unwrap();
+        let name = entry.file_name().into_string().unwrap();
+        if entry.file_type().unwrap().is_dir() {
+            names.push(format!("{name}/"));
+            names.extend(
+                tree(&entry.path())
+                    .iter()
+                    .map(|below| format!("{name}/{below}")),
+            );
+        } else {
+            names.push(name);
+        }
+    }
+    names.sort();
+    names
+}
+
+fn refused<T>(result: Result<T, ResultFolderError>, words: &str) -> ResultFolderError {
+    let Err(error) = result else {
+        panic!("not refused: {words}")
+    };
+    let text = error.to_string();
+    assert!(text.contains(words) && !text.contains('\n'), "{text}");
+    error
+}
+
+#[test]
+fn manifest_lists_command_build_and_files() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path(), &["b.csv", "sub/deep/a.csv"], "1");
+    let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
+    let build = Build::current();
+    assert_eq!(
+        manifest,
+        serde_json::json!({
+            "schema": 1,
+            "command": "verify",
+            "version": build.version,
+            "results_epoch": RESULTS_EPOCH,
+            "commit": build.commit,
+            "complete": true,
+            "files": ["b.csv", "sub/deep/a.csv"],
+        })
+    );
+}
+
+#[test]
+fn second_run_replaces_and_removes_only_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(
+        path,
+        &["a.csv", "old.csv", "old/x.csv", "both/x.csv"],
+        "first",
+    );
+    for name in ["notes.txt", "both/notes.txt"] {
+        fs::write(path.join(name), USER).unwrap();
+    }
+    run(path, &["a.csv", "new/y.csv"], "second");
+    assert_eq!(
+        tree(path),
+        [
+            "a.csv",
+            "both/",
+            "both/notes.txt",
+            MANIFEST,
+            "new/",
+            "new/y.csv",
+            "notes.txt"
+        ]
+    );
+    assert_eq!(text(path, "a.csv"), "second");
+    assert_eq!(text(path, "notes.txt"), USER);
+    assert_eq!(text(path, "both/notes.txt"), USER);
+}
+
+#[test]
+fn files_of_the_user_are_refused_and_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let mine = ["report.txt", "comparison.csv", "lobes.png", "map.csv"];
+    for name in mine {
+        fs::write(path.join(name), USER).unwrap();
+    }
+    for name in mine {
+        let results = open(path);
+        let error = refused(results.check(["summary.json", name]), name);
+        assert!(matches!(
+            error,
+            ResultFolderError::InTheWay { kind: "file", .. }
+        ));
+        refused(results.claim(name), name);
+        // A refused name is not claimed by the way, not even among others.
+        refused(results.claim_all(["summary.json", name]), name);
+        assert!(!path.join(MANIFEST).exists());
+    }
+    run(path, &["summary.json"], "1");
+    run(path, &["summary.json"], "2");
+    for name in mine {
+        assert_eq!(text(path, name), USER);
+        refused(
+            open(path).check([name]),
+            "not written by an earlier `verify` run",
+        );
+    }
+}
+
+#[test]
+fn folders_and_links_in_the_way_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::create_dir(path.join("summary.json")).unwrap();
+    fs::write(path.join("file"), USER).unwrap();
+    refused(open(path).check(["summary.json"]), "the folder");
+    refused(open(path).check(["file/below.csv"]), "the file");
+    fs::write(path.join("out"), "").unwrap();
+    let below = open(&path.join("out"));
+    let error = below.check(["a.csv"]).unwrap_err();
+    assert!(
+        matches!(
+            error,
+            ResultFolderError::Write(WriteError::FolderIsFile { .. })
+        ),
+        "{error}"
+    );
+    #[cfg(unix)]
+    {
+        let other = tempfile::tempdir().unwrap();
+        fs::write(other.path().join("a.csv"), USER).unwrap();
+        std::os::unix::fs::symlink(other.path(), path.join("cases")).unwrap();
+        std::os::unix::fs::symlink(other.path().join("a.csv"), path.join("a.csv")).unwrap();
+        refused(open(path).check(["a.csv"]), "the symbolic link");
+        refused(open(path).check(["cases/a.csv"]), "the symbolic link");
+        std::os::unix::fs::symlink(other.path().join("a.csv"), path.join(MANIFEST)).unwrap();
+        refused(ResultFolder::open(path, "verify", &[]), "symbolic link");
+        assert_eq!(text(other.path(), "a.csv"), USER);
+    }
+}
+
+/// What is no longer the file that was written is no longer ours.
+#[cfg(unix)]
+#[test]
+fn listed_files_that_became_links_or_folders_are_left_alone() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["link.csv", "dir.csv", "cases/a.csv"], "1");
+    fs::write(other.path().join("a.csv"), USER).unwrap();
+    for name in ["link.csv", "dir.csv"] {
+        fs::remove_file(path.join(name)).unwrap();
+    }
+    fs::remove_dir_all(path.join("cases")).unwrap();
+    std::os::unix::fs::symlink(other.path().join("a.csv"), path.join("link.csv")).unwrap();
+    std::os::unix::fs::symlink(other.path(), path.join("cases")).unwrap();
+    fs::create_dir(path.join("dir.csv")).unwrap();
+    refused(open(path).check(["link.csv"]), "the symbolic link");
+    run(path, &["b.csv"], "2");
+    assert_eq!(text(other.path(), "a.csv"), USER);
+    assert!(path.join("dir.csv").is_dir() && path.join("link.csv").is_symlink());
+}
+
+#[test]
+fn inputs_are_neither_replaced_nor_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["map.csv", "old.csv", "a.csv"], "result");
+    // The same file by another name.
+    let detour = path
+        .join("../")
+        .join(path.file_name().unwrap())
+        .join("map.csv");
+    let open = || {
+        let inputs = [detour.as_path(), &path.join("old.csv")].map(Path::to_owned);
+        ResultFolder::open(path, "verify", &[&inputs[0], &inputs[1]]).unwrap()
+    };
+    let error = refused(open().check(["map.csv"]), "input of this run");
+    assert!(matches!(error, ResultFolderError::Input { .. }));
+    refused(open().claim("old.csv"), "input of this run");
+    let results = open();
+    write(&results, &["b.csv"], "result");
+    results.discard("old.csv").unwrap();
+    results.finish().unwrap();
+    assert_eq!(tree(path), ["b.csv", MANIFEST, "map.csv", "old.csv"]);
+}
+
+#[test]
+fn checks_leave_no_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("new/deep");
+    open(&path).check(["a.csv", "cases/b.csv"]).unwrap();
+    drop(open(&path));
+    assert_eq!(tree(folder.path()).len(), 0);
+}
+
+/// A run that is killed leaves old results or new ones under each name, and the next run may go on.
+#[test]
+fn interrupted_run_loses_nothing_and_is_taken_over() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv", "b.csv", "old.csv"], "first");
+    let results = open(path);
+    write(&results, &["a.csv", "new.csv"], "second");
+    results.claim("never written.csv").unwrap();
+    drop(results);
+    let content = ["a.csv", "b.csv", "old.csv", "new.csv"].map(|name| text(path, name));
+    assert_eq!(content, ["second", "first", "first", "second"]);
+    let manifest: Value = read_json(path.join(MANIFEST)).unwrap();
+    assert_eq!(manifest["complete"], false);
+
+    run(path, &["a.csv", "b.csv"], "third");
+    assert_eq!(tree(path), ["a.csv", "b.csv", MANIFEST]);
+    assert_eq!(text(path, "b.csv"), "third");
+}
+
+#[test]
+fn names_are_listed_before_their_files_exist() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = open(folder.path());
+    for name in ["a.csv", "cases/b.csv"] {
+        let file = results.claim(name).unwrap();
+        assert!(!file.exists() && file.parent().unwrap().is_dir());
+        let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
+        let files = manifest["files"].as_array().unwrap();
+        assert!(files.contains(&name.into()), "{files:?}");
+    }
+    // What was claimed but not written is not listed in the end.
+    results.finish().unwrap();
+    let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
+    assert_eq!(manifest["files"], serde_json::json!([]));
+}
+
+#[test]
+fn checkpoints_are_kept_or_discarded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["cells/1.json", "cells/2.json", "cells/3.json"], "1");
+    fs::write(path.join("cells/mine.json"), USER).unwrap();
+    let results = open(path);
+    results.keep("cells/1.json");
+    results.keep("cells/mine.json");
+    results.discard("cells/2.json").unwrap();
+    results.discard("cells/mine.json").unwrap();
+    results.discard("cells/none.json").unwrap();
+    assert!(!path.join("cells/2.json").exists() && path.join("cells/3.json").exists());
+    write(&results, &["a.csv"], "2");
+    results.finish().unwrap();
+    assert_eq!(
+        tree(path),
+        [
+            "a.csv",
+            "cells/",
+            "cells/1.json",
+            "cells/mine.json",
+            MANIFEST
+        ]
+    );
+    run(path, &["a.csv"], "3");
+    assert_eq!(tree(path), ["a.csv", "cells/", "cells/mine.json", MANIFEST]);
+}
+
+#[test]
+fn results_of_other_commands_and_of_builds_without_manifest_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv"], "1");
+    let error = refused(
+        ResultFolder::open(path, "gonio", &[]),
+        "holds results of `verify`",
+    );
+    assert!(matches!(error, ResultFolderError::OtherCommand { .. }));
+
+    fs::remove_file(path.join(MANIFEST)).unwrap();
+    let summary = serde_json::json!({"schema": 1, "command": "verify", "version": "0.1.0"});
+    write_json(path.join("summary.json"), &summary).unwrap();
+    let error = refused(ResultFolder::open(path, "verify", &[]), "older build");
+    assert!(matches!(error, ResultFolderError::NoManifest { .. }));
+    // A summary.json of anything else is the user's.
+    fs::write(path.join("summary.json"), "{\"schema\": 1}").unwrap();
+    refused(open(path).check(["summary.json"]), "not written by");
+    open(path).check(["other.csv"]).unwrap();
+}
+
+#[test]
+fn invalid_manifests_are_refused_and_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv"], "1");
+    let valid = text(path, MANIFEST);
+    let outside = tempfile::NamedTempFile::new().unwrap();
+    let absolute = outside.path().to_str().unwrap();
+    for (manifest, words) in [
+        ("{}".to_owned(), "missing field"),
+        (String::new(), "EOF"),
+        (valid[..valid.len() / 2].to_owned(), "not a manifest"),
+        (
+            valid.replace("\"schema\": 1", "\"schema\": 7"),
+            "schema is 7",
+        ),
+        (valid.replace("a.csv", "../a.csv"), "`../a.csv`"),
+        (valid.replace("a.csv", absolute), "not in the folder"),
+        (valid.replace("a.csv", ""), "``"),
+        (valid.replace("a.csv", MANIFEST), "manifest.json`"),
+    ] {
+        fs::write(path.join(MANIFEST), &manifest).unwrap();
+        let error = refused(ResultFolder::open(path, "verify", &[]), words);
+        assert!(
+            matches!(error, ResultFolderError::InvalidManifest { .. }),
+            "{error}"
+        );
+        assert_eq!(text(path, MANIFEST), manifest);
+    }
+    assert!(outside.path().exists());
+}
+
+#[test]
+fn stale_parts_are_swept_from_all_folders_of_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["cells/1.json"], "1");
+    for name in [".asperity-a.part", "cells/.asperity-b.part"] {
+        let part = fs::File::create(path.join(name)).unwrap();
+        let hour = std::time::Duration::from_secs(3600);
+        part.set_modified(std::time::SystemTime::now() - hour)
+            .unwrap();
+    }
+    open(path).check(["cells/1.json"]).unwrap();
+    assert_eq!(tree(path).len(), 5);
+    run(path, &["cells/1.json"], "1");
+    assert_eq!(tree(path), ["cells/", "cells/1.json", MANIFEST]);
+}
+
+#[test]
+fn files_are_claimed_from_several_threads() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = open(folder.path());
+    std::thread::scope(|scope| {
+        for thread in 0..4 {
+            let results = &results;
+            scope.spawn(move || {
+                for i in 0..8 {
+                    let name = format!("{thread}/{i}.csv");
+                    write_bytes(results.claim(&name).unwrap(), b"1").unwrap();
+                }
+            });
+        }
+    });
+    results.finish().unwrap();
+    let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
+    assert_eq!(manifest["files"].as_array().unwrap().len(), 32);
+}
+
+#[test]
+#[should_panic(expected = "not a name inside")]
+fn names_outside_the_folder_are_bugs() {
+    let folder = tempfile::tempdir().unwrap();
+    let _ = open(folder.path()).claim("../a.csv");
+}
