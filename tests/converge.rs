@@ -20,7 +20,7 @@ const CONFIG: &str = "
     size = 32
     [converge]
     samplings = [\"random\", \"stratified\"]
-    accelerators = [\"tiles\", \"pyramid\"]
+    accelerators = [\"mesh\", \"pyramid\"]
     rays = 256
     surfaces = [2, 8]
     repeats = 3
@@ -84,11 +84,11 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
         assert_eq!(lasting(a), lasting(b));
         assert_eq!(a["accelerator"], b["accelerator"]);
     }
-    // The accelerator changes no result: rows of tiles come before those of the pyramid.
-    let (tiles, pyramid) = one.split_at(8);
-    for (a, b) in tiles.iter().zip(pyramid) {
+    // The accelerator changes no result: rows of the mesh come before those of the pyramid.
+    let (mesh, pyramid) = one.split_at(8);
+    for (a, b) in mesh.iter().zip(pyramid) {
         assert_eq!(lasting(a), lasting(b));
-        assert_eq!([&a["accelerator"], &b["accelerator"]], ["tiles", "pyramid"]);
+        assert_eq!([&a["accelerator"], &b["accelerator"]], ["mesh", "pyramid"]);
     }
     for row in &one {
         let number = |name: &str| row[name].parse::<f64>().unwrap();

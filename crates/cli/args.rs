@@ -338,7 +338,7 @@ pub(crate) struct Trace {
     /// Interactions after which a path is truncated
     #[arg(long, value_parser = parse_order, default_value = "1000", allow_negative_numbers = true)]
     pub(crate) max_order: u32,
-    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
+    /// How hits are found: auto, mesh, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long, default_value = "auto")]
     pub(crate) accelerator: AcceleratorKind,
     /// How paths become results: auto, plain or controlled

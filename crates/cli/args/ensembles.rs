@@ -90,7 +90,7 @@ pub(crate) struct Rays {
     /// Interactions after which a path is truncated
     #[arg(long, value_parser = parse_order, allow_negative_numbers = true)]
     pub(crate) max_order: Option<u32>,
-    /// How hits are found: auto, mesh, tiles, pyramid, flat (flat surfaces only) or brute-force
+    /// How hits are found: auto, mesh, pyramid, flat (flat surfaces only) or brute-force
     #[arg(long)]
     pub(crate) accelerator: Option<AcceleratorKind>,
     /// How rays are spread: random, stratified or quasi-random
@@ -198,7 +198,7 @@ pub(crate) struct Converge {
     /// How rays are spread, one or several: random,stratified,quasi-random
     #[arg(long, value_delimiter = ',', num_args = 1)]
     pub(crate) samplings: Vec<Sampling>,
-    /// How hits are found, one or several: auto,mesh,tiles,pyramid,brute-force
+    /// How hits are found, one or several: auto,mesh,pyramid,brute-force
     #[arg(long, value_delimiter = ',', num_args = 1)]
     pub(crate) accelerators: Vec<AcceleratorKind>,
     /// Length units a sample, one or several, over the same extent: size times spacing

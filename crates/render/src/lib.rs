@@ -26,9 +26,9 @@ use asperity_optics::{Layer, Material};
 use asperity_surface::HeightField;
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BeamContribution, BuildError, CameraContribution, FlightSearch, Geometry,
-    LightBeams, MAX_TILES, MeshSurface, PathEnd, PathIntegrator, PathResult, PathSettings, Surface,
-    TracedLayerError, can_traverse, tiles_crossed,
+    AcceleratorKind, BeamContribution, BuildAccelerator, BuildError, CameraContribution,
+    FlightSearch, Geometry, LightBeams, MAX_TILES, MeshSurface, PathEnd, PathIntegrator,
+    PathResult, PathSettings, Surface, TracedLayerError, can_traverse, tiles_crossed,
 };
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
@@ -175,7 +175,7 @@ pub fn render_mesh(
     render_on(|| (mesh, bottom), material, layer, settings, progress)
 }
 
-fn render_on<G: Geometry>(
+fn render_on<G: BuildAccelerator>(
     build: impl FnOnce() -> (G, Option<G>),
     material: Material,
     layer: Option<&Layer>,

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::Layout;
-use asperity_tracer::{BottomShape, Branching, HalfSpace, Illumination, TracedLayer, Tracer};
+use asperity_tracer::{
+    BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, TracedLayer, Tracer,
+};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

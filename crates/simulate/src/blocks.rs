@@ -203,7 +203,7 @@ mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
     use asperity_tally::{BatchStatistics, Layout};
-    use asperity_tracer::{HalfSpace, Starts, Surface};
+    use asperity_tracer::{BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
     use crate::progress::StoppedBy;

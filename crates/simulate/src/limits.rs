@@ -105,7 +105,7 @@ pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize
     let beside = match accelerator {
         // Two facets, each with its box while the hierarchy is built and its share of the nodes.
         AcceleratorKind::Mesh => 541,
-        // Heights in single precision, and a word for every node; blocks take a tenth of a byte.
+        // Heights in single precision, and a word for every node.
         AcceleratorKind::Pyramid | AcceleratorKind::Auto => 6,
         _ => 0,
     };
@@ -120,9 +120,8 @@ pub fn meshes_bytes(
     is_flat: bool,
     refine: bool,
 ) -> usize {
-    let of_mesh = |[ny, nx]: [usize; 2]| {
-        traced_bytes([ny, nx], accelerator.on_height_field([nx, ny], is_flat))
-    };
+    let of_mesh =
+        |[ny, nx]: [usize; 2]| traced_bytes([ny, nx], accelerator.on_height_field(is_flat));
     let given = of_mesh([ny, nx]);
     if !refine {
         return given;
@@ -199,11 +198,10 @@ mod tests {
     fn large_surfaces_fit_unless_triangles_are_held() {
         let side = 16_384;
         let gib = |kind: AcceleratorKind| {
-            let kind = kind.on_height_field([side, side], false);
+            let kind = kind.on_height_field(false);
             traced_bytes([side, side], kind) as f64 / GIB
         };
         assert!(gib(AcceleratorKind::Auto) < 6.0);
-        assert!(gib(AcceleratorKind::Tiles) < 3.0);
         assert!(gib(AcceleratorKind::Mesh) > 100.0);
     }
 }

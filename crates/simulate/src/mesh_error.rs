@@ -4,7 +4,7 @@
 use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
 use asperity_surface::{HeightField, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Control, Estimate, Layout, UnshadowedFluxes};
-use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Surface};
+use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface};
 
 use crate::case::Case;
 use crate::limits::RunError;
@@ -35,7 +35,7 @@ pub(crate) struct Meshes<G = Surface> {
     pub surfaces: Vec<G>,
 }
 
-impl<G: Geometry> Meshes<G> {
+impl<G: BuildAccelerator> Meshes<G> {
     /// One mesh alone.
     pub(crate) fn of_one(surface: G) -> Self {
         Self {

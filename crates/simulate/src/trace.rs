@@ -5,7 +5,7 @@ use std::time::Instant;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
+use asperity_tracer::{BuildAccelerator, Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
 
 use crate::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
 use crate::budget::ErrorBudget;
@@ -170,7 +170,7 @@ type Built<G> = (Meshes<G>, Option<Meshes<G>>);
 
 /// Traces light on what `build` builds, whose mesh has the errors that follow from what differs between
 /// its meshes.
-fn trace_on<G: Geometry>(
+fn trace_on<G: BuildAccelerator>(
     (build, method): (
         impl FnOnce() -> Result<Built<G>, RunError>,
         impl Fn(&G) -> Result<Method, RunError>,

@@ -21,8 +21,8 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Psd, Synthesis};
 use asperity_tally::Layout;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Facet, Geometry, HalfSpace, Hit, Illumination, Instructions,
-    PathSettings, Pyramid, Query, Surface, Tracer, Work,
+    Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,
+    Instructions, PathSettings, Pyramid, Query, Surface, Tracer, Work,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -66,9 +66,9 @@ fn main() {
 
 /// The accelerators by name: all that this machine can run.
 fn contenders(n: usize) -> Vec<(String, AcceleratorKind, Option<Instructions>)> {
-    let mut all = vec![("tiles".to_owned(), AcceleratorKind::Tiles, None)];
+    let mut all = Vec::new();
     if n <= LARGEST_MESH {
-        all.insert(0, ("mesh".to_owned(), AcceleratorKind::Mesh, None));
+        all.push(("mesh".to_owned(), AcceleratorKind::Mesh, None));
     }
     for instructions in [
         Instructions::Portable,

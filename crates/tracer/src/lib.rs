@@ -25,12 +25,13 @@ mod sampling;
 mod settings;
 mod visibility;
 
-pub use accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+pub use accelerators::accelerator::{Accelerator, BuildError};
 pub use accelerators::brute_force::BruteForce;
+pub use accelerators::chooser::BuildAccelerator;
 pub use accelerators::flat::Flat;
+pub use accelerators::kind::AcceleratorKind;
 pub use accelerators::mesh_bvh::MeshBvh;
 pub use accelerators::pyramid::{Instructions, Pyramid};
-pub use accelerators::tile_bvh::TileBvh;
 pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
@@ -41,7 +42,7 @@ pub use path::{Illumination, Starts, Tracer, Work};
 pub use periodic::{
     Heading, MAX_TILES, TraversalEnd, TraversalResult, can_traverse, tiles_crossed, traverse,
 };
-pub use ray::{HalfSpace, Hit, TileRay};
+pub use ray::{HalfSpace, Hit, Query, TileRay};
 pub use reference::{
     BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
 };

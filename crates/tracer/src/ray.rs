@@ -51,6 +51,15 @@ impl TileRay {
     }
 }
 
+/// A ray, and the half space that it is in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Query {
+    /// The ray.
+    pub ray: TileRay,
+    /// Where it is.
+    pub half_space: HalfSpace,
+}
+
 /// Where a ray meets a tile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit<F> {

@@ -10,8 +10,8 @@ mod common;
 
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, BuildError, Facet, Geometry, HalfSpace, Hit,
-    Instructions, Pyramid, Query, Surface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, BuildError, Facet, Geometry,
+    HalfSpace, Hit, Instructions, Pyramid, Query, Surface, TileRay,
 };
 use common::{rugged, waves};
 use glam::DVec3;
@@ -105,13 +105,10 @@ fn rays(surface: &Surface, count: usize, seed: u64) -> Vec<(TileRay, HalfSpace)>
 
 /// Every accelerator for a surface, with a name for messages.
 fn accelerators(surface: &Surface) -> Vec<(String, Box<dyn Accelerator<Surface>>)> {
-    let mut all: Vec<(String, Box<dyn Accelerator<Surface>>)> = [
-        AcceleratorKind::Mesh,
-        AcceleratorKind::Tiles,
-        AcceleratorKind::Pyramid,
-    ]
-    .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
-    .into();
+    let mut all: Vec<(String, Box<dyn Accelerator<Surface>>)> =
+        [AcceleratorKind::Mesh, AcceleratorKind::Pyramid]
+            .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
+            .into();
     if surface.is_flat() {
         let flat = surface.accelerator(AcceleratorKind::Flat).unwrap();
         all.push(("flat".to_owned(), flat));
@@ -184,8 +181,8 @@ fn bvh_matches_brute_force_on_the_smallest_and_on_flat_surfaces() {
 }
 
 #[test]
-fn blocks_of_any_shape_match_brute_force() {
-    // Tiles of one block and of many, and blocks that the tile does not fill.
+fn tiles_of_any_shape_match_brute_force() {
+    // Powers of two of cells along an axis, and nodes of the pyramid that the tile does not fill.
     for (nx, ny, height, border) in [
         (70, 33, 1.0, Border::Periodic),
         (33, 65, 0.3, Border::Open),
@@ -209,9 +206,8 @@ fn auto_takes_what_suits_the_surface() {
     let flat = Surface::new(offset);
     assert_eq!(kind(&flat), AcceleratorKind::Flat);
     assert_eq!(flat.resolve(AcceleratorKind::Auto), kind(&flat));
-    // What no pyramid holds.
-    let large = AcceleratorKind::Auto.on_height_field([1 << 16, 1 << 16], false);
-    assert_eq!(large, AcceleratorKind::Tiles);
+    assert!(Pyramid::holds([1 << 15; 2]) && !Pyramid::holds([1 << 15, 1 << 16]));
+    assert_eq!("tiles".parse(), Ok(AcceleratorKind::Pyramid));
     assert!(matches!(
         rough.accelerator(AcceleratorKind::Flat).err(),
         Some(BuildError::NotFlat)

@@ -17,8 +17,8 @@ use asperity_tally::{
     BatchStatistics, Control, HemisphereGrid, Layout, OrderClass, Share, Sides, VisibleShares,
 };
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Starts, Surface,
-    Tracer, sum_over_facets, unshadowed_fluxes,
+    AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
+    Starts, Surface, Tracer, sum_over_facets, unshadowed_fluxes,
 };
 use common::{rugged, waves};
 use rand::SeedableRng;

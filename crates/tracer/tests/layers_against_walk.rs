@@ -15,8 +15,8 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, History, Layout, Share, Side};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, FlightSearch, Geometry, HalfSpace, Illumination,
-    PathEnd, PathIntegrator, PathResult, PathSettings, Surface, TracedLayer, Tracer,
+    AcceleratorKind, BottomShape, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace,
+    Illumination, PathEnd, PathIntegrator, PathResult, PathSettings, Surface, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

@@ -15,8 +15,8 @@ use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, Geometry, HalfSpace, MeshBvh, MeshSurface,
-    MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, MeshBvh,
+    MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
 };
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use common::{Run, rugged, waves};
@@ -158,7 +158,7 @@ fn point_of(mesh: &MeshSurface, facet: u32, rng: &mut ChaCha8Rng) -> DVec3 {
     }
 }
 
-fn trace<G: Geometry>(
+fn trace<G: BuildAccelerator>(
     geometry: &G,
     kind: AcceleratorKind,
     incident: HalfSpace,

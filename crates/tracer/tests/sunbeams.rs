@@ -16,8 +16,8 @@ use asperity_optics::{
 use asperity_surface::{Border, HeightField};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, CameraContribution, FlightSearch, Geometry, LightBeams, PathEnd,
-    PathIntegrator, PathSettings, Surface, TracedLayer,
+    AcceleratorKind, BottomShape, BuildAccelerator, CameraContribution, FlightSearch, Geometry,
+    LightBeams, PathEnd, PathIntegrator, PathSettings, Surface, TracedLayer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

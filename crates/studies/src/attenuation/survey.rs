@@ -4,8 +4,8 @@ use asperity_optics::{Incidence, reflect};
 use asperity_simulate::{Progress, RunError, check_grazing};
 use asperity_surface::HeightField;
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, Geometry, Horizon, Surface, Visibility, VisibilityRay,
-    trace_visibility,
+    Accelerator, AcceleratorKind, BuildAccelerator, Geometry, Horizon, Surface, Visibility,
+    VisibilityRay, trace_visibility,
 };
 use rayon::prelude::*;
 

@@ -136,7 +136,7 @@ impl ConvergeConfig {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
                 let [ny, nx] = synthesis.shape();
-                let accelerator = method.accelerator.on_height_field([nx, ny], false);
+                let accelerator = method.accelerator.on_height_field(false);
                 let bytes = synthesis
                     .peak_bytes()
                     .max(traced_bytes([ny, nx], accelerator));
@@ -383,7 +383,7 @@ mod tests {
             size = [512, 256]
             [converge]
             estimators = \"plain\"
-            accelerators = [\"tiles\", \"pyramid\"]
+            accelerators = [\"mesh\", \"pyramid\"]
             spacings = [2, 1, 0.5]
             rays = [100, 1000]
             surfaces = 4

@@ -92,7 +92,7 @@ mod tests {
         let method = Method {
             estimator: Estimator::Plain,
             sampling: Sampling::Random,
-            accelerator: AcceleratorKind::Tiles,
+            accelerator: AcceleratorKind::Mesh,
             spacing: PerAxis::Both(Number(1.0)),
         };
         let effort = Effort {

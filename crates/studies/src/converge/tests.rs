@@ -69,7 +69,7 @@ fn gains_are_over_plain_random_rays_on_the_same_grid() {
     let plain = method(Estimator::Plain, Sampling::Random);
     let controlled = method(Estimator::Controlled, Sampling::Stratified);
     let elsewhere = Method {
-        accelerator: AcceleratorKind::Tiles,
+        accelerator: AcceleratorKind::Mesh,
         ..controlled
     };
     let outcome = ConvergedCase {

@@ -1,22 +1,8 @@
 //! The one interface behind which rays are intersected with a tile.
 
-use std::fmt;
-use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
-
-use crate::accelerators::pyramid::Pyramid;
+use super::kind::AcceleratorKind;
 use crate::geometry::Geometry;
-use crate::ray::{HalfSpace, Hit, TileRay};
-
-/// A ray, and the half space that it is in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Query {
-    /// The ray.
-    pub ray: TileRay,
-    /// Where it is.
-    pub half_space: HalfSpace,
-}
+use crate::ray::{Hit, Query};
 
 /// Finds where rays meet the facets of one tile.
 ///
@@ -46,7 +32,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
 
 /// Height range, in columns, up to which surfaces are traced: beyond, single precision would no
 /// longer tell neighbouring columns apart, and heights and spacing are hardly in the same unit.
-pub(crate) const TALLEST: f64 = 1e5;
+pub(super) const MAX_HEIGHT_RANGE: f64 = 1e5;
 
 /// Why an accelerator cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -62,7 +48,7 @@ pub enum BuildError {
     },
     /// Heights out of proportion to the spacing.
     #[error(
-        "the heights span {columns:.3e} column spacings, more than {TALLEST:e}: are heights and spacing in the same unit?"
+        "the heights span {columns:.3e} column spacings, more than {MAX_HEIGHT_RANGE:e}: are heights and spacing in the same unit?"
     )]
     TooTall {
         /// Height range over the column spacing.
@@ -79,71 +65,4 @@ pub enum BuildError {
         /// The accelerator asked for.
         kind: AcceleratorKind,
     },
-}
-
-/// Accelerators by name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-#[non_exhaustive]
-pub enum AcceleratorKind {
-    /// The best one for the scene.
-    #[default]
-    Auto,
-    /// A bounding volume hierarchy over all triangles.
-    Mesh,
-    /// A pyramid of height bounds over the cells, searched by many rays at a time.
-    Pyramid,
-    /// A bounding volume hierarchy over square blocks of cells.
-    Tiles,
-    /// The plane of a surface whose heights are all equal.
-    Flat,
-    /// Every triangle for every ray: the reference, for small surfaces.
-    BruteForce,
-}
-
-impl AcceleratorKind {
-    /// What stands for `auto` on a height field of `[columns, rows]` cells; all others stay what they
-    /// are.
-    ///
-    /// `flat` if it is flat, else `pyramid` up to the size that it can hold, else `tiles`.
-    #[must_use]
-    pub const fn on_height_field(self, cells: [usize; 2], flat: bool) -> Self {
-        match self {
-            Self::Auto if flat => Self::Flat,
-            Self::Auto if Pyramid::holds(cells) => Self::Pyramid,
-            Self::Auto => Self::Tiles,
-            chosen => chosen,
-        }
-    }
-}
-
-impl fmt::Display for AcceleratorKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::Mesh => "mesh",
-            Self::Pyramid => "pyramid",
-            Self::Tiles => "tiles",
-            Self::Flat => "flat",
-            Self::BruteForce => "brute-force",
-        })
-    }
-}
-
-impl FromStr for AcceleratorKind {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            "mesh" => Ok(Self::Mesh),
-            "pyramid" => Ok(Self::Pyramid),
-            "tiles" => Ok(Self::Tiles),
-            "flat" => Ok(Self::Flat),
-            "brute-force" => Ok(Self::BruteForce),
-            _ => Err(format!(
-                "unknown accelerator `{text}`; allowed are auto, mesh, tiles, pyramid, flat and brute-force"
-            )),
-        }
-    }
 }

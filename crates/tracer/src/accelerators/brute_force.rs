@@ -1,8 +1,9 @@
 //! Every facet for every ray: the specification of all accelerators.
 
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, Query};
+use crate::accelerators::accelerator::Accelerator;
+use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::Geometry;
-use crate::ray::Hit;
+use crate::ray::{Hit, Query};
 
 /// Tests all facets; for small surfaces and for testing other accelerators.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,9 +1,10 @@
 //! A surface whose heights are all equal: the plane names the cell.
 
 use super::brute_force::BruteForce;
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, BuildError};
+use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::height_field::{Facet, Surface};
-use crate::ray::Hit;
+use crate::ray::{Hit, Query};
 
 /// By how much a point may be moved by rounding, relative to the size of the tile, and far more.
 const WIDENING: f64 = 1e-9;

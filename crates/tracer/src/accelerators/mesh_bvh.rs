@@ -10,9 +10,10 @@ use obvhs::ray::RayHit;
 use obvhs::{Boundable, BvhBuildParams};
 
 use super::obvhs_ray::Handover;
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, BuildError};
+use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::Geometry;
-use crate::ray::Hit;
+use crate::ray::{Hit, Query};
 
 /// Facets that one hierarchy can hold.
 const MOST_FACETS: usize = 1 << 31;
@@ -33,7 +34,7 @@ impl Boundable for FacetBox {
 }
 
 /// Bytes that a hierarchy holds.
-pub(super) fn held_by(bvh: &CwBvh) -> usize {
+fn held_by(bvh: &CwBvh) -> usize {
     bvh.nodes.capacity() * size_of::<CwBvhNode>()
         + bvh.primitive_indices.capacity() * size_of::<u32>()
 }

@@ -1,9 +1,15 @@
-//! The accelerators, each in a file of its own; single precision and obvhs stay in this folder.
+//! Accelerators: find where rays meet the triangles of one tile.
+//!
+//! `accelerator.rs` is the interface, `brute_force.rs` the specification that every other accelerator must agree
+//! with, and `chooser.rs` builds one by its name. Single precision and obvhs stay in this folder.
 
 pub(crate) mod accelerator;
 pub(crate) mod brute_force;
+pub(crate) mod chooser;
 pub(crate) mod flat;
+pub(crate) mod kind;
 pub(crate) mod mesh_bvh;
 mod obvhs_ray;
 pub(crate) mod pyramid;
-pub(crate) mod tile_bvh;
+
+pub(crate) use accelerator::Accelerator;

@@ -9,7 +9,6 @@ use std::fmt::Debug;
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
 /// Triangles that light meets.
@@ -87,12 +86,6 @@ pub trait Geometry: Sized + Send + Sync {
     /// Whether bounds on the slopes ahead exclude that a ray in `half_space` meets any facet at all, in
     /// this tile or beyond it.
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape>;
-
-    /// Builds an accelerator over the triangles of the tile.
-    ///
-    /// # Errors
-    /// [`BuildError`] if there is none of this kind for this geometry.
-    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError>;
 }
 
 /// What is known of the first stretch of a ray without a search.

@@ -4,7 +4,7 @@ use asperity_optics::{Bottom, Layer, PhaseFunction};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-use crate::accelerators::accelerator::Accelerator;
+use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::periodic::Heading;
 use crate::ray::HalfSpace;

@@ -12,12 +12,11 @@ use rand::{Rng, RngExt};
 
 use super::leg::{Arrival, Errand, Leg, Light, onward};
 use super::{Batch, Tracer};
-use crate::accelerators::accelerator::Query;
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Face, TracedLayer};
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
-use crate::ray::{HalfSpace, Hit};
+use crate::ray::{HalfSpace, Hit, Query};
 
 /// Inside, roulette begins at so many times the flux at which it begins elsewhere.
 ///

@@ -3,10 +3,9 @@
 use asperity_tally::{Event, EventPath};
 use glam::DVec2;
 
-use crate::accelerators::accelerator::Query;
 use crate::interaction::facet::Branch;
 use crate::periodic::{Heading, Traversal};
-use crate::ray::HalfSpace;
+use crate::ray::{HalfSpace, Query};
 
 /// What light carries along its path.
 #[derive(Clone, Copy)]

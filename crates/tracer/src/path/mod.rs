@@ -14,13 +14,13 @@ use asperity_tally::{Azimuth, Control, EventPath, Exit, History, Layout, Loss, R
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-use crate::accelerators::accelerator::{Accelerator, Query};
+use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Face, TracedLayer};
 use crate::path::beam::Beam;
 use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
-use crate::ray::{HalfSpace, Hit};
+use crate::ray::{HalfSpace, Hit, Query};
 use crate::sampling::Places;
 use crate::settings::{Branching, PathSettings};
 

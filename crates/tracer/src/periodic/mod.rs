@@ -7,9 +7,9 @@
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::accelerators::accelerator::{Accelerator, Query};
+use crate::accelerators::Accelerator;
 use crate::geometry::{Escape, Geometry};
-use crate::ray::{HalfSpace, Hit, TileRay};
+use crate::ray::{HalfSpace, Hit, Query, TileRay};
 
 #[cfg(test)]
 mod tests;

@@ -14,7 +14,7 @@ use asperity_surface::Border;
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
-use crate::accelerators::accelerator::Accelerator;
+use crate::accelerators::Accelerator;
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::facet::{Scattered, scatter};
 use crate::interaction::layer::{Face, TracedLayer};

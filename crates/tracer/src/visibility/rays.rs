@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::accelerators::accelerator::Accelerator;
+use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;

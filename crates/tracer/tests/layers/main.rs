@@ -18,7 +18,7 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::HeightField;
 use asperity_tally::{BatchStatistics, Layout, Sides};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Geometry, HalfSpace, Illumination, PathSettings, Surface,
+    AcceleratorKind, BottomShape, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
     TracedLayer, Tracer, Work,
 };
 use rand::SeedableRng;

@@ -3,7 +3,7 @@
 use asperity_optics::{Bottom, Layer};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, Layout};
-use asperity_tracer::{AcceleratorKind, Geometry, HalfSpace, Surface, Tracer};
+use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Surface, Tracer};
 
 use crate::common::waves;
 use crate::{Scene, medium, slab, z_between};
@@ -176,11 +176,7 @@ fn the_accelerator_changes_no_byte() {
             scene.trace(1, 20).0.means().to_vec()
         };
         let reference = found(AcceleratorKind::BruteForce);
-        for kind in [
-            AcceleratorKind::Pyramid,
-            AcceleratorKind::Tiles,
-            AcceleratorKind::Mesh,
-        ] {
+        for kind in [AcceleratorKind::Pyramid, AcceleratorKind::Mesh] {
             assert_eq!(found(kind), reference, "{border} {kind}");
         }
     }

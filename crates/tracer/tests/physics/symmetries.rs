@@ -4,8 +4,8 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Side};
 use asperity_tracer::{
-    AcceleratorKind, BruteForce, Geometry, HalfSpace, Illumination, MeshBvh, PathSettings, Surface,
-    Tracer,
+    AcceleratorKind, BruteForce, BuildAccelerator, HalfSpace, Illumination, MeshBvh, PathSettings,
+    Surface, Tracer,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

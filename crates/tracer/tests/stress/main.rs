@@ -31,7 +31,9 @@ mod searches;
 mod textbook;
 mod together;
 
-use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Instructions, Pyramid, Surface};
+use asperity_tracer::{
+    Accelerator, AcceleratorKind, BuildAccelerator, Instructions, Pyramid, Surface,
+};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -41,10 +43,9 @@ use schemes::offset_fails;
 use searches::{against_brute_force, against_the_textbook, in_other_units};
 
 /// Every accelerator that surfaces have; another joins by its name here.
-const KINDS: [AcceleratorKind; 4] = [
+const KINDS: [AcceleratorKind; 3] = [
     AcceleratorKind::BruteForce,
     AcceleratorKind::Mesh,
-    AcceleratorKind::Tiles,
     AcceleratorKind::Pyramid,
 ];
 

@@ -4,7 +4,8 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, Layout, Side};
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Surface, Tracer,
+    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
+    Tracer,
 };
 use rand::RngExt;
 

@@ -1,7 +1,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use asperity_surface::{HeightField, Psd, Synthesis};
-use asperity_tracer::{AcceleratorKind, Horizons, Visibility, trace_visibility};
+use asperity_tracer::{AcceleratorKind, BuildAccelerator, Horizons, Visibility, trace_visibility};
 
 use super::*;
 

@@ -25,9 +25,10 @@ use std::cell::Cell;
 
 use self::bounds::Bounds;
 use self::rays::{Answer, Rays};
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, Query};
+use crate::accelerators::accelerator::{Accelerator, BuildError};
+use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::height_field::{Facet, Surface};
-use crate::ray::Hit;
+use crate::ray::{Hit, Query};
 
 pub use self::wide::Instructions;
 

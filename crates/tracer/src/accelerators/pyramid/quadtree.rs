@@ -3,9 +3,8 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use crate::accelerators::accelerator::Query;
 use crate::geometry::height_field::{Facet, Surface};
-use crate::ray::{HalfSpace, Hit};
+use crate::ray::{HalfSpace, Hit, Query};
 
 /// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
 /// far more than rounding in f64 can move a ray, so that no cell that brute force finds a hit in is

@@ -3,10 +3,9 @@
 use asperity_surface::Triangle;
 
 use super::lanes::MOST_LANES;
-use crate::accelerators::accelerator::Query;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
-use crate::ray::TileRay;
+use crate::ray::{Query, TileRay};
 
 /// How far a point of a ray may be from where it should be, in columns a column travelled: the
 /// position `x + t dx` takes `t = edge / dx - x / dx` and roundings of x, dx, 1 / dx, and of two or

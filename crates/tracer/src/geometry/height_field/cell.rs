@@ -3,8 +3,18 @@
 use asperity_surface::Triangle;
 use glam::DVec3;
 
-use crate::geometry::height_field::Facet;
 use crate::ray::{HalfSpace, TileRay};
+
+/// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Facet {
+    /// Row of the cell.
+    pub iy: u32,
+    /// Column of the cell.
+    pub ix: u32,
+    /// Which of its triangles.
+    pub triangle: Triangle,
+}
 
 /// z at the corners of a cell, tile coordinates.
 pub(crate) struct Cell {

@@ -12,28 +12,14 @@ use std::sync::OnceLock;
 use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError, TALLEST};
-use crate::accelerators::brute_force::BruteForce;
-use crate::accelerators::flat::Flat;
-use crate::accelerators::mesh_bvh::MeshBvh;
-use crate::accelerators::pyramid::Pyramid;
-use crate::accelerators::tile_bvh::TileBvh;
-use crate::geometry::height_field::cell::{Cell, Size};
-use crate::geometry::height_field::height_bounds::Relief;
-use crate::geometry::height_field::slope_bounds::Steepness;
+use self::cell::{Cell, Size};
+use self::height_bounds::Relief;
+use self::slope_bounds::Steepness;
+
 use crate::geometry::{Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
-/// A triangle of the mesh: `triangle` of cell `(ix, iy)`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Facet {
-    /// Row of the cell.
-    pub iy: u32,
-    /// Column of the cell.
-    pub ix: u32,
-    /// Which of its triangles.
-    pub triangle: Triangle,
-}
+pub use self::cell::Facet;
 
 /// A height field as the triangles that rays meet, in tile coordinates.
 ///
@@ -139,20 +125,9 @@ impl Surface {
         self.field.is_flat()
     }
 
-    /// The accelerator that `kind` stands for on this surface.
-    #[must_use]
-    pub fn resolve(&self, kind: AcceleratorKind) -> AcceleratorKind {
-        kind.on_height_field(self.cells(), self.is_flat())
-    }
-
     /// An upper bound of the rise of any facet along a column or a row, tile coordinates.
     pub(crate) const fn steepest(&self) -> f64 {
         self.size.steepest
-    }
-
-    /// z of a height, tile coordinates; it never falls with the height.
-    pub(crate) fn z_of(&self, height: f64) -> f64 {
-        self.scale.z(height)
     }
 
     /// z of the grid points of row `iy`, one a cell, tile coordinates; rows wrap.
@@ -372,21 +347,6 @@ impl Geometry for Surface {
         let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
         (within && self.steepness.is_below_near(place, u, rise, t))
             .then_some(Escape::SteeperThanNear)
-    }
-
-    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
-        let [low, high] = self.z_range();
-        let columns = high - low;
-        if columns.is_nan() || columns > TALLEST {
-            return Err(BuildError::TooTall { columns });
-        }
-        Ok(match self.resolve(kind) {
-            AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
-            AcceleratorKind::Flat => Box::new(Flat::build(self)?),
-            AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
-            AcceleratorKind::Auto | AcceleratorKind::Tiles => Box::new(TileBvh::build(self)?),
-            AcceleratorKind::BruteForce => Box::new(BruteForce),
-        })
     }
 }
 

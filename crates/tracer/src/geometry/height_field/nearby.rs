@@ -1,10 +1,11 @@
 //! What a short stretch of a ray meets on a surface, told without a search.
 
-use crate::geometry::height_field::height_bounds::{Cells, Relief};
 use crate::geometry::{Geometry, Nearby, is_beside};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
-use super::{Facet, Surface};
+use super::Surface;
+use super::cell::Facet;
+use super::height_bounds::{Cells, Relief};
 
 /// Columns or rows of cells that are looked at one by one.
 const FEW: u32 = 2;

@@ -26,9 +26,6 @@ use self::intake::{
     Frame, align, check_edges, check_ground, check_indices, faces_away, is_degenerate,
     lies_on_border,
 };
-use crate::accelerators::accelerator::{Accelerator, AcceleratorKind, BuildError};
-use crate::accelerators::brute_force::BruteForce;
-use crate::accelerators::mesh_bvh::MeshBvh;
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{HalfSpace, TileRay};
 
@@ -383,14 +380,6 @@ impl Geometry for MeshSurface {
         // Only if all facets face upwards: then d . n is positive (below: negative) for every one.
         let steepest = self.steepest?;
         (half_space.sign() * d.z > steepest * d.x.hypot(d.y)).then_some(Escape::SteeperThanAll)
-    }
-
-    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
-        Ok(match kind {
-            AcceleratorKind::Auto | AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
-            AcceleratorKind::BruteForce => Box::new(BruteForce),
-            kind => return Err(BuildError::NeedsHeightField { kind }),
-        })
     }
 }
 
