@@ -78,7 +78,7 @@ pub(crate) fn read<T: Serialize + DeserializeOwned>(
     config: &Value,
     doubt: impl Fn(&T) -> Option<&'static str>,
 ) -> Result<Stored<T>, StoreError> {
-    if std::fs::symlink_metadata(path).is_err() {
+    if !asperity_io::exists(path) {
         return Ok(Stored::Missing);
     }
     let text = read_text(path).map_err(StoreError::Read)?;

@@ -3,7 +3,7 @@
 use asperity_simulate::short;
 use std::path::Path;
 
-use asperity_io::{create_output_folder, remove_files};
+use asperity_io::{create_output_folder, names_in, remove_files};
 use asperity_plot::{
     ColourScale, Figure, Hemisphere, Hemispheres, PlotError, ProfileGrid, ProfilePart, Sample,
     Side as PlotSide,
@@ -71,17 +71,11 @@ pub(super) fn draw(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportEr
 
 /// Removes plots that this run may not replace.
 fn remove_plots(folder: &Path) -> Result<(), ReportError> {
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return Ok(());
-    };
-    let names: Vec<String> = entries
-        .flatten()
-        .filter_map(|entry| entry.file_name().into_string().ok())
-        .filter(|name| {
-            let ours = KINDS.iter().any(|kind| name.starts_with(kind));
-            ours && (name.ends_with(".svg") || name.ends_with(".png"))
-        })
-        .collect();
+    let mut names = names_in(folder);
+    names.retain(|name| {
+        let is_figure = KINDS.iter().any(|kind| name.starts_with(kind));
+        is_figure && (name.ends_with(".svg") || name.ends_with(".png"))
+    });
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     Ok(remove_files(folder, &names)?)
 }

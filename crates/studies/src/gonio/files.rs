@@ -4,8 +4,8 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use asperity_io::{
-    CsvField as Field, WriteError, create_output_folder, remove_files, write_array, write_bytes,
-    write_csv, write_json,
+    CsvField as Field, WriteError, create_output_folder, names_in, remove_files, write_array,
+    write_bytes, write_csv, write_json,
 };
 use asperity_optics::{Material, PhaseFunction};
 use asperity_tally::{Estimate, Layout, Side};
@@ -43,21 +43,12 @@ pub fn gonio_report(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportE
 
 /// Refuses a folder with files of directions that are not among `plans`: the tables would tell nothing of them.
 pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), GonioError> {
-    // A folder that is not there yet holds none, and one that cannot be read is found when it is written.
-    let Ok(entries) = std::fs::read_dir(folder.join(FOLDER)) else {
-        return Ok(());
-    };
     let planned: HashSet<&str> = plans.iter().map(|plan| plan.name.as_str()).collect();
-    let direction = |name: String| {
+    let direction = |name: &String| {
         let stem = name.strip_suffix(".json").or(name.strip_suffix(".csv"))?;
         (!planned.contains(stem)).then(|| stem.to_owned())
     };
-    // The first by name, whatever the order of the folder.
-    let unplanned = entries
-        .flatten()
-        .filter_map(|entry| direction(entry.file_name().into_string().ok()?))
-        .min();
-    match unplanned {
+    match names_in(folder.join(FOLDER)).iter().find_map(direction) {
         None => Ok(()),
         Some(name) => Err(GonioError::Unplanned {
             folder: folder.to_owned(),

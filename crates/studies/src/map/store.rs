@@ -114,7 +114,7 @@ mod tests {
     /// What is believed of a file of such results, whose checksum is right.
     fn believed(results: &CellResults) -> Result<CellResults, String> {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::create_dir(folder_of(folder.path())).unwrap();
+        asperity_io::create_output_folder(folder_of(folder.path())).unwrap();
         let plan = plan();
         write(folder.path(), &plan, results).unwrap();
         match read(folder.path(), &plan).unwrap() {
