@@ -9,7 +9,7 @@ mod render;
 
 use std::path::PathBuf;
 
-use asperity_simulate::{Aim, Estimator};
+use asperity_simulate::{Estimator, Quantity};
 use asperity_studies::{Azimuth, parse_count, parse_number, parse_order, parse_seconds};
 use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::{HemisphereGrid, Sides};
@@ -313,7 +313,7 @@ pub(crate) struct Trace {
     pub(crate) target_error: Option<f64>,
     /// Whose error: reflected, transmitted or absorbed, as a flux fraction; bins, rings or in-plane, relative [default: bins]
     #[arg(long, value_name = "QUANTITY")]
-    pub(crate) of: Option<Aim>,
+    pub(crate) of: Option<Quantity>,
     /// Time after which nothing more is begun: seconds, or as 10m or 2h
     #[arg(long, value_parser = parse_seconds, allow_negative_numbers = true, value_name = "TIME")]
     pub(crate) max_time: Option<f64>,

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use asperity_simulate::{Progress, StoppedBy};
+use asperity_simulate::{Observer, StoppedBy};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::args::Common;
@@ -31,7 +31,7 @@ impl Bar {
     }
 }
 
-impl Progress for Bar {
+impl Observer for Bar {
     fn begin(&self, stage: &str, total: u64) {
         // indicatif draws nothing where standard error is no terminal.
         let target = if self.hidden {

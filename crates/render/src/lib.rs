@@ -16,7 +16,7 @@ mod lights;
 mod view;
 
 use asperity_simulate::{
-    BottomSurface, Progress, RunError, StoppedBy, check_memory, hierarchy_bytes, meshes_bytes,
+    BottomSurface, Observer, RunError, StoppedBy, check_memory, hierarchy_bytes, meshes_bytes,
     picture_stream, substrate,
 };
 use std::time::Instant;
@@ -145,7 +145,7 @@ pub fn render(
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
     let bytes = |field: &HeightField| {
         let all = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
@@ -167,7 +167,7 @@ pub fn render_mesh(
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
     let bottom_count = bottom.as_ref().map_or(0, Geometry::facet_count);
     let bytes = hierarchy_bytes(mesh.facet_count().saturating_add(bottom_count));
@@ -180,7 +180,7 @@ fn render_on<G: BuildAccelerator>(
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
     let began = Instant::now();
     let [columns, rows] = settings.size;

@@ -241,7 +241,7 @@ fn thread_count_changes_no_byte() {
 /// Stops at the question after so many.
 struct Patience(AtomicU64, StoppedBy);
 
-impl Progress for Patience {
+impl Observer for Patience {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}

@@ -3,7 +3,7 @@
 use asperity_analysis::{ModelError, SlopeError};
 use asperity_surface::{CoarseningError, SynthesisError};
 
-use crate::limits::RunError;
+use crate::input::limits::RunError;
 
 /// Why a run on random surfaces fails.
 #[derive(Debug, thiserror::Error)]

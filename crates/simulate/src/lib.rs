@@ -1,6 +1,6 @@
 //! The engine: from cases and settings to tallies with errors.
 //!
-//! [`trace`](trace::trace) and [`trace_mesh`](trace::trace_mesh) send light onto one surface; [`Sharing`] draws fresh surfaces and
+//! [`trace`](engine::trace::trace) and [`trace_mesh`](engine::trace::trace_mesh) send light onto one surface; [`Sharing`] draws fresh surfaces and
 //! sends the light of every case that shares them onto each. Threads and the random streams of rays live here.
 //!
 //! # Random streams
@@ -15,48 +15,36 @@
     reason = "as above"
 )]
 
-mod blocks;
-mod budget;
-mod case;
-mod ensemble;
+mod engine;
 mod error;
-mod estimator;
-mod facet_control;
-mod known;
-mod layer;
-mod limits;
-mod mesh_error;
-mod method;
-mod pilot;
-mod progress;
-mod sharing;
+mod errors;
+mod input;
+mod methods;
+mod observer;
+mod output;
 mod slopes;
-mod stopping;
 mod stream;
-mod target;
 mod text;
-mod trace;
-mod work;
 
-pub use blocks::{LitMesh, RaySettings};
-pub use budget::{ErrorBudget, Errors};
-pub use case::Case;
-pub use ensemble::{Ensemble, Group, Seconds};
+pub use engine::blocks::{LitMesh, RaySettings};
+pub use engine::ensemble::{Ensemble, Group, Seconds};
+pub use engine::sharing::{MESH_ALLOWANCE, RunPlan, Sharing, Traced};
+pub use engine::trace::{Scene, TraceOutcome, trace, trace_mesh};
 pub use error::SimulateError;
-pub use estimator::Estimator;
-pub use layer::{BottomSurface, layer_folder, layer_name, substrate};
-pub use limits::{
+pub use errors::budget::{ErrorBudget, Errors};
+pub use errors::mesh_error::{MeshErrors, Refinement, finer};
+pub use input::case::Case;
+pub use input::estimator::Estimator;
+pub use input::layer::{BottomSurface, layer_folder, layer_name, substrate};
+pub use input::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
     traced_bytes,
 };
-pub use mesh_error::{MeshErrors, Refinement, finer};
-pub use method::{ControlMean, Method, with_least_errors};
-pub use progress::{Deadline, Progress, Silent, StoppedBy};
-pub use sharing::{MESH_ALLOWANCE, RunPlan, Sharing, Traced};
+pub use input::target::{Quantity, Target, TargetError};
+pub use methods::method::{ControlMean, Method, with_least_errors};
+pub use observer::{Deadline, Observer, Silent, StoppedBy};
+pub use output::stopping::{PilotFigures, Stopping};
+pub use output::work::{SummaryWork, Used};
 pub use slopes::slopes;
-pub use stopping::{PilotFigures, Stopping};
 pub use stream::{convergence_stream, picture_stream, point_stream, ray_stream};
-pub use target::{Aim, Target, TargetError};
 pub use text::{error_in_short, short};
-pub use trace::{Scene, TraceOutcome, trace, trace_mesh};
-pub use work::{SummaryWork, Used};

@@ -53,7 +53,7 @@ mod skyline;
 mod survey;
 mod tables;
 
-use asperity_simulate::{Progress, RunError};
+use asperity_simulate::{Observer, RunError};
 use std::time::Instant;
 
 use asperity_analysis::{
@@ -202,7 +202,7 @@ pub struct AttenuationOutcome {
 /// interrupted before its first surface is finished.
 pub fn attenuation(
     config: &AttenuationConfig,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<AttenuationOutcome, AttenuationError> {
     let began = Instant::now();
     let plan = config.plan()?;

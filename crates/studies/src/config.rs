@@ -2,7 +2,7 @@
 
 use asperity_analysis::{DEFAULT_LEVEL, Heitz, LayerPaths, ModelError, Smith, XuSun};
 use asperity_optics::{IncidenceError, Material, MaterialError};
-use asperity_simulate::{Aim, Estimator, RaySettings, Target};
+use asperity_simulate::{Estimator, Quantity, RaySettings, Target};
 use asperity_surface::PsdError;
 use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
 use asperity_tracer::{
@@ -257,7 +257,7 @@ pub struct RunConfig {
     pub target_error: Option<Number>,
     /// Whose error it is; that of the bins by default.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub of: Option<Aim>,
+    pub of: Option<Quantity>,
     /// Time after which nothing more is begun, in seconds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_time: Option<Seconds>,

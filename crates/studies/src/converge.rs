@@ -40,7 +40,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Case, Progress};
+use asperity_simulate::{Case, Observer};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
@@ -266,7 +266,7 @@ impl ConvergedCase {
 /// [`ConvergeError`] if the configuration makes no sense or does not fit into memory.
 pub fn converge(
     config: &ConvergeConfig,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<ConvergeOutcome, ConvergeError> {
     let began = Instant::now();
     config.check()?;

@@ -13,7 +13,7 @@ mod sample;
 mod setting;
 mod summary;
 
-use asperity_simulate::{Progress, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
+use asperity_simulate::{Observer, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, create_output_folder};
@@ -152,7 +152,7 @@ pub fn gonio(
     config: &GonioConfig,
     sample: Option<&Sample>,
     folder: &Path,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<GonioOutcome, GonioError> {
     let (settings, plans) = config.plans(sample)?;
     let layout = config.ray_settings()?.layout;
@@ -226,7 +226,7 @@ fn measure(
     plan: &Plan,
     setting: &Setting,
     sample: Option<&Sample>,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<Option<DirectionResults>, GonioError> {
     let unseen = Unseen(progress);
     let results = match (&plan.work, sample) {
@@ -263,7 +263,7 @@ fn on_sample(
     (plan, setting): (&Plan, &Setting),
     rays: &RaySettings,
     sample: &Sample,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<DirectionResults, VerifyError> {
     let scene = Scene {
         material: setting.material,

@@ -11,7 +11,7 @@ mod interval;
 mod store;
 mod summary;
 
-use asperity_simulate::{Case, Progress, StoppedBy};
+use asperity_simulate::{Case, Observer, StoppedBy};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, create_output_folder};
@@ -112,7 +112,7 @@ impl MapOutcome {
 pub fn map(
     config: &MapConfig,
     folder: &Path,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<MapOutcome, MapError> {
     let plans = config.cells()?;
     // All files are looked at before the first is written.
@@ -157,7 +157,7 @@ pub fn map(
 }
 
 /// Traces one cell; `None` if an interrupt came before it was whole.
-fn fill(plan: &config::CellPlan, progress: &dyn Progress) -> Result<Option<CellResults>, MapError> {
+fn fill(plan: &config::CellPlan, progress: &dyn Observer) -> Result<Option<CellResults>, MapError> {
     let outcome = match verify(&plan.config, &Unseen(progress)) {
         Err(VerifyError::Interrupted) => return Ok(None),
         other => other.map_err(|error| MapError::Cell {

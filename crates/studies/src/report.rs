@@ -1,6 +1,6 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
-use asperity_simulate::{Progress, TraceOutcome};
+use asperity_simulate::{Observer, TraceOutcome};
 use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
@@ -119,7 +119,7 @@ pub fn trace_report(
 pub fn verify_report(
     folder: &Path,
     outcome: &VerifyOutcome,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     progress.begin("writing", outcome.cases.len() as u64);

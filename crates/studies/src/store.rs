@@ -3,7 +3,7 @@
 //! A file holds results with the configuration that they follow from and a checksum. What is not ours is
 //! refused, what is damaged is found anew.
 
-use asperity_simulate::{Deadline, Progress, StoppedBy};
+use asperity_simulate::{Deadline, Observer, StoppedBy};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -179,7 +179,7 @@ pub(crate) fn finish<P, T, E>(
     stage: &str,
     pieces: Vec<(P, Stored<T>)>,
     max_time: Option<Seconds>,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
     name_of: impl Fn(&P) -> (String, PathBuf),
     mut find: impl FnMut(&P) -> Result<Option<T>, E>,
 ) -> Result<Finished<T>, E> {
@@ -235,9 +235,9 @@ pub(crate) fn finish<P, T, E>(
 }
 
 /// Passes on the stop and keeps the steps within a piece to itself.
-pub(crate) struct Unseen<'a>(pub(crate) &'a dyn Progress);
+pub(crate) struct Unseen<'a>(pub(crate) &'a dyn Observer);
 
-impl Progress for Unseen<'_> {
+impl Observer for Unseen<'_> {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}

@@ -1,7 +1,7 @@
 //! Explicit surfaces against statistical models.
 
 use asperity_simulate::{
-    Case, Deadline, ErrorBudget, MeshErrors, Progress, RaySettings, Refinement, RunError, Sharing,
+    Case, Deadline, ErrorBudget, MeshErrors, Observer, RaySettings, Refinement, RunError, Sharing,
     Stopping, Traced, check_results, with_least_errors,
 };
 use std::time::{Duration, Instant};
@@ -170,12 +170,12 @@ impl VerifyConfig {
 /// [`VerifyError`] if the configuration makes no sense or does not fit into memory.
 pub fn verify(
     config: &VerifyConfig,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<VerifyOutcome, VerifyError> {
     let began = Instant::now();
     let time = config.run.max_time.map(|time| time.0);
     let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
-    let progress: &dyn Progress = &Deadline::new(progress, time);
+    let progress: &dyn Observer = &Deadline::new(progress, time);
     let settings = config.ray_settings()?;
     let plan = config.plan();
     // All recipes are checked before the first is run.

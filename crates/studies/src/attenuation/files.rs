@@ -1,6 +1,6 @@
 //! The files of an attenuation run: tables, plots, report.txt and summary.json.
 
-use asperity_simulate::Progress;
+use asperity_simulate::Observer;
 use std::path::Path;
 
 use asperity_io::{
@@ -23,7 +23,7 @@ use crate::report::{FILES, ReportError};
 pub fn attenuation_report(
     folder: &Path,
     outcome: &AttenuationOutcome,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;

@@ -1,7 +1,7 @@
 //! One surface surveyed: which of its points and samples face, see and are seen, counted.
 
 use asperity_optics::{Incidence, reflect};
-use asperity_simulate::{Progress, RunError, check_grazing};
+use asperity_simulate::{Observer, RunError, check_grazing};
 use asperity_surface::HeightField;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Geometry, Horizon, Surface, Visibility,
@@ -33,7 +33,7 @@ pub(super) fn survey(
     config: &AttenuationConfig,
     plan: &Plan,
     index: u64,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<Option<Surveyed>, AttenuationError> {
     let run = &config.run;
     let draw = |sigma: usize| -> Result<Surface, AttenuationError> {

@@ -1,6 +1,6 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
-use asperity_simulate::Progress;
+use asperity_simulate::Observer;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
@@ -22,7 +22,7 @@ use crate::report::{FILES, ReportError};
 pub fn converge_report(
     folder: &Path,
     outcome: &ConvergeOutcome,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;

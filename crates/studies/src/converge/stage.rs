@@ -1,6 +1,6 @@
 //! One case of a convergence run: its runs by the clock, and what they are measured against.
 
-use asperity_simulate::{Case, Estimator, Group, Progress, RaySettings, Seconds};
+use asperity_simulate::{Case, Estimator, Group, Observer, RaySettings, Seconds};
 use std::time::Instant;
 
 use asperity_analysis::{Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy};
@@ -156,7 +156,7 @@ impl<'a> Stage<'a> {
         method: &Method,
         effort: Effort,
         seed: u64,
-        progress: &dyn Progress,
+        progress: &dyn Observer,
     ) -> Result<Run, ConvergeError> {
         let clock = Instant::now();
         let ensembles = self
@@ -190,7 +190,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The reference first, which also warms the machine up, then all methods in turns.
-    pub(super) fn measure(&self, progress: &dyn Progress) -> Result<ConvergedCase, ConvergeError> {
+    pub(super) fn measure(&self, progress: &dyn Observer) -> Result<ConvergedCase, ConvergeError> {
         let began = Instant::now();
         let plan = self.plan;
         let (method, effort) = plan.reference;

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_tally::{Layout, Side};
 
-use asperity_simulate::{MESH_ALLOWANCE, Progress, Sharing, Silent, StoppedBy};
+use asperity_simulate::{MESH_ALLOWANCE, Observer, Sharing, Silent, StoppedBy};
 use asperity_surface::Synthesis;
 
 use crate::config::VerifyConfig;
@@ -18,7 +18,7 @@ fn config(text: &str) -> VerifyConfig {
 /// Interrupts a run after so many rays.
 struct After(AtomicU64, u64);
 
-impl Progress for After {
+impl Observer for After {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, steps: u64) {
         self.0.fetch_add(steps, Ordering::Relaxed);

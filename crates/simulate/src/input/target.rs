@@ -16,7 +16,7 @@ pub enum TargetError {
     NotPositive(f64),
     /// A quantity without an error to reach.
     #[error("of = {0} says whose error is to reach a target, but no target error is given")]
-    NoError(Aim),
+    NoError(Quantity),
     /// The material transmits nothing.
     #[error(
         "nothing is transmitted by a conductor or a mirror, so no error of transmitted can be asked for"
@@ -32,13 +32,13 @@ pub enum TargetError {
     NothingAbsorbed,
     /// The side of the quantity is not recorded.
     #[error("the side {0} is not recorded, so no error of it can be asked for")]
-    NotRecorded(Aim),
+    NotRecorded(Quantity),
 }
 
 /// The quantity whose error is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Aim {
+pub enum Quantity {
     /// All that is reflected; its error is the standard error of that flux fraction.
     Reflected,
     /// All that is transmitted, likewise.
@@ -55,7 +55,7 @@ pub enum Aim {
     InPlane,
 }
 
-impl Aim {
+impl Quantity {
     const ALL: [(Self, &'static str); 6] = [
         (Self::Reflected, "reflected"),
         (Self::Transmitted, "transmitted"),
@@ -151,14 +151,14 @@ pub(crate) fn ratio(error: f64, norm: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / norm }
 }
 
-impl fmt::Display for Aim {
+impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = Self::ALL.iter().find(|(aim, _)| aim == self);
         f.write_str(name.map_or("", |(_, name)| name))
     }
 }
 
-impl FromStr for Aim {
+impl FromStr for Quantity {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -175,7 +175,7 @@ impl FromStr for Aim {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Target {
     error: f64,
-    of: Aim,
+    of: Quantity,
 }
 
 impl Target {
@@ -184,7 +184,7 @@ impl Target {
     /// # Errors
     /// [`TargetError`] unless the error is positive and finite, and if a quantity is named
     /// without an error.
-    pub fn new(error: Option<f64>, of: Option<Aim>) -> Result<Option<Self>, TargetError> {
+    pub fn new(error: Option<f64>, of: Option<Quantity>) -> Result<Option<Self>, TargetError> {
         match (error, of) {
             (None, None) => Ok(None),
             (None, Some(of)) => Err(TargetError::NoError(of)),
@@ -206,7 +206,7 @@ impl Target {
 
     /// Whose error it is.
     #[must_use]
-    pub const fn of(&self) -> Aim {
+    pub const fn of(&self) -> Quantity {
         self.of
     }
 
@@ -239,22 +239,22 @@ mod tests {
         };
         let mut statistics = BatchStatistics::new(layout.len());
         statistics.push(&record(0.1));
-        assert_eq!(Aim::Bins.error(&layout, &statistics), None);
+        assert_eq!(Quantity::Bins.error(&layout, &statistics), None);
         statistics.push(&record(0.3));
         // Mean 0.2, standard error 0.1.
-        let error = |aim: Aim| aim.error(&layout, &statistics).unwrap();
-        assert!((error(Aim::Reflected) - 0.1).abs() < 1e-12);
-        assert!((error(Aim::Bins) - 0.5).abs() < 1e-12);
-        assert_eq!(error(Aim::Rings), 0.0);
+        let error = |aim: Quantity| aim.error(&layout, &statistics).unwrap();
+        assert!((error(Quantity::Reflected) - 0.1).abs() < 1e-12);
+        assert!((error(Quantity::Bins) - 0.5).abs() < 1e-12);
+        assert_eq!(error(Quantity::Rings), 0.0);
     }
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        for (aim, name) in Aim::ALL {
+        for (aim, name) in Quantity::ALL {
             assert_eq!(name.parse(), Ok(aim));
             assert_eq!(aim.to_string(), name);
             assert_eq!(serde_json::to_value(aim).unwrap(), name);
         }
-        assert!("ring".parse::<Aim>().unwrap_err().contains("in-plane"));
+        assert!("ring".parse::<Quantity>().unwrap_err().contains("in-plane"));
     }
 }

@@ -4,8 +4,8 @@ use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::mesh_error::{MeshErrors, Refinement};
-use crate::method::{ControlMean, Method};
+use crate::errors::mesh_error::{MeshErrors, Refinement};
+use crate::methods::method::{ControlMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

@@ -6,9 +6,9 @@ use asperity_surface::{HeightField, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, Control, Estimate, Layout, UnshadowedFluxes};
 use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface};
 
-use crate::case::Case;
-use crate::limits::RunError;
-use crate::method::Method;
+use crate::input::case::Case;
+use crate::input::limits::RunError;
+use crate::methods::method::Method;
 use crate::slopes::slopes;
 
 /// Said of a mesh error that nobody asked for.

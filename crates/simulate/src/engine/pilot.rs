@@ -13,9 +13,9 @@
 use asperity_surface::Synthesis;
 use asperity_tally::Layout;
 
-use crate::ensemble::Ensemble;
-use crate::stopping::PilotFigures;
-use crate::target::{Aim, Target, ratio};
+use crate::engine::ensemble::Ensemble;
+use crate::input::target::{Quantity, Target, ratio};
+use crate::output::stopping::PilotFigures;
 
 /// Number of the first surface of a pilot run; those of results end far before.
 pub(crate) const FIRST: u64 = 1 << 40;
@@ -259,7 +259,7 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 
 /// How many entries of `aim` the control of an estimate knows of, each with an error of one ray at least.
 pub(crate) fn entries_with_least_error(
-    aim: Aim,
+    aim: Quantity,
     layout: &Layout,
     control: Option<&asperity_tally::Control>,
 ) -> usize {

@@ -6,7 +6,7 @@ use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::Psd;
 use serde::Serialize;
 
-use crate::layer::{layer_folder, layer_name};
+use crate::input::layer::{layer_folder, layer_name};
 use crate::text::short;
 
 /// One combination of smoothness, material and direction.

@@ -6,8 +6,8 @@ use asperity_tally::{BatchStatistics, Control, Layout};
 use asperity_tracer::{Illumination, Starts};
 use serde::Serialize;
 
-use crate::blocks::RaySettings;
-use crate::estimator::Estimator;
+use crate::engine::blocks::RaySettings;
+use crate::input::estimator::Estimator;
 
 /// Where paths start, and the control of what they give, if there is one.
 #[derive(Clone, Debug)]

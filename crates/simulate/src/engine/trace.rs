@@ -7,20 +7,20 @@ use asperity_surface::{Border, HeightField, RefinementError};
 use asperity_tally::BatchStatistics;
 use asperity_tracer::{BuildAccelerator, Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
 
-use crate::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
-use crate::budget::ErrorBudget;
-use crate::estimator::Estimator;
-use crate::layer::substrate;
-use crate::limits::{
+use crate::engine::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
+use crate::engine::pilot;
+use crate::errors::budget::ErrorBudget;
+use crate::errors::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
+use crate::input::estimator::Estimator;
+use crate::input::layer::substrate;
+use crate::input::limits::{
     RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
 };
-use crate::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
-use crate::method::{Method, with_least_errors};
-use crate::pilot;
-use crate::progress::Progress;
-use crate::progress::StoppedBy;
-use crate::stopping::Stopping;
-use crate::work::{SummaryWork, Used};
+use crate::methods::method::{Method, with_least_errors};
+use crate::observer::Observer;
+use crate::observer::StoppedBy;
+use crate::output::stopping::Stopping;
+use crate::output::work::{SummaryWork, Used};
 
 /// What light did on one surface.
 #[derive(Clone, Debug)]
@@ -87,7 +87,7 @@ pub fn trace(
     bottom: Option<HeightField>,
     scene: &Scene,
     settings: &RaySettings,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<TraceOutcome, RunError> {
     if settings.refine && field.border() == Border::Open {
         return Err(RefinementError::Open.into());
@@ -145,7 +145,7 @@ pub fn trace_mesh(
     bottom: Option<MeshSurface>,
     scene: &Scene,
     settings: &RaySettings,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<TraceOutcome, RunError> {
     check_memory(
         "this mesh with its hierarchy",
@@ -178,7 +178,7 @@ fn trace_on<G: BuildAccelerator>(
     scene: &Scene,
     settings: &RaySettings,
     mesh_errors: impl FnOnce(Option<BatchStatistics>) -> MeshErrors,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
 ) -> Result<(TraceOutcome, Meshes<G>), RunError> {
     let began = Instant::now();
     check_results(&settings.layout, 1, 1, settings.refine)?;

@@ -6,11 +6,11 @@ use asperity_tracer::{
 };
 use rayon::prelude::*;
 
-use crate::estimator::Estimator;
-use crate::layer::BottomSurface;
-use crate::progress::Progress;
+use crate::input::estimator::Estimator;
+use crate::input::layer::BottomSurface;
+use crate::input::target::Target;
+use crate::observer::Observer;
 use crate::stream::ray_stream;
-use crate::target::Target;
 
 /// Rays: how many, from which random streams, how followed, and what is recorded of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,7 +139,7 @@ pub(crate) fn run_blocks<G: Geometry>(
     settings: &RaySettings,
     realisation: u64,
     blocks: Blocks,
-    progress: &dyn Progress,
+    progress: &dyn Observer,
     mut each: impl FnMut(&[f64]) + Send,
 ) -> Work {
     let mut work = Work::default();
@@ -206,7 +206,7 @@ mod tests {
     use asperity_tracer::{BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
-    use crate::progress::StoppedBy;
+    use crate::observer::StoppedBy;
 
     /// Goes on for so many questions whether to stop.
     struct Patience {
@@ -215,7 +215,7 @@ mod tests {
         advanced: AtomicU64,
     }
 
-    impl Progress for Patience {
+    impl Observer for Patience {
         fn begin(&self, _stage: &str, _total: u64) {}
         fn advance(&self, steps: u64) {
             self.advanced.fetch_add(steps, Ordering::Relaxed);

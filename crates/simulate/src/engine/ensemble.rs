@@ -11,16 +11,16 @@ use asperity_tally::BatchStatistics;
 use asperity_tracer::{HalfSpace, Tracer, Work};
 use rayon::prelude::*;
 
-use crate::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
-use crate::case::Case;
-use crate::layer::{BottomSurface, substrate};
-use crate::limits::{RunError, check_grazing, check_memory, meshes_bytes};
-use crate::mesh_error::{MeshStatistics, Meshes};
-use crate::method::Method;
-use crate::progress::Progress;
-use crate::progress::StoppedBy;
-use crate::target::ratio;
-use crate::work::Used;
+use crate::engine::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
+use crate::errors::mesh_error::{MeshStatistics, Meshes};
+use crate::input::case::Case;
+use crate::input::layer::{BottomSurface, substrate};
+use crate::input::limits::{RunError, check_grazing, check_memory, meshes_bytes};
+use crate::input::target::ratio;
+use crate::methods::method::Method;
+use crate::observer::Observer;
+use crate::observer::StoppedBy;
+use crate::output::work::Used;
 
 use crate::error::SimulateError;
 
@@ -195,7 +195,7 @@ impl Group<'_> {
     pub fn run(
         &self,
         surfaces: Range<u64>,
-        progress: &dyn Progress,
+        progress: &dyn Observer,
     ) -> Result<Vec<Ensemble>, SimulateError> {
         let bytes = surface_bytes(self.synthesis, self.settings);
         check_memory("tracing one surface", bytes)?;
@@ -249,7 +249,7 @@ impl Group<'_> {
         next: &AtomicU64,
         surfaces: &Range<u64>,
         watch: &Mutex<Watch>,
-        progress: &dyn Progress,
+        progress: &dyn Observer,
     ) -> Vec<(u64, Result<Realisation, SimulateError>)> {
         let mut drawn = Vec::new();
         let mut room = Vec::new();
@@ -277,7 +277,7 @@ impl Group<'_> {
     /// Shows the error so far of the most demanding case, and what it lets expect.
     ///
     /// Surfaces come here in any order: nothing but what is shown depends on it.
-    fn watch(&self, watch: &Mutex<Watch>, realisation: &Realisation, progress: &dyn Progress) {
+    fn watch(&self, watch: &Mutex<Watch>, realisation: &Realisation, progress: &dyn Observer) {
         let layout = &self.settings.layout;
         let Some(target) = self.settings.target else {
             return;
@@ -326,7 +326,7 @@ impl Group<'_> {
         &self,
         index: u64,
         room: &mut Vec<f64>,
-        progress: &dyn Progress,
+        progress: &dyn Observer,
     ) -> Result<Realisation, SimulateError> {
         let mut seconds = Seconds::default();
         let clock = Instant::now();
@@ -415,11 +415,11 @@ mod tests {
     use asperity_tally::Layout;
     use asperity_tracer::{Branching, PathSettings};
 
-    use crate::progress::Silent;
+    use crate::observer::Silent;
 
     /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
     /// blocks, one random branch of each path.
-    fn run(progress: &dyn Progress) -> (Blocks, Ensemble) {
+    fn run(progress: &dyn Observer) -> (Blocks, Ensemble) {
         let psd = Psd::gaussian(1e-9, 4.0).unwrap();
         let cases = [Case {
             smoothness: 4e9,
@@ -475,7 +475,7 @@ mod tests {
         done: AtomicU64,
     }
 
-    impl Progress for TimeFor {
+    impl Observer for TimeFor {
         fn begin(&self, _stage: &str, _total: u64) {}
         fn advance(&self, steps: u64) {
             self.done.fetch_add(steps, Ordering::Relaxed);

@@ -6,19 +6,19 @@ use asperity_surface::Synthesis;
 use asperity_tracer::HalfSpace;
 use rayon::prelude::*;
 
-use crate::blocks::RaySettings;
-use crate::case::Case;
-use crate::ensemble::{Ensemble, Group, surface_bytes};
+use crate::engine::blocks::RaySettings;
+use crate::engine::ensemble::{Ensemble, Group, surface_bytes};
+use crate::engine::pilot::{self, Figures};
 use crate::error::SimulateError;
-use crate::estimator::Estimator;
-use crate::known::Known;
-use crate::limits::{check_memory, most_realisations};
-use crate::method::{Method, with_least_errors};
-use crate::pilot::{self, Figures};
-use crate::progress::Progress;
-use crate::progress::StoppedBy;
+use crate::input::case::Case;
+use crate::input::estimator::Estimator;
+use crate::input::limits::{check_memory, most_realisations};
+use crate::methods::known::Known;
+use crate::methods::method::{Method, with_least_errors};
+use crate::observer::Observer;
+use crate::observer::StoppedBy;
+use crate::output::stopping::Stopping;
 use crate::slopes::slopes;
-use crate::stopping::Stopping;
 use crate::text::error_in_short;
 
 /// Times that surfaces are added to those planned, at most.
@@ -168,7 +168,7 @@ impl Sharing {
     }
 
     /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
-    pub fn plan(&mut self, all_cases: usize, progress: &dyn Progress) -> Result<(), SimulateError> {
+    pub fn plan(&mut self, all_cases: usize, progress: &dyn Observer) -> Result<(), SimulateError> {
         let Some(target) = self.settings.target else {
             return Ok(());
         };
@@ -295,7 +295,7 @@ impl Sharing {
     pub fn run(
         self,
         all_cases: usize,
-        progress: &dyn Progress,
+        progress: &dyn Observer,
     ) -> Result<(Vec<Traced>, Vec<Case>), SimulateError> {
         let clock = Instant::now();
         let group = self.group(&self.settings, self.realisations);

@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::progress::StoppedBy;
-use crate::target::Aim;
+use crate::input::target::Quantity;
+use crate::observer::StoppedBy;
 use crate::text::error_in_short;
 
 /// What a pilot run found, for the quantity asked for; variances and differences are divided by the
@@ -33,7 +33,7 @@ pub struct Stopping {
     /// The error asked for.
     pub target_error: Option<f64>,
     /// Whose error it is.
-    pub of: Option<Aim>,
+    pub of: Option<Quantity>,
     /// The error reached: with a target, or `None` where there is none.
     pub error: Option<f64>,
     /// What the mesh adds to it, as far as the pilot run could tell.

@@ -3,8 +3,8 @@
 use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
 use serde::Serialize;
 
-use crate::estimator::Estimator;
-use crate::method::{ControlMean, Method};
+use crate::input::estimator::Estimator;
+use crate::methods::method::{ControlMean, Method};
 
 /// What was done, and how long it took.
 #[derive(Clone, Debug, Serialize)]

@@ -5,10 +5,10 @@ use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed
 use asperity_optics::Material;
 use asperity_tally::{BatchStatistics, Layout, Share};
 
-use crate::blocks::RaySettings;
-use crate::case::Case;
-use crate::estimator::Estimator;
-use crate::method::{ControlMean, Method};
+use crate::engine::blocks::RaySettings;
+use crate::input::case::Case;
+use crate::input::estimator::Estimator;
+use crate::methods::method::{ControlMean, Method};
 
 /// The results of a case without a ray.
 pub(crate) struct Known {

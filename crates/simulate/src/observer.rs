@@ -23,7 +23,7 @@ pub enum StoppedBy {
 }
 
 /// Told of a run's progress, and asked whether it should go on; called from any thread.
-pub trait Progress: Sync {
+pub trait Observer: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, stage: &str, total: u64);
     /// `steps` more steps of the stage are done.
@@ -44,7 +44,7 @@ pub trait Progress: Sync {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
-impl Progress for Silent {
+impl Observer for Silent {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}
@@ -52,21 +52,21 @@ impl Progress for Silent {
 
 /// Ends a run when its time is over.
 pub struct Deadline<'a> {
-    progress: &'a dyn Progress,
+    progress: &'a dyn Observer,
     end: Option<Instant>,
 }
 
 impl<'a> Deadline<'a> {
     /// From now on for `time`, or without end.
     #[must_use]
-    pub fn new(progress: &'a dyn Progress, time: Option<Duration>) -> Self {
+    pub fn new(progress: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
         let end = time.and_then(|time| Instant::now().checked_add(time));
         Self { progress, end }
     }
 }
 
-impl Progress for Deadline<'_> {
+impl Observer for Deadline<'_> {
     fn begin(&self, stage: &str, total: u64) {
         self.progress.begin(stage, total);
     }

@@ -11,10 +11,10 @@ use asperity_tally::{Control, Layout, Sides};
 use asperity_tracer::{Geometry, HalfSpace, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
-use crate::blocks::{RECORD_BUDGET, RaySettings};
-use crate::estimator::Estimator;
-use crate::limits::RunError;
-use crate::method::{ControlMean, Method};
+use crate::engine::blocks::{RECORD_BUDGET, RaySettings};
+use crate::input::estimator::Estimator;
+use crate::input::limits::RunError;
+use crate::methods::method::{ControlMean, Method};
 
 /// Parts that the sum over facets is divided into, whatever the number of threads.
 const PARTS: usize = 64;

@@ -1,0 +1,4 @@
+//! The errors of results by where they come from: rays, surfaces, mesh.
+
+pub(crate) mod budget;
+pub(crate) mod mesh_error;

@@ -1,0 +1,7 @@
+//! What is simulated, and how: the input of a run.
+
+pub(crate) mod case;
+pub(crate) mod estimator;
+pub(crate) mod layer;
+pub(crate) mod limits;
+pub(crate) mod target;
