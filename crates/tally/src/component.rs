@@ -1,40 +1,293 @@
-//! How often light was scattered inside the medium below a surface.
+//! Components of light: the one vocabulary for what a result is split into.
+//!
+//! A component is a filter on exits. It says which exits count, and how tables, files and plots name
+//! them. [`TallySpec`](crate::TallySpec) says which components a tally keeps for which quantity.
+//!
+//! To add a component, add a variant here with its row in [`Component::text`] and its line in
+//! [`Component::accepts`], or define a [`ComponentFilter`] and pass it to
+//! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow
+//! from its names.
 
-use serde::Serialize;
+use std::borrow::Cow;
+use std::fmt;
 
-/// Exits by what happened to them inside the medium below the surface, whatever they did at interfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum History {
-    /// Never scattered inside: reflected and refracted alone.
+use serde::{Serialize, Serializer};
+
+use crate::exit::Exit;
+
+/// Highest order of scattering with an entry of its own in the list of orders, less one: higher orders
+/// share the last entry.
+pub const MAX_LISTED_ORDER: usize = 64;
+
+/// Orders from this one on are grouped in rings and in-plane bins.
+const FIRST_GROUPED_ORDER: u8 = 4;
+
+/// A component of the light that leaves.
+///
+/// # Examples
+/// ```
+/// use asperity_tally::Component;
+///
+/// assert_eq!(Component::Multiple.name(), "multiple");
+/// assert_eq!(Component::Unscattered.label(), "never scattered inside");
+/// // Names are read back as they are written.
+/// assert_eq!(Component::from_name("once"), Some(Component::ScatteredOnce));
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub enum Component {
+    /// All light that leaves.
+    All,
+    /// Light that interacted with the surface once.
+    Single,
+    /// Light that interacted with the surface more than once.
+    Multiple,
+    /// Light of one order of scattering, which is the number of interactions; `Order(1)` is
+    /// [`Component::Single`] under the name that lists of orders use.
+    Order(u8),
+    /// Light of this order of scattering and above.
+    OrderAndAbove(u8),
+    /// Light that the medium below the surface never scattered.
     Unscattered,
-    /// Scattered inside once.
-    Once,
-    /// Scattered inside more often.
-    More,
+    /// Light that the medium below the surface scattered once.
+    ScatteredOnce,
+    /// Light that the medium below the surface scattered more than once.
+    ScatteredMore,
+    /// A component defined outside this crate.
+    Custom(&'static ComponentFilter),
 }
 
-impl History {
-    /// All histories in the order of their entries.
-    pub const ALL: [Self; 3] = [Self::Unscattered, Self::Once, Self::More];
+/// A component defined by its user: which exits belong to it, and its names.
+#[derive(Clone, Copy, Debug)]
+pub struct ComponentFilter {
+    /// Name in files, in lower case; part of the headers of columns.
+    pub name: &'static str,
+    /// Name in tables and legends.
+    pub label: &'static str,
+    /// Whether an exit belongs to the component.
+    pub accepts: fn(&Exit) -> bool,
+}
 
-    /// That of light that was scattered inside so many times.
+/// The names of a component.
+struct Text {
+    name: &'static str,
+    label: &'static str,
+    short_label: &'static str,
+}
+
+impl Component {
+    /// Light split by what the medium below the surface did; these add up to [`Component::All`].
+    pub const MEDIUM: [Self; 3] = [Self::Unscattered, Self::ScatteredOnce, Self::ScatteredMore];
+
+    /// Light split into single and multiple scattering by the surface; these add up to
+    /// [`Component::All`].
+    pub const SURFACE: [Self; 2] = [Self::Single, Self::Multiple];
+
+    /// Light split by order of scattering as rings and in-plane bins keep it; these add up to
+    /// [`Component::All`].
+    pub const ORDERS: [Self; 4] = [
+        Self::Order(1),
+        Self::Order(2),
+        Self::Order(3),
+        Self::OrderAndAbove(FIRST_GROUPED_ORDER),
+    ];
+
+    /// What bins keep, beside components kept in full.
+    pub const BINS: [Self; 3] = [Self::Single, Self::Multiple, Self::All];
+
+    /// What rings and in-plane bins keep, beside components kept in full.
+    pub const RINGS: [Self; 5] = [
+        Self::Order(1),
+        Self::Order(2),
+        Self::Order(3),
+        Self::OrderAndAbove(FIRST_GROUPED_ORDER),
+        Self::All,
+    ];
+
+    /// Components with fixed names.
+    const NAMED: [Self; 6] = [
+        Self::All,
+        Self::Single,
+        Self::Multiple,
+        Self::Unscattered,
+        Self::ScatteredOnce,
+        Self::ScatteredMore,
+    ];
+
+    /// Whether `exit` belongs to this component.
+    #[inline]
     #[must_use]
-    pub const fn of(scatterings: u32) -> Self {
-        match scatterings {
-            0 => Self::Unscattered,
-            1 => Self::Once,
-            _ => Self::More,
+    pub fn accepts(self, exit: &Exit) -> bool {
+        let order = exit.path.order();
+        match self {
+            Self::All => true,
+            Self::Single => order <= 1,
+            Self::Multiple => order > 1,
+            Self::Order(n) => order == u32::from(n),
+            Self::OrderAndAbove(n) => order >= u32::from(n),
+            Self::Unscattered => exit.scatterings == 0,
+            Self::ScatteredOnce => exit.scatterings == 1,
+            Self::ScatteredMore => exit.scatterings > 1,
+            Self::Custom(filter) => (filter.accepts)(exit),
         }
     }
 
-    /// The name in tables and files.
+    /// Name in files: `single`, `order_4_and_above`, `once`.
     #[must_use]
-    pub const fn name(self) -> &'static str {
+    pub fn name(self) -> Cow<'static, str> {
         match self {
-            Self::Unscattered => "unscattered",
-            Self::Once => "once",
-            Self::More => "more",
+            Self::Order(n) => format!("order_{n}").into(),
+            Self::OrderAndAbove(n) => format!("order_{n}_and_above").into(),
+            _ => self.text().name.into(),
         }
+    }
+
+    /// The component of that [`Component::name`]; `None` for lists of orders and custom components.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::NAMED.into_iter().find(|c| c.text().name == name)
+    }
+
+    /// Name in tables and legends: `single scattering`, `scattered inside once`.
+    #[must_use]
+    pub fn label(self) -> Cow<'static, str> {
+        match self {
+            Self::Order(n) => format!("order {n}").into(),
+            Self::OrderAndAbove(n) => format!("order {n} and above").into(),
+            _ => self.text().label.into(),
+        }
+    }
+
+    /// A shorter label where the context says what the light is split by: `single`, `once`.
+    #[must_use]
+    pub fn short_label(self) -> Cow<'static, str> {
+        match self {
+            Self::Order(n) => n.to_string().into(),
+            Self::OrderAndAbove(n) => format!("{n} and above").into(),
+            _ => self.text().short_label.into(),
+        }
+    }
+
+    /// Whether this is one of [`Component::MEDIUM`].
+    #[must_use]
+    pub const fn is_of_medium(self) -> bool {
+        matches!(
+            self,
+            Self::Unscattered | Self::ScatteredOnce | Self::ScatteredMore
+        )
+    }
+
+    /// The group of [`Component::ORDERS`] that holds light of this order.
+    #[inline]
+    pub(crate) const fn order_group(order: u32) -> usize {
+        match order {
+            0 | 1 => 0,
+            2 => 1,
+            3 => 2,
+            _ => 3,
+        }
+    }
+
+    /// Names of all but lists of orders.
+    const fn text(self) -> Text {
+        let [name, label, short_label] = match self {
+            Self::All | Self::OrderAndAbove(_) => ["all", "all orders", "all"],
+            Self::Single | Self::Order(_) => ["single", "single scattering", "single"],
+            Self::Multiple => ["multiple", "multiple scattering", "multiple"],
+            Self::Unscattered => [
+                "unscattered",
+                "never scattered inside",
+                "never scattered inside",
+            ],
+            Self::ScatteredOnce => ["once", "scattered inside once", "once"],
+            Self::ScatteredMore => ["more", "scattered inside more often", "more often"],
+            Self::Custom(filter) => [filter.name, filter.label, filter.label],
+        };
+        Text {
+            name,
+            label,
+            short_label,
+        }
+    }
+}
+
+/// Components are equal if they accept the same exits; `Order(1)` equals `Single`. Custom components
+/// are told apart by their names.
+impl PartialEq for Component {
+    fn eq(&self, other: &Self) -> bool {
+        let canonical = |component: &Self| match *component {
+            Self::OrderAndAbove(0 | 1) => Self::All,
+            Self::OrderAndAbove(2) => Self::Multiple,
+            Self::Order(1) => Self::Single,
+            component => component,
+        };
+        match (canonical(self), canonical(other)) {
+            (Self::Order(a), Self::Order(b)) | (Self::OrderAndAbove(a), Self::OrderAndAbove(b)) => {
+                a == b
+            }
+            (Self::Custom(a), Self::Custom(b)) => a.name == b.name,
+            (a, b) => std::mem::discriminant(&a) == std::mem::discriminant(&b),
+        }
+    }
+}
+
+impl Eq for Component {}
+
+/// Writes [`Component::name`].
+impl fmt::Display for Component {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name())
+    }
+}
+
+impl Serialize for Component {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{EventPath, Side};
+    use glam::DVec3;
+
+    fn exit(order: u32, scatterings: u32) -> Exit {
+        Exit {
+            side: Side::Reflected,
+            wo: DVec3::Z,
+            flux: 1.0,
+            path: EventPath::from_code(order, 0),
+            scatterings,
+        }
+    }
+
+    #[test]
+    fn every_split_accepts_each_exit_once() {
+        for order in 1..80 {
+            for scatterings in 0..4 {
+                let exit = exit(order, scatterings);
+                for split in [
+                    &Component::MEDIUM[..],
+                    &Component::SURFACE,
+                    &Component::ORDERS,
+                ] {
+                    let accepted = split.iter().filter(|c| c.accepts(&exit)).count();
+                    assert_eq!(accepted, 1, "order {order}, {scatterings} scatterings");
+                }
+                let group = Component::ORDERS[Component::order_group(order)];
+                assert!(group.accepts(&exit));
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_read_back_and_aliases_are_equal() {
+        for component in Component::NAMED {
+            assert_eq!(Component::from_name(&component.name()), Some(component));
+        }
+        assert_eq!(Component::Order(1), Component::Single);
+        assert_eq!(Component::OrderAndAbove(2), Component::Multiple);
+        assert_ne!(Component::Order(2), Component::Order(3));
+        assert_eq!(Component::ORDERS[3].name(), "order_4_and_above");
     }
 }

@@ -1,24 +1,16 @@
-//! The in-plane wedge: directions near the plane of incidence.
+//! The in-plane slice: directions near the plane of incidence, on both its halves.
 
 use std::f64::consts::{PI, TAU};
 
 use asperity_optics::azimuth;
 use glam::DVec3;
 
+use crate::filters::Half;
 use crate::finder::{MARGIN, TINY};
-
-/// The half of the plane of incidence that a direction is near.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Half {
-    /// The one that the light travels towards.
-    Forward,
-    /// The one that it comes from.
-    Backward,
-}
 
 /// All directions within an angle of the plane of incidence, on both its halves.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Wedge {
+pub(crate) struct InPlaneSlice {
     forward_azimuth: f64,
     half_width: f64,
     /// Cosine and sine of the azimuth and of the half width.
@@ -26,7 +18,7 @@ pub(crate) struct Wedge {
     edge: [f64; 2],
 }
 
-impl Wedge {
+impl InPlaneSlice {
     /// `forward_azimuth` and `half_width` in radians, the latter at most a right angle.
     pub(crate) fn new(forward_azimuth: f64, half_width: f64) -> Self {
         let cos_sin = |angle: f64| [angle.cos(), angle.sin()];
@@ -38,7 +30,7 @@ impl Wedge {
         }
     }
 
-    /// The half of the wedge that holds `wo`, if one does: the answer of [`Wedge::by_angles`], by
+    /// The half of the slice that contains `wo`, if one does: the answer of [`InPlaneSlice::by_angles`], by
     /// products wherever no edge is near.
     #[inline]
     pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
@@ -92,7 +84,7 @@ mod tests {
             for half_width_deg in [1e-7, 0.5, 5.0, 45.0, 89.999, 90.0] {
                 let [forward, half_width] =
                     [forward_deg, half_width_deg].map(|deg: f64| deg.to_radians());
-                let wedge = Wedge::new(forward, half_width);
+                let slice = InPlaneSlice::new(forward, half_width);
                 let mut azimuths: Vec<f64> = (0..3000)
                     .map(|i| TAU * (f64::from(i) * 0.618_033_988_7).fract())
                     .collect();
@@ -107,11 +99,11 @@ mod tests {
                 for phi in azimuths {
                     for theta in [1e-320, 1e-300, 1e-12, 0.3, 1.5, 3.0] {
                         let wo = from_spherical(theta, phi);
-                        assert_eq!(wedge.half(wo), wedge.by_angles(wo), "{wedge:?} {wo:?}");
+                        assert_eq!(slice.half(wo), slice.by_angles(wo), "{slice:?} {wo:?}");
                     }
                 }
                 for wo in [DVec3::Z, DVec3::new(-0.0, 0.0, -1.0)] {
-                    assert_eq!(wedge.half(wo), Some(Half::Forward));
+                    assert_eq!(slice.half(wo), Some(Half::Forward));
                 }
             }
         }

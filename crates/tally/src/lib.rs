@@ -1,27 +1,61 @@
-//! Where light went: hemispherical histograms, batch statistics and the energy budget.
+//! Where light went: tallies over directions and components, their statistics, and the energy budget.
 //!
-//! A [`Record`] collects what one batch of rays did: every [`Exit`] goes into the bins of a
-//! [`HemisphereGrid`], the in-plane profile, the list of orders and the list of event paths. All
-//! quantities are *flux fractions*: shares of the flux that falls on the mean plane, so that they
-//! add up. [`Layout`] says where in the record a quantity stands, and [`BatchStatistics`] turns
-//! independent batches into means and standard errors.
+//! A tally is a table of *scores* (flux, rays) by *filters* (side, component of the light, direction).
+//! [`TallySpec`] says what is kept, a [`Tally`] collects what one batch of rays did, and closing it gives
+//! [`TallyValues`]; [`TallyStatistics`] turns those of independent batches into means and standard
+//! errors. All fluxes are *flux fractions*: shares of the flux that falls on the mean plane, so that they
+//! add up.
+//!
+//! # Shapes
+//! Results are read by the views of [`TallyResult`], never by place:
+//!
+//! | view | shape | geometry |
+//! |---|---|---|
+//! | `flux(side, component)` | one value | - |
+//! | `orders(side)` | `[MAX_LISTED_ORDER]`, the last for higher orders too | - |
+//! | `event_path(side, path)` | one value; `listed_paths` and `longer_paths` are all there are | - |
+//! | `bins(side, component)` | `[n_theta, n_phi]`, theta from +z, phi from 0, row by row | [`BinFilter`] |
+//! | `rings(side, component)` | `[n_theta]`, from +z | [`RingFilter`] |
+//! | `in_plane(side, component)` | `[2 n_theta]`, from -90 to +90 degrees | [`InPlaneFilter`] |
+//! | `budget()` | seven values with names | [`Budget`] |
+//!
+//! [`Component`] is the one vocabulary for parts of the light; a component carries the names that tables
+//! and plots show. Algorithms that treat all values alike (statistics, control variates, sums over
+//! surfaces) work on [`TallyValues`] as wholes, or walk over [`Entry`]s. The order of entries in memory
+//! is private.
 
+mod budget;
+mod component;
 mod control;
+mod entry;
 mod events;
+mod exit;
+mod filters;
 mod finder;
 mod grid;
-mod history;
-mod layout;
-mod record;
+mod in_plane;
+mod legacy;
+mod result;
 mod sides;
+mod spec;
 mod statistics;
-mod wedge;
+mod tally;
+mod tally_statistics;
+mod values;
 
-pub use control::{Control, UnshadowedFluxes, VisibleShares};
+pub use budget::Budget;
+pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
+pub use control::{ControlVariate, UnshadowedFluxes, VisibleShares};
+pub use entry::{Entries, Entry, EntryDescription, Quantity};
 pub use events::{Event, EventPath};
+pub use exit::{Exit, Loss};
+pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
-pub use history::History;
-pub use layout::{Layout, LayoutError, MAX_LISTED_ORDER, MAX_LISTED_PATH, OrderClass, Share};
-pub use record::{Azimuth, Exit, Loss, Record};
+pub use legacy::{Control, History, Layout, LayoutError, OrderClass, Record, Share};
+pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
 pub use sides::Sides;
+pub use spec::{MAX_LISTED_PATH, SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};
+pub use tally::{Azimuth, Tally};
+pub use tally_statistics::TallyStatistics;
+pub use values::{ByEntry, SideFluxes, TallyValues};

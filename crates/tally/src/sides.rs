@@ -1,4 +1,4 @@
-//! Which sides of the surface are asked for.
+//! Sides: which sides of the surface are recorded.
 
 use std::fmt;
 use std::str::FromStr;
@@ -21,9 +21,9 @@ pub enum Sides {
 }
 
 impl Sides {
-    /// Whether light that leaves on `side` is asked for.
+    /// Whether light that leaves on `side` is recorded.
     #[must_use]
-    pub const fn ask(self, side: Side) -> bool {
+    pub const fn includes(self, side: Side) -> bool {
         match self {
             Self::Both => true,
             Self::Reflected => matches!(side, Side::Reflected),

@@ -60,12 +60,7 @@ impl BatchStatistics {
     pub fn push(&mut self, batch: &[f64]) {
         assert_eq!(batch.len(), self.mean.len(), "a batch of another layout");
         self.batches += 1;
-        let n = self.batches as f64;
-        for ((mean, squares), &value) in self.mean.iter_mut().zip(&mut self.squares).zip(batch) {
-            let before = value - *mean;
-            *mean += before / n;
-            *squares += before * (value - *mean);
-        }
+        add_batch(self.batches, &mut self.mean, &mut self.squares, batch);
     }
 
     /// The same, which reports no standard error below those given, one a quantity: where rare events
@@ -108,24 +103,38 @@ impl BatchStatistics {
     /// Mean and standard error of quantity `i`.
     #[must_use]
     pub fn estimate(&self, i: usize) -> Estimate {
-        if self.batches == 0 {
-            return Estimate {
-                mean: self.mean[i],
-                se: self.least_errors.get(i).copied(),
-            };
-        }
-        let n = self.batches as f64;
-        let se = (self.batches > 1).then(|| {
-            let scatter = (self.squares[i] / (n * (n - 1.0))).sqrt();
-            self.least_errors
-                .get(i)
-                .map_or(scatter, |&least| scatter.max(least))
-        });
         Estimate {
             mean: self.mean[i],
-            se,
+            se: standard_error(
+                self.batches,
+                self.squares[i],
+                self.least_errors.get(i).copied(),
+            ),
         }
     }
+}
+
+/// Adds a batch, the `count`th, to means and sums of squared deviations: Welford's recurrence.
+pub(crate) fn add_batch(count: u64, means: &mut [f64], squares: &mut [f64], batch: &[f64]) {
+    let n = count as f64;
+    for ((mean, squares), &value) in means.iter_mut().zip(squares).zip(batch) {
+        let before = value - *mean;
+        *mean += before / n;
+        *squares += before * (value - *mean);
+    }
+}
+
+/// Standard error of the mean of `batches` batches whose squared deviations add to `squares`, and no
+/// less than `least`; without any batch `least` itself.
+pub(crate) fn standard_error(batches: u64, squares: f64, least: Option<f64>) -> Option<f64> {
+    if batches == 0 {
+        return least;
+    }
+    let n = batches as f64;
+    (batches > 1).then(|| {
+        let scatter = (squares / (n * (n - 1.0))).sqrt();
+        least.map_or(scatter, |least| scatter.max(least))
+    })
 }
 
 #[cfg(test)]

@@ -1,42 +1,14 @@
-//! What one batch of rays did.
+//! Tally: collects what one batch of rays did.
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
-
+use crate::component::MAX_LISTED_ORDER;
+use crate::exit::{Exit, Loss};
+use crate::filters::Half;
 use crate::finder::BinFinder;
-use crate::wedge::{Half, Wedge};
-use crate::{Control, EventPath, History, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side};
-
-/// Light that left the surface for good.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Exit {
-    /// The hemisphere that it left into.
-    pub side: Side,
-    /// Unit direction in which it goes; +z points into the incident medium.
-    pub wo: DVec3,
-    /// Its flux; a whole incident ray carries 1.
-    pub flux: f64,
-    /// What happened to it at interfaces.
-    pub path: EventPath,
-    /// What happened to it in the medium between.
-    pub history: History,
-}
-
-/// Why flux came to an end without an exit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Loss {
-    /// Absorbed by a conductor.
-    Absorbed,
-    /// The path was ended by a bounce limit, or roulette removed (or, negative, added) flux.
-    Truncated,
-    /// It left an open patch sideways, on its way to surface that is not there.
-    LeftPatch,
-    /// It went to a side that is not asked for.
-    NotAsked,
-    /// The path failed numerically.
-    Lost,
-}
+use crate::in_plane::InPlaneSlice;
+use crate::values::TallyValues;
+use crate::{Component, ControlVariate, Side, TallySpec};
 
 /// What the azimuths of exits are counted from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,80 +19,110 @@ pub enum Azimuth {
     /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
     /// surfaces without a preferred direction. The azimuths of exits are not looked at.
     ///
-    /// When the record is closed, the flux of a ring is spread evenly over its bins, and each half
-    /// of the in-plane wedge gets its share of the full turn. The number of rays is spread alike, so
+    /// When the tally is closed, the flux of a ring is spread evenly over its bins, and each half
+    /// of the in-plane slice gets its share of the full turn. The number of rays is spread alike, so
     /// that a bin's is a fraction of its ring's and need not be whole.
     Free,
 }
 
-/// Sums over one batch of rays; entries by [`Layout`].
+/// Sums over one batch of rays.
 ///
-/// Under a [`Control`] it holds what is left of them when the control is subtracted: light that is
-/// scattered once, and seen, counts with what its visible share leaves of it, and light that would be
-/// scattered so but is not, with minus that share. [`Control::complete`] adds what is missing.
+/// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
+/// scattered once counts with what its visible share leaves of it, and light that would be scattered
+/// so but is shadowed or masked counts with minus that share. [`ControlVariate::complete`] adds the
+/// mean of what was subtracted.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::from_spherical;
+/// use asperity_tally::{
+///     Azimuth, Component, Event, EventPath, Exit, Loss, Side, Tally, TallyResult, TallySpec,
+/// };
+///
+/// let mut tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
+/// tally.add_exit(&Exit {
+///     side: Side::Reflected,
+///     wo: from_spherical(0.3, 0.0),
+///     flux: 1.0,
+///     path: EventPath::default().then(Event::Reflection),
+///     scatterings: 0,
+/// });
+/// tally.add_loss(Loss::Absorbed, 1.0);
+/// let fluxes = tally.into_fractions(2);
+/// assert_eq!(fluxes.flux(Side::Reflected, Component::Single), 0.5);
+/// assert_eq!(fluxes.budget().absorbed, 0.5);
+/// // 0.3 rad lies in the fourth ring of 5 degrees.
+/// assert_eq!(fluxes.rings(Side::Reflected, Component::All).get(3), 0.5);
+/// ```
 #[derive(Clone, Debug)]
-pub struct Record<'c> {
-    layout: Layout,
-    control: Option<&'c Control>,
+pub struct Tally<'c> {
+    spec: TallySpec,
+    control_variate: Option<&'c ControlVariate>,
     finder: BinFinder,
     /// `None` where the azimuth is free.
-    wedge: Option<Wedge>,
+    slice: Option<InPlaneSlice>,
     values: Vec<f64>,
 }
 
-impl<'c> Record<'c> {
-    /// An empty record.
+impl<'c> Tally<'c> {
+    /// An empty tally.
     #[must_use]
-    pub fn new(layout: Layout, azimuth: Azimuth) -> Self {
+    pub fn new(spec: TallySpec, azimuth: Azimuth) -> Self {
         Self {
-            layout,
-            control: None,
-            finder: BinFinder::new(layout.grid()),
-            wedge: match azimuth {
-                Azimuth::From(forward) => Some(Wedge::new(forward, layout.in_plane_half_width())),
+            spec,
+            control_variate: None,
+            finder: BinFinder::new(spec.grid()),
+            slice: match azimuth {
+                Azimuth::From(forward) => {
+                    Some(InPlaneSlice::new(forward, spec.in_plane_half_width()))
+                }
                 Azimuth::Free => None,
             },
-            values: vec![0.0; layout.len()],
+            values: vec![0.0; spec.len()],
         }
     }
 
-    /// The same under a control of the same layout, where there is one.
+    /// The same under a control variate of the same spec, where there is one.
     #[must_use]
-    pub fn under(self, control: Option<&'c Control>) -> Self {
-        Self { control, ..self }
+    pub fn with_control_variate(self, control_variate: Option<&'c ControlVariate>) -> Self {
+        Self {
+            control_variate,
+            ..self
+        }
     }
 
     /// Whether light that leaves on `side` is recorded.
     #[must_use]
-    pub const fn asks(&self, side: Side) -> bool {
-        self.layout.asks(side)
+    pub const fn records(&self, side: Side) -> bool {
+        self.spec.records(side)
     }
 
-    /// The control, which makes what is not seen count too.
+    /// The control variate, under which shadowed and masked light counts too.
     #[must_use]
-    pub const fn control(&self) -> Option<&'c Control> {
-        self.control
+    pub const fn control_variate(&self) -> Option<&'c ControlVariate> {
+        self.control_variate
     }
 
-    /// Adds light that left the surface: to its bins, or, on a side that is not asked for, to the
-    /// flux that went there.
+    /// Adds light that left the surface: to its bins, or, on a side that is not recorded, to the flux
+    /// that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
         let ring = self.finder.ring(exit.side, exit.wo);
-        let left = match self.control {
+        let left = match self.control_variate {
             Some(control) if exit.path.order() == 1 => 1.0 - control.share(exit.side, ring),
             _ => 1.0,
         };
         self.book(exit, left * exit.flux, ring);
     }
 
-    /// Subtracts, under a control, light that a facet would send away if nothing were in its way, but
-    /// that is not lit or not seen. A direction that leads into the surface is no exit of the control.
-    pub fn add_unseen(&mut self, exit: &Exit) {
+    /// Subtracts, under a control variate, light that a facet would send away if nothing were in its
+    /// way, but that is shadowed or masked. A direction that leads into the surface is no exit of the
+    /// control variate.
+    pub fn add_masked(&mut self, exit: &Exit) {
         let away = match exit.side {
             Side::Reflected => exit.wo.z > 0.0,
             Side::Transmitted => exit.wo.z < 0.0,
         };
-        if let (true, Some(control)) = (away, self.control) {
+        if let (true, Some(control)) = (away, self.control_variate) {
             let ring = self.finder.ring(exit.side, exit.wo);
             self.book(exit, -control.share(exit.side, ring) * exit.flux, ring);
         }
@@ -128,434 +130,217 @@ impl<'c> Record<'c> {
 
     /// Adds flux that was absorbed at the first interaction.
     pub fn add_first_absorbed(&mut self, flux: f64) {
-        let share = self.control.map_or(0.0, Control::absorbed_share);
+        let share = self.absorbed_share();
         self.add_loss(Loss::Absorbed, (1.0 - share) * flux);
     }
 
-    /// Subtracts, under a control, flux that a facet would absorb if it were lit.
-    pub fn add_unlit_absorbed(&mut self, flux: f64) {
-        let share = self.control.map_or(0.0, Control::absorbed_share);
+    /// Subtracts, under a control variate, flux that a shadowed facet would absorb if it were lit.
+    pub fn add_shadowed_absorbed(&mut self, flux: f64) {
+        let share = self.absorbed_share();
         self.add_loss(Loss::Absorbed, -share * flux);
+    }
+
+    fn absorbed_share(&self) -> f64 {
+        self.control_variate
+            .map_or(0.0, ControlVariate::absorbed_share)
     }
 
     /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
     #[inline(always)]
     fn book(&mut self, exit: &Exit, flux: f64, ring: usize) {
-        let Exit {
-            side,
-            wo,
-            path,
-            history,
-            ..
-        } = *exit;
-        // What the control has taken off entirely is no ray of the bin either.
+        let Exit { side, wo, path, .. } = *exit;
+        // Where the control variate cancels all of it, no ray of the bin is left either.
         if flux == 0.0 {
             return;
         }
-        let layout = &self.layout;
-        if !layout.asks(side) {
-            self.add_loss(Loss::NotAsked, flux);
+        let spec = &self.spec;
+        if !spec.records(side) {
+            self.add_loss(Loss::NotRecorded, flux);
             return;
         }
-        let grid = layout.grid();
-        let class = OrderClass::of(path.order());
-        let share = if path.order() > 1 {
-            Share::Multiple
-        } else {
-            Share::Single
-        };
+        let group = Component::order_group(path.order());
+        let multiple = usize::from(path.order() > 1);
+        self.values[spec.order_entry(side, path.order() as usize).0] += flux;
+        self.values[spec.event_path_entry(side, path).0] += flux;
+        self.values[spec.rings_start(side, group) + ring] += flux;
 
-        self.values[layout.order(side, path.order() as usize)] += flux;
-        self.values[layout.path(side, path)] += flux;
-
-        self.values[layout.rings(side, class).start + ring] += flux;
-        let histories = layout.has_histories();
-        if histories {
-            self.values[layout.history(side, history)] += flux;
-            self.values[layout.history_rings(side, history).start + ring] += flux;
-        }
+        let grid = spec.grid();
         let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
-        let Some(wedge) = &self.wedge else {
-            // The first bin counts for its ring until the record is closed.
-            self.values[layout.hits(share).start + first] += 1.0;
-            if histories {
-                self.values[layout.history_hits(history).start + first] += 1.0;
+        let direction = match &self.slice {
+            // The first bin counts for its ring until the tally is closed.
+            None => Direction {
+                ring,
+                bin: first,
+                in_plane: None,
+            },
+            Some(slice) => {
+                let bin = first + self.finder.sector(wo);
+                self.values[spec.bins_start(multiple) + bin] += flux;
+                let half = slice.half(wo);
+                let in_plane = half.map(|half| spec.in_plane_filter(side).number(ring, half));
+                if let Some(i) = in_plane {
+                    self.values[spec.in_plane_start(side, group) + i] += flux;
+                }
+                Direction {
+                    ring,
+                    bin,
+                    in_plane,
+                }
             }
-            return;
         };
-        let bin = first + self.finder.sector(wo);
-        self.values[layout.bins(share).start + bin] += flux;
-        self.values[layout.hits(share).start + bin] += 1.0;
-        let half = wedge.half(wo);
-        if let Some(half) = half {
-            self.values[layout.in_plane_entry(side, class, ring, half)] += flux;
+        self.values[spec.hits_start(multiple) + direction.bin] += 1.0;
+        if !spec.components().is_empty() {
+            self.book_components(exit, flux, direction);
         }
-        if histories {
-            self.values[layout.history_bins(history).start + bin] += flux;
-            self.values[layout.history_hits(history).start + bin] += 1.0;
-            if let Some(half) = half {
-                let i = layout.in_plane_number(side, ring, half);
-                self.values[layout.history_in_plane(side, history).start + i] += flux;
+    }
+
+    /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
+    fn book_components(&mut self, exit: &Exit, flux: f64, direction: Direction) {
+        let spec = &self.spec;
+        let side = exit.side;
+        let Direction {
+            ring,
+            bin,
+            in_plane,
+        } = direction;
+        for (place, component) in spec.components().iter().enumerate() {
+            if !component.accepts(exit) {
+                continue;
+            }
+            let start = spec.component_start(place);
+            self.values[start + side.index()] += flux;
+            self.values[spec.rings_of_component(start, side) + ring] += flux;
+            let bins = start + 2;
+            self.values[bins + spec.grid().len() + bin] += 1.0;
+            if self.slice.is_some() {
+                self.values[bins + bin] += flux;
+            }
+            if let Some(i) = in_plane {
+                self.values[spec.in_plane_of_component(start, side) + i] += flux;
             }
         }
     }
 
     /// Adds flux that ended without an exit.
     pub fn add_loss(&mut self, loss: Loss, flux: f64) {
+        const BUDGET: crate::Budget<crate::Entry> = TallySpec::BUDGET;
         match loss {
-            Loss::Absorbed => self.values[Layout::ABSORBED] += flux,
-            Loss::Truncated => self.values[Layout::TRUNCATED] += flux,
-            Loss::Lost => self.values[Layout::LOST] += flux,
+            Loss::Absorbed => self.values[BUDGET.absorbed.0] += flux,
+            Loss::Truncated => self.values[BUDGET.truncated.0] += flux,
+            Loss::Lost => self.values[BUDGET.lost.0] += flux,
             Loss::LeftPatch => {
-                self.values[Layout::TRUNCATED] += flux;
-                self.values[Layout::LEFT_PATCH] += flux;
+                self.values[BUDGET.truncated.0] += flux;
+                self.values[BUDGET.left_patch.0] += flux;
             }
-            Loss::NotAsked => {
-                self.values[Layout::TRUNCATED] += flux;
-                self.values[Layout::NOT_ASKED] += flux;
+            Loss::NotRecorded => {
+                self.values[BUDGET.truncated.0] += flux;
+                self.values[BUDGET.not_recorded.0] += flux;
             }
         }
     }
 
-    /// Fractions of the incident flux, for a batch of `rays` rays of flux one.
+    /// Closes the tally: fractions of the incident flux, for a batch of `rays` rays of flux one.
     #[must_use]
-    pub fn into_fractions(mut self, rays: u64) -> Vec<f64> {
-        let layout = self.layout;
-        if self.wedge.is_none() {
-            for side in layout.sides() {
-                for ring in 0..layout.grid().n_theta() {
+    pub fn into_fractions(mut self, rays: u64) -> TallyValues {
+        let spec = self.spec;
+        if self.slice.is_none() {
+            for side in spec.sides() {
+                for ring in 0..spec.grid().n_theta() {
                     self.spread(side, ring);
-                    for history in History::ALL.into_iter().filter(|_| layout.has_histories()) {
-                        self.spread_history(side, ring, history);
+                    for place in 0..spec.components().len() {
+                        self.spread_component(side, ring, spec.component_start(place));
                     }
                 }
             }
         }
         for side in Side::BOTH {
             self.sum_orders(side);
-            for i in 0..layout.grid().n_theta() {
-                self.sum_classes(|class| layout.rings(side, class).start + i);
+            for i in 0..spec.ring_filter(side).len() {
+                self.sum_groups(|group| spec.rings_start(side, group) + i);
             }
-            for i in 0..layout.in_plane_len() {
-                self.sum_classes(|class| layout.in_plane(side, class).start + i);
+            for i in 0..spec.in_plane_filter(side).len() {
+                self.sum_groups(|group| spec.in_plane_start(side, group) + i);
             }
         }
-        for i in 0..layout.grid().len() {
-            let [single, multiple, total] = Share::ALL.map(|s| layout.bins(s).start + i);
-            self.values[total] = self.values[single] + self.values[multiple];
+        for i in 0..spec.grid().len() {
+            let [single, multiple, all] = [0, 1, 2].map(|place| spec.bins_start(place) + i);
+            self.values[all] = self.values[single] + self.values[multiple];
         }
         let per_ray = 1.0 / rays as f64;
         self.values.iter_mut().for_each(|v| *v *= per_ray);
-        self.values
+        TallyValues::from_vec(spec, self.values)
     }
 
-    /// Spreads one ring evenly over its bins and over the in-plane wedge.
+    /// Spreads one ring evenly over its bins and over the in-plane slice.
     fn spread(&mut self, side: Side, ring: usize) {
-        let layout = self.layout;
-        let grid = layout.grid();
-        let n_phi = grid.n_phi();
-        let [first, second, third, more] = [
-            OrderClass::First,
-            OrderClass::Second,
-            OrderClass::Third,
-            OrderClass::FourthOrMore,
-        ]
-        .map(|class| {
-            let flux = self.values[layout.rings(side, class).start + ring];
-            // Each half of the wedge is twice its half width wide.
-            let share = 2.0 * layout.in_plane_half_width() / TAU;
-            for half in [Half::Forward, Half::Backward] {
-                self.values[layout.in_plane_entry(side, class, ring, half)] = share * flux;
-            }
+        let spec = self.spec;
+        let fluxes = [0, 1, 2, 3].map(|group| {
+            let flux = self.values[spec.rings_start(side, group) + ring];
+            self.spread_in_plane(side, ring, spec.in_plane_start(side, group), flux);
             flux
         });
-        let start = (side.index() * grid.n_theta() + ring) * n_phi;
-        let bins = start..start + n_phi;
-        for (share, flux) in [
-            (Share::Single, first),
-            (Share::Multiple, second + third + more),
-        ] {
-            let hits = self.values[layout.hits(share).start + start];
-            for (entries, of_ring) in [(layout.bins(share), flux), (layout.hits(share), hits)] {
-                self.values[entries][bins.clone()].fill(of_ring / n_phi as f64);
-            }
+        let [first, second, third, more] = fluxes;
+        for (place, flux) in [(0, first), (1, second + third + more)] {
+            let [bins, hits] = [spec.bins_start(place), spec.hits_start(place)];
+            self.spread_over_bins(side, ring, [bins, hits], flux);
         }
     }
 
-    /// The same by history.
-    fn spread_history(&mut self, side: Side, ring: usize, history: History) {
-        let layout = self.layout;
-        let grid = layout.grid();
-        let n_phi = grid.n_phi();
-        let flux = self.values[layout.history_rings(side, history).start + ring];
-        let share = 2.0 * layout.in_plane_half_width() / TAU;
-        for half in [Half::Forward, Half::Backward] {
-            let i = layout.in_plane_number(side, ring, half);
-            self.values[layout.history_in_plane(side, history).start + i] = share * flux;
+    /// The same for the component whose first entry is `start`.
+    fn spread_component(&mut self, side: Side, ring: usize, start: usize) {
+        let spec = self.spec;
+        let flux = self.values[spec.rings_of_component(start, side) + ring];
+        self.spread_in_plane(side, ring, spec.in_plane_of_component(start, side), flux);
+        let bins = start + 2;
+        self.spread_over_bins(side, ring, [bins, bins + spec.grid().len()], flux);
+    }
+
+    /// Gives each half of the in-plane slice its share of the `flux` of a ring.
+    fn spread_in_plane(&mut self, side: Side, ring: usize, start: usize, flux: f64) {
+        // Each half of the slice is twice its half width wide.
+        let share = 2.0 * self.spec.in_plane_half_width() / TAU;
+        for half in Half::BOTH {
+            let i = self.spec.in_plane_filter(side).number(ring, half);
+            self.values[start + i] = share * flux;
         }
-        let start = (side.index() * grid.n_theta() + ring) * n_phi;
-        let hits = self.values[layout.history_hits(history).start + start];
-        for (entries, of_ring) in [
-            (layout.history_bins(history), flux),
-            (layout.history_hits(history), hits),
-        ] {
-            self.values[entries][start..start + n_phi].fill(of_ring / n_phi as f64);
+    }
+
+    /// Gives each bin of a ring the same part of its `flux` and of its rays, which its first bin holds.
+    fn spread_over_bins(&mut self, side: Side, ring: usize, [bins, hits]: [usize; 2], flux: f64) {
+        let grid = self.spec.grid();
+        let n_phi = grid.n_phi();
+        let first = (side.index() * grid.n_theta() + ring) * n_phi;
+        let rays = self.values[hits + first];
+        for (start, of_ring) in [(bins, flux), (hits, rays)] {
+            self.values[start + first..][..n_phi].fill(of_ring / n_phi as f64);
         }
     }
 
     /// Sets the flux of a side, and that of it which was scattered more than once, from its orders.
     fn sum_orders(&mut self, side: Side) {
-        let order = |order| self.layout.order(side, order);
-        let multiple: f64 = self.values[order(2)..=order(MAX_LISTED_ORDER)].iter().sum();
-        let all = self.values[order(1)] + multiple;
-        self.values[side.index()] = all;
-        self.values[self.layout.multiple(side)] = multiple;
+        let spec = self.spec;
+        let orders = &self.values[spec.order_entries(side).range()];
+        let multiple: f64 = orders[1..MAX_LISTED_ORDER].iter().sum();
+        let all = orders[0] + multiple;
+        self.values[spec.flux_entry(side, Component::All).0] = all;
+        self.values[spec.flux_entry(side, Component::Multiple).0] = multiple;
     }
 
-    /// Sets the entry of all orders to the sum of those of the classes.
-    fn sum_classes(&mut self, entry: impl Fn(OrderClass) -> usize) {
-        let [first, second, third, more, all] = OrderClass::ALL.map(entry);
+    /// Sets the entry of all orders to the sum of those of the groups.
+    fn sum_groups(&mut self, entry: impl Fn(usize) -> usize) {
+        let [first, second, third, more, all] = [0, 1, 2, 3, 4].map(entry);
         self.values[all] =
             self.values[first] + self.values[second] + self.values[third] + self.values[more];
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Event, HemisphereGrid, Sides};
-    use asperity_optics::from_spherical;
-
-    fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
-        let mut path = EventPath::default();
-        for _ in 1..order {
-            path = path.then(Event::Reflection);
-        }
-        path = path.then(match side {
-            Side::Reflected => Event::Reflection,
-            Side::Transmitted => Event::Transmission,
-        });
-        let wo = from_spherical(f64::to_radians(theta_deg), f64::to_radians(phi_deg));
-        Exit {
-            side,
-            wo,
-            flux: 0.5,
-            path,
-            history: History::of(order % 4),
-        }
-    }
-
-    #[test]
-    fn every_view_of_an_exit_agrees() {
-        let layout = Layout::default();
-        let mut record = Record::new(layout, Azimuth::From(0.0));
-        record.add_exit(&exit(Side::Reflected, 32.0, 1.0, 1));
-        record.add_exit(&exit(Side::Transmitted, 143.0, 2.0, 2));
-        let values = record.into_fractions(2);
-        assert_eq!(values[Layout::REFLECTED], 0.25);
-        assert_eq!(values[Layout::TRANSMITTED], 0.25);
-        assert_eq!(values[layout.order(Side::Transmitted, 2)], 0.25);
-        assert_eq!(
-            values[layout.rings(Side::Reflected, OrderClass::First)][6],
-            0.25
-        );
-        assert_eq!(
-            values[layout.rings(Side::Transmitted, OrderClass::All)][10],
-            0.25
-        );
-        let bins: f64 = values[layout.bins(Share::Total)].iter().sum();
-        assert_eq!(bins, 0.5);
-        let hits: f64 = values[layout.hits(Share::Multiple)].iter().sum();
-        assert_eq!(hits, 0.5);
-        // 143 deg from +z is 37 deg from -z.
-        assert_eq!(
-            values[layout.in_plane(Side::Transmitted, OrderClass::Second)][18 + 7],
-            0.25
-        );
-        assert_eq!(
-            values[layout.in_plane(Side::Reflected, OrderClass::First)][18 + 6],
-            0.25
-        );
-    }
-
-    #[test]
-    fn in_plane_profile_knows_forward_from_backward_and_leaves_out_the_rest() {
-        let layout = Layout::new(HemisphereGrid::default(), 5_f64.to_radians()).unwrap();
-        // Light from azimuth 100 deg travels towards 280 deg.
-        let mut record = Record::new(layout, Azimuth::From(280_f64.to_radians()));
-        record.add_exit(&exit(Side::Reflected, 12.0, 283.0, 1));
-        record.add_exit(&exit(Side::Reflected, 12.0, 97.0, 1));
-        record.add_exit(&exit(Side::Reflected, 12.0, 280.0 - 6.0, 1));
-        record.add_exit(&exit(Side::Reflected, 12.0, 10.0, 1));
-        let values = record.into_fractions(1);
-        let profile = &values[layout.in_plane(Side::Reflected, OrderClass::All)];
-        assert_eq!(profile[18 + 2], 0.5);
-        assert_eq!(profile[18 - 3], 0.5);
-        assert_eq!(profile.iter().sum::<f64>(), 1.0);
-    }
-
-    /// Exits that lie evenly about the vertical at many polar angles, with fluxes and orders of all
-    /// kinds.
-    fn even_exits(n_phi: u32) -> Vec<Exit> {
-        let mut exits = Vec::new();
-        for i in 0..60 {
-            let theta = 3.0 * f64::from(i) + 1.3;
-            let side = if theta < 90.0 {
-                Side::Reflected
-            } else {
-                Side::Transmitted
-            };
-            for k in 0..n_phi {
-                let phi = 360.0 * (f64::from(k) + 0.5) / f64::from(n_phi);
-                let mut exit = exit(side, theta, phi, 1 + i % 5);
-                exit.flux = 0.1 + f64::from(i % 7);
-                exits.push(exit);
-            }
-        }
-        exits
-    }
-
-    #[test]
-    fn free_azimuth_spreads_what_is_even_as_it_was_found() {
-        // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
-        let layout = Layout::default().with_histories();
-        let mut found = Record::new(layout, Azimuth::From(0.0));
-        let mut free = Record::new(layout, Azimuth::Free);
-        for exit in even_exits(1440) {
-            found.add_exit(&exit);
-            free.add_exit(&exit);
-        }
-        let [found, free] = [found, free].map(|record| record.into_fractions(1000));
-        for (i, (found, free)) in found.iter().zip(&free).enumerate() {
-            assert!((found - free).abs() <= 1e-12 * found, "{i}: {found} {free}");
-        }
-    }
-
-    #[test]
-    fn free_azimuth_is_exactly_even_and_adds_up() {
-        for half_width_deg in [0.01, 5.0, 90.0] {
-            let grid = HemisphereGrid::new(18, 7).unwrap();
-            let layout = Layout::new(grid, f64::to_radians(half_width_deg)).unwrap();
-            let mut record = Record::new(layout, Azimuth::Free);
-            // All at one azimuth, which is not looked at.
-            even_exits(1).iter().for_each(|exit| record.add_exit(exit));
-            let values = record.into_fractions(60);
-            for share in Share::ALL {
-                for entries in [layout.bins(share), layout.hits(share)] {
-                    for ring in values[entries].chunks_exact(grid.n_phi()) {
-                        assert!(ring.iter().all(|value| *value == ring[0]));
-                    }
-                }
-            }
-            for side in Side::BOTH {
-                for class in OrderClass::ALL {
-                    let profile = &values[layout.in_plane(side, class)];
-                    assert!(profile.iter().eq(profile.iter().rev()));
-                    let of_rings: f64 = values[layout.rings(side, class)].iter().sum();
-                    let of_profile: f64 = profile.iter().sum();
-                    let share = half_width_deg / 90.0;
-                    assert!((of_profile - share * of_rings).abs() < 1e-12);
-                }
-                let bins: f64 = values[layout.bins(Share::Total)]
-                    .chunks_exact(grid.bins_per_side())
-                    .nth(side.index())
-                    .map_or(0.0, |bins| bins.iter().sum());
-                assert!((bins - values[side.index()]).abs() < 1e-12);
-            }
-            let rays: f64 = [Share::Single, Share::Multiple]
-                .iter()
-                .flat_map(|&share| &values[layout.hits(share)])
-                .sum();
-            assert!((rays - 1.0).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn histories_are_parts_of_the_whole() {
-        let layout = Layout::default().with_histories();
-        for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
-            let mut record = Record::new(layout, azimuth);
-            even_exits(70).iter().for_each(|exit| record.add_exit(exit));
-            let values = record.into_fractions(10);
-            let whole = |entries: &[std::ops::Range<usize>]| -> Vec<f64> {
-                (0..entries[0].len())
-                    .map(|i| entries.iter().map(|e| values[e.start + i]).sum())
-                    .collect()
-            };
-            let same = |parts: [std::ops::Range<usize>; 3], all: &[f64]| {
-                let sums = whole(&parts);
-                assert_eq!(sums.len(), all.len());
-                assert!(all.iter().any(|x| *x > 0.0));
-                for (sum, all) in sums.iter().zip(all) {
-                    // Up to 4200 terms, added in another order.
-                    assert!((sum - all).abs() <= 1e-12 * all.abs());
-                }
-            };
-            let of = History::ALL;
-            same(
-                of.map(|h| layout.history_bins(h)),
-                &values[layout.bins(Share::Total)],
-            );
-            let rays = whole(&[Share::Single, Share::Multiple].map(|s| layout.hits(s)));
-            same(of.map(|h| layout.history_hits(h)), &rays);
-            for side in Side::BOTH {
-                let all = |entries| &values[entries];
-                let one = |i| i..i + 1;
-                same(
-                    of.map(|h| one(layout.history(side, h))),
-                    all(one(side.index())),
-                );
-                let class = OrderClass::All;
-                same(
-                    of.map(|h| layout.history_rings(side, h)),
-                    all(layout.rings(side, class)),
-                );
-                let profile = all(layout.in_plane(side, class));
-                same(of.map(|h| layout.history_in_plane(side, h)), profile);
-            }
-        }
-    }
-
-    #[test]
-    fn losses_go_into_the_budget() {
-        let mut record = Record::new(Layout::default(), Azimuth::From(0.0));
-        record.add_loss(Loss::Absorbed, 0.25);
-        record.add_loss(Loss::LeftPatch, 0.5);
-        record.add_loss(Loss::Truncated, -0.125);
-        record.add_loss(Loss::Lost, 0.25);
-        record.add_loss(Loss::NotAsked, 0.125);
-        let values = record.into_fractions(1);
-        assert_eq!(values[..7], [0.0, 0.0, 0.25, 0.5, 0.25, 0.5, 0.125]);
-    }
-
-    #[test]
-    fn a_side_that_is_not_asked_for_fills_no_bin() {
-        for sides in [Sides::Reflected, Sides::Transmitted] {
-            let layout = Layout::default().with_sides(sides);
-            let exits = [
-                exit(Side::Reflected, 32.0, 1.0, 1),
-                exit(Side::Transmitted, 143.0, 2.0, 2),
-                exit(Side::Reflected, 12.0, 170.0, 3),
-            ];
-            let mut all = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
-            let mut asked = Record::new(layout, Azimuth::From(0.0));
-            let mut alone = Record::new(layout.with_sides(Sides::Both), Azimuth::From(0.0));
-            let mut not_asked = 0.0;
-            for exit in &exits {
-                all.add_exit(exit);
-                asked.add_exit(exit);
-                if layout.asks(exit.side) {
-                    alone.add_exit(exit);
-                } else {
-                    not_asked += exit.flux;
-                }
-            }
-            let [all, asked, mut alone] = [all, asked, alone].map(|r| r.into_fractions(1));
-            alone[Layout::TRUNCATED] = not_asked;
-            alone[Layout::NOT_ASKED] = not_asked;
-            assert_eq!(asked, alone);
-            let budget = |values: &[f64]| values[..5].iter().sum::<f64>();
-            assert_eq!(budget(&asked), budget(&all));
-        }
-    }
+/// Where an exit counts: its ring, its bin among those of both sides, and its in-plane bin, if it has one.
+#[derive(Clone, Copy)]
+struct Direction {
+    ring: usize,
+    bin: usize,
+    in_plane: Option<usize>,
 }
+
+#[cfg(test)]
+mod tests;

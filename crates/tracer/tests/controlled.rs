@@ -105,7 +105,7 @@ impl Setting {
             rng.set_stream(block);
             let (mut values, _) = tracer.batch(&illumination, 24, self.layout(), control, &mut rng);
             if let Some(control) = control {
-                control.complete(&mut values);
+                control.complete_slice(&mut values);
             }
             statistics.push(&values);
         }

@@ -241,7 +241,7 @@ fn batch_of(
     for _ in 0..rays {
         walk.follow(incidence.wi(), &mut rng, &mut record);
     }
-    record.into_fractions(rays)
+    record.into_fractions(rays).to_vec()
 }
 
 /// The stream of one batch: the ChaCha key holds a name, the seed and the model, the batch is the

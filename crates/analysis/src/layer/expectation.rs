@@ -76,12 +76,12 @@ impl FlatLayer {
                         wo,
                         flux: flux / ways.len() as f64,
                         path,
-                        history: History::Unscattered,
+                        scatterings: 0,
                     });
                 }
             }
         }
-        let mut values = record.into_fractions(1);
+        let mut values = record.into_fractions(1).to_vec();
         // Nothing is traced: there are no rays to count.
         for share in [Share::Single, Share::Multiple] {
             values[layout.hits(share)].fill(0.0);

@@ -27,7 +27,7 @@ mod height;
 mod way;
 
 use asperity_optics::Material;
-use asperity_tally::{EventPath, Exit, History, Loss, Record, Side};
+use asperity_tally::{EventPath, Exit, Loss, Record, Side};
 use glam::DVec3;
 use rand::RngExt;
 use rand::distr::Open01;
@@ -156,7 +156,7 @@ impl Heitz {
                     wo: way.upright_direction(),
                     flux,
                     path: at.path.then(way.event),
-                    history: History::Unscattered,
+                    scatterings: 0,
                 });
             }
         }

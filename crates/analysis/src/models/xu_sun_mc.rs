@@ -43,7 +43,7 @@
 use std::collections::VecDeque;
 
 use asperity_optics::{Material, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, History, Loss, Record, Side};
+use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -271,7 +271,7 @@ impl RandomWalk for XuSunMonteCarlo {
                     wo: light.direction,
                     flux: light.flux,
                     path: light.path,
-                    history: History::Unscattered,
+                    scatterings: 0,
                 });
             } else if hits == MOST_HITS {
                 record.add_loss(Loss::Truncated, light.flux);

@@ -148,7 +148,7 @@ pub(crate) fn run_blocks<G: Geometry>(
             let records = values.chunks_exact_mut(settings.layout.len());
             for (record, mesh) in records.zip(meshes) {
                 if let Some(control) = mesh.control {
-                    control.complete(record);
+                    control.complete_slice(record);
                 }
             }
             each(&values);

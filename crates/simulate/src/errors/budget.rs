@@ -114,12 +114,15 @@ impl ErrorBudget {
     fn new(
         mut rays: Vec<f64>,
         (all, of_surfaces): (Option<Vec<f64>>, String),
-        (method, layout, count): (&Method, &Layout, u64),
+        (method, _, count): (&Method, &Layout, u64),
         mut mesh: MeshErrors,
     ) -> Self {
         let mut of_rays = BY_BLOCKS.to_owned();
         if let Some(control) = method.control() {
-            for (square, least) in rays.iter_mut().zip(control.least_errors(layout, count)) {
+            for (square, least) in rays
+                .iter_mut()
+                .zip(control.least_errors(count).iter().copied())
+            {
                 *square = square.max(least * least);
             }
             of_rays.push_str(", and no less than one ray where the control expects light");

@@ -355,7 +355,7 @@ impl FirstOrder<'_> {
         };
         let fluxes = slopes.and_then(|slopes| self.fluxes(&slopes));
         let fluxes = fluxes.map_err(|error| error.to_string())?;
-        Ok(control.removed(*self.layout, &fluxes))
+        Ok(control.removed(&fluxes).to_vec())
     }
 
     /// What the mesh adds to the plain estimate, where light of the first order reaches.
@@ -389,7 +389,7 @@ impl FirstOrder<'_> {
             .map(|(mesh, surface)| (mesh != surface).then_some(mesh - surface))
             .collect();
         // What single scattering gains, light scattered more often loses, and the energies hold both.
-        let closed = control.removed(*self.layout, &fluxes);
+        let closed = control.removed(&fluxes);
         for total in [Layout::REFLECTED, Layout::TRANSMITTED, Layout::ABSORBED] {
             shift[total] = Some(closed[total]);
         }

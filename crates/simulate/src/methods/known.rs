@@ -50,7 +50,7 @@ impl Known {
             .iter()
             .sum();
         let mut fluxes = vec![0.0; layout.len()];
-        control.complete(&mut fluxes);
+        control.complete_slice(&mut fluxes);
         // The budget was closed, by so much at most in any sum.
         let bound = bound + (1.0 - budget).abs();
         let error = target.of().error_within(layout, &fluxes, bound);

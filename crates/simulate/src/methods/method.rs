@@ -135,12 +135,12 @@ impl Method {
 /// Statistics of `rays` rays by a method, with errors that its control leaves room for.
 pub fn with_least_errors(
     method: &Method,
-    layout: &Layout,
+    _layout: &Layout,
     statistics: BatchStatistics,
     rays: u64,
 ) -> BatchStatistics {
     match method.control() {
-        Some(control) => statistics.with_least_errors(control.least_errors(layout, rays)),
+        Some(control) => statistics.with_least_errors(control.least_errors(rays).to_vec()),
         None => statistics,
     }
 }

@@ -5,9 +5,7 @@ use std::ops::Range;
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
-use asperity_tally::{
-    Azimuth, Event, EventPath, Exit, History, Layout, Record, Side, UnshadowedFluxes,
-};
+use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Record, Side, UnshadowedFluxes};
 use asperity_tally::{OrderClass, Share};
 use glam::DVec3;
 
@@ -66,13 +64,13 @@ pub fn sum_over_facets<G: Geometry>(
                         wo,
                         flux: flux * branch.share,
                         path: EventPath::default().then(branch.event),
-                        history: History::Unscattered,
+                        scatterings: 0,
                     });
                 }
             }
         }
     }
-    record.into_fractions(1)
+    record.into_fractions(1).to_vec()
 }
 
 /// The parts of a record over all facets that a control is made of.

@@ -10,7 +10,7 @@ mod work;
 use std::f64::consts::{PI, TAU};
 
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, Control, EventPath, Exit, History, Layout, Loss, Record, Side};
+use asperity_tally::{Azimuth, Control, EventPath, Exit, Layout, Loss, Record, Side};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
@@ -167,7 +167,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 now.queries.clear();
             }
         }
-        (batch.record.into_fractions(batch.work.rays), batch.work)
+        (
+            batch.record.into_fractions(batch.work.rays).to_vec(),
+            batch.work,
+        )
     }
 
     /// Lets one path of a batch start at `[u, v]` of the period, with the light turned by `turn`.
@@ -239,7 +242,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             wo: level.extend(wo.z),
             flux: light.flux,
             path: light.path,
-            history: History::of(light.scatterings),
+            scatterings: light.scatterings,
         }
     }
 

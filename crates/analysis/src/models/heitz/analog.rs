@@ -1,7 +1,7 @@
 //! The walk in its plainest form, to check the quicker one by: one branch, weight one, escape by chance.
 
 use asperity_optics::{Material, dielectric, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, History, Loss, Record, Side};
+use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -52,7 +52,7 @@ impl RandomWalk for Analog {
                     wo,
                     flux: 1.0,
                     path,
-                    history: History::Unscattered,
+                    scatterings: 0,
                 });
                 return;
             }

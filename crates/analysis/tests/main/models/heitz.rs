@@ -52,7 +52,7 @@ fn sampled(
             let wi = wi(&mut rng);
             walk.follow(wi, &mut rng, &mut record);
         }
-        batches.push(record.into_fractions(rays / BATCHES));
+        batches.push(record.into_fractions(rays / BATCHES).to_vec());
         statistics.push(batches.last().unwrap());
     }
     (statistics, batches)

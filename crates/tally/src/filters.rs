@@ -1,0 +1,247 @@
+//! Filters by direction: the geometry of bins, rings and in-plane bins on one side of the surface.
+//!
+//! Each filter says how many entries it has and where they lie. Bins that refine around narrow lobes
+//! join here: a filter with a list of bins of its own takes the place of [`BinFilter`], and views, which
+//! know their geometry through the filter alone, stay as they are.
+
+use crate::{Bin, HemisphereGrid, Side};
+
+/// Bins of the hemisphere on one side, ring by ring from +z, within a ring by azimuth from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BinFilter {
+    pub(crate) grid: HemisphereGrid,
+    pub(crate) side: Side,
+}
+
+impl BinFilter {
+    /// The side.
+    #[must_use]
+    pub const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// The grid of both sides.
+    #[must_use]
+    pub const fn grid(&self) -> HemisphereGrid {
+        self.grid
+    }
+
+    /// Rings of polar angle by sectors of azimuth.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        [self.grid.n_theta(), self.grid.n_phi()]
+    }
+
+    /// Number of bins.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.grid.bins_per_side()
+    }
+
+    /// Never: a grid has at least one bin per side.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Bin `i` with its edges in radians and its solid angle.
+    #[must_use]
+    pub fn bin(&self, i: usize) -> Bin {
+        self.grid.bin(self.side.index() * self.len() + i)
+    }
+
+    /// All bins in order.
+    pub fn bins(&self) -> impl Iterator<Item = Bin> + use<> {
+        let filter = *self;
+        (0..self.len()).map(move |i| filter.bin(i))
+    }
+
+    /// Edges `[min, max]` of bin `i` in polar angle from +z, degrees; exact.
+    #[must_use]
+    pub fn theta_deg(&self, i: usize) -> [f64; 2] {
+        RingFilter::from(*self).theta_deg(i / self.grid.n_phi())
+    }
+
+    /// Edges `[min, max]` of bin `i` in azimuth, degrees; exact.
+    #[must_use]
+    pub fn phi_deg(&self, i: usize) -> [f64; 2] {
+        let sector = i % self.grid.n_phi();
+        [sector, sector + 1].map(|k| 360.0 * k as f64 / self.grid.n_phi() as f64)
+    }
+
+    /// Solid angle of bin `i` weighted with the mean `|cos theta|`, steradians: flux over it is a BSDF.
+    #[must_use]
+    pub fn projected_solid_angle(&self, i: usize) -> f64 {
+        let bin = self.bin(i);
+        bin.solid_angle * bin.mean_abs_cos()
+    }
+}
+
+/// Rings of equal polar angle over all azimuths on one side, from +z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RingFilter {
+    pub(crate) n_theta: usize,
+    pub(crate) side: Side,
+}
+
+impl From<BinFilter> for RingFilter {
+    fn from(bins: BinFilter) -> Self {
+        Self {
+            n_theta: bins.grid.n_theta(),
+            side: bins.side,
+        }
+    }
+}
+
+impl RingFilter {
+    /// The side.
+    #[must_use]
+    pub const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Number of rings.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.n_theta
+    }
+
+    /// Never: a grid has at least one ring.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Edges `[min, max]` of ring `i` in polar angle from +z, degrees; exact.
+    #[must_use]
+    pub fn theta_deg(&self, i: usize) -> [f64; 2] {
+        let start = 90.0 * self.side.index() as f64;
+        [i, i + 1].map(|k| start + 90.0 * k as f64 / self.n_theta as f64)
+    }
+}
+
+/// Bins along the in-plane slice of one side, by signed angle from the side's own normal (+z for
+/// reflection, -z for transmission) from -90 to +90 degrees; positive is forward, the way the light
+/// travels horizontally.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InPlaneFilter {
+    pub(crate) n_theta: usize,
+    pub(crate) half_width: f64,
+    pub(crate) side: Side,
+}
+
+impl InPlaneFilter {
+    /// The side.
+    #[must_use]
+    pub const fn side(&self) -> Side {
+        self.side
+    }
+
+    /// Number of bins: twice that of rings.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        2 * self.n_theta
+    }
+
+    /// Never: a grid has at least one ring.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        false
+    }
+
+    /// Angle between either edge of the slice and the plane of incidence, radians.
+    #[must_use]
+    pub const fn half_width(&self) -> f64 {
+        self.half_width
+    }
+
+    /// Edges `[min, max]` of bin `i`, signed degrees; exact.
+    #[must_use]
+    pub fn theta_deg(&self, i: usize) -> [f64; 2] {
+        let n = self.n_theta as f64;
+        [i, i + 1].map(|k| 90.0 * (k as f64 - n) / n)
+    }
+
+    /// The middle of bin `i`, signed degrees.
+    #[must_use]
+    pub fn centre_deg(&self, i: usize) -> f64 {
+        let [from, to] = self.theta_deg(i);
+        0.5 * (from + to)
+    }
+
+    /// Width of a bin, degrees.
+    #[must_use]
+    pub fn width_deg(&self) -> f64 {
+        90.0 / self.n_theta as f64
+    }
+
+    /// Solid angle of bin `i`, steradians.
+    #[must_use]
+    pub fn solid_angle(&self, i: usize) -> f64 {
+        let [a, b] = self.theta_deg(i).map(|deg| deg.to_radians().abs());
+        let band = 2.0 * (0.5 * (a + b)).sin() * (0.5 * (b - a)).abs().sin();
+        2.0 * self.half_width * band
+    }
+
+    /// Number of the bin over `ring` of polar angle, counted from +z, on one half of the plane of
+    /// incidence.
+    pub(crate) const fn number(&self, ring: usize, half: Half) -> usize {
+        let n = self.n_theta;
+        // Rings count from +z; the in-plane angle counts from the side's own normal.
+        let from_normal = match self.side {
+            Side::Reflected => ring,
+            Side::Transmitted => n - 1 - ring,
+        };
+        match half {
+            Half::Forward => n + from_normal,
+            Half::Backward => n - 1 - from_normal,
+        }
+    }
+}
+
+/// A half of the plane of incidence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Half {
+    /// The one that the light travels towards.
+    Forward,
+    /// The one that it comes from.
+    Backward,
+}
+
+impl Half {
+    pub(crate) const BOTH: [Self; 2] = [Self::Backward, Self::Forward];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn in_plane_bins_are_symmetric_about_the_normal() {
+        let bins = InPlaneFilter {
+            n_theta: 18,
+            half_width: 5_f64.to_radians(),
+            side: Side::Reflected,
+        };
+        assert_eq!(bins.theta_deg(0), [-90.0, -85.0]);
+        assert_eq!(bins.theta_deg(35), [85.0, 90.0]);
+        assert_eq!(bins.solid_angle(0), bins.solid_angle(35));
+        let expected = 10_f64.to_radians() * (1.0 - 5_f64.to_radians().cos());
+        assert!((bins.solid_angle(18) - expected).abs() < 1e-15);
+    }
+
+    #[test]
+    fn edges_of_filters_are_those_of_the_grid() {
+        let grid = HemisphereGrid::new(7, 13).unwrap();
+        for side in Side::BOTH {
+            let bins = BinFilter { grid, side };
+            let [theta, phi] = [grid.theta_edges_deg(side), grid.phi_edges_deg()];
+            for i in 0..bins.len() {
+                let (ring, sector) = (i / 13, i % 13);
+                assert_eq!(bins.theta_deg(i), [theta[ring], theta[ring + 1]]);
+                assert_eq!(bins.phi_deg(i), [phi[sector], phi[sector + 1]]);
+                assert_eq!(bins.bin(i).side, side);
+            }
+        }
+    }
+}

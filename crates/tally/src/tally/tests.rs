@@ -1,0 +1,270 @@
+use super::*;
+use crate::{ComponentFilter, Event, EventPath, HemisphereGrid, Sides, TallyResult};
+use asperity_optics::from_spherical;
+
+fn exit(side: Side, theta_deg: f64, phi_deg: f64, order: u32) -> Exit {
+    let mut path = EventPath::default();
+    for _ in 1..order {
+        path = path.then(Event::Reflection);
+    }
+    path = path.then(match side {
+        Side::Reflected => Event::Reflection,
+        Side::Transmitted => Event::Transmission,
+    });
+    let wo = from_spherical(f64::to_radians(theta_deg), f64::to_radians(phi_deg));
+    Exit {
+        side,
+        wo,
+        flux: 0.5,
+        path,
+        scatterings: order % 4,
+    }
+}
+
+#[test]
+fn every_view_of_an_exit_agrees() {
+    let spec = TallySpec::default();
+    let mut tally = Tally::new(spec, Azimuth::From(0.0));
+    tally.add_exit(&exit(Side::Reflected, 32.0, 1.0, 1));
+    tally.add_exit(&exit(Side::Transmitted, 143.0, 2.0, 2));
+    let values = tally.into_fractions(2);
+    let [reflected, transmitted] = Side::BOTH;
+    assert_eq!(values.budget().reflected, 0.25);
+    assert_eq!(values.budget().transmitted, 0.25);
+    assert_eq!(values.order(transmitted, 2), 0.25);
+    assert_eq!(values.rings(reflected, Component::Single).get(6), 0.25);
+    assert_eq!(values.rings(transmitted, Component::All).get(10), 0.25);
+    let bins: f64 = values[spec.grid_entries(Component::All)].iter().sum();
+    assert_eq!(bins, 0.5);
+    let hits: f64 = values[spec.grid_hit_entries(Component::Multiple)]
+        .iter()
+        .sum();
+    assert_eq!(hits, 0.5);
+    // 143 deg from +z is 37 deg from -z.
+    let in_plane = values.in_plane(transmitted, Component::Order(2));
+    assert_eq!(in_plane.get(18 + 7), 0.25);
+    let in_plane = values.in_plane(reflected, Component::Single);
+    assert_eq!(in_plane.get(18 + 6), 0.25);
+}
+
+#[test]
+fn in_plane_profile_knows_forward_from_backward_and_leaves_out_the_rest() {
+    let spec = TallySpec::new(HemisphereGrid::default(), 5_f64.to_radians()).unwrap();
+    // Light from azimuth 100 deg travels towards 280 deg.
+    let mut tally = Tally::new(spec, Azimuth::From(280_f64.to_radians()));
+    tally.add_exit(&exit(Side::Reflected, 12.0, 283.0, 1));
+    tally.add_exit(&exit(Side::Reflected, 12.0, 97.0, 1));
+    tally.add_exit(&exit(Side::Reflected, 12.0, 280.0 - 6.0, 1));
+    tally.add_exit(&exit(Side::Reflected, 12.0, 10.0, 1));
+    let values = tally.into_fractions(1);
+    let profile = &values[spec.in_plane_entries(Side::Reflected, Component::All)];
+    assert_eq!(profile[18 + 2], 0.5);
+    assert_eq!(profile[18 - 3], 0.5);
+    assert_eq!(profile.iter().sum::<f64>(), 1.0);
+}
+
+/// Exits that lie evenly about the vertical at many polar angles, with fluxes and orders of all
+/// kinds.
+fn even_exits(n_phi: u32) -> Vec<Exit> {
+    let mut exits = Vec::new();
+    for i in 0..60 {
+        let theta = 3.0 * f64::from(i) + 1.3;
+        let side = if theta < 90.0 {
+            Side::Reflected
+        } else {
+            Side::Transmitted
+        };
+        for k in 0..n_phi {
+            let phi = 360.0 * (f64::from(k) + 0.5) / f64::from(n_phi);
+            let mut exit = exit(side, theta, phi, 1 + i % 5);
+            exit.flux = 0.1 + f64::from(i % 7);
+            exits.push(exit);
+        }
+    }
+    exits
+}
+
+#[test]
+fn free_azimuth_spreads_what_is_even_as_it_was_found() {
+    // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
+    let spec = TallySpec::default().with_medium();
+    let mut found = Tally::new(spec, Azimuth::From(0.0));
+    let mut free = Tally::new(spec, Azimuth::Free);
+    for exit in even_exits(1440) {
+        found.add_exit(&exit);
+        free.add_exit(&exit);
+    }
+    let [found, free] = [found, free].map(|record| record.into_fractions(1000));
+    for (i, (found, free)) in found.iter().zip(free.iter()).enumerate() {
+        assert!((found - free).abs() <= 1e-12 * found, "{i}: {found} {free}");
+    }
+}
+
+#[test]
+fn free_azimuth_is_exactly_even_and_adds_up() {
+    for half_width_deg in [0.01, 5.0, 90.0] {
+        let grid = HemisphereGrid::new(18, 7).unwrap();
+        let spec = TallySpec::new(grid, f64::to_radians(half_width_deg)).unwrap();
+        let mut tally = Tally::new(spec, Azimuth::Free);
+        // All at one azimuth, which is not looked at.
+        even_exits(1).iter().for_each(|exit| tally.add_exit(exit));
+        let values = tally.into_fractions(60);
+        let bins = Component::BINS.map(|c| spec.grid_entries(c));
+        let hits = Component::SURFACE.map(|c| spec.grid_hit_entries(c));
+        for entries in bins.into_iter().chain(hits) {
+            for ring in values[entries].chunks_exact(grid.n_phi()) {
+                assert!(ring.iter().all(|value| *value == ring[0]));
+            }
+        }
+        for side in Side::BOTH {
+            for class in Component::RINGS {
+                let profile = &values[spec.in_plane_entries(side, class)];
+                assert!(profile.iter().eq(profile.iter().rev()));
+                let of_rings: f64 = values[spec.ring_entries(side, class)].iter().sum();
+                let of_profile: f64 = profile.iter().sum();
+                let share = half_width_deg / 90.0;
+                assert!((of_profile - share * of_rings).abs() < 1e-12);
+            }
+            let bins: f64 = values.bins(side, Component::All).iter().sum();
+            assert!((bins - values.flux(side, Component::All)).abs() < 1e-12);
+        }
+        let rays: f64 = [Component::Single, Component::Multiple]
+            .iter()
+            .flat_map(|&share| &values[spec.grid_hit_entries(share)])
+            .sum();
+        assert!((rays - 1.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn components_of_the_medium_add_to_all_light() {
+    let spec = TallySpec::default().with_medium();
+    for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
+        let mut tally = Tally::new(spec, azimuth);
+        even_exits(70).iter().for_each(|exit| tally.add_exit(exit));
+        let values = tally.into_fractions(10);
+        let same = |entries: [crate::Entries; 3], all: Vec<f64>| {
+            assert_eq!(entries[0].len(), all.len());
+            assert!(all.iter().any(|x| *x > 0.0));
+            for (i, all) in all.iter().enumerate() {
+                let sum: f64 = entries.iter().map(|e| values[e.get(i)]).sum();
+                // Up to 4200 terms, added in another order.
+                assert!((sum - all).abs() <= 1e-12 * all.abs());
+            }
+        };
+        let of = Component::MEDIUM;
+        for side in Side::BOTH {
+            let all = Component::All;
+            same(
+                of.map(|c| spec.bin_entries(side, c)),
+                values.bins(side, all).iter().collect(),
+            );
+            let bins = 0..spec.bin_filter(side).len();
+            same(
+                of.map(|c| spec.hit_entries(side, c)),
+                bins.map(|i| values.hits(side, all, i)).collect(),
+            );
+            same(
+                of.map(|c| spec.ring_entries(side, c)),
+                values.rings(side, all).iter().collect(),
+            );
+            same(
+                of.map(|c| spec.in_plane_entries(side, c)),
+                values.in_plane(side, all).iter().collect(),
+            );
+            let sum: f64 = of.map(|c| values.flux(side, c)).iter().sum();
+            assert!((sum - values.flux(side, all)).abs() <= 1e-12 * sum);
+        }
+    }
+}
+
+/// A component that no other file knows: light that was transmitted an even number of times, but at
+/// least once.
+static BACK_AND_FORTH: ComponentFilter = ComponentFilter {
+    name: "back_and_forth",
+    label: "back and forth through the surface",
+    accepts: |exit| exit.path.code() != 0 && exit.path.code().count_ones() % 2 == 0,
+};
+
+#[test]
+fn a_component_is_added_in_one_place() {
+    const ADDED: Component = Component::Custom(&BACK_AND_FORTH);
+    let spec = TallySpec::default().with_components(&[ADDED]);
+    let exit = |events: &[Event], theta_deg: f64| Exit {
+        side: Side::Reflected,
+        wo: from_spherical(f64::to_radians(theta_deg), 0.1),
+        flux: 0.5,
+        path: events
+            .iter()
+            .fold(EventPath::default(), |path, &event| path.then(event)),
+        scatterings: 0,
+    };
+    let (r, t) = (Event::Reflection, Event::Transmission);
+    for azimuth in [Azimuth::From(0.0), Azimuth::Free] {
+        let mut tally = Tally::new(spec, azimuth);
+        tally.add_exit(&exit(&[r], 12.0));
+        tally.add_exit(&exit(&[t, r, t], 12.0));
+        let values = tally.into_fractions(1);
+        let side = Side::Reflected;
+        assert_eq!(values.flux(side, Component::All), 1.0);
+        assert_eq!(values.flux(side, ADDED), 0.5);
+        assert_eq!(values.rings(side, ADDED).get(2), 0.5);
+        assert!((values.bins(side, ADDED).iter().sum::<f64>() - 0.5).abs() < 1e-15);
+        let hits = (0..spec.bin_filter(side).len()).map(|i| values.hits(side, ADDED, i));
+        assert!((hits.sum::<f64>() - 1.0).abs() < 1e-12);
+        let in_plane = values.in_plane(side, ADDED);
+        assert_eq!(
+            in_plane.get(20),
+            0.5 * values.in_plane(side, Component::All).get(20)
+        );
+        // It names its columns and legends, and its entries describe themselves.
+        assert_eq!(spec.components()[0].name(), "back_and_forth");
+        let described = spec.describe(in_plane.entries().get(20));
+        assert_eq!((described.component, described.index), (ADDED, 20));
+    }
+}
+
+#[test]
+fn losses_go_into_the_budget() {
+    let mut tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
+    tally.add_loss(Loss::Absorbed, 0.25);
+    tally.add_loss(Loss::LeftPatch, 0.5);
+    tally.add_loss(Loss::Truncated, -0.125);
+    tally.add_loss(Loss::Lost, 0.25);
+    tally.add_loss(Loss::NotRecorded, 0.125);
+    let values = tally.into_fractions(1);
+    let budget = values.budget();
+    assert_eq!(budget.parts(), [0.0, 0.0, 0.25, 0.5, 0.25]);
+    assert_eq!([budget.left_patch, budget.not_recorded], [0.5, 0.125]);
+}
+
+#[test]
+fn a_side_that_is_not_recorded_fills_no_bin() {
+    for sides in [Sides::Reflected, Sides::Transmitted] {
+        let spec = TallySpec::default().with_sides(sides);
+        let exits = [
+            exit(Side::Reflected, 32.0, 1.0, 1),
+            exit(Side::Transmitted, 143.0, 2.0, 2),
+            exit(Side::Reflected, 12.0, 170.0, 3),
+        ];
+        let mut all = Tally::new(spec.with_sides(Sides::Both), Azimuth::From(0.0));
+        let mut recorded = Tally::new(spec, Azimuth::From(0.0));
+        let mut alone = Tally::new(spec.with_sides(Sides::Both), Azimuth::From(0.0));
+        let mut elsewhere = 0.0;
+        for exit in &exits {
+            all.add_exit(exit);
+            recorded.add_exit(exit);
+            if spec.records(exit.side) {
+                alone.add_exit(exit);
+            } else {
+                elsewhere += exit.flux;
+            }
+        }
+        let [all, recorded, mut alone] = [all, recorded, alone].map(|r| r.into_fractions(1));
+        alone[TallySpec::BUDGET.truncated] = elsewhere;
+        alone[TallySpec::BUDGET.not_recorded] = elsewhere;
+        assert!(recorded.iter().eq(alone.iter()));
+        let budget = |values: &TallyValues| values.budget().total();
+        assert_eq!(budget(&recorded), budget(&all));
+    }
+}

@@ -1,0 +1,171 @@
+//! Means and standard errors of tallies over independent batches.
+
+use crate::entry::Entry;
+use crate::statistics::{add_batch, standard_error};
+use crate::values::TallyValues;
+use crate::{Estimate, TallyResult, TallySpec};
+
+/// Running mean and variance of each entry over equally weighted tallies: ray blocks, or surfaces.
+///
+/// Batches are added in the order of their index, so that the bytes of the result do not depend on the
+/// number of threads.
+///
+/// # Examples
+/// ```
+/// use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics, TallyValues};
+///
+/// let spec = TallySpec::default();
+/// let mut statistics = TallyStatistics::new(spec);
+/// for flux in [0.1, 0.3] {
+///     let mut batch = TallyValues::zeros(spec);
+///     batch[spec.flux_entry(Side::Reflected, Component::Single)] = flux;
+///     statistics.push(&batch);
+/// }
+/// let estimate = statistics.flux(Side::Reflected, Component::Single);
+/// assert!((estimate.mean - 0.2).abs() < 1e-12);
+/// assert!((estimate.se.unwrap() - 0.1).abs() < 1e-12);
+/// ```
+#[derive(Clone, Debug)]
+pub struct TallyStatistics {
+    batches: u64,
+    means: TallyValues,
+    squares: TallyValues,
+    /// Errors below which none is reported, if any are.
+    least_errors: Option<TallyValues>,
+}
+
+impl TallyStatistics {
+    /// Statistics without a batch yet.
+    #[must_use]
+    pub fn new(spec: TallySpec) -> Self {
+        Self {
+            batches: 0,
+            means: TallyValues::zeros(spec),
+            squares: TallyValues::zeros(spec),
+            least_errors: None,
+        }
+    }
+
+    /// Analytic means, without any batch, with `errors` that they surely do not exceed.
+    ///
+    /// # Panics
+    /// If the two are of different specs.
+    #[must_use]
+    pub fn analytic(means: TallyValues, errors: TallyValues) -> Self {
+        let squares = TallyValues::zeros(*means.spec());
+        Self {
+            batches: 0,
+            means,
+            squares,
+            least_errors: None,
+        }
+        .with_least_errors(errors)
+    }
+
+    /// Adds one batch.
+    ///
+    /// # Panics
+    /// If it is of another spec.
+    pub fn push(&mut self, batch: &TallyValues) {
+        let (means, batch) = (self.means.as_mut_slice(), batch.as_slice());
+        assert_eq!(batch.len(), means.len(), "a batch of another spec");
+        self.batches += 1;
+        add_batch(self.batches, means, self.squares.as_mut_slice(), batch);
+    }
+
+    /// The same, which reports no standard error below those given: where rare events decide, batches
+    /// may not scatter at all, and yet the mean is not exact.
+    ///
+    /// # Panics
+    /// If they are of another spec.
+    #[must_use]
+    pub fn with_least_errors(self, errors: TallyValues) -> Self {
+        let [own, given] = [&self.means, &errors].map(|values| values.as_slice().len());
+        assert_eq!(own, given, "errors of another spec");
+        Self {
+            least_errors: Some(errors),
+            ..self
+        }
+    }
+
+    /// Number of batches.
+    #[must_use]
+    pub const fn batches(&self) -> u64 {
+        self.batches
+    }
+
+    /// All means.
+    #[must_use]
+    pub const fn means(&self) -> &TallyValues {
+        &self.means
+    }
+
+    /// All means, without the statistics.
+    #[must_use]
+    pub fn into_means(self) -> TallyValues {
+        self.means
+    }
+
+    /// Squares of the standard errors of all means, by the scatter of the batches alone; not a number
+    /// with fewer than two batches.
+    #[must_use]
+    pub fn error_squares(&self) -> TallyValues {
+        let n = self.batches as f64;
+        self.squares.map(|s| s / (n * (n - 1.0)))
+    }
+}
+
+/// Each entry has its mean and its standard error.
+impl TallyResult for TallyStatistics {
+    type Value = Estimate;
+
+    fn spec(&self) -> &TallySpec {
+        self.means.spec()
+    }
+
+    fn at(&self, entry: Entry) -> Estimate {
+        let least = self.least_errors.as_ref().map(|errors| errors[entry]);
+        Estimate {
+            mean: self.means[entry],
+            se: standard_error(self.batches, self.squares[entry], least),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LOST: Entry = TallySpec::BUDGET.lost;
+
+    fn batch(lost: f64) -> TallyValues {
+        let mut values = TallyValues::zeros(TallySpec::default());
+        values[LOST] = lost;
+        values
+    }
+
+    #[test]
+    fn no_error_is_reported_below_the_least() {
+        let mut statistics = TallyStatistics::new(TallySpec::default());
+        statistics.push(&batch(1.0));
+        statistics.push(&batch(1.5));
+        assert_eq!(statistics.budget().lost.se, Some(0.25));
+        assert_eq!(statistics.error_squares()[LOST], 0.0625);
+        let errors = TallyValues::filled(TallySpec::default(), 0.5);
+        let budget = statistics.with_least_errors(errors).budget();
+        assert_eq!([budget.lost.se, budget.absorbed.se], [Some(0.5); 2]);
+        assert_eq!(budget.lost.mean, 1.25);
+    }
+
+    #[test]
+    fn an_analytic_mean_has_its_error_without_a_batch() {
+        let errors = TallyValues::filled(TallySpec::default(), 1e-6);
+        let statistics = TallyStatistics::analytic(batch(0.5), errors);
+        let expected = Estimate {
+            mean: 0.5,
+            se: Some(1e-6),
+        };
+        assert_eq!(statistics.at(LOST), expected);
+        assert_eq!(statistics.batches(), 0);
+    }
+}

@@ -1,0 +1,355 @@
+//! Values by entry: one number, or one of anything else, for each entry of a spec.
+
+use std::ops::{AddAssign, Index, IndexMut};
+
+use crate::entry::{Entries, Entry};
+use crate::filters::BinFilter;
+use crate::{Component, Event, EventPath, Side, TallyResult, TallySpec};
+
+/// One `T` for each entry of a spec.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByEntry<T> {
+    spec: TallySpec,
+    values: Vec<T>,
+}
+
+/// Flux fractions by entry: what one batch or one surface did, what a model expects, or errors.
+///
+/// Flux fractions are shares of the flux that falls on the mean plane, so that they add up.
+pub type TallyValues = ByEntry<f64>;
+
+impl<T> ByEntry<T> {
+    /// The value of each entry by a function.
+    #[must_use]
+    pub fn from_fn(spec: TallySpec, f: impl FnMut(Entry) -> T) -> Self {
+        Self {
+            spec,
+            values: spec.entries().map(f).collect(),
+        }
+    }
+
+    pub(crate) fn from_vec(spec: TallySpec, values: Vec<T>) -> Self {
+        assert_eq!(values.len(), spec.len(), "values of another spec");
+        Self { spec, values }
+    }
+
+    /// The spec.
+    #[must_use]
+    pub const fn spec(&self) -> &TallySpec {
+        &self.spec
+    }
+
+    /// All values in the order of their entries.
+    pub fn iter(&self) -> std::slice::Iter<'_, T> {
+        self.values.iter()
+    }
+
+    /// All values in the order of their entries, to be changed.
+    pub fn iter_mut(&mut self) -> std::slice::IterMut<'_, T> {
+        self.values.iter_mut()
+    }
+
+    /// Something else for each entry.
+    #[must_use]
+    pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> ByEntry<U> {
+        ByEntry {
+            spec: self.spec,
+            values: self.values.iter().map(f).collect(),
+        }
+    }
+
+    /// Entry by entry something from two tallies.
+    ///
+    /// # Panics
+    /// If they are of different specs.
+    #[must_use]
+    pub fn zip_map<U, V>(&self, other: &ByEntry<U>, mut f: impl FnMut(&T, &U) -> V) -> ByEntry<V> {
+        assert_eq!(
+            self.values.len(),
+            other.values.len(),
+            "tallies of different specs"
+        );
+        let pairs = self.values.iter().zip(&other.values);
+        ByEntry {
+            spec: self.spec,
+            values: pairs.map(|(a, b)| f(a, b)).collect(),
+        }
+    }
+
+    /// Changes each value by that of another tally.
+    ///
+    /// # Panics
+    /// If they are of different specs.
+    pub fn update<U>(&mut self, other: &ByEntry<U>, mut f: impl FnMut(&mut T, &U)) {
+        assert_eq!(
+            self.values.len(),
+            other.values.len(),
+            "tallies of different specs"
+        );
+        let pairs = self.values.iter_mut().zip(&other.values);
+        pairs.for_each(|(a, b)| f(a, b));
+    }
+
+    pub(crate) fn as_slice(&self) -> &[T] {
+        &self.values
+    }
+
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+}
+
+impl<T: Clone> ByEntry<T> {
+    /// The same value in all entries.
+    #[must_use]
+    pub fn filled(spec: TallySpec, value: T) -> Self {
+        Self {
+            spec,
+            values: vec![value; spec.len()],
+        }
+    }
+}
+
+impl<T: Copy> TallyResult for ByEntry<T> {
+    type Value = T;
+
+    fn spec(&self) -> &TallySpec {
+        &self.spec
+    }
+
+    fn at(&self, entry: Entry) -> T {
+        self.values[entry.0]
+    }
+}
+
+impl<'a, T> IntoIterator for &'a ByEntry<T> {
+    type Item = &'a T;
+    type IntoIter = std::slice::Iter<'a, T>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+impl<T> Index<Entry> for ByEntry<T> {
+    type Output = T;
+
+    fn index(&self, entry: Entry) -> &T {
+        &self.values[entry.0]
+    }
+}
+
+impl<T> IndexMut<Entry> for ByEntry<T> {
+    fn index_mut(&mut self, entry: Entry) -> &mut T {
+        &mut self.values[entry.0]
+    }
+}
+
+impl<T> Index<Entries> for ByEntry<T> {
+    type Output = [T];
+
+    fn index(&self, entries: Entries) -> &[T] {
+        &self.values[entries.range()]
+    }
+}
+
+impl<T> IndexMut<Entries> for ByEntry<T> {
+    fn index_mut(&mut self, entries: Entries) -> &mut [T] {
+        &mut self.values[entries.range()]
+    }
+}
+
+/// Adds another tally entry by entry.
+impl AddAssign<&Self> for TallyValues {
+    fn add_assign(&mut self, other: &Self) {
+        self.update(other, |a, b| *a += b);
+    }
+}
+
+/// Fluxes of one component on one side, as a model expects them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SideFluxes {
+    /// In all.
+    pub total: f64,
+    /// Into the bins, in the order of [`BinFilter`].
+    pub bins: Vec<f64>,
+    /// Into the rings, from +z.
+    pub rings: Vec<f64>,
+    /// Into the in-plane bins.
+    pub in_plane: Vec<f64>,
+}
+
+impl SideFluxes {
+    /// Rings and total of bins that hold all light of a side.
+    #[must_use]
+    pub fn from_bins(filter: &BinFilter, bins: Vec<f64>, in_plane: Vec<f64>) -> Self {
+        let [_, n_phi] = filter.shape();
+        let rings = bins.chunks_exact(n_phi).map(|ring| ring.iter().sum());
+        Self {
+            total: bins.iter().sum(),
+            rings: rings.collect(),
+            bins,
+            in_plane,
+        }
+    }
+}
+
+impl TallyValues {
+    /// Zero in all entries.
+    #[must_use]
+    pub fn zeros(spec: TallySpec) -> Self {
+        Self::filled(spec, 0.0)
+    }
+
+    /// Rays per incident ray that reached bin `i` of `side`; for all light the sum of
+    /// [`Component::SURFACE`].
+    #[must_use]
+    pub fn hits(&self, side: Side, component: Component, i: usize) -> f64 {
+        let of = |component| self[self.spec.hit_entries(side, component).get(i)];
+        if component == Component::All {
+            let [single, multiple] = Component::SURFACE.map(of);
+            single + multiple
+        } else {
+            of(component)
+        }
+    }
+
+    /// Sets the rays in all bins to zero: in what nothing was traced for.
+    pub fn clear_hits(&mut self) {
+        let components = self.spec.components().iter().copied();
+        for component in Component::SURFACE.into_iter().chain(components) {
+            for side in Side::BOTH {
+                let entries = self.spec.hit_entries(side, component);
+                self[entries].fill(0.0);
+            }
+        }
+    }
+
+    /// Sets all entries that hold light of order one of `side` and no other, and those of all light:
+    /// what a model of single scattering expects.
+    ///
+    /// # Panics
+    /// If `fluxes` are of other bins than the spec.
+    pub fn set_single_scattering(&mut self, side: Side, fluxes: &SideFluxes) {
+        let spec = self.spec;
+        for component in [Component::Single, Component::All] {
+            self[spec.flux_entry(side, component)] = fluxes.total;
+            self[spec.bin_entries(side, component)].copy_from_slice(&fluxes.bins);
+            self[spec.ring_entries(side, component)].copy_from_slice(&fluxes.rings);
+            self[spec.in_plane_entries(side, component)].copy_from_slice(&fluxes.in_plane);
+        }
+        self[spec.event_path_entry(side, single_path(side))] = fluxes.total;
+    }
+
+    /// Takes light of order one from `single`, and changes all light by the difference.
+    ///
+    /// # Panics
+    /// If the two are of different specs.
+    pub fn replace_single_scattering(&mut self, single: &Self) {
+        let spec = self.spec;
+        for side in Side::BOTH {
+            let of = |component| {
+                [
+                    spec.bin_entries(side, component),
+                    spec.ring_entries(side, component),
+                    spec.in_plane_entries(side, component),
+                    Entries::new(spec.flux_entry(side, component).0, 1),
+                ]
+            };
+            for (first, all) in of(Component::Single).iter().zip(of(Component::All)) {
+                for (first, all) in first.iter().zip(all.iter()) {
+                    self[all] += single[first] - self[first];
+                    self[first] = single[first];
+                }
+            }
+            let path = spec.event_path_entry(side, single_path(side));
+            self[path] = single[path];
+        }
+    }
+
+    /// What a component of `side` adds where a tally keeps it.
+    ///
+    /// # Panics
+    /// If `fluxes` are of other bins than the spec.
+    pub fn add_component(&mut self, side: Side, component: Component, fluxes: &SideFluxes) {
+        let spec = self.spec;
+        let add = |entries: &mut [f64], fluxes: &[f64]| {
+            assert_eq!(entries.len(), fluxes.len(), "fluxes of other bins");
+            entries.iter_mut().zip(fluxes).for_each(|(a, b)| *a += b);
+        };
+        if let Some(start) = spec.find_flux(side, component) {
+            self.values[start] += fluxes.total;
+        }
+        for (start, fluxes) in [
+            (spec.find_bins(side, component), &fluxes.bins),
+            (spec.find_rings(side, component), &fluxes.rings),
+            (spec.find_in_plane(side, component), &fluxes.in_plane),
+        ] {
+            if let Some(start) = start {
+                add(&mut self.values[start..start + fluxes.len()], fluxes);
+            }
+        }
+    }
+}
+
+/// The path of light that left on `side` after one interaction.
+pub(crate) const fn single_path(side: Side) -> EventPath {
+    let event = match side {
+        Side::Reflected => Event::Reflection,
+        Side::Transmitted => Event::Transmission,
+    };
+    EventPath::from_code(0, 0).then(event)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::HemisphereGrid;
+
+    fn spec() -> TallySpec {
+        TallySpec::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
+    }
+
+    fn fluxes(flux: f64) -> SideFluxes {
+        let bins = spec().bin_filter(Side::Reflected);
+        SideFluxes::from_bins(&bins, vec![flux; bins.len()], vec![0.5 * flux; 4])
+    }
+
+    #[test]
+    fn replaced_single_scattering_changes_all_light_alike() {
+        let (mut sampled, mut exact) = (TallyValues::zeros(spec()), TallyValues::zeros(spec()));
+        sampled.set_single_scattering(Side::Reflected, &fluxes(0.01));
+        sampled.add_component(Side::Reflected, Component::All, &fluxes(0.02));
+        exact.set_single_scattering(Side::Reflected, &fluxes(0.015));
+        sampled.replace_single_scattering(&exact);
+        for view in [
+            sampled.bins(Side::Reflected, Component::All),
+            sampled.bins(Side::Reflected, Component::Single),
+        ] {
+            let expected = if view.component() == Component::All {
+                0.035
+            } else {
+                0.015
+            };
+            assert!(view.iter().all(|flux| (flux - expected).abs() < 1e-15));
+        }
+        let total = sampled.flux(Side::Reflected, Component::All);
+        assert!((total - 6.0 * 0.035).abs() < 1e-15);
+        assert_eq!(sampled.flux(Side::Transmitted, Component::All), 0.0);
+    }
+
+    #[test]
+    fn a_component_that_is_not_kept_is_left_out() {
+        let mut values = TallyValues::zeros(spec());
+        values.add_component(Side::Reflected, Component::ScatteredOnce, &fluxes(0.01));
+        assert!(values.iter().all(|&value| value == 0.0));
+        let mut values = TallyValues::zeros(spec().with_medium());
+        values.add_component(Side::Reflected, Component::ScatteredOnce, &fluxes(0.01));
+        assert_eq!(
+            values
+                .rings(Side::Reflected, Component::ScatteredOnce)
+                .get(0),
+            0.03
+        );
+    }
+}
