@@ -12,7 +12,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
 use asperity_studies::energy_table;
 use asperity_surface::HeightField;
-use asperity_tally::Layout;
+use asperity_tally::TallySpec;
 use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -24,11 +24,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let crate_of_eggs = HeightField::new(heights, [n, n], [0.1, 0.1])?;
 
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let settings = RaySettings {
         rays: 100_000,
         seed: 1,
-        layout,
+        layout: spec,
         paths: PathSettings::default(),
         accelerator: AcceleratorKind::Auto,
         estimator: Estimator::Auto,
@@ -41,6 +41,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let incidence = Incidence::from_degrees(60.0, 0.0)?;
     let scene = Scene::new(Material::dielectric(1.5)?, incidence);
     let outcome = trace(crate_of_eggs, None, &scene, &settings, &Silent)?;
-    print!("{}", energy_table(&layout, &outcome.statistics));
+    print!("{}", energy_table(&spec, &outcome.statistics));
     Ok(())
 }

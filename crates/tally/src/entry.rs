@@ -4,11 +4,20 @@
 //! [`TallySpec::describe`](crate::TallySpec::describe) what one of them counts. Mueller matrices join
 //! here: an entry then stands for 4 or 16 numbers, and `ByEntry<f64>` becomes `ByEntry<Mueller>`.
 
+use std::fmt;
+
 use crate::{Component, Side};
 
 /// The place of one number in all tallies of a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Entry(pub(crate) usize);
+
+/// Writes the number of the entry, for messages.
+impl fmt::Display for Entry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
 
 /// Entries that follow one another, such as all bins of one side and component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +60,15 @@ impl Entries {
 
     pub(crate) const fn range(&self) -> std::ops::Range<usize> {
         self.start..self.start + self.len
+    }
+}
+
+impl IntoIterator for Entries {
+    type Item = Entry;
+    type IntoIter = std::iter::Map<std::ops::Range<usize>, fn(usize) -> Entry>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.range().map(Entry)
     }
 }
 

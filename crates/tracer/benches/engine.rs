@@ -19,7 +19,7 @@ use std::time::Instant;
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Psd, Synthesis};
-use asperity_tally::Layout;
+use asperity_tally::TallySpec;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,
     Instructions, PathSettings, Pyramid, Query, Surface, Tracer, Work,
@@ -227,7 +227,7 @@ fn paths(
         .batch(
             &Illumination::new(incidence, false),
             strata,
-            Layout::default(),
+            TallySpec::default(),
             None,
             &mut rng,
         )

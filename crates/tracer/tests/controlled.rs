@@ -14,7 +14,8 @@ mod common;
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{
-    BatchStatistics, Control, HemisphereGrid, Layout, OrderClass, Share, Sides, VisibleShares,
+    Component, ControlVariate, Entry, HemisphereGrid, Sides, TallyResult, TallySpec,
+    TallyStatistics, TallyValues, VisibleShares,
 };
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
@@ -52,9 +53,9 @@ impl Setting {
         }
     }
 
-    fn layout(&self) -> Layout {
+    fn spec(&self) -> TallySpec {
         let grid = HemisphereGrid::new(6, 8).unwrap();
-        Layout::new(grid, 0.3).unwrap().with_sides(self.sides)
+        TallySpec::new(grid, 0.3).unwrap().with_sides(self.sides)
     }
 
     fn incidence(&self) -> Incidence {
@@ -62,8 +63,8 @@ impl Setting {
     }
 
     /// Shares that fall towards grazing, the more so in reflection: wrong, as any are allowed to be.
-    fn control(&self) -> Control {
-        let both = self.layout().with_sides(Sides::Both);
+    fn control(&self) -> ControlVariate {
+        let both = self.spec().with_sides(Sides::Both);
         let n = both.grid().n_theta();
         let facets = 0..self.surface.facet_count();
         let record = sum_over_facets(
@@ -81,11 +82,12 @@ impl Setting {
             ],
             absorbed: 0.7,
         };
-        let fluxes = unshadowed_fluxes(&both, &record);
-        Control::new(self.layout(), shares, &fluxes).looking_into_shadow(self.shadow_probability)
+        let fluxes = unshadowed_fluxes(&record);
+        ControlVariate::new(self.spec(), shares, &fluxes)
+            .looking_into_shadow(self.shadow_probability)
     }
 
-    fn run(&self, starts: Starts, control: Option<&Control>, seed: u64) -> BatchStatistics {
+    fn run(&self, starts: Starts, control: Option<&ControlVariate>, seed: u64) -> TallyStatistics {
         let accelerator = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
         let settings = PathSettings::new(self.branching, 0.01, 1000).unwrap();
         let tracer = Tracer::new(
@@ -99,13 +101,13 @@ impl Setting {
             starts,
             ..Illumination::new(self.incidence(), false)
         };
-        let mut statistics = BatchStatistics::new(self.layout().len());
+        let mut statistics = TallyStatistics::new(self.spec());
         for block in 0..150 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(block);
-            let (mut values, _) = tracer.batch(&illumination, 24, self.layout(), control, &mut rng);
+            let (mut values, _) = tracer.batch(&illumination, 24, self.spec(), control, &mut rng);
             if let Some(control) = control {
-                control.complete_slice(&mut values);
+                control.complete(&mut values);
             }
             statistics.push(&values);
         }
@@ -113,23 +115,23 @@ impl Setting {
     }
 
     /// Entries that both estimators estimate: all but the numbers of rays.
-    fn entries(&self) -> Vec<usize> {
-        let layout = self.layout();
-        let mut entries: Vec<usize> = (0..=Layout::NOT_ASKED).collect();
-        for side in layout.sides() {
+    fn entries(&self) -> Vec<Entry> {
+        let spec = self.spec();
+        let budget = TallySpec::BUDGET;
+        let mut entries = budget.parts().to_vec();
+        entries.extend([budget.left_patch, budget.not_recorded]);
+        for side in spec.sides() {
             entries.extend([
-                layout.multiple(side),
-                layout.order(side, 1),
-                layout.order(side, 2),
+                spec.flux_entry(side, Component::Multiple),
+                spec.order_entry(side, 1),
+                spec.order_entry(side, 2),
             ]);
-            entries.extend(layout.rings(side, OrderClass::First));
-            entries.extend(layout.rings(side, OrderClass::All));
-            entries.extend(layout.in_plane(side, OrderClass::First));
-            entries.extend(layout.in_plane(side, OrderClass::All));
-            let of_side = layout.grid().bins_per_side();
-            let bins = side.index() * of_side..(side.index() + 1) * of_side;
-            for share in Share::ALL {
-                entries.extend(bins.clone().map(|bin| layout.bins(share).start + bin));
+            entries.extend(spec.ring_entries(side, Component::Single));
+            entries.extend(spec.ring_entries(side, Component::All));
+            entries.extend(spec.in_plane_entries(side, Component::Single));
+            entries.extend(spec.in_plane_entries(side, Component::All));
+            for component in Component::BINS {
+                entries.extend(spec.bin_entries(side, component));
             }
         }
         entries
@@ -212,7 +214,7 @@ fn controlled_and_plain_means_agree() {
         for (k, (starts, control)) in others.into_iter().enumerate() {
             let other = setting.run(starts, control, seed + 1 + k as u64);
             let mut squares = 0.0;
-            let mut worst = (0.0_f64, 0);
+            let mut worst = (0.0_f64, TallySpec::BUDGET.lost);
             let mut compared = 0;
             for i in setting.entries() {
                 let (a, b) = (plain.estimate(i), other.estimate(i));
@@ -260,24 +262,22 @@ fn a_mean_without_its_cosine_is_noticed() {
         30.0,
     );
     let wrong = {
-        let both = setting.layout().with_sides(Sides::Both);
-        let mut sum = vec![0.0; both.len()];
+        let both = setting.spec().with_sides(Sides::Both);
+        let mut sum = TallyValues::zeros(both);
         let count = setting.surface.facet_count();
         for index in 0..count {
             let facets = index..index + 1;
             let (surface, wi) = (&setting.surface, setting.incidence());
             let part = sum_over_facets(surface, glass, wi, HalfSpace::Above, both, facets);
             let cos_theta_m = surface.normal(surface.facet(index)).z;
-            for (sum, value) in sum.iter_mut().zip(part) {
-                *sum += cos_theta_m * value;
-            }
+            sum.update(&part, |sum, value| *sum += cos_theta_m * value);
         }
         let n = both.grid().n_theta();
         let shares = VisibleShares {
             rings: [vec![0.8; n], vec![0.8; n]],
             absorbed: 0.8,
         };
-        Control::new(setting.layout(), shares, &unshadowed_fluxes(&both, &sum))
+        ControlVariate::new(setting.spec(), shares, &unshadowed_fluxes(&sum))
     };
     let plain = setting.run(Starts::FromAbove, None, 1);
     let controlled = setting.run(Starts::OnSurface, Some(&wrong), 2);
@@ -308,7 +308,7 @@ fn the_budget_of_every_batch_closes() {
             (Starts::OnSurface, Some(&control)),
         ] {
             let means = setting.run(starts, control, 7);
-            let budget: f64 = means.means()[Layout::REFLECTED..=Layout::LOST].iter().sum();
+            let budget: f64 = means.means().budget().total();
             assert!((budget - 1.0).abs() < 1e-12, "{}: {budget}", setting.name);
         }
     }

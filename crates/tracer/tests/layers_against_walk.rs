@@ -13,7 +13,9 @@ mod common;
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, HemisphereGrid, History, Layout, Share, Side};
+use asperity_tally::{
+    Component, Entry, HemisphereGrid, Side, TallySpec, TallyStatistics, TallyValues,
+};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace,
     Illumination, PathEnd, PathIntegrator, PathResult, PathSettings, Surface, TracedLayer, Tracer,
@@ -121,17 +123,17 @@ impl Scene {
         let glass = Material::dielectric(self.eta).unwrap();
         let incidence = Incidence::from_degrees(40.0, 25.0).unwrap();
         let grid = HemisphereGrid::new(3, 4).unwrap();
-        let layout = Layout::new(grid, 0.1).unwrap().with_histories();
+        let spec = TallySpec::new(grid, 0.1).unwrap().with_medium();
 
         let tracer = Tracer::new(&top, &*top_hits, glass, HalfSpace::Above, self.settings);
         let tracer = tracer.over(substrate());
-        let mut together = BatchStatistics::new(layout.len());
-        let mut alone = BatchStatistics::new(layout.len());
+        let mut together = TallyStatistics::new(spec);
+        let mut alone = TallyStatistics::new(spec);
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             rng.set_stream(block);
             let light = Illumination::new(incidence, false);
-            let (record, _) = tracer.batch(&light, STRATA, layout, None, &mut rng);
+            let (record, _) = tracer.batch(&light, STRATA, spec, None, &mut rng);
             together.push(&record);
         }
         let integrator =
@@ -140,15 +142,15 @@ impl Scene {
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(2);
             rng.set_stream(block);
-            let mut record = vec![0.0; layout.len()];
+            let mut record = TallyValues::zeros(spec);
             for _ in 0..STRATA * STRATA {
                 let origin = start(&top, incidence, &mut rng);
                 let path = integrator.trace(origin, -incidence.wi(), &mut rng);
-                count(&path, &layout, &mut record);
+                count(&path, &spec, &mut record);
             }
             alone.push(&record);
         }
-        assert_agreement(name, &layout, &together, &alone);
+        assert_agreement(name, &spec, &together, &alone);
     }
 }
 
@@ -170,61 +172,66 @@ fn start(top: &Surface, incidence: Incidence, rng: &mut ChaCha8Rng) -> DVec3 {
 }
 
 /// Adds one path to the entries that are compared.
-fn count(path: &PathResult, layout: &Layout, record: &mut [f64]) {
+fn count(path: &PathResult, spec: &TallySpec, record: &mut TallyValues) {
     let whole = path.flux + path.absorbed + path.truncated;
     assert!((whole - 1.0).abs() < 1e-12, "{path:?}");
-    let mut add = |entry: usize, flux: f64| record[entry] += flux / PATHS;
-    add(Layout::ABSORBED, path.absorbed);
-    add(Layout::TRUNCATED, path.truncated);
+    let mut add = |entry: Entry, flux: f64| record[entry] += flux / PATHS;
+    add(TallySpec::BUDGET.absorbed, path.absorbed);
+    add(TallySpec::BUDGET.truncated, path.truncated);
     let side = match path.end {
         PathEnd::Above => Side::Reflected,
         PathEnd::Below => Side::Transmitted,
         PathEnd::Absorbed => return,
-        PathEnd::Truncated => return add(Layout::TRUNCATED, path.flux),
+        PathEnd::Truncated => return add(TallySpec::BUDGET.truncated, path.flux),
         PathEnd::LeftPatch => {
-            add(Layout::LEFT_PATCH, path.flux);
-            return add(Layout::TRUNCATED, path.flux);
+            add(TallySpec::BUDGET.left_patch, path.flux);
+            return add(TallySpec::BUDGET.truncated, path.flux);
         }
-        PathEnd::Lost => return add(Layout::LOST, path.flux),
+        PathEnd::Lost => return add(TallySpec::BUDGET.lost, path.flux),
     };
-    let total = match side {
-        Side::Reflected => Layout::REFLECTED,
-        Side::Transmitted => Layout::TRANSMITTED,
+    let of_medium = match path.scatterings {
+        0 => Component::Unscattered,
+        1 => Component::ScatteredOnce,
+        _ => Component::ScatteredMore,
     };
-    add(total, path.flux);
+    for component in [Component::All, of_medium] {
+        add(spec.flux_entry(side, component), path.flux);
+    }
     add(
-        layout.history(side, History::of(path.scatterings)),
+        spec.order_entry(side, path.path.order() as usize),
         path.flux,
     );
-    add(layout.order(side, path.path.order() as usize), path.flux);
-    let bin = layout.grid().index_of(side, path.direction);
-    add(layout.bins(Share::Total).start + bin, path.flux);
+    let bin = spec.grid().index_of(side, path.direction);
+    add(spec.grid_entries(Component::All).get(bin), path.flux);
 }
 
 fn assert_agreement(
     name: &str,
-    layout: &Layout,
-    together: &BatchStatistics,
-    alone: &BatchStatistics,
+    spec: &TallySpec,
+    together: &TallyStatistics,
+    alone: &TallyStatistics,
 ) {
     let mut entries = vec![
-        ("absorbed".to_owned(), Layout::ABSORBED),
-        ("truncated".to_owned(), Layout::TRUNCATED),
-        ("left patch".to_owned(), Layout::LEFT_PATCH),
-        ("reflected".to_owned(), Layout::REFLECTED),
-        ("transmitted".to_owned(), Layout::TRANSMITTED),
+        ("absorbed".to_owned(), TallySpec::BUDGET.absorbed),
+        ("truncated".to_owned(), TallySpec::BUDGET.truncated),
+        ("left patch".to_owned(), TallySpec::BUDGET.left_patch),
+        ("reflected".to_owned(), TallySpec::BUDGET.reflected),
+        ("transmitted".to_owned(), TallySpec::BUDGET.transmitted),
     ];
     for side in Side::BOTH {
-        for history in History::ALL {
-            let entry = layout.history(side, history);
-            entries.push((format!("{side:?} {}", history.name()), entry));
+        for component in Component::MEDIUM {
+            let entry = spec.flux_entry(side, component);
+            entries.push((format!("{side:?} {}", component.name()), entry));
         }
         for order in 1..=6 {
-            entries.push((format!("{side:?} order {order}"), layout.order(side, order)));
+            entries.push((
+                format!("{side:?} order {order}"),
+                spec.order_entry(side, order),
+            ));
         }
     }
-    for (i, entry) in layout.bins(Share::Total).enumerate() {
-        entries.push((format!("{:?}", layout.grid().bin(i)), entry));
+    for (i, entry) in spec.grid_entries(Component::All).iter().enumerate() {
+        entries.push((format!("{:?}", spec.grid().bin(i)), entry));
     }
     let (mut worst, mut compared) = (0.0_f64, 0);
     for (entry, i) in &entries {
@@ -246,7 +253,7 @@ fn assert_agreement(
     }
     println!("{name}: largest |z| of {compared}: {worst:.2}");
     for statistics in [together, alone] {
-        assert_eq!(statistics.means()[Layout::LOST], 0.0, "{name}");
+        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0, "{name}");
     }
 }
 

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, Layout, MAX_LISTED_ORDER, Side};
+use asperity_tally::{MAX_LISTED_ORDER, Side, TallySpec, TallyStatistics};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, MeshBvh,
     MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
@@ -163,7 +163,7 @@ fn trace<G: BuildAccelerator>(
     kind: AcceleratorKind,
     incident: HalfSpace,
     theta_deg: f64,
-) -> (BatchStatistics, Work) {
+) -> (TallyStatistics, Work) {
     let accelerator = geometry.accelerator(kind).unwrap();
     let glass = Material::dielectric(1.5).unwrap();
     Run {
@@ -176,13 +176,13 @@ fn trace<G: BuildAccelerator>(
     .go(16, 32)
 }
 
-fn budget(statistics: &BatchStatistics) -> f64 {
+fn budget(statistics: &TallyStatistics) -> f64 {
     [
-        Layout::REFLECTED,
-        Layout::TRANSMITTED,
-        Layout::ABSORBED,
-        Layout::TRUNCATED,
-        Layout::LOST,
+        TallySpec::BUDGET.reflected,
+        TallySpec::BUDGET.transmitted,
+        TallySpec::BUDGET.absorbed,
+        TallySpec::BUDGET.truncated,
+        TallySpec::BUDGET.lost,
     ]
     .map(|i| statistics.means()[i])
     .iter()
@@ -239,10 +239,10 @@ fn a_sphere_of_glass_keeps_the_budget() {
     let (statistics, work) = trace(&sphere, AcceleratorKind::Mesh, HalfSpace::Above, 30.0);
     let at = |i| statistics.means()[i];
     println!("{work:?}");
-    assert_eq!(at(Layout::LOST), 0.0);
-    assert_eq!(at(Layout::TRANSMITTED), 0.0);
+    assert_eq!(at(TallySpec::BUDGET.lost), 0.0);
+    assert_eq!(at(TallySpec::BUDGET.transmitted), 0.0);
     // All light ends outside of the sphere; what leaves it downwards finds nothing there.
-    assert!(at(Layout::REFLECTED) > 0.02 && at(Layout::LEFT_PATCH) > 0.5);
+    assert!(at(TallySpec::BUDGET.reflected) > 0.02 && at(TallySpec::BUDGET.left_patch) > 0.5);
     assert!((budget(&statistics) - 1.0).abs() < 1e-12);
 }
 
@@ -258,12 +258,12 @@ fn a_mushroom_keeps_the_budget() {
             assert_eq!(mesh.repairs(), Default::default());
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
             assert_eq!(
-                statistics.means()[Layout::LOST],
+                statistics.means()[TallySpec::BUDGET.lost],
                 0.0,
                 "{border} {incident:?}"
             );
             assert!((budget(&statistics) - 1.0).abs() < 1e-12);
-            assert!(statistics.means()[Layout::TRANSMITTED] > 0.4);
+            assert!(statistics.means()[TallySpec::BUDGET.transmitted] > 0.4);
         }
     }
 }
@@ -398,12 +398,12 @@ fn an_exported_tile_is_traced_as_the_height_field_itself() {
     for (incident, theta) in [(HalfSpace::Above, 30.0), (HalfSpace::Below, 60.0)] {
         let (expected, work) = trace(&surface, AcceleratorKind::Auto, incident, theta);
         let (found, own) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
-        let layout = Layout::default();
-        assert_eq!(found.means()[Layout::LOST], 0.0);
-        let orders = Side::BOTH
-            .into_iter()
-            .flat_map(|side| (1..=MAX_LISTED_ORDER).map(move |order| layout.order(side, order)));
-        for i in orders.chain([Layout::REFLECTED, Layout::TRANSMITTED]) {
+        let spec = TallySpec::default();
+        assert_eq!(found.means()[TallySpec::BUDGET.lost], 0.0);
+        let orders = Side::BOTH.into_iter().flat_map(|side| {
+            (1..=MAX_LISTED_ORDER).map(move |order| spec.order_entry(side, order))
+        });
+        for i in orders.chain([TallySpec::BUDGET.reflected, TallySpec::BUDGET.transmitted]) {
             let (a, b) = (expected.estimate(i), found.estimate(i));
             let error = a.se.unwrap().hypot(b.se.unwrap());
             assert!((a.mean - b.mean).abs() <= 3.0 * error, "{i}: {a:?} {b:?}");
@@ -582,8 +582,8 @@ fn light_that_passes_by_an_open_patch_is_truncated() {
         let mesh = surface(mesh, Border::Open);
         for (incident, theta) in [(HalfSpace::Above, 0.0), (HalfSpace::Below, 60.0)] {
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
-            assert_eq!(statistics.means()[Layout::LOST], 0.0);
-            assert!(statistics.means()[Layout::LEFT_PATCH] > 1e-4);
+            assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
+            assert!(statistics.means()[TallySpec::BUDGET.left_patch] > 1e-4);
             assert!((budget(&statistics) - 1.0).abs() < 1e-12);
         }
     }

@@ -167,6 +167,7 @@ pub(crate) fn run_blocks<G: Geometry>(
             let (record, work) =
                 mesh.tracer
                     .batch(&mesh.light, blocks.strata, layout, mesh.control, &mut rng);
+            let record = record.to_vec();
             if records.is_empty() {
                 (records, of_first) = (record, work);
             } else {

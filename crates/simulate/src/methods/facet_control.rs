@@ -7,7 +7,7 @@
 use asperity_analysis::{ModelError, SlopeCovariance, visible_fractions};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{Control, Layout, Sides};
+use asperity_tally::{Control, Layout, Sides, TallyValues};
 use asperity_tracer::{Geometry, HalfSpace, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
@@ -59,7 +59,7 @@ impl Method {
             Err(error) => return Err(error.into()),
         };
         let record = sum_over_all_facets(surface, material, incidence, incident, both);
-        let control = Control::new(layout, shares, &unshadowed_fluxes(&both, &record));
+        let control = Control::new(layout, shares, &unshadowed_fluxes(&record));
         let mean = ControlMean::FacetsOfSurface;
         Ok(Self::with_control(
             estimator, control, mean, &slopes, incidence,
@@ -74,12 +74,12 @@ fn sum_over_all_facets(
     incidence: Incidence,
     incident: HalfSpace,
     layout: Layout,
-) -> Vec<f64> {
+) -> TallyValues {
     let facets = surface.facet_count();
     // Records of all parts are held until they are added in their order.
     let parts = (RECORD_BUDGET / (layout.len() * size_of::<f64>())).clamp(1, PARTS);
     let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
-    let records: Vec<Vec<f64>> = (0..parts)
+    let records: Vec<TallyValues> = (0..parts)
         .into_par_iter()
         .with_max_len(1)
         .map(|part| {
@@ -87,12 +87,8 @@ fn sum_over_all_facets(
             sum_over_facets(surface, material, incidence, incident, layout, range)
         })
         .collect();
-    let mut sum = vec![0.0; layout.len()];
-    for record in records {
-        for (sum, value) in sum.iter_mut().zip(record) {
-            *sum += value;
-        }
-    }
+    let mut sum = TallyValues::zeros(layout);
+    records.iter().for_each(|record| sum += record);
     sum
 }
 

@@ -5,8 +5,10 @@ use std::ops::Range;
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
-use asperity_tally::{Azimuth, Event, EventPath, Exit, Layout, Record, Side, UnshadowedFluxes};
-use asperity_tally::{OrderClass, Share};
+use asperity_tally::{
+    Azimuth, Component, Event, EventPath, Exit, Side, Tally, TallyResult, TallySpec, TallyValues,
+    UnshadowedFluxes,
+};
 use glam::DVec3;
 
 use crate::geometry::Geometry;
@@ -14,7 +16,7 @@ use crate::interaction::facet::scatter;
 use crate::ray::HalfSpace;
 
 /// What the `facets` given, by their numbers, do with light that comes from `incidence` through the
-/// `incident` medium if nothing is in its way, before or after: flux fractions by `layout`.
+/// `incident` medium if nothing is in its way, before or after: flux fractions.
 ///
 /// Sums over parts of the facets add up to that over all; [`unshadowed_fluxes`] reads the sum.
 #[must_use]
@@ -23,10 +25,10 @@ pub fn sum_over_facets<G: Geometry>(
     material: Material,
     incidence: Incidence,
     incident: HalfSpace,
-    layout: Layout,
+    spec: TallySpec,
     facets: Range<usize>,
-) -> Vec<f64> {
-    let mut record = Record::new(layout, Azimuth::From(incidence.phi() + PI));
+) -> TallyValues {
+    let mut tally = Tally::new(spec, Azimuth::From(incidence.phi() + PI));
     let [cx, cy] = geometry.extent();
     let upright = DVec3::new(1.0, 1.0, incident.sign());
     // A tile of mirrored borders has images in which the light comes from another side.
@@ -51,7 +53,7 @@ pub fn sum_over_facets<G: Geometry>(
                 continue;
             }
             let scattered = scatter(material, true, wi, m);
-            record.add_first_absorbed(flux * scattered.absorbed);
+            tally.add_first_absorbed(flux * scattered.absorbed);
             for branch in scattered.branches {
                 let (side, away) = match branch.event {
                     Event::Reflection => (Side::Reflected, 1.0),
@@ -59,7 +61,7 @@ pub fn sum_over_facets<G: Geometry>(
                 };
                 let wo = branch.direction * upright * image;
                 if branch.share > 0.0 && wo.z * away > 0.0 {
-                    record.add_exit(&Exit {
+                    tally.add_exit(&Exit {
                         side,
                         wo,
                         flux: flux * branch.share,
@@ -70,20 +72,17 @@ pub fn sum_over_facets<G: Geometry>(
             }
         }
     }
-    record.into_fractions(1).to_vec()
+    tally.into_fractions(1)
 }
 
-/// The parts of a record over all facets that a control is made of.
-///
-/// # Panics
-/// If the record is of another layout.
+/// The fluxes over all facets that a control variate is made of.
 #[must_use]
-pub fn unshadowed_fluxes(layout: &Layout, record: &[f64]) -> UnshadowedFluxes {
-    let of = |range: Range<usize>| record[range].to_vec();
+pub fn unshadowed_fluxes(tally: &TallyValues) -> UnshadowedFluxes {
+    let single = Component::Single;
     UnshadowedFluxes {
-        bins: of(layout.bins(Share::Single)),
-        rings: Side::BOTH.map(|side| of(layout.rings(side, OrderClass::First))),
-        in_plane: Side::BOTH.map(|side| of(layout.in_plane(side, OrderClass::First))),
-        absorbed: record[Layout::ABSORBED],
+        bins: tally[tally.spec().grid_entries(single)].to_vec(),
+        rings: Side::BOTH.map(|side| tally.rings(side, single).iter().collect()),
+        in_plane: Side::BOTH.map(|side| tally.in_plane(side, single).iter().collect()),
+        absorbed: tally.budget().absorbed,
     }
 }

@@ -69,7 +69,7 @@ impl<G: Geometry> Tracer<'_, G> {
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let Some(control) = batch.record.control() else {
+        let Some(control) = batch.record.control_variate() else {
             return;
         };
         let probability = control.shadow_probability();
@@ -91,9 +91,9 @@ impl<G: Geometry> Tracer<'_, G> {
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        if light.path.order() == 1 && batch.record.control().is_some() {
+        if light.path.order() == 1 && batch.record.control_variate().is_some() {
             let exit = self.exit(direction, Face::Top, half_space, light);
-            batch.record.add_unseen(&exit);
+            batch.record.add_masked(&exit);
         }
     }
 
@@ -105,7 +105,7 @@ impl<G: Geometry> Tracer<'_, G> {
         light: &Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        if batch.record.control().is_none() {
+        if batch.record.control_variate().is_none() {
             return;
         }
         let scattered = self.scattered(at, self.incident);
@@ -114,11 +114,11 @@ impl<G: Geometry> Tracer<'_, G> {
                 let (heading, half_space, light) =
                     onward(at, self.incident, light, &branch, branch.share);
                 let exit = self.exit(heading.world_direction(), Face::Top, half_space, &light);
-                batch.record.add_unseen(&exit);
+                batch.record.add_masked(&exit);
             }
         }
         batch
             .record
-            .add_unlit_absorbed(light.flux * scattered.absorbed);
+            .add_shadowed_absorbed(light.flux * scattered.absorbed);
     }
 }

@@ -10,7 +10,9 @@ mod work;
 use std::f64::consts::{PI, TAU};
 
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, Control, EventPath, Exit, Layout, Loss, Record, Side};
+use asperity_tally::{
+    Azimuth, ControlVariate, EventPath, Exit, Loss, Side, Tally, TallySpec, TallyValues,
+};
 use glam::{DVec2, DVec3};
 use rand::{Rng, RngExt};
 
@@ -46,7 +48,7 @@ pub struct Tracer<'a, G: Geometry> {
 
 /// The state of one batch.
 struct Batch<'r, F, R> {
-    record: Record<'r>,
+    record: Tally<'r>,
     work: Work,
     rng: &'r mut R,
     /// Legs to be searched next, by the face that they may meet.
@@ -97,8 +99,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Traces one batch of `strata * strata` rays.
     ///
-    /// Returns flux fractions by `layout`, and the work done; under a `control`, the fractions that it
-    /// leaves, which [`Control::complete`] turns into flux fractions.
+    /// Returns flux fractions, and the work done; under a `control`, the fractions that it
+    /// leaves, which [`ControlVariate::complete`] turns into flux fractions.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
     /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
@@ -110,10 +112,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         &self,
         illumination: &Illumination,
         strata: u32,
-        layout: Layout,
-        control: Option<&Control>,
+        spec: TallySpec,
+        control: Option<&ControlVariate>,
         rng: &mut R,
-    ) -> (Vec<f64>, Work) {
+    ) -> (TallyValues, Work) {
         assert!(
             self.substrate.is_none() || control.is_none(),
             "no control knows of a layer"
@@ -129,7 +131,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let turned = illumination.any_azimuth && !free;
         let mut places = Places::new(illumination.sampling, strata, turned, rng);
         let mut batch = Batch {
-            record: Record::new(layout, azimuth).under(control),
+            record: Tally::new(spec, azimuth).with_control_variate(control),
             work: Work::default(),
             rng,
             next: [InFlight::new(), InFlight::new()],
@@ -167,10 +169,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
                 now.queries.clear();
             }
         }
-        (
-            batch.record.into_fractions(batch.work.rays).to_vec(),
-            batch.work,
-        )
+        (batch.record.into_fractions(batch.work.rays), batch.work)
     }
 
     /// Lets one path of a batch start at `[u, v]` of the period, with the light turned by `turn`.
@@ -367,7 +366,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Face::Top => self.interact(&at, half_space, light, batch),
             Face::Bottom => self.interact_at_bottom(&at, half_space, light, batch),
         }
-        if batch.record.control().is_some() {
+        if batch.record.control_variate().is_some() {
             self.look_into_shadow(at, half_space.other(), light, batch);
         }
     }
@@ -475,7 +474,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         light: &mut Light,
         batch: &mut Batch<'_, G::Facet, R>,
     ) -> bool {
-        let cancels = light.path.order() == 1 && batch.record.control().is_some();
+        let cancels = light.path.order() == 1 && batch.record.control_variate().is_some();
         if light.flux < threshold && !cancels {
             let survives = batch.rng.random::<f64>() * threshold < light.flux;
             let kept = if survives { threshold } else { 0.0 };
@@ -503,8 +502,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         // Inside a layer it may yet be absorbed, or come out elsewhere.
         let inside = self.substrate.is_some() && half_space == HalfSpace::Below;
         let last = light.path.order() >= self.settings.max_order && !inside;
-        if last && !batch.record.asks(self.side_of(Face::Top, half_space)) {
-            batch.record.add_loss(Loss::NotAsked, light.flux);
+        if last && !batch.record.records(self.side_of(Face::Top, half_space)) {
+            batch.record.add_loss(Loss::NotRecorded, light.flux);
             self.unseen(heading.world_direction(), half_space, &light, batch);
             batch.work.branches_not_recorded += 1;
         } else {

@@ -7,7 +7,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, Estimate, Layout};
+use asperity_tally::{Estimate, TallySpec, TallyStatistics};
 use asperity_tracer::{
     Accelerator, Geometry, HalfSpace, Illumination, PathSettings, Surface, Tracer, Work,
 };
@@ -68,7 +68,7 @@ pub struct Run<'a, G = Surface> {
     pub settings: PathSettings,
     pub theta_deg: f64,
     pub phi_deg: f64,
-    pub layout: Layout,
+    pub spec: TallySpec,
     pub seed: u64,
 }
 
@@ -82,12 +82,12 @@ impl<'a, G: Geometry> Run<'a, G> {
             settings: PathSettings::default(),
             theta_deg: 30.0,
             phi_deg: 180.0,
-            layout: Layout::default(),
+            spec: TallySpec::default(),
             seed: 1,
         }
     }
 
-    pub fn go(&self, batches: u64, strata: u32) -> (BatchStatistics, Work) {
+    pub fn go(&self, batches: u64, strata: u32) -> (TallyStatistics, Work) {
         let tracer = Tracer::new(
             self.surface,
             self.accelerator,
@@ -96,7 +96,7 @@ impl<'a, G: Geometry> Run<'a, G> {
             self.settings,
         );
         let incidence = Incidence::from_degrees(self.theta_deg, self.phi_deg).unwrap();
-        let mut statistics = BatchStatistics::new(self.layout.len());
+        let mut statistics = TallyStatistics::new(self.spec);
         let mut work = Work::default();
         for block in 0..batches {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
@@ -104,7 +104,7 @@ impl<'a, G: Geometry> Run<'a, G> {
             let (values, done) = tracer.batch(
                 &Illumination::new(incidence, false),
                 strata,
-                self.layout,
+                self.spec,
                 None,
                 &mut rng,
             );

@@ -1,7 +1,7 @@
 //! What a layer may end on.
 
 use asperity_optics::{Bottom, dielectric};
-use asperity_tally::{History, Layout, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::{BottomShape, PathSettings, TracedLayer, TracedLayerError};
 
 use crate::common::{rugged, z_score};
@@ -13,12 +13,15 @@ fn a_mirror_below_a_clear_layer_returns_all_and_a_black_bottom_nothing() {
     let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
     let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror)).trace(4, 10);
     assert!(
-        (found.means()[Layout::REFLECTED] + found.means()[Layout::TRUNCATED] - 1.0).abs() < 1e-13
+        (found.means()[TallySpec::BUDGET.reflected] + found.means()[TallySpec::BUDGET.truncated]
+            - 1.0)
+            .abs()
+            < 1e-13
     );
-    assert_eq!(found.means()[Layout::ABSORBED], 0.0);
+    assert_eq!(found.means()[TallySpec::BUDGET.absorbed], 0.0);
     let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Absorbing)).trace(4, 10);
-    assert!((found.means()[Layout::REFLECTED] - f).abs() < 1e-13);
-    assert!((found.means()[Layout::ABSORBED] - (1.0 - f)).abs() < 1e-13);
+    assert!((found.means()[TallySpec::BUDGET.reflected] - f).abs() < 1e-13);
+    assert!((found.means()[TallySpec::BUDGET.absorbed] - (1.0 - f)).abs() < 1e-13);
 }
 
 #[test]
@@ -37,7 +40,7 @@ fn a_lambertian_bottom_below_a_clear_layer_follows_saunderson() {
         let bottom = Bottom::Lambertian { reflectance };
         let (found, _) = Scene::new(flat(), slab(clear(), 1.0, bottom)).trace(64, 20);
         let exact = f + (1.0 - f) * reflectance * (1.0 - fi) / (1.0 - reflectance * fi);
-        let found = found.estimate(Layout::REFLECTED);
+        let found = found.budget().reflected;
         let z = z_score(found, exact, 0.0);
         println!("{reflectance}: {exact:.6}, {found:?}, z {z:.2}");
         assert!(z.abs() < 3.5);
@@ -47,7 +50,7 @@ fn a_lambertian_bottom_below_a_clear_layer_follows_saunderson() {
 #[test]
 fn an_interface_below_bends_light_into_the_third_medium() {
     // From air through a layer of 1.5 into a medium of 1.2: sin(theta) = 1.2 sin(theta_t).
-    let layout = Layout::default().with_histories();
+    let spec = TallySpec::default().with_medium();
     let scene = Scene {
         theta_deg: 52.0,
         ..Scene::new(
@@ -58,7 +61,7 @@ fn an_interface_below_bends_light_into_the_third_medium() {
     let (found, _) = scene.trace(2, 10);
     let theta_t = (52_f64.to_radians().sin() / 1.2).asin().to_degrees();
     let ring = ((180.0 - theta_t) / 5.0) as usize - 18;
-    let rings = &found.means()[layout.history_rings(Side::Transmitted, History::Unscattered)];
+    let rings = &found.means()[spec.ring_entries(Side::Transmitted, Component::Unscattered)];
     let all: f64 = rings.iter().sum();
     assert!(all > 0.8 && rings[ring] == all, "{theta_t}: {rings:?}");
 }
@@ -83,7 +86,11 @@ fn the_budget_closes_over_every_bottom_and_border() {
                 };
                 let (found, work) = scene.trace(2, 20);
                 assert!((budget(&found) - 1.0).abs() < 1e-12, "{border} {bottom:?}");
-                assert_eq!(found.means()[Layout::LOST], 0.0, "{border} {bottom:?}");
+                assert_eq!(
+                    found.means()[TallySpec::BUDGET.lost],
+                    0.0,
+                    "{border} {bottom:?}"
+                );
                 assert!(work.scatterings > 0);
             }
         }
@@ -106,7 +113,11 @@ fn a_bottom_that_lets_light_through_unbent_is_no_bottom() {
     };
     let open = found(Bottom::Open, None, 1);
     let matched = found(Bottom::Interface { eta: 1.0 }, None, 2);
-    for entry in [Layout::REFLECTED, Layout::TRANSMITTED, Layout::ABSORBED] {
+    for entry in [
+        TallySpec::BUDGET.reflected,
+        TallySpec::BUDGET.transmitted,
+        TallySpec::BUDGET.absorbed,
+    ] {
         let z = crate::z_between(&open, &matched, entry);
         println!("entry {entry}: z {z:.2}");
         assert!(z.abs() < 3.5);
@@ -140,7 +151,7 @@ fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
 #[test]
 fn paths_end_at_the_order_asked_for_at_bottoms_too() {
     // In through the surface is one interaction: the bottom is the second, and may not have it.
-    let layout = Layout::default().with_histories();
+    let spec = TallySpec::default().with_medium();
     let interface = Bottom::Interface { eta: 1.0 / 1.5 };
     for (kind, rough) in [
         (Bottom::Mirror, false),
@@ -156,8 +167,8 @@ fn paths_end_at_the_order_asked_for_at_bottoms_too() {
         };
         let (found, _) = scene.trace(2, 10);
         let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
-        assert!((found.means()[Layout::REFLECTED] - f).abs() < 1e-13);
-        assert!((found.means()[Layout::TRUNCATED] - (1.0 - f)).abs() < 1e-13);
-        assert_eq!(found.means()[layout.order(Side::Reflected, 2)], 0.0);
+        assert!((found.means()[TallySpec::BUDGET.reflected] - f).abs() < 1e-13);
+        assert!((found.means()[TallySpec::BUDGET.truncated] - (1.0 - f)).abs() < 1e-13);
+        assert_eq!(found.means()[spec.order_entry(Side::Reflected, 2)], 0.0);
     }
 }

@@ -1,7 +1,7 @@
 //! A flat interface over a half space: the answers of radiative transfer.
 
 use asperity_optics::{Layer, ParticipatingMedium, PhaseFunction, dielectric};
-use asperity_tally::{History, Layout, OrderClass, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 use crate::common::z_score;
 use crate::{Scene, budget, flat, medium};
@@ -36,7 +36,7 @@ const DIFFUSE_WITHOUT_INTERFACE: f64 = 0.41494747913081603;
 
 #[test]
 fn diffuse_reflectance_agrees_with_the_equation_of_transfer_for_any_mean_free_path() {
-    let layout = Layout::default().with_histories();
+    let spec = TallySpec::default().with_medium();
     // 54 numbers of bins and 3 sums: by Sidak |z| < 3.9 leaves 0.5 % for a chance failure.
     for (i, mean_free_path) in [1.0, 0.01, 300.0].into_iter().enumerate() {
         let scene = Scene {
@@ -46,26 +46,27 @@ fn diffuse_reflectance_agrees_with_the_equation_of_transfer_for_any_mean_free_pa
         };
         let (found, work) = scene.trace(64, 40);
         let means = found.means();
-        let specular = means[layout.history(Side::Reflected, History::Unscattered)];
+        let specular = means[spec.flux_entry(Side::Reflected, Component::Unscattered)];
         assert!((specular - dielectric(1.0, 1.5).reflected).abs() < 1e-15);
-        let once = found.estimate(layout.history(Side::Reflected, History::Once));
-        let z = z_score(found.estimate(Layout::REFLECTED), DIFFUSE + 0.04, 0.0);
+        let once = found.estimate(spec.flux_entry(Side::Reflected, Component::ScatteredOnce));
+        let z = z_score(found.budget().reflected, DIFFUSE + 0.04, 0.0);
         println!("mean free path {mean_free_path}: z {z:.2}, once {once:?}, {work:?}");
         assert!(z.abs() < 3.9);
-        let rings = |history| layout.history_rings(Side::Reflected, history).start;
+        let rings = |history| spec.ring_entries(Side::Reflected, history);
         for (ring, exact) in DIFFUSE_BY_ANGLE.into_iter().enumerate() {
             // Once and more are two entries, correlated; the scatter of all bounds that of their sum.
-            let [a, b] = [History::Once, History::More].map(|h| means[rings(h) + ring]);
-            let specular = means[rings(History::Unscattered) + ring];
-            let all = found.estimate(layout.rings(Side::Reflected, OrderClass::All).start + ring);
+            let [a, b] = [Component::ScatteredOnce, Component::ScatteredMore]
+                .map(|h| means[rings(h).get(ring)]);
+            let specular = means[rings(Component::Unscattered).get(ring)];
+            let all = found.estimate(spec.ring_entries(Side::Reflected, Component::All).get(ring));
             assert!((a + b + specular - all.mean).abs() < 1e-14);
             let z = z_score(all, exact + specular, 0.0);
             println!("  ring {ring}: {:.6} {exact:.6} z {z:.2}", a + b);
             assert!(z.abs() < 3.9);
         }
         assert!((budget(&found) - 1.0).abs() < 1e-12);
-        assert_eq!(means[Layout::LOST], 0.0);
-        assert_eq!(means[Layout::TRANSMITTED], 0.0);
+        assert_eq!(means[TallySpec::BUDGET.lost], 0.0);
+        assert_eq!(means[TallySpec::BUDGET.transmitted], 0.0);
     }
 }
 
@@ -77,11 +78,7 @@ fn without_an_interface_all_that_is_reflected_was_scattered() {
         ..Scene::new(flat(), Layer::half_space(medium(2.0, 0.9)))
     };
     let (found, _) = scene.trace(64, 40);
-    let z = z_score(
-        found.estimate(Layout::REFLECTED),
-        DIFFUSE_WITHOUT_INTERFACE,
-        0.0,
-    );
+    let z = z_score(found.budget().reflected, DIFFUSE_WITHOUT_INTERFACE, 0.0);
     println!("z {z:.2}");
     assert!(z.abs() < 3.5);
 }
@@ -90,8 +87,8 @@ fn without_an_interface_all_that_is_reflected_was_scattered() {
 fn light_scattered_once_without_an_interface_is_known_for_every_phase_function() {
     // Chandrasekhar: the flux scattered once is the integral over mu of
     // albedo p(cos) mu / (mu0 + mu) 2 pi, mu0 = 1, where cos = -mu.
-    let layout = Layout::default().with_histories();
-    let entry = layout.history(Side::Reflected, History::Once);
+    let spec = TallySpec::default().with_medium();
+    let entry = spec.flux_entry(Side::Reflected, Component::ScatteredOnce);
     for phase in [
         PhaseFunction::Isotropic,
         PhaseFunction::Rayleigh,
@@ -145,8 +142,8 @@ fn a_medium_that_only_absorbs_leaves_the_reflection_of_the_interface() {
         };
         let (found, work) = scene.trace(2, 10);
         let exact = dielectric(f64::to_radians(theta_deg).cos(), 1.5).reflected;
-        assert!((found.means()[Layout::REFLECTED] - exact).abs() < 1e-13);
-        assert!((found.means()[Layout::ABSORBED] - (1.0 - exact)).abs() < 1e-13);
+        assert!((found.means()[TallySpec::BUDGET.reflected] - exact).abs() < 1e-13);
+        assert!((found.means()[TallySpec::BUDGET.absorbed] - (1.0 - exact)).abs() < 1e-13);
         assert_eq!(work.scatterings, 0);
     }
 }
@@ -168,7 +165,7 @@ fn roulette_changes_no_mean() {
         (with(0.5, Branching::Split, 2), 2),
         (with(0.01, Branching::Pick, 3), 3),
     ] {
-        for entry in [Layout::REFLECTED, Layout::ABSORBED] {
+        for entry in [TallySpec::BUDGET.reflected, TallySpec::BUDGET.absorbed] {
             let z = crate::z_between(&found, &exhaustive, entry);
             println!("seed {seed}, entry {entry}: z {z:.2}");
             assert!(z.abs() < 3.5);

@@ -16,7 +16,7 @@ mod slabs;
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::HeightField;
-use asperity_tally::{BatchStatistics, Layout, Sides};
+use asperity_tally::{Entry, Sides, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
     TracedLayer, Tracer, Work,
@@ -56,8 +56,8 @@ impl Scene {
     }
 
     /// Traces `batches` batches of `strata^2` rays each.
-    fn trace(&self, batches: u64, strata: u32) -> (BatchStatistics, Work) {
-        let layout = Layout::default().with_histories().with_sides(self.sides);
+    fn trace(&self, batches: u64, strata: u32) -> (TallyStatistics, Work) {
+        let spec = TallySpec::default().with_medium().with_sides(self.sides);
         let accelerator = self.surface.accelerator(self.accelerator).unwrap();
         let below = self
             .bottom
@@ -84,12 +84,12 @@ impl Scene {
             Incidence::from_degrees(self.theta_deg, 20.0).unwrap(),
             false,
         );
-        let mut statistics = BatchStatistics::new(layout.len());
+        let mut statistics = TallyStatistics::new(spec);
         let mut work = Work::default();
         for batch in 0..batches {
             let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
             rng.set_stream(batch);
-            let (values, done) = tracer.batch(&light, strata, layout, None, &mut rng);
+            let (values, done) = tracer.batch(&light, strata, spec, None, &mut rng);
             statistics.push(&values);
             work += done;
         }
@@ -114,12 +114,12 @@ fn slab(medium: ParticipatingMedium, thickness: f64, bottom: Bottom) -> Layer {
     Layer::slab(medium, thickness, bottom).unwrap()
 }
 
-fn budget(statistics: &BatchStatistics) -> f64 {
-    statistics.means()[..5].iter().sum()
+fn budget(statistics: &TallyStatistics) -> f64 {
+    statistics.means().budget().total()
 }
 
 /// Difference of one entry between two runs over its standard error.
-fn z_between(a: &BatchStatistics, b: &BatchStatistics, entry: usize) -> f64 {
+fn z_between(a: &TallyStatistics, b: &TallyStatistics, entry: Entry) -> f64 {
     let (a, b) = (a.estimate(entry), b.estimate(entry));
     common::z_score(a, b.mean, b.se.unwrap())
 }

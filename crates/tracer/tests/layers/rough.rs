@@ -2,7 +2,7 @@
 
 use asperity_optics::{Bottom, Layer};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, Layout};
+use asperity_tally::{TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Surface, Tracer};
 
 use crate::common::waves;
@@ -13,7 +13,7 @@ fn rough(amplitude: f64) -> Surface {
     Surface::new(waves(16, amplitude, 5))
 }
 
-fn reflectance(mean_free_path: f64, seed: u64) -> BatchStatistics {
+fn reflectance(mean_free_path: f64, seed: u64) -> TallyStatistics {
     let scene = Scene {
         seed,
         theta_deg: 60.0,
@@ -26,13 +26,13 @@ fn reflectance(mean_free_path: f64, seed: u64) -> BatchStatistics {
 fn short_and_long_mean_free_paths_tend_to_limits_which_differ() {
     let [shortest, short] = [reflectance(1e-4, 1), reflectance(1e-3, 2)];
     let [long, longest] = [reflectance(1e4, 3), reflectance(1e5, 4)];
-    let z = |a, b| z_between(a, b, Layout::REFLECTED);
+    let z = |a, b| z_between(a, b, TallySpec::BUDGET.reflected);
     println!(
         "R {:.5} {:.5} {:.5} {:.5}; z {:.2} {:.2} {:.2}",
-        shortest.means()[0],
-        short.means()[0],
-        long.means()[0],
-        longest.means()[0],
+        shortest.budget().reflected.mean,
+        short.budget().reflected.mean,
+        long.budget().reflected.mean,
+        longest.budget().reflected.mean,
         z(&shortest, &short),
         z(&long, &longest),
         z(&short, &long)
@@ -57,9 +57,9 @@ fn light_from_however_far_below_finds_the_surface() {
                 )
             };
             let (far, _) = scene.trace(16, 24);
-            assert_eq!(far.means()[Layout::LOST], 0.0);
+            assert_eq!(far.means()[TallySpec::BUDGET.lost], 0.0);
             if border == Border::Periodic {
-                let z = z_between(&far, &near, Layout::REFLECTED);
+                let z = z_between(&far, &near, TallySpec::BUDGET.reflected);
                 println!("{mean_free_path}: z {z:.2}");
                 assert!(z.abs() < 3.5);
             }
@@ -106,7 +106,7 @@ fn a_medium_that_only_absorbs_far_below_leaves_the_bare_surface() {
         theta_deg: 60.0,
         phi_deg: 20.0,
         seed: 1,
-        layout: Layout::default(),
+        spec: TallySpec::default(),
         ..crate::common::Run::new(
             &surface,
             &*accelerator,
@@ -121,18 +121,15 @@ fn a_medium_that_only_absorbs_far_below_leaves_the_bare_surface() {
     };
     let (found, _) = scene.trace(64, 24);
     for entry in [
-        Layout::REFLECTED,
-        Layout::default().order(asperity_tally::Side::Reflected, 1),
-        Layout::default().order(asperity_tally::Side::Reflected, 3),
+        TallySpec::BUDGET.reflected,
+        TallySpec::default().order_entry(asperity_tally::Side::Reflected, 1),
+        TallySpec::default().order_entry(asperity_tally::Side::Reflected, 3),
     ] {
         let z = z_between(&found, &bare, entry);
         println!("entry {entry}: z {z:.2}");
         assert!(z.abs() < 3.5);
     }
-    let (absorbed, transmitted) = (
-        found.estimate(Layout::ABSORBED),
-        bare.estimate(Layout::TRANSMITTED),
-    );
+    let (absorbed, transmitted) = (found.budget().absorbed, bare.budget().transmitted);
     let z = crate::common::z_score(absorbed, transmitted.mean, transmitted.se.unwrap());
     assert!(z.abs() < 3.5, "{z}");
 }
@@ -152,12 +149,12 @@ fn scaling_all_lengths_changes_no_byte() {
                 slab(medium(2.0 * scale, 0.9), 16.0 * scale, bottom),
             )
         };
-        scene.trace(2, 20).0.means().to_vec()
+        scene.trace(2, 20).0.into_means()
     };
     let reference = scene(1.0);
-    assert!(reference[Layout::TRANSMITTED] > 0.01);
+    assert!(reference[TallySpec::BUDGET.transmitted] > 0.01);
     for scale in [1.0 / 1024.0, 4.0] {
-        assert_eq!(scene(scale), reference);
+        assert!(scene(scale) == reference);
     }
 }
 

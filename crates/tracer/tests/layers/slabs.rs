@@ -1,7 +1,7 @@
 //! Slabs between flat faces, from thin to thick.
 
 use asperity_optics::{Bottom, Layer, dielectric};
-use asperity_tally::Layout;
+use asperity_tally::{TallyResult, TallySpec};
 
 use crate::{Scene, budget, flat, medium, slab, z_between};
 
@@ -19,7 +19,7 @@ fn a_slab_far_thinner_than_the_mean_free_path_is_two_interfaces() {
         let f = dielectric(f64::to_radians(theta_deg).cos(), 1.5).reflected;
         let exact = 2.0 * f / (1.0 + f);
         let [reflected, transmitted] =
-            [Layout::REFLECTED, Layout::TRANSMITTED].map(|i| found.means()[i]);
+            [TallySpec::BUDGET.reflected, TallySpec::BUDGET.transmitted].map(|i| found.means()[i]);
         // Roulette ends what is below 1e-6; a ray in 1e10 is scattered.
         assert!((reflected - exact).abs() < 2e-6, "{reflected} {exact}");
         assert!((transmitted - (1.0 - exact)).abs() < 2e-6);
@@ -39,20 +39,20 @@ fn a_slab_far_thicker_than_the_mean_free_path_is_a_half_space() {
         ..Scene::new(flat(), slab(medium(1.0, 0.9), 60.0, Bottom::Open))
     };
     let (thick, _) = scene.trace(64, 20);
-    let z = z_between(&thick, &half_space, Layout::REFLECTED);
+    let z = z_between(&thick, &half_space, TallySpec::BUDGET.reflected);
     println!("z {z:.2}");
     assert!(z.abs() < 3.5);
     // exp(-60 sqrt(3 (1 - .9))) is 5e-15
-    assert!(thick.means()[Layout::TRANSMITTED] < 1e-9);
+    assert!(thick.means()[TallySpec::BUDGET.transmitted] < 1e-9);
 }
 
 #[test]
 fn a_slab_of_one_optical_depth_obeys_beer_and_lambert() {
     // Unscattered light through matched faces: exp(-d / (mean free path cos theta)).
-    let layout = Layout::default().with_histories();
-    let entry = layout.history(
+    let spec = TallySpec::default().with_medium();
+    let entry = spec.flux_entry(
         asperity_tally::Side::Transmitted,
-        asperity_tally::History::Unscattered,
+        asperity_tally::Component::Unscattered,
     );
     for theta_deg in [0.0, 60.0] {
         let scene = Scene {
@@ -74,11 +74,13 @@ fn reflected_and_transmitted_light_of_a_conservative_slab_add_to_one() {
         let scene = Scene::new(flat(), slab(medium(1.0, 1.0), 5.0, bottom));
         let (found, _) = scene.trace(16, 20);
         let means = found.means();
-        assert_eq!(means[Layout::ABSORBED], 0.0);
-        assert_eq!(means[Layout::LOST], 0.0);
-        let all = means[Layout::REFLECTED] + means[Layout::TRANSMITTED] + means[Layout::TRUNCATED];
+        assert_eq!(means[TallySpec::BUDGET.absorbed], 0.0);
+        assert_eq!(means[TallySpec::BUDGET.lost], 0.0);
+        let all = means[TallySpec::BUDGET.reflected]
+            + means[TallySpec::BUDGET.transmitted]
+            + means[TallySpec::BUDGET.truncated];
         assert!((all - 1.0).abs() < 1e-12);
-        let roulette = found.estimate(Layout::TRUNCATED);
+        let roulette = found.budget().truncated;
         assert!(roulette.mean.abs() < 4.0 * roulette.se.unwrap() + 1e-15);
     }
 }
@@ -96,10 +98,10 @@ fn what_is_absorbed_does_not_depend_on_the_side_asked_for() {
         ..scene
     };
     let asked = asked.trace(2, 20).0;
-    for entry in [Layout::REFLECTED, Layout::ABSORBED] {
+    for entry in [TallySpec::BUDGET.reflected, TallySpec::BUDGET.absorbed] {
         assert_eq!(asked.means()[entry], both.means()[entry]);
     }
-    assert!(both.means()[Layout::ABSORBED] > 0.1);
-    let gone = asked.means()[Layout::NOT_ASKED];
-    assert!((gone - both.means()[Layout::TRANSMITTED]).abs() < 1e-13);
+    assert!(both.means()[TallySpec::BUDGET.absorbed] > 0.1);
+    let gone = asked.means()[TallySpec::BUDGET.not_recorded];
+    assert!((gone - both.means()[TallySpec::BUDGET.transmitted]).abs() < 1e-13);
 }

@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_surface::Border;
-use asperity_tally::{Layout, OrderClass, Share, Side, Sides};
+use asperity_tally::{Entry, Side, Sides, TallySpec};
 use asperity_tracer::{Branching, HalfSpace, MeshBvh, PathSettings, Surface};
 
 use crate::common::{Run, rugged, waves, z_score};
@@ -24,7 +24,7 @@ fn split_and_picked_branches_agree_and_so_does_roulette() {
         .0
     };
     let exact = with(Branching::Split, 1e-6, 1);
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     // 14 quantities a comparison, three comparisons: |z| < 4 fails by chance once in 400 runs, and
     // the seeds are fixed. Quantities that fewer than 20 paths make up have no normal error.
     let rays = 60.0 * 16.0 * 16.0;
@@ -34,9 +34,9 @@ fn split_and_picked_branches_agree_and_so_does_roulette() {
         (with(Branching::Split, 0.02, 4), 0.02),
     ] {
         assert!((budget(&other) - 1.0).abs() < 1e-12);
-        let mut entries = vec![Layout::REFLECTED, Layout::TRANSMITTED];
+        let mut entries = vec![TallySpec::BUDGET.reflected, TallySpec::BUDGET.transmitted];
         for side in Side::BOTH {
-            entries.extend((1..=6).map(|order| layout.order(side, order)));
+            entries.extend((1..=6).map(|order| spec.order_entry(side, order)));
         }
         for i in entries {
             let reference = exact.estimate(i);
@@ -73,7 +73,7 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
                     Run {
                         settings,
                         incident,
-                        layout: Layout::default().with_sides(sides),
+                        spec: TallySpec::default().with_sides(sides),
                         ..Run::new(surface, &bvh, silicon)
                     }
                     // More rays than are followed together, so that starts wait for room.
@@ -84,43 +84,33 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
                 for sides in [Sides::Reflected, Sides::Transmitted] {
                     let (one, work) = asking(sides);
                     // All that differs is the way of the flux that went to the other side.
-                    let mut expected = both.means().to_vec();
-                    let mut found = one.means().to_vec();
+                    let mut expected = both.means().clone();
+                    let mut found = one.means().clone();
                     assert!((budget(&one) - 1.0).abs() < 1e-12);
-                    assert!(found[Layout::NOT_ASKED] > 0.01);
-                    let layout = Layout::default();
-                    for side in Side::BOTH.into_iter().filter(|&side| !sides.ask(side)) {
-                        expected[side.index()] = 0.0;
-                        expected[layout.multiple(side)] = 0.0;
-                        (1..=64).for_each(|order| expected[layout.order(side, order)] = 0.0);
-                        for path in layout.listed_paths() {
-                            expected[layout.path(side, path)] = 0.0;
-                        }
-                        expected[layout.longer_paths(side)] = 0.0;
-                        for class in OrderClass::ALL {
-                            expected[layout.rings(side, class)].fill(0.0);
-                            expected[layout.in_plane(side, class)].fill(0.0);
-                        }
-                        let bins = layout.grid().bins_per_side();
-                        let of_side = |all: std::ops::Range<usize>| {
-                            all.start + side.index() * bins..all.start + (side.index() + 1) * bins
-                        };
-                        for share in Share::ALL {
-                            expected[of_side(layout.bins(share))].fill(0.0);
-                        }
-                        for share in [Share::Single, Share::Multiple] {
-                            expected[of_side(layout.hits(share))].fill(0.0);
-                        }
+                    assert!(found[TallySpec::BUDGET.not_recorded] > 0.01);
+                    let spec = TallySpec::default();
+                    for side in Side::BOTH.into_iter().filter(|&side| !sides.includes(side)) {
+                        let entries: Vec<Entry> = spec
+                            .entries()
+                            .filter(|&entry| spec.describe(entry).side == Some(side))
+                            .collect();
+                        // In all, multiple, 64 orders, 127 paths; bins and rays in them, rings, slice.
+                        let listed = 2 + 64 + 127 + 5 * spec.grid().bins_per_side() + 15 * 18;
+                        assert_eq!(entries.len(), listed);
+                        entries.iter().for_each(|&entry| expected[entry] = 0.0);
                     }
                     for i in [
-                        Layout::TRUNCATED,
-                        Layout::LEFT_PATCH,
-                        Layout::LOST,
-                        Layout::NOT_ASKED,
+                        TallySpec::BUDGET.truncated,
+                        TallySpec::BUDGET.left_patch,
+                        TallySpec::BUDGET.lost,
+                        TallySpec::BUDGET.not_recorded,
                     ] {
                         (expected[i], found[i]) = (0.0, 0.0);
                     }
-                    assert!(found == expected, "{branching:?} {max_order} {sides}");
+                    assert!(
+                        found.iter().eq(&expected),
+                        "{branching:?} {max_order} {sides}"
+                    );
                     // Followed, a branch of the highest order is one segment.
                     assert_eq!(
                         work.segments + work.segments_skipped + work.branches_not_recorded,

@@ -2,7 +2,7 @@
 
 use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side};
+use asperity_tally::{Component, HemisphereGrid, Side, TallySpec};
 use asperity_tracer::{
     BruteForce, HalfSpace, Illumination, MeshBvh, PathSettings, Surface, Tracer,
 };
@@ -15,7 +15,7 @@ use crate::{GLASS, glass};
 
 #[test]
 fn flat_surface_gives_exact_fresnel_and_snell() {
-    let layout = Layout::new(HemisphereGrid::new(90, 360).unwrap(), 0.1).unwrap();
+    let spec = TallySpec::new(HemisphereGrid::new(90, 360).unwrap(), 0.1).unwrap();
     for border in [Border::Periodic, Border::Mirrored] {
         let surface = flat(border);
         let bvh = MeshBvh::build(&surface).unwrap();
@@ -31,7 +31,7 @@ fn flat_surface_gives_exact_fresnel_and_snell() {
             let run = Run {
                 theta_deg,
                 phi_deg,
-                layout,
+                spec,
                 ..Run::new(&surface, &bvh, material)
             };
             let (statistics, _) = run.go(2, 4);
@@ -39,14 +39,17 @@ fn flat_surface_gives_exact_fresnel_and_snell() {
             let values = statistics.means();
             // The normal is exact, so only the cosine is rounded; grazing magnifies it by 1/cos.
             let tolerance = 1e-12;
-            assert!((values[Layout::REFLECTED] - fresnel.reflected).abs() < tolerance);
-            assert!((values[Layout::TRANSMITTED] - fresnel.transmitted).abs() < tolerance);
-            assert_eq!(values[Layout::LOST], 0.0);
+            assert!((values[TallySpec::BUDGET.reflected] - fresnel.reflected).abs() < tolerance);
+            assert!(
+                (values[TallySpec::BUDGET.transmitted] - fresnel.transmitted).abs() < tolerance
+            );
+            assert_eq!(values[TallySpec::BUDGET.lost], 0.0);
             // All light of a side lies in the one bin that Snell's law names.
             let (sin_phi, cos_phi) = (phi_deg + 180.0).to_radians().sin_cos();
             let bin_of = |side, sin: f64, z: f64| {
                 let wo = DVec3::new(sin * cos_phi, sin * sin_phi, z);
-                layout.bins(Share::Single).start + layout.grid().index_of(side, wo)
+                spec.grid_entries(Component::Single)
+                    .get(spec.grid().index_of(side, wo))
             };
             let (sin_alpha, cos_alpha) = f64::to_radians(theta_deg).sin_cos();
             let mirrored = bin_of(Side::Reflected, sin_alpha, cos_alpha);
@@ -66,7 +69,7 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
     // On a flat surface every ray leaves in its own plane of incidence: turned back, all leave in one
     // bin, and in the forward half of the in-plane profile.
     let surface = flat(Border::Periodic);
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let tracer = Tracer::new(
         &surface,
         &BruteForce,
@@ -82,20 +85,22 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
             let (values, _) = tracer.batch(
                 &Illumination::new(incidence, any_azimuth),
                 6,
-                layout,
+                spec,
                 None,
                 &mut rng,
             );
             let (sin_phi, cos_phi) = (incidence.phi() + std::f64::consts::PI).sin_cos();
             let (sin, cos) = incidence.theta().sin_cos();
             let wo = DVec3::new(sin * cos_phi, sin * sin_phi, cos);
-            let bin = layout.bins(Share::Total).start + layout.grid().index_of(Side::Reflected, wo);
+            let bin = spec
+                .grid_entries(Component::All)
+                .get(spec.grid().index_of(Side::Reflected, wo));
             assert!(
                 (values[bin] - expected).abs() < 1e-12,
                 "{theta_deg} {phi_deg} {any_azimuth}"
             );
-            let profile = layout.in_plane(Side::Reflected, OrderClass::All);
-            let forward_bin = profile.start + 18 + (theta_deg / 5.0) as usize;
+            let profile = spec.in_plane_entries(Side::Reflected, Component::All);
+            let forward_bin = profile.get(18 + (theta_deg / 5.0) as usize);
             assert!((values[forward_bin] - expected).abs() < 1e-12);
         }
     }
@@ -112,9 +117,11 @@ fn matched_indices_let_light_go_straight_through_any_surface() {
         ..Run::new(&surface, &bvh, material)
     };
     let (statistics, _) = run.go(4, 8);
-    let layout = run.layout;
+    let spec = run.spec;
     let wo = -Incidence::from_degrees(52.0, 15.0).unwrap().wi();
-    let bin = layout.bins(Share::Total).start + layout.grid().index_of(Side::Transmitted, wo);
+    let bin = spec
+        .grid_entries(Component::All)
+        .get(spec.grid().index_of(Side::Transmitted, wo));
     assert!((statistics.means()[bin] - 1.0).abs() < 1e-12);
 }
 

@@ -15,7 +15,7 @@ mod starts;
 mod symmetries;
 
 use asperity_optics::Material;
-use asperity_tally::BatchStatistics;
+use asperity_tally::{TallyResult, TallyStatistics};
 use asperity_tracer::{Branching, PathSettings};
 
 const GLASS: f64 = 1.5;
@@ -29,6 +29,6 @@ fn exhaustive() -> PathSettings {
     PathSettings::new(Branching::Split, 1e-6, 1_000_000).unwrap()
 }
 
-fn budget(statistics: &BatchStatistics) -> f64 {
-    statistics.means()[..5].iter().sum()
+fn budget(statistics: &TallyStatistics) -> f64 {
+    statistics.means().budget().total()
 }

@@ -1,7 +1,7 @@
 //! How rays are spread changes nothing but the noise.
 
 use asperity_optics::Incidence;
-use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
+use asperity_tally::{Component, Entry, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{HalfSpace, Illumination, MeshBvh, PathSettings, Sampling, Surface, Tracer};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -16,7 +16,7 @@ use crate::{exhaustive, glass};
 fn samplings_agree_and_even_ones_scatter_less() {
     let surface = Surface::new(waves(32, 2.0, 8));
     let bvh = MeshBvh::build(&surface).unwrap();
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let settings = exhaustive();
     let tracer = Tracer::new(&surface, &bvh, glass(), HalfSpace::Above, settings);
     let incidence = Incidence::from_degrees(50.0, 20.0).unwrap();
@@ -26,7 +26,7 @@ fn samplings_agree_and_even_ones_scatter_less() {
         Sampling::QuasiRandom,
     ]
     .map(|sampling| {
-        let mut statistics = BatchStatistics::new(layout.len());
+        let mut statistics = TallyStatistics::new(spec);
         for block in 0..400 {
             let mut rng = ChaCha8Rng::seed_from_u64(6);
             rng.set_stream(block);
@@ -34,16 +34,20 @@ fn samplings_agree_and_even_ones_scatter_less() {
                 sampling,
                 ..Illumination::new(incidence, true)
             };
-            let (values, work) = tracer.batch(&illumination, 32, layout, None, &mut rng);
+            let (values, work) = tracer.batch(&illumination, 32, spec, None, &mut rng);
             assert_eq!(work.rays, 1024);
-            assert!((values[..=Layout::LOST].iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            assert!((values.budget().total() - 1.0).abs() < 1e-12);
             statistics.push(&values);
         }
         statistics
     });
     let [random, stratified, quasi_random] = &found;
-    let once = layout.order(Side::Reflected, 1);
-    for i in [Layout::REFLECTED, Layout::TRANSMITTED, once] {
+    let once = spec.order_entry(Side::Reflected, 1);
+    for i in [
+        TallySpec::BUDGET.reflected,
+        TallySpec::BUDGET.transmitted,
+        once,
+    ] {
         let reference = random.estimate(i);
         let variances = [stratified, quasi_random].map(|other| {
             let estimate = other.estimate(i);
@@ -61,12 +65,12 @@ fn samplings_agree_and_even_ones_scatter_less() {
 fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     let surface = Surface::new(waves(32, 1.5, 8));
     let bvh = MeshBvh::build(&surface).unwrap();
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let settings = PathSettings::default();
     let tracer = Tracer::new(&surface, &bvh, glass(), HalfSpace::Above, settings);
     let batches = |theta_deg, seed| {
         let incidence = Incidence::from_degrees(theta_deg, 33.0).unwrap();
-        let mut statistics = BatchStatistics::new(layout.len());
+        let mut statistics = TallyStatistics::new(spec);
         for block in 0..400 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(block);
@@ -75,7 +79,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
                     .batch(
                         &Illumination::new(incidence, true),
                         24,
-                        layout,
+                        spec,
                         None,
                         &mut rng,
                     )
@@ -87,10 +91,10 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     // Light a hair off the vertical has an azimuth, and goes the ordinary way.
     let (free, found) = (batches(0.0, 1), batches(1e-9, 3));
     let rays = 400.0 * 24.0 * 24.0;
-    let n_phi = layout.grid().n_phi();
+    let n_phi = spec.grid().n_phi();
     let mut compared = 0_u32;
     let mut squares = 0.0;
-    let mut check = |i: usize| {
+    let mut check = |i: Entry| {
         let reference = found.estimate(i);
         let z = z_score(free.estimate(i), reference.mean, reference.se.unwrap());
         // 2000 entries: one family in 70 has a |z| above 4.5; the seeds are fixed.
@@ -99,10 +103,14 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         squares += z * z;
     };
     for (share, hits) in [
-        (Share::Single, Share::Single),
-        (Share::Multiple, Share::Multiple),
+        (Component::Single, Component::Single),
+        (Component::Multiple, Component::Multiple),
     ] {
-        for (bin, hit) in layout.bins(share).zip(layout.hits(hits)) {
+        for (bin, hit) in spec
+            .grid_entries(share)
+            .iter()
+            .zip(spec.grid_hit_entries(hits))
+        {
             // Fewer rays have skewed errors. The free ones choose: they scatter less.
             if free.means()[hit] * rays >= 200.0 {
                 check(bin);
@@ -111,9 +119,9 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         }
     }
     for side in Side::BOTH {
-        for class in OrderClass::ALL {
-            for (i, ring) in layout.rings(side, class).enumerate() {
-                let share = 2.0 * layout.in_plane_half_width() / std::f64::consts::TAU;
+        for class in Component::RINGS {
+            for (i, ring) in spec.ring_entries(side, class).iter().enumerate() {
+                let share = 2.0 * spec.in_plane_half_width() / std::f64::consts::TAU;
                 let from_normal = match side {
                     Side::Reflected => i,
                     Side::Transmitted => 17 - i,
@@ -121,8 +129,8 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
                 // Rays are not counted by class; relative errors say how many there are.
                 if free.estimate(ring).se.unwrap() < free.means()[ring] / 40.0 {
                     check(ring);
-                    let start = layout.in_plane(side, class).start;
-                    for entry in [start + 18 + from_normal, start + 17 - from_normal] {
+                    let slice = spec.in_plane_entries(side, class);
+                    for entry in [18 + from_normal, 17 - from_normal].map(|i| slice.get(i)) {
                         check(entry);
                         let exact = share * free.means()[ring];
                         assert!((free.means()[entry] - exact).abs() < 1e-12);
@@ -130,16 +138,16 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
                 }
             }
         }
-        check(side.index());
-        (1..=2).for_each(|order| check(layout.order(side, order)));
+        check(spec.flux_entry(side, Component::All));
+        (1..=2).for_each(|order| check(spec.order_entry(side, order)));
     }
     let mean_square = squares / f64::from(compared);
     println!("{compared} entries, mean square of z {mean_square}");
     assert!(compared > 1500, "{compared}");
     // Fluxes and numbers of rays go together, and bins of a ring share its free value: 0.05 or so.
     assert!((mean_square - 1.0).abs() < 0.2, "{mean_square}");
-    for share in Share::ALL {
-        for ring in free.means()[layout.bins(share)].chunks_exact(n_phi) {
+    for share in Component::BINS {
+        for ring in free.means()[spec.grid_entries(share)].chunks_exact(n_phi) {
             assert!(ring.iter().all(|flux| *flux == ring[0]));
         }
     }

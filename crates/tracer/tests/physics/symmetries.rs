@@ -2,7 +2,9 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{BatchStatistics, HemisphereGrid, Layout, OrderClass, Side};
+use asperity_tally::{
+    Component, Entry, HemisphereGrid, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
+};
 use asperity_tracer::{
     AcceleratorKind, BruteForce, BuildAccelerator, HalfSpace, Illumination, MeshBvh, PathSettings,
     Surface, Tracer,
@@ -44,13 +46,13 @@ fn diffuse_light_passes_both_ways_alike() {
     let diffuse = |incident, eta, seed| {
         let material = Material::dielectric(eta).unwrap();
         let tracer = Tracer::new(&surface, &bvh, material, incident, PathSettings::default());
-        let layout = Layout::new(HemisphereGrid::new(1, 1).unwrap(), 0.1).unwrap();
-        let mut statistics = BatchStatistics::new(layout.len());
+        let spec = TallySpec::new(HemisphereGrid::new(1, 1).unwrap(), 0.1).unwrap();
+        let mut statistics = TallyStatistics::new(spec);
         for block in 0..40 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(block);
             // Cosine-distributed directions, stratified over sin^2(theta).
-            let mut sum = vec![0.0; layout.len()];
+            let mut sum = TallyValues::zeros(spec);
             let directions = 64;
             for i in 0..directions {
                 let sin2 = (f64::from(i) + rng.random::<f64>()) / f64::from(directions);
@@ -60,17 +62,15 @@ fn diffuse_light_passes_both_ways_alike() {
                 let (values, _) = tracer.batch(
                     &Illumination::new(incidence, false),
                     3,
-                    layout,
+                    spec,
                     None,
                     &mut rng,
                 );
-                sum.iter_mut()
-                    .zip(values)
-                    .for_each(|(s, v)| *s += v / f64::from(directions));
+                sum.update(&values, |s, v| *s += v / f64::from(directions));
             }
             statistics.push(&sum);
         }
-        statistics.estimate(Layout::TRANSMITTED)
+        statistics.budget().transmitted
     };
     let down = diffuse(HalfSpace::Above, GLASS, 1);
     let up = diffuse(HalfSpace::Below, 1.0 / GLASS, 2);
@@ -130,14 +130,14 @@ fn mirrored_border_of_a_symmetric_tile_equals_its_periodic_continuation() {
         .0
     };
     let (a, b) = (go(&periodic, 1), go(&mirrored, 2));
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     // Orders, and every in-plane bin, most of whose light has crossed borders; compared where 20 or
     // more rays make a normal error.
-    let mut entries: Vec<usize> = Vec::new();
+    let mut entries: Vec<Entry> = Vec::new();
     for side in Side::BOTH {
-        entries.extend((1..=4).map(|order| layout.order(side, order)));
-        for class in [OrderClass::First, OrderClass::Second, OrderClass::Third] {
-            entries.extend(layout.in_plane(side, class));
+        entries.extend((1..=4).map(|order| spec.order_entry(side, order)));
+        for class in [Component::Single, Component::Order(2), Component::Order(3)] {
+            entries.extend(spec.in_plane_entries(side, class));
         }
     }
     let mut compared = 0;

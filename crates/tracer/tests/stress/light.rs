@@ -2,7 +2,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
-use asperity_tally::{HemisphereGrid, Layout};
+use asperity_tally::{HemisphereGrid, TallyResult, TallySpec, TallyValues};
 use asperity_tracer::Heading;
 use asperity_tracer::{
     AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Query, Surface,
@@ -36,7 +36,7 @@ fn flux_adds_up_to_one_and_is_the_same_for_every_accelerator() {
 
 #[test]
 fn powers_of_two_of_scale_change_no_byte() {
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let incidence = Incidence::from_degrees(75.0, 20.0).unwrap();
     let glass = Material::dielectric(1.5).unwrap();
     let settings = PathSettings::default();
@@ -51,7 +51,7 @@ fn powers_of_two_of_scale_change_no_byte() {
                 tracer.batch(
                     &Illumination::new(incidence, false),
                     10,
-                    layout,
+                    spec,
                     None,
                     &mut rng,
                 )
@@ -174,13 +174,13 @@ pub(super) fn sides_and_losses(index: usize, scene: &Scene, effort: Effort) -> R
 pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
     let mut row = Row::default();
     let surface = &scene.surface;
-    let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+    let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
     let settings = PathSettings::new(Branching::Split, 1e-3, MAX_ORDER).unwrap();
     let accelerators = accelerators(surface);
     for (number, case) in cases(index, surface, effort).into_iter().enumerate() {
         let incidence = Incidence::from_degrees(case.theta_deg, 36.0 * number as f64).unwrap();
         for strata in effort.strata {
-            let mut first: Option<Vec<f64>> = None;
+            let mut first: Option<TallyValues> = None;
             for (kind, accelerator) in &accelerators {
                 if accelerator.kind() == AcceleratorKind::BruteForce
                     && (strata != effort.strata[0] || is_long(surface, case))
@@ -198,14 +198,14 @@ pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
                 let (values, work) = tracer.batch(
                     &Illumination::new(incidence, true),
                     strata,
-                    layout,
+                    spec,
                     None,
                     &mut rng,
                 );
                 let segments = work.segments + work.segments_skipped;
                 row.segments += segments;
-                row.lost += u64::from(values[Layout::LOST] != 0.0);
-                let sum: f64 = values[..=Layout::LOST].iter().sum();
+                row.lost += u64::from(values[TallySpec::BUDGET.lost] != 0.0);
+                let sum: f64 = values.budget().total();
                 row.book((sum - 1.0).abs(), segments);
                 let expected = first.get_or_insert_with(|| values.clone());
                 if values != *expected {

@@ -2,7 +2,7 @@
 
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
-use asperity_tally::{HemisphereGrid, Layout, Side};
+use asperity_tally::{Entry, HemisphereGrid, Side, TallySpec, TallyValues};
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
     Tracer,
@@ -18,7 +18,7 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
     // More rays than are followed together, on surfaces so mild that no branch becomes so weak that
     // roulette is asked; with picked branches it never is, and surfaces may be rough.
     let side = 66;
-    let layout = Layout::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+    let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
     let mut cases = vec![];
     for (i, border) in [Border::Periodic, Border::Mirrored, Border::Open]
         .into_iter()
@@ -69,12 +69,12 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
             let (values, _) = tracer.batch(
                 &Illumination::new(incidence, false),
                 1,
-                layout,
+                spec,
                 None,
                 &mut rng,
             );
             assert_eq!(account.weak, 0);
-            assert_same(&values, layout, &account);
+            assert_same(&values, spec, &account);
         }
         if branching == Branching::Split {
             let mut rng = generator(number, 100);
@@ -92,13 +92,13 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
             let (values, work) = tracer.batch(
                 &Illumination::new(incidence, false),
                 side,
-                layout,
+                spec,
                 None,
                 &mut rng,
             );
             assert_eq!(account.weak, 0);
             assert_eq!(work.segments + work.segments_skipped, account.segments);
-            assert_same(&values, layout, &account);
+            assert_same(&values, spec, &account);
         }
     }
 }
@@ -117,11 +117,11 @@ fn z_curve(side: u32) -> Vec<[u32; 2]> {
 }
 
 /// Asserts that `Tracer::batch` gave what paths one by one gave.
-fn assert_same(values: &[f64], layout: Layout, account: &Account) {
+fn assert_same(values: &TallyValues, spec: TallySpec, account: &Account) {
     let rays = account.rays as f64;
     // Each leg adds at most 2 eps of the whole, here and there; see `Row::book`.
     let bound = 4.0 * f64::EPSILON * (account.segments + 1) as f64;
-    let assert_near = |entry: usize, expected: f64, what: &str| {
+    let assert_near = |entry: Entry, expected: f64, what: &str| {
         let difference = (values[entry] - expected / rays).abs();
         assert!(
             difference <= bound,
@@ -134,12 +134,12 @@ fn assert_same(values: &[f64], layout: Layout, account: &Account) {
         for order in 1..=MAX_ORDER as usize {
             let orders = &account.by_order[side.index()];
             let expected = orders.get(order).copied().unwrap_or(0.0);
-            assert_near(layout.order(side, order), expected, "order");
+            assert_near(spec.order_entry(side, order), expected, "order");
         }
     }
-    assert_near(Layout::ABSORBED, account.absorbed, "absorbed");
-    assert_near(Layout::LEFT_PATCH, account.left_patch, "left");
+    assert_near(TallySpec::BUDGET.absorbed, account.absorbed, "absorbed");
+    assert_near(TallySpec::BUDGET.left_patch, account.left_patch, "left");
     let truncated = account.truncated + account.left_patch;
-    assert_near(Layout::TRUNCATED, truncated, "truncated");
-    assert_near(Layout::LOST, account.lost, "lost");
+    assert_near(TallySpec::BUDGET.truncated, truncated, "truncated");
+    assert_near(TallySpec::BUDGET.lost, account.lost, "lost");
 }
