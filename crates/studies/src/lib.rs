@@ -24,6 +24,7 @@ mod number;
 mod part;
 mod peak;
 mod report;
+pub mod settings;
 mod side_difference;
 mod store;
 mod summary;

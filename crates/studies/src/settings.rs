@@ -1,0 +1,35 @@
+//! Settings: one definition per setting, from which everything else follows.
+//!
+//! A [`Setting`] says the section and key in a configuration file, the flag on the command line, the kind of value,
+//! unit, default, allowed range and help text, and which commands have it. The tables in `definitions/` are the only
+//! place where these stand. From them follow the flags and their help, the keys of a configuration, the error
+//! sentences, and the reference page `docs/settings.md`.
+//!
+//! A [`Document`] holds the values of one run in three layers: defaults, then the file, then the flags. Each value
+//! keeps where it was given, so that an error can name it. [`Document::read`] turns the document into a typed
+//! configuration.
+//!
+//! To add a setting: add one entry to a table in `definitions/` and one field of the same name to the typed
+//! configuration that uses it.
+
+mod command;
+mod definitions;
+mod document;
+mod error;
+mod file;
+mod kind;
+mod range;
+mod reference;
+mod setting;
+
+pub use command::{Command, Commands};
+pub use definitions::{SECTIONS, Section, settings_of};
+pub use document::Document;
+pub use error::{Given, Place, SettingError};
+pub use kind::{Choice, Kind};
+pub use range::Range;
+pub use reference::reference_page;
+pub use setting::{Flag, Setting, Shape};
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,168 @@
+//! Commands: which of them have a setting.
+
+use std::fmt;
+
+/// The commands of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Command {
+    /// Draws a random surface.
+    Generate,
+    /// Computes roughness statistics of a height map.
+    Inspect,
+    /// Writes the triangle mesh of a height map.
+    Mesh,
+    /// Traces light on one surface.
+    Trace,
+    /// Renders one surface.
+    Render,
+    /// Compares random surfaces with models.
+    Verify,
+    /// Maps where models hold.
+    Map,
+    /// Measures BRDF and BTDF for many directions.
+    Gonio,
+    /// Measures run time against error.
+    Converge,
+    /// Measures shadowing and masking.
+    Attenuation,
+    /// Evaluates a model.
+    Model,
+}
+
+impl Command {
+    /// All commands, in the order of the help.
+    pub const ALL: [Self; 11] = [
+        Self::Generate,
+        Self::Inspect,
+        Self::Mesh,
+        Self::Trace,
+        Self::Render,
+        Self::Verify,
+        Self::Map,
+        Self::Gonio,
+        Self::Converge,
+        Self::Attenuation,
+        Self::Model,
+    ];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Generate => "generate",
+            Self::Inspect => "inspect",
+            Self::Mesh => "mesh",
+            Self::Trace => "trace",
+            Self::Render => "render",
+            Self::Verify => "verify",
+            Self::Map => "map",
+            Self::Gonio => "gonio",
+            Self::Converge => "converge",
+            Self::Attenuation => "attenuation",
+            Self::Model => "model",
+        }
+    }
+
+    /// What it does, in one line of at most 64 characters.
+    #[must_use]
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Generate => "Draw a random rough surface and write it as a height map",
+            Self::Inspect => "Compute roughness statistics of a height map",
+            Self::Mesh => "Write a height map as the triangle mesh that is traced",
+            Self::Trace => "Trace light on one surface",
+            Self::Render => "Render one surface and the medium below it",
+            Self::Verify => "Compare random surfaces with the scattering models",
+            Self::Map => "Map where each model holds; resumes an earlier run",
+            Self::Gonio => "Measure BRDF and BTDF by direction; resumes an earlier run",
+            Self::Converge => "Measure run time against error of the estimators",
+            Self::Attenuation => "Measure shadowing and masking beside Smith and V-cavities",
+            Self::Model => "Evaluate a scattering model",
+        }
+    }
+
+    /// What stands without a flag on the command line: its name in the help, and what it is.
+    #[must_use]
+    pub const fn positional(self) -> Option<(&'static str, &'static str)> {
+        match self {
+            Self::Generate => None,
+            Self::Inspect | Self::Mesh => Some((
+                "FILE",
+                "Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv",
+            )),
+            Self::Trace => Some((
+                "FILE",
+                "Height map, triangle mesh or configuration (.toml); flags override it",
+            )),
+            Self::Render => Some(("FILE", "Height map or triangle mesh")),
+            Self::Verify | Self::Map | Self::Gonio | Self::Converge | Self::Attenuation => {
+                Some(("CONFIG", "Configuration (.toml); flags override it"))
+            }
+            Self::Model => Some(("NAME", "Model, as --list names it")),
+        }
+    }
+
+    /// Whether it reads a configuration file.
+    #[must_use]
+    pub const fn has_configuration(self) -> bool {
+        CONFIGURED.contains(self)
+    }
+}
+
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Commands that read a configuration file.
+const CONFIGURED: Commands = Commands::of(&[
+    Command::Trace,
+    Command::Verify,
+    Command::Map,
+    Command::Gonio,
+    Command::Converge,
+    Command::Attenuation,
+]);
+
+/// A set of commands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Commands(u16);
+
+impl Commands {
+    /// No command.
+    pub const NONE: Self = Self(0);
+    /// All commands.
+    pub const ALL: Self = Self::of(&Command::ALL);
+
+    /// The set of `commands`.
+    #[must_use]
+    pub const fn of(commands: &[Command]) -> Self {
+        let mut bits = 0;
+        let mut i = 0;
+        while i < commands.len() {
+            bits |= 1 << commands[i] as u16;
+            i += 1;
+        }
+        Self(bits)
+    }
+
+    /// These and `others`.
+    #[must_use]
+    pub const fn and(self, others: Self) -> Self {
+        Self(self.0 | others.0)
+    }
+
+    /// Whether `command` is one of them.
+    #[must_use]
+    pub const fn contains(self, command: Command) -> bool {
+        self.0 & (1 << command as u16) != 0
+    }
+
+    /// The commands, in the order of the help.
+    pub fn iter(self) -> impl Iterator<Item = Command> {
+        Command::ALL
+            .into_iter()
+            .filter(move |command| self.contains(*command))
+    }
+}

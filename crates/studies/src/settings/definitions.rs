@@ -1,0 +1,121 @@
+//! The definitions of all settings, one table per section of a configuration.
+
+mod choices;
+mod compare;
+mod converge;
+mod generate;
+mod light;
+mod material;
+mod measured;
+mod medium;
+mod model;
+mod output;
+mod program;
+mod render;
+mod run;
+mod surface;
+
+use super::command::{Command, Commands};
+use super::setting::Setting;
+
+/// A section of a configuration: a heading in the help.
+#[derive(Clone, Copy, Debug)]
+pub struct Section {
+    /// Its name in a file.
+    pub name: &'static str,
+    /// Its heading.
+    pub title: &'static str,
+    /// Whether it is missing from a configuration in which none of its keys is given.
+    pub optional: bool,
+    /// Its settings.
+    pub settings: &'static [Setting],
+}
+
+const fn section(name: &'static str, title: &'static str, settings: &'static [Setting]) -> Section {
+    Section {
+        name,
+        title,
+        optional: false,
+        settings,
+    }
+}
+
+/// All sections, in the order of the help.
+pub static SECTIONS: &[Section] = &[
+    section("surface", "Random surfaces", surface::SETTINGS),
+    section("generate", "Height map", generate::SETTINGS),
+    section("measured", "Given surface", measured::SETTINGS),
+    section("material", "Material", material::SETTINGS),
+    Section {
+        name: "medium",
+        title: "Medium below the surface",
+        optional: true,
+        settings: medium::SETTINGS,
+    },
+    section("light", "Light", light::LIGHT),
+    section("view", "View", light::VIEW),
+    section("run", "Run", run::SETTINGS),
+    section("compare", "Models", compare::COMPARE),
+    section("map", "Tolerances", compare::MAP),
+    section("converge", "Methods and effort", converge::SETTINGS),
+    section("model", "Model", model::SETTINGS),
+    section("camera", "Camera", render::CAMERA),
+    section("lights", "Lights", render::LIGHTS),
+    section("picture", "Picture", render::PICTURE),
+    section("output", "Figures", output::FIGURES),
+    section("results", "Results", output::RESULTS),
+    section("program", "Every command", program::SETTINGS),
+];
+
+/// The settings of `command`, in the order of the help.
+pub fn settings_of(command: Command) -> impl Iterator<Item = &'static Setting> {
+    SECTIONS
+        .iter()
+        .flat_map(|section| section.settings)
+        .filter(move |setting| setting.commands.contains(command))
+}
+
+/// Commands with lists that are expanded into cases.
+const SWEEPS: Commands = Commands::of(&[
+    Command::Verify,
+    Command::Map,
+    Command::Gonio,
+    Command::Converge,
+]);
+
+/// Commands that draw random surfaces of any kind.
+const RANDOM: Commands = SWEEPS.and(Commands::of(&[Command::Generate]));
+
+/// Commands that read a given surface.
+const GIVEN: Commands = Commands::of(&[
+    Command::Inspect,
+    Command::Mesh,
+    Command::Trace,
+    Command::Render,
+    Command::Gonio,
+]);
+
+/// Commands that trace paths into bins.
+const TRACING: Commands = Commands::of(&[
+    Command::Trace,
+    Command::Verify,
+    Command::Map,
+    Command::Gonio,
+]);
+
+const ATTENUATION: Commands = Commands::of(&[Command::Attenuation]);
+const CONVERGE: Commands = Commands::of(&[Command::Converge]);
+const GENERATE: Commands = Commands::of(&[Command::Generate]);
+const GONIO: Commands = Commands::of(&[Command::Gonio]);
+const INSPECT: Commands = Commands::of(&[Command::Inspect]);
+const MAP: Commands = Commands::of(&[Command::Map]);
+const MESH: Commands = Commands::of(&[Command::Mesh]);
+const MODEL: Commands = Commands::of(&[Command::Model]);
+const RENDER: Commands = Commands::of(&[Command::Render]);
+const TRACE: Commands = Commands::of(&[Command::Trace]);
+const VERIFY: Commands = Commands::of(&[Command::Verify]);
+
+/// Unit of angles.
+const DEGREES: &str = "degrees";
+/// Unit of lengths.
+const LENGTH: &str = "length units";

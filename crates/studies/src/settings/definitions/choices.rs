@@ -1,0 +1,146 @@
+//! Names that several settings allow.
+
+use crate::settings::kind::{Choice, Kind, choice};
+
+pub(super) const BORDER: Kind = Kind::Choice(&[
+    choice("periodic", "the tile is repeated"),
+    choice("mirrored", "the tile is mirrored at its border"),
+    choice("open", "paths that leave the patch sideways end"),
+]);
+
+pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
+    choice("periodic", "the tile is repeated"),
+    choice("open", "rays that leave the patch sideways escape"),
+]);
+
+pub(super) const UNIT: Kind = Kind::Choice(&[
+    choice("1", "arbitrary"),
+    choice("m", "metre"),
+    choice("mm", "millimetre"),
+    choice("um", "micrometre"),
+    choice("nm", "nanometre"),
+]);
+
+pub(super) const MISSING: Kind = Kind::Choice(&[
+    choice("refuse", "the file is refused"),
+    choice("fill", "they are interpolated"),
+]);
+
+pub(super) const FORM: Kind = Kind::Choice(&[
+    choice("none", "nothing"),
+    choice("mean", "the mean height"),
+    choice("plane", "the least-squares plane"),
+    choice("parabola", "the least-squares paraboloid"),
+]);
+
+pub(super) const MATERIAL: Kind = Kind::Choice(&[
+    Choice {
+        name: "dielectric",
+        help: "reflects and transmits; --eta is n_transmitted / n_incident",
+        clears: &["material.kappa"],
+    },
+    choice(
+        "conductor",
+        "reflects and absorbs; its index is eta + i kappa",
+    ),
+    Choice {
+        name: "mirror",
+        help: "reflects everything",
+        clears: &["material.eta", "material.kappa"],
+    },
+]);
+
+pub(super) const FROM: Kind = Kind::Choice(&[
+    choice("above", "above the surface"),
+    choice("below", "below the surface"),
+]);
+
+pub(super) const AZIMUTH: Kind = Kind::Choice(&[
+    choice(
+        "random",
+        "each ray has its own; results are rotated back to --phi",
+    ),
+    choice("fixed", "all light comes from --phi"),
+]);
+
+pub(super) const PHASE: Kind = Kind::Choice(&[
+    choice("isotropic", "uniform over directions"),
+    choice("henyey-greenstein", "by the mean cosine --g"),
+    choice("rayleigh", "particles much smaller than the wavelength"),
+]);
+
+pub(super) const BOTTOM: Kind = Kind::Choice(&[
+    choice("open", "light leaves without deviation"),
+    choice("interface", "reflects and refracts, by --bottom-eta"),
+    choice("absorbing", "absorbs all light"),
+    choice("mirror", "reflects all light"),
+    choice("lambertian", "diffuse, by --bottom-reflectance"),
+]);
+
+/// Shapes of a bottom.
+pub(super) const BOTTOM_SHAPES: &[Choice] = &[
+    choice("flat", "a plane"),
+    choice("same", "the surface above, moved down"),
+    choice("independent", "another random surface of the same kind"),
+];
+
+pub(super) const SIDE: Kind = Kind::Choice(&[
+    choice("both", "reflected and transmitted light"),
+    choice("reflected", "reflected light alone"),
+    choice("transmitted", "transmitted light alone"),
+]);
+
+pub(super) const BRANCHING: Kind = Kind::Choice(&[
+    choice("split", "follow the reflected and the transmitted branch"),
+    choice("pick", "pick one at random"),
+]);
+
+pub(super) const ACCELERATOR: Kind = Kind::Choice(&[
+    choice("auto", "flat or pyramid for height maps, mesh for meshes"),
+    choice("mesh", "bounding volumes of triangles"),
+    choice("pyramid", "minimum and maximum heights of squares"),
+    choice("flat", "flat surfaces only"),
+    choice("brute-force", "all facets"),
+]);
+
+pub(super) const ESTIMATOR: Kind = Kind::Choice(&[
+    choice("auto", "the one expected to need the least time"),
+    choice("plain", "rays from above"),
+    choice(
+        "controlled",
+        "unshadowed single scattering as control variate",
+    ),
+]);
+
+pub(super) const SAMPLING: Kind = Kind::Choice(&[
+    choice("random", "independent points"),
+    choice("stratified", "one point per stratum"),
+    choice("quasi-random", "a low-discrepancy sequence"),
+]);
+
+pub(super) const QUANTITY: Kind = Kind::Choice(&[
+    choice("reflected", "flux fraction of reflected light"),
+    choice("transmitted", "flux fraction of transmitted light"),
+    choice("absorbed", "flux fraction of absorbed light"),
+    choice("bins", "bins, relative"),
+    choice("rings", "rings of equal polar angle, relative"),
+    choice("in-plane", "bins of the in-plane slice, relative"),
+]);
+
+pub(super) const WAY: Kind = Kind::Choice(&[
+    choice("auto", "the faster one"),
+    choice("rays", "one visibility ray per point and direction"),
+    choice("horizons", "one horizon per point and azimuth"),
+]);
+
+pub(super) const SCALE: Kind = Kind::Choice(&[
+    choice("common", "all discs of a figure"),
+    choice("rows", "the discs of one angle of incidence"),
+]);
+
+pub(super) const CAMERA: Kind = Kind::Choice(&[
+    choice("pinhole", "perspective"),
+    choice("orthographic", "parallel lines of sight"),
+]);
+
+pub(super) const PSD: Kind = Kind::Choice(&[choice("gaussian", "Gaussian autocorrelation")]);

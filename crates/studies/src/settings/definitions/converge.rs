@@ -1,0 +1,136 @@
+//! `[converge]`: methods and their effort.
+
+use super::choices::{ACCELERATOR, ESTIMATOR, SAMPLING, SIDE};
+use super::{CONVERGE, LENGTH};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Setting, Shape, setting};
+
+const SECTION: &str = "converge";
+const LIST: Shape = Shape::ListIn(CONVERGE);
+
+pub(super) const SETTINGS: &[Setting] = &[
+    setting(SECTION, "estimators", ESTIMATOR, CONVERGE, "Estimators")
+        .value_name("NAMES")
+        .shape(LIST)
+        .default("plain,controlled"),
+    setting(
+        SECTION,
+        "samplings",
+        SAMPLING,
+        CONVERGE,
+        "How rays are distributed",
+    )
+    .value_name("NAMES")
+    .shape(LIST)
+    .default("random,stratified,quasi-random"),
+    setting(
+        SECTION,
+        "accelerators",
+        ACCELERATOR,
+        CONVERGE,
+        "How hits are found",
+    )
+    .value_name("NAMES")
+    .shape(LIST)
+    .default("auto"),
+    setting(
+        SECTION,
+        "spacings",
+        Kind::Number,
+        CONVERGE,
+        "Distances between samples, over the same extent",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .shape(LIST)
+    .otherwise("that of the surface"),
+    setting(
+        SECTION,
+        "rays",
+        Kind::Count,
+        CONVERGE,
+        "Rays per surface: one for all, or as many values as surfaces",
+    )
+    .shape(LIST)
+    .default("16384"),
+    setting(
+        SECTION,
+        "surfaces",
+        Kind::Count,
+        CONVERGE,
+        "Surfaces per run: one for all, or as many values as rays",
+    )
+    .shape(LIST)
+    .default("4,16,64"),
+    setting(
+        SECTION,
+        "repeats",
+        Kind::Count,
+        CONVERGE,
+        "Runs per method and effort",
+    )
+    .default("8"),
+    setting(
+        SECTION,
+        "reference_rays",
+        Kind::Count,
+        CONVERGE,
+        "Rays per surface of the reference",
+    )
+    .default("65536"),
+    setting(
+        SECTION,
+        "reference_surfaces",
+        Kind::Count,
+        CONVERGE,
+        "Surfaces of the reference",
+    )
+    .range(Range::AtLeast(2.0))
+    .default("512"),
+    setting(
+        SECTION,
+        "reference_spacing",
+        Kind::Number,
+        CONVERGE,
+        "Distance between samples of the reference",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .otherwise("the finest of spacings"),
+    setting(
+        SECTION,
+        "seed",
+        Kind::Seed,
+        CONVERGE,
+        "Seed from which the seeds of all runs derive",
+    )
+    .default("1"),
+    setting(
+        SECTION,
+        "bins",
+        Kind::Grid,
+        CONVERGE,
+        "Bins of a hemisphere",
+    )
+    .value_name("THETAxPHI")
+    .default("18x36"),
+    setting(
+        SECTION,
+        "side",
+        SIDE,
+        CONVERGE,
+        "The side over whose bins errors are taken",
+    )
+    .default("both"),
+    setting(
+        SECTION,
+        "errors",
+        Kind::Number,
+        CONVERGE,
+        "Relative errors for which the run time is reported",
+    )
+    .range(Range::Above(0.0))
+    .shape(LIST)
+    .default("1e-2,1e-3,1e-4"),
+];

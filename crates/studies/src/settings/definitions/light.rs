@@ -1,0 +1,98 @@
+//! `[light]` and `[view]`: directions.
+
+use super::choices::{AZIMUTH, FROM};
+use super::{ATTENUATION, CONVERGE, DEGREES, GONIO, MODEL, RENDER, SWEEPS, TRACE, TRACING};
+use crate::settings::command::Commands;
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Flag, Setting, Shape, setting};
+
+const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
+const POLAR: Range = Range::FromBelow(0.0, 90.0);
+
+pub(super) const LIGHT: &[Setting] = &[
+    setting(
+        "light",
+        "theta",
+        Kind::Number,
+        COMMANDS,
+        "Polar angle of the direction towards the light",
+    )
+    .unit(DEGREES)
+    .range(POLAR)
+    .shape(Shape::ListIn(SWEEPS.and(ATTENUATION)))
+    .default("30")
+    .default_in(&[
+        (GONIO, Some("0,15,30,45,60,75")),
+        (ATTENUATION, Some("0,15,30,45,60,75,85")),
+    ])
+    .default_yields()
+    .excludes(&["light.directions"])
+    .clears(&["output.over_sigma_at_theta"]),
+    setting(
+        "light",
+        "phi",
+        Kind::Number,
+        COMMANDS,
+        "Azimuth of the direction towards the light",
+    )
+    .unit(DEGREES)
+    .shape(Shape::ListIn(GONIO))
+    .default("0")
+    .default_yields()
+    .excludes(&["light.directions"]),
+    setting(
+        "light",
+        "directions",
+        Kind::Grid,
+        GONIO,
+        "Centres of the bins of a hemisphere, in place of theta and phi",
+    )
+    .value_name("THETAxPHI")
+    .excludes(&["light.theta", "light.phi"]),
+    setting(
+        "light",
+        "azimuth",
+        AZIMUTH,
+        TRACING.and(CONVERGE),
+        "Azimuth of each ray",
+    )
+    .flag(Flag::Named("light-azimuth"))
+    .default_in(&[(TRACE, Some("fixed"))])
+    .otherwise("random where surfaces are random and isotropic"),
+    setting(
+        "light",
+        "from",
+        FROM,
+        TRACING.and(CONVERGE),
+        "The side that light comes from",
+    )
+    .default("above"),
+];
+
+pub(super) const VIEW: &[Setting] = &[
+    setting(
+        "view",
+        "theta",
+        Kind::Number,
+        ATTENUATION.and(RENDER),
+        "Polar angle of the direction towards the viewer",
+    )
+    .flag(Flag::Named("view-theta"))
+    .unit(DEGREES)
+    .range(POLAR)
+    .shape(Shape::ListIn(ATTENUATION))
+    .default("0")
+    .default_in(&[(RENDER, Some("50"))]),
+    setting(
+        "view",
+        "phi",
+        Kind::Number,
+        ATTENUATION.and(RENDER),
+        "Azimuth of the direction towards the viewer",
+    )
+    .flag(Flag::Named("view-phi"))
+    .unit(DEGREES)
+    .default("0")
+    .default_in(&[(RENDER, Some("270"))]),
+];

@@ -1,0 +1,79 @@
+//! `[measured]`: one given surface.
+
+use super::choices::{BORDER, FORM, MISSING, UNIT};
+use super::{GIVEN, GONIO, LENGTH, RENDER, TRACE};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Flag, Setting, Shape, setting};
+
+const SECTION: &str = "measured";
+
+pub(super) const SETTINGS: &[Setting] = &[
+    setting(
+        SECTION,
+        "file",
+        Kind::Path,
+        GIVEN,
+        "Height map or triangle mesh",
+    )
+    .flag(Flag::Named("surface"))
+    .value_name("FILE")
+    .excludes(&["measured.flat", "surface.*", "run.realisations"])
+    .clears(&["measured.*"]),
+    setting(
+        SECTION,
+        "flat",
+        Kind::Switch,
+        TRACE.and(RENDER).and(GONIO),
+        "A flat surface",
+    )
+    .default("false")
+    .excludes(&[
+        "measured.file",
+        "measured.border",
+        "measured.spacing",
+        "measured.unit",
+        "measured.missing",
+        "measured.remove",
+        "surface.*",
+        "run.realisations",
+        "run.refine",
+    ])
+    .clears(&["measured.*"]),
+    setting(
+        SECTION,
+        "border",
+        BORDER,
+        GIVEN,
+        "What lies beyond the border",
+    )
+    .otherwise("as the file says; a mesh is open"),
+    setting(
+        SECTION,
+        "spacing",
+        Kind::Number,
+        GIVEN,
+        "Distance between samples",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .shape(Shape::PerAxis)
+    .otherwise("as the file says"),
+    setting(
+        SECTION,
+        "unit",
+        UNIT,
+        GIVEN,
+        "Length unit of heights and spacing",
+    )
+    .otherwise("as the file says"),
+    setting(
+        SECTION,
+        "missing",
+        MISSING,
+        GIVEN,
+        "What is done with missing points",
+    )
+    .default("refuse"),
+    setting(SECTION, "remove", FORM, GIVEN, "Form to remove").default("none"),
+];

@@ -1,0 +1,171 @@
+//! Camera, lights and picture of `render`.
+
+use super::choices::CAMERA as CAMERAS;
+use super::{DEGREES, LENGTH, RENDER};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Flag, Setting, Shape, setting};
+
+const POLAR: Range = Range::FromBelow(0.0, 90.0);
+const RADIANCE: Range = Range::FromTo(0.0, 1e30);
+
+pub(super) const CAMERA: &[Setting] = &[
+    setting("camera", "projection", CAMERAS, RENDER, "Projection")
+        .flag(Flag::Named("camera"))
+        .default("pinhole")
+        .flag_only(),
+    setting(
+        "camera",
+        "fov",
+        Kind::Number,
+        RENDER,
+        "Vertical field of view of a pinhole camera",
+    )
+    .unit(DEGREES)
+    .value_name("ANGLE")
+    .range(Range::Between(0.0, 180.0))
+    .otherwise("40")
+    .flag_only(),
+    setting(
+        "camera",
+        "look_at",
+        Kind::Number,
+        RENDER,
+        "Point of the mean plane at the centre of the picture",
+    )
+    .unit(LENGTH)
+    .shape(Shape::Tuple(&["X", "Y"]))
+    .otherwise("the centre of the tile")
+    .flag_only(),
+    setting(
+        "camera",
+        "width",
+        Kind::Number,
+        RENDER,
+        "Length seen across the centre of the picture",
+    )
+    .unit(LENGTH)
+    .value_name("LENGTH")
+    .range(Range::Above(0.0))
+    .otherwise("that of the tile")
+    .flag_only(),
+];
+
+pub(super) const LIGHTS: &[Setting] = &[
+    setting(
+        "lights",
+        "sky",
+        Kind::Number,
+        RENDER,
+        "Radiance of the sky, uniform",
+    )
+    .value_name("RADIANCE")
+    .range(RADIANCE)
+    .default("0.5")
+    .flag_only(),
+    setting(
+        "lights",
+        "sun",
+        Kind::Number,
+        RENDER,
+        "Radiance of a white matt plane that faces the sun; 0 for none",
+    )
+    .value_name("RADIANCE")
+    .range(RADIANCE)
+    .default("1")
+    .flag_only(),
+    setting(
+        "lights",
+        "sun_theta",
+        Kind::Number,
+        RENDER,
+        "Polar angle of the direction towards the sun",
+    )
+    .unit(DEGREES)
+    .range(POLAR)
+    .default("60")
+    .flag_only(),
+    setting(
+        "lights",
+        "sun_phi",
+        Kind::Number,
+        RENDER,
+        "Azimuth of the direction towards the sun",
+    )
+    .unit(DEGREES)
+    .default("150")
+    .flag_only(),
+    setting(
+        "lights",
+        "sun_radius",
+        Kind::Number,
+        RENDER,
+        "Angular radius of the sun",
+    )
+    .unit(DEGREES)
+    .value_name("ANGLE")
+    .range(Range::FromTo(0.01, 60.0))
+    .default("5")
+    .flag_only(),
+    setting(
+        "lights",
+        "patch",
+        Kind::Number,
+        RENDER,
+        "Rectangle of the mean plane that the sun lights",
+    )
+    .unit(LENGTH)
+    .shape(Shape::Tuple(&["X0", "Y0", "X1", "Y1"]))
+    .otherwise("the whole plane")
+    .flag_only(),
+    setting(
+        "lights",
+        "below",
+        Kind::Number,
+        RENDER,
+        "Radiance from below, as seen through a flat ideal interface",
+    )
+    .value_name("RADIANCE")
+    .range(RADIANCE)
+    .default("0")
+    .flag_only(),
+];
+
+pub(super) const PICTURE: &[Setting] = &[
+    setting("picture", "size", Kind::Pixels, RENDER, "Pixels")
+        .value_name("COLUMNSxROWS")
+        .default("640x480")
+        .flag_only(),
+    setting(
+        "picture",
+        "samples",
+        Kind::Count,
+        RENDER,
+        "Samples per pixel, at least",
+    )
+    .default("16")
+    .flag_only(),
+    setting(
+        "picture",
+        "exposure",
+        Kind::Number,
+        RENDER,
+        "Factor from radiance to PNG brightness, where 1 is white",
+    )
+    .value_name("FACTOR")
+    .range(Range::Above(0.0))
+    .otherwise("by the brightest percent")
+    .flag_only(),
+    setting(
+        "picture",
+        "output",
+        Kind::Path,
+        RENDER,
+        "File to write: .exr or .png; may be repeated",
+    )
+    .short('o')
+    .value_name("FILE")
+    .shape(Shape::Repeated)
+    .required(RENDER)
+    .flag_only(),
+];

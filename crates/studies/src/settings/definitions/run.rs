@@ -1,0 +1,192 @@
+//! `[run]`: how much is traced, and how.
+
+use super::choices::{ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, SAMPLING, SIDE, WAY};
+use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
+use crate::settings::command::Commands;
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Flag, Setting, setting};
+
+const SECTION: &str = "run";
+const AIMED: Commands = TRACE.and(VERIFY).and(MAP);
+
+pub(super) const SETTINGS: &[Setting] = &[
+    setting(
+        SECTION,
+        "realisations",
+        Kind::Count,
+        VERIFY.and(MAP).and(GONIO).and(ATTENUATION),
+        "Surfaces drawn per case",
+    )
+    .default("32")
+    .default_in(&[(ATTENUATION, Some("20"))])
+    .excludes(&["run.target_error"])
+    .clears(&["run.of"]),
+    setting(
+        SECTION,
+        "rays",
+        Kind::Count,
+        TRACING.and(MODEL),
+        "Rays per case, over all its surfaces",
+    )
+    .default("1e6")
+    .default_in(&[(MODEL, None)])
+    .otherwise("1e6 for a model that follows rays")
+    .excludes(&["run.target_error"])
+    .clears(&["run.of"]),
+    setting(
+        SECTION,
+        "target_error",
+        Kind::Number,
+        AIMED,
+        "Error to reach, in place of numbers of surfaces and rays",
+    )
+    .value_name("ERROR")
+    .range(Range::Above(0.0))
+    .excludes(&["run.realisations", "run.rays"]),
+    setting(
+        SECTION,
+        "of",
+        QUANTITY,
+        AIMED,
+        "Quantity whose error is to reach the target",
+    )
+    .value_name("QUANTITY")
+    .otherwise("bins"),
+    setting(
+        SECTION,
+        "max_time",
+        Kind::Duration,
+        TRACING.and(RENDER),
+        "Time after which no further work is started",
+    )
+    .value_name("TIME"),
+    setting(
+        SECTION,
+        "seed",
+        Kind::Seed,
+        TRACING
+            .and(GENERATE)
+            .and(RENDER)
+            .and(ATTENUATION)
+            .and(MODEL),
+        "Seed of the random numbers",
+    )
+    .default("1")
+    .default_in(&[(MODEL, None)])
+    .otherwise("1 for a model that follows rays"),
+    setting(
+        SECTION,
+        "bins",
+        Kind::Grid,
+        TRACING.and(MODEL),
+        "Bins of a hemisphere",
+    )
+    .value_name("THETAxPHI")
+    .default("18x36")
+    .default_in(&[(MODEL, None)])
+    .otherwise("18x36 for a model that follows rays")
+    .excludes(&["model.step", "model.sphere"]),
+    setting(
+        SECTION,
+        "in_plane_half_width",
+        Kind::Number,
+        TRACING,
+        "Half width of the in-plane slice",
+    )
+    .unit(DEGREES)
+    .value_name("ANGLE")
+    .range(Range::AboveTo(0.0, 90.0))
+    .default("5"),
+    setting(
+        SECTION,
+        "side",
+        SIDE,
+        TRACING,
+        "The side whose light is recorded",
+    )
+    .default("both"),
+    setting(
+        SECTION,
+        "branching",
+        BRANCHING,
+        TRACING,
+        "Branches followed at an interface",
+    )
+    .default("split"),
+    setting(
+        SECTION,
+        "roulette",
+        Kind::Number,
+        TRACING,
+        "Throughput below which Russian roulette ends paths",
+    )
+    .range(Range::AboveTo(0.0, 1.0))
+    .default("0.01"),
+    setting(
+        SECTION,
+        "max_order",
+        Kind::Order,
+        TRACING,
+        "Interactions after which a path is truncated",
+    )
+    .default("1000"),
+    setting(
+        SECTION,
+        "accelerator",
+        ACCELERATOR,
+        TRACING,
+        "How hits are found",
+    )
+    .default("auto"),
+    setting(
+        SECTION,
+        "estimator",
+        ESTIMATOR,
+        TRACING,
+        "How paths become results",
+    )
+    .default("auto"),
+    setting(
+        SECTION,
+        "sampling",
+        SAMPLING,
+        TRACING,
+        "How rays are distributed",
+    )
+    .default("stratified"),
+    setting(
+        SECTION,
+        "refine",
+        Kind::Switch,
+        AIMED,
+        "Also trace at half the spacing, for the error of the mesh",
+    )
+    .default("false"),
+    setting(SECTION, "way", WAY, ATTENUATION, "How visibility is found").default("auto"),
+    setting(
+        SECTION,
+        "mirror",
+        Kind::Switch,
+        ATTENUATION,
+        "Do not follow mirrored rays (mirror_g2)",
+    )
+    .flag(Flag::Off("no-mirror"))
+    .default("true"),
+    setting(
+        SECTION,
+        "heights",
+        Kind::Switch,
+        ATTENUATION,
+        "Measure the visibility by height",
+    )
+    .default("false"),
+    setting(
+        SECTION,
+        "demarcation",
+        Kind::Switch,
+        ATTENUATION,
+        "Measure the angles at which shadow begins",
+    )
+    .default("false"),
+];

@@ -1,0 +1,135 @@
+//! `[surface]`: random surfaces.
+
+use super::choices::DRAWN_BORDER;
+use super::{ATTENUATION, DEGREES, GENERATE, LENGTH, MODEL, RANDOM, SWEEPS};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Setting, Shape, setting};
+
+const SECTION: &str = "surface";
+
+pub(super) const SETTINGS: &[Setting] = &[
+    setting(
+        SECTION,
+        "tau",
+        Kind::Number,
+        RANDOM.and(ATTENUATION),
+        "1/e correlation length",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .default("16")
+    .default_in(&[(ATTENUATION, Some("0.5"))])
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "tau_y",
+        Kind::Number,
+        RANDOM,
+        "1/e correlation length along the second principal axis",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .otherwise("tau")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "smoothness",
+        Kind::Number,
+        RANDOM.and(MODEL),
+        "Smoothness s = tau / sigma, along the first principal axis",
+    )
+    .range(Range::Above(0.0))
+    .shape(Shape::ListIn(SWEEPS))
+    .default("3")
+    .default_in(&[(MODEL, None)])
+    .otherwise("none; models of rough surfaces need it")
+    .default_yields()
+    .excludes(&["surface.sigma", "measured.*"]),
+    setting(
+        SECTION,
+        "smoothness_y",
+        Kind::Number,
+        MODEL,
+        "Smoothness tau_y / sigma along the second principal axis",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("smoothness"),
+    setting(
+        SECTION,
+        "sigma",
+        Kind::Number,
+        RANDOM.and(ATTENUATION),
+        "Root mean square height, in place of smoothness",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .shape(Shape::ListIn(SWEEPS.and(ATTENUATION)))
+    .default_in(&[(ATTENUATION, Some("0.5"))])
+    .excludes(&["surface.smoothness", "measured.*"])
+    .clears(&["output.models_at_sigma"]),
+    setting(
+        SECTION,
+        "azimuth",
+        Kind::Number,
+        RANDOM.and(MODEL),
+        "Angle from +x to the first principal axis",
+    )
+    .unit(DEGREES)
+    .default("0")
+    .default_in(&[(MODEL, None)])
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "size",
+        Kind::Count,
+        RANDOM.and(ATTENUATION),
+        "Samples along x and y",
+    )
+    .shape(Shape::PerAxis)
+    .default("512")
+    .default_in(&[(GENERATE, Some("1024")), (ATTENUATION, None)])
+    .excludes(&["surface.length", "measured.*"]),
+    setting(
+        SECTION,
+        "length",
+        Kind::Number,
+        ATTENUATION,
+        "Side of the tile, in place of size; a multiple of the spacing",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .shape(Shape::PerAxis)
+    .default("12.8")
+    .default_yields()
+    .excludes(&["surface.size"]),
+    setting(
+        SECTION,
+        "spacing",
+        Kind::Number,
+        RANDOM.and(ATTENUATION),
+        "Distance between samples",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .shape(Shape::PerAxis)
+    .default("1")
+    .default_in(&[(ATTENUATION, Some("0.05"))]),
+    setting(
+        SECTION,
+        "border",
+        DRAWN_BORDER,
+        ATTENUATION,
+        "What lies beyond the border",
+    )
+    .default("periodic"),
+    setting(
+        SECTION,
+        "insist",
+        Kind::Switch,
+        RANDOM.and(ATTENUATION),
+        "Draw surfaces even if the grid cannot resolve or hold them",
+    )
+    .default("false")
+    .excludes(&["measured.*"]),
+];

@@ -1,0 +1,375 @@
+//! Document: the values of one run, in layers.
+
+use std::collections::BTreeMap;
+
+use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
+
+use super::command::{Command, Commands};
+use super::definitions::{SECTIONS, settings_of};
+use super::error::{Given, Place, SettingError};
+use super::file::File;
+use super::kind::Kind;
+use super::setting::{Flag, Setting, Shape};
+
+/// A value of a setting, and where it was given.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub(super) setting: &'static Setting,
+    pub(super) value: Value,
+    pub(super) given: Given,
+}
+
+impl Entry {
+    /// Whether it excludes or clears others: a switch that is off does not.
+    fn is_active(&self) -> bool {
+        self.value != Value::Bool(false)
+    }
+
+    /// Whether `other` cannot be given beside it.
+    fn excludes(&self, other: &Setting) -> bool {
+        let named = |pattern: &&str| other.matches(pattern);
+        self.is_active() && self.setting.excludes.iter().any(named)
+    }
+
+    /// Whether it clears `other` of a lower layer.
+    fn clears(&self, other: &Setting) -> bool {
+        let named = |pattern: &&str| other.matches(pattern);
+        let by_choice = match self.setting.kind {
+            Kind::Choice(choices) => choices
+                .iter()
+                .filter(|choice| self.value == choice.name)
+                .any(|choice| choice.clears.iter().any(named)),
+            _ => false,
+        };
+        let by_setting = self.is_active() && self.setting.clears.iter().any(named);
+        self.excludes(other) || by_setting || by_choice
+    }
+}
+
+/// The values of one run: defaults, then those of a file, then those of flags.
+///
+/// # Examples
+/// ```
+/// use asperity_studies::settings::{Command, Document};
+///
+/// let mut document = Document::new(Command::Verify);
+/// document.add_file(Some("glass.toml"), "[surface]\ntau = 8\nsize = 256")?;
+/// document.add_flags(&[("size".to_owned(), vec!["128x64".to_owned()])])?;
+/// assert_eq!(document.value("surface.tau"), Some(8.0.into()));
+/// assert_eq!(document.value("surface.size"), Some(vec![128, 64].into()));
+/// assert_eq!(document.value("run.seed"), Some(1.into()));
+/// # Ok::<(), asperity_studies::settings::SettingError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Document {
+    command: Command,
+    file: Option<String>,
+    entries: BTreeMap<(&'static str, &'static str), Entry>,
+}
+
+impl Document {
+    /// The defaults of `command`.
+    #[must_use]
+    pub const fn new(command: Command) -> Self {
+        Self {
+            command,
+            file: None,
+            entries: BTreeMap::new(),
+        }
+    }
+
+    /// The defaults of `command` below a configuration of this text.
+    ///
+    /// # Errors
+    /// [`SettingError`] as of [`Self::add_file`].
+    pub fn of_text(command: Command, text: &str) -> Result<Self, SettingError> {
+        let mut document = Self::new(command);
+        document.add_file(None, text)?;
+        Ok(document)
+    }
+
+    /// The command.
+    #[must_use]
+    pub const fn command(&self) -> Command {
+        self.command
+    }
+
+    /// Adds the values of a configuration of that text; `name` is that of its file.
+    ///
+    /// # Errors
+    /// [`SettingError`] with the line if a key is unknown or a value is invalid.
+    pub fn add_file(&mut self, name: Option<&str>, text: &str) -> Result<(), SettingError> {
+        let file = File {
+            command: self.command,
+            name,
+            text,
+        };
+        self.file = name.map(str::to_owned);
+        self.add_layer(file.entries()?)
+    }
+
+    /// Adds the values of flags, each by its name without hyphens; a switch has no value.
+    ///
+    /// # Errors
+    /// [`SettingError`] if a flag is unknown or a value is invalid.
+    pub fn add_flags(&mut self, flags: &[(String, Vec<String>)]) -> Result<(), SettingError> {
+        let names: Vec<&str> = flags.iter().map(|(name, _)| name.as_str()).collect();
+        let entries = flags
+            .iter()
+            .map(|(name, values)| self.flag_entry(name, values, &names))
+            .collect::<Result<Vec<_>, _>>()?;
+        self.add_layer(entries)
+    }
+
+    /// Adds a value that stands on the command line without a flag.
+    ///
+    /// # Errors
+    /// [`SettingError`] if it is invalid.
+    pub fn add_positional(&mut self, path: &str, text: &str) -> Result<(), SettingError> {
+        let setting = settings_of(self.command).find(|setting| setting.matches(path));
+        let Some(setting) = setting else {
+            return Ok(());
+        };
+        let given = Given {
+            text: text.to_owned(),
+            place: Place::Flag,
+        };
+        let value = self.parse(setting, &[text.to_owned()], &given)?;
+        self.add_layer(vec![Entry {
+            setting,
+            value,
+            given,
+        }])
+    }
+
+    /// Refuses to run without the flags that the command needs.
+    ///
+    /// # Errors
+    /// [`SettingError::Missing`].
+    pub fn check_required(&self) -> Result<(), SettingError> {
+        let missing = settings_of(self.command)
+            .filter(|setting| setting.required.contains(self.command))
+            .find(|setting| !self.entries.contains_key(&(setting.section, setting.key)));
+        match missing {
+            None => Ok(()),
+            Some(setting) => Err(SettingError::Missing {
+                command: self.command,
+                flag: format!(
+                    "--{} {}",
+                    setting.flag_name().unwrap_or_default(),
+                    setting.value_name
+                ),
+            }),
+        }
+    }
+
+    /// Whether the file or a flag gives the setting `section.key`, or any of `section.*`.
+    #[must_use]
+    pub fn is_given(&self, pattern: &str) -> bool {
+        self.entries
+            .values()
+            .any(|entry| entry.setting.matches(pattern) && entry.is_active())
+    }
+
+    /// The value of `section.key`, or its default; `None` where it has neither.
+    #[must_use]
+    pub fn value(&self, path: &str) -> Option<Value> {
+        let setting = settings_of(self.command).find(|setting| setting.matches(path))?;
+        self.value_of(setting)
+    }
+
+    /// The name of the file, where all values come from it: what is wrong with their combination is wrong with it.
+    #[must_use]
+    pub fn file_to_blame(&self) -> Option<&str> {
+        let by_flag = |entry: &Entry| {
+            entry.given.place == Place::Flag
+                && entry.setting.in_file
+                && entry.setting.section != "output"
+        };
+        match self.entries.values().any(by_flag) {
+            true => None,
+            false => self.file.as_deref(),
+        }
+    }
+
+    /// The typed configuration.
+    ///
+    /// # Errors
+    /// [`SettingError::Unreadable`] if `T` does not fit the definitions, which is an error of this program.
+    pub fn read<T: DeserializeOwned>(&self) -> Result<T, SettingError> {
+        serde_json::from_value(self.to_json())
+            .map_err(|error| SettingError::Unreadable(error.to_string()))
+    }
+
+    /// All values with their defaults, by section and key.
+    fn to_json(&self) -> Value {
+        let mut document = Map::new();
+        for section in SECTIONS {
+            let settings = section
+                .settings
+                .iter()
+                .filter(|setting| setting.commands.contains(self.command));
+            if section.optional && !self.is_given(&format!("{}.*", section.name)) {
+                continue;
+            }
+            let values: Map<String, Value> = settings
+                .filter_map(|setting| Some((setting.key.to_owned(), self.value_of(setting)?)))
+                .collect();
+            document.insert(section.name.to_owned(), values.into());
+        }
+        document.into()
+    }
+
+    fn value_of(&self, setting: &'static Setting) -> Option<Value> {
+        if let Some(entry) = self.entries.get(&(setting.section, setting.key)) {
+            return Some(entry.value.clone());
+        }
+        let excluded = setting.excludes.iter().any(|other| self.is_given(other));
+        if setting.default_yields && excluded {
+            return None;
+        }
+        let text = setting.default_of(self.command)?;
+        read_text(setting, self.command, &[text.to_owned()])
+    }
+
+    /// The entry of a flag.
+    fn flag_entry(
+        &self,
+        name: &str,
+        values: &[String],
+        flags: &[&str],
+    ) -> Result<Entry, SettingError> {
+        let setting = self.setting_of_flag(name, flags)?;
+        let text = match values {
+            [] => format!("--{name}"),
+            values => format!("--{name} {}", values.join(" ")),
+        };
+        let given = Given {
+            text,
+            place: Place::Flag,
+        };
+        let value = match (setting.kind, setting.flag) {
+            (Kind::Switch, Flag::Off(_)) => Value::Bool(false),
+            (Kind::Switch, _) => Value::Bool(true),
+            _ => self.parse(setting, values, &given)?,
+        };
+        Ok(Entry {
+            setting,
+            value,
+            given,
+        })
+    }
+
+    /// The setting of a flag. `--spacing` is that of a given surface where there is one, and of random ones otherwise.
+    fn setting_of_flag(
+        &self,
+        name: &str,
+        flags: &[&str],
+    ) -> Result<&'static Setting, SettingError> {
+        let found: Vec<&'static Setting> = settings_of(self.command)
+            .filter(|setting| has_flag(setting, name))
+            .collect();
+        match *found {
+            [] => Err(SettingError::OfOtherCommands {
+                place: Place::Flag,
+                name: format!("--{name}"),
+                commands: commands_with_flag(name),
+                command: self.command,
+            }),
+            [setting] => Ok(setting),
+            [random, given, ..] => match self.has_given_surface(flags) {
+                true => Ok(given),
+                false => Ok(random),
+            },
+        }
+    }
+
+    /// Whether the surface is a given one, once these flags are added.
+    fn has_given_surface(&self, flags: &[&str]) -> bool {
+        let random = |flag: &&str| {
+            let of_flag = settings_of(self.command).find(|setting| has_flag(setting, flag));
+            of_flag.is_some_and(|s| s.section == "surface" && s.key != "spacing")
+        };
+        let by_flag = flags.iter().any(|flag| ["surface", "flat"].contains(flag));
+        let by_file = self.is_given("measured.file") || self.is_given("measured.flat");
+        by_flag || (by_file && !flags.iter().any(random))
+    }
+
+    fn parse(
+        &self,
+        setting: &Setting,
+        values: &[String],
+        given: &Given,
+    ) -> Result<Value, SettingError> {
+        read_text(setting, self.command, values).ok_or_else(|| SettingError::Invalid {
+            given: given.clone(),
+            expected: setting.expected(self.command),
+        })
+    }
+
+    /// Puts a layer above all others.
+    fn add_layer(&mut self, layer: Vec<Entry>) -> Result<(), SettingError> {
+        for entry in &layer {
+            if let Some(other) = layer
+                .iter()
+                .find(|other| entry.excludes(other.setting) && other.is_active())
+            {
+                return Err(SettingError::Excluded {
+                    first: entry.given.clone(),
+                    second: other.given.text.clone(),
+                });
+            }
+        }
+        self.entries
+            .retain(|_, below| !layer.iter().any(|entry| entry.clears(below.setting)));
+        for entry in layer {
+            let place = (entry.setting.section, entry.setting.key);
+            self.entries.insert(place, entry);
+        }
+        Ok(())
+    }
+}
+
+/// Whether `name` is the flag of a setting, or an old spelling of it.
+fn has_flag(setting: &Setting, name: &str) -> bool {
+    setting.flag_name().is_some_and(|flag| flag == name) || setting.aliases.contains(&name)
+}
+
+/// All commands that have a flag.
+pub(super) fn commands_with_flag(name: &str) -> Commands {
+    SECTIONS
+        .iter()
+        .flat_map(|section| section.settings)
+        .filter(|setting| has_flag(setting, name))
+        .fold(Commands::NONE, |all, setting| all.and(setting.commands))
+}
+
+/// The value that texts of the command line stand for; `None` if they are invalid.
+pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -> Option<Value> {
+    let one = |text: &str| setting.kind.parse(text.trim(), setting.range);
+    if setting.shape == Shape::Repeated {
+        return texts.iter().map(|text| one(text)).collect();
+    }
+    let [text] = texts else {
+        return None;
+    };
+    if setting.kind == Kind::Models && text == "none" {
+        return Some(Value::Array(Vec::new()));
+    }
+    let separators: &[char] = match setting.shape {
+        Shape::PerAxis => &[',', 'x', 'X'],
+        Shape::One if !setting.is_list(command) => &[],
+        Shape::ListIn(_) if !setting.is_list(command) => &[],
+        _ => &[','],
+    };
+    let values: Vec<Value> = text.split(separators).map(one).collect::<Option<_>>()?;
+    match (setting.shape, values.as_slice()) {
+        (Shape::Tuple(names), values) if values.len() != names.len() => None,
+        (Shape::PerAxis, [_, _, _, ..]) => None,
+        (Shape::Tuple(_), _) => Some(values.into()),
+        _ if setting.kind == Kind::Models => Some(values.into()),
+        (_, [value]) => Some(value.clone()),
+        _ => Some(values.into()),
+    }
+}

@@ -1,0 +1,142 @@
+//! Errors: why values of settings are refused, in one sentence each.
+
+use std::fmt;
+
+use super::command::{Command, Commands};
+
+/// Where a value was given.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Place {
+    /// In a file; the name is unknown where its text alone was given.
+    File {
+        /// Its name.
+        name: Option<String>,
+        /// The line, from 1.
+        line: usize,
+    },
+    /// On the command line.
+    Flag,
+}
+
+/// A value as it was written, and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Given {
+    /// `--tau 3` or `tau = 3`.
+    pub text: String,
+    /// Where.
+    pub place: Place,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File {
+                name: Some(name),
+                line,
+            } => write!(f, "{name}: line {line}: "),
+            Self::File { name: None, line } => write!(f, "line {line}: "),
+            Self::Flag => Ok(()),
+        }
+    }
+}
+
+impl fmt::Display for Given {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}{}", self.place, self.text)
+    }
+}
+
+/// Why a value is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingError {
+    /// A value is of the wrong kind or out of range.
+    #[error("{given}: must be {expected}")]
+    Invalid {
+        /// What was given.
+        given: Given,
+        /// What is allowed.
+        expected: String,
+    },
+    /// Two values that exclude each other.
+    #[error("{first}: cannot stand beside {second}; give either one or the other")]
+    Excluded {
+        /// One of them.
+        first: Given,
+        /// The text of the other.
+        second: String,
+    },
+    /// A key that no section of this name has.
+    #[error("{place}unknown key `{key}` in [{section}]; its keys are {known}")]
+    UnknownKey {
+        /// Where it stands.
+        place: Place,
+        /// The section.
+        section: String,
+        /// The key.
+        key: String,
+        /// The keys of that section, with commas.
+        known: String,
+    },
+    /// A section that the command does not have.
+    #[error("{place}unknown section `{section}`; the sections of {command} are {known}")]
+    UnknownSection {
+        /// Where it stands.
+        place: Place,
+        /// Its name.
+        section: String,
+        /// The command.
+        command: Command,
+        /// The sections of the command, with commas.
+        known: String,
+    },
+    /// A value where a section must be.
+    #[error("{place}`{section}` must be a section, written as [{section}]")]
+    NotASection {
+        /// Where it stands.
+        place: Place,
+        /// Its name.
+        section: String,
+    },
+    /// A setting that other commands have.
+    #[error("{place}{name} is for {}, not for {command}", names(*commands))]
+    OfOtherCommands {
+        /// Where it stands.
+        place: Place,
+        /// The flag or `section.key`.
+        name: String,
+        /// The commands that have it.
+        commands: Commands,
+        /// The command at hand.
+        command: Command,
+    },
+    /// The file is not TOML.
+    #[error("{place}{reason}")]
+    Syntax {
+        /// Where.
+        place: Place,
+        /// Why.
+        reason: String,
+    },
+    /// A setting without a default is missing.
+    #[error("{command} needs {flag}")]
+    Missing {
+        /// The command.
+        command: Command,
+        /// The flag with its value.
+        flag: String,
+    },
+    /// The typed configuration does not take what the definitions allow.
+    #[error("the settings do not fit the configuration: {0}")]
+    Unreadable(String),
+}
+
+/// Names of commands in a sentence.
+fn names(commands: Commands) -> String {
+    let names: Vec<&str> = commands.iter().map(Command::name).collect();
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, rest)) => format!("{} and {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}

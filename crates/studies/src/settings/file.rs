@@ -1,0 +1,198 @@
+//! The layer of a configuration file: its text becomes entries with their lines.
+
+use serde_json::Value;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::command::{Command, Commands};
+use super::definitions::{SECTIONS, settings_of};
+use super::document::Entry;
+use super::error::{Given, Place, SettingError};
+use super::kind::Kind;
+use super::setting::{Setting, Shape};
+
+/// A configuration file that is being read.
+pub(super) struct File<'a> {
+    pub(super) command: Command,
+    pub(super) name: Option<&'a str>,
+    pub(super) text: &'a str,
+}
+
+impl File<'_> {
+    /// Its entries in their order.
+    pub(super) fn entries(&self) -> Result<Vec<Entry>, SettingError> {
+        let table = DeTable::parse(self.text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
+            self.syntax_error(start, error.message())
+        })?;
+        let mut entries = Vec::new();
+        for (section, value) in table.get_ref() {
+            let name = section.get_ref().as_ref();
+            let place = self.place(section.span().start);
+            if !settings_of(self.command).any(|setting| setting.in_file && setting.section == name)
+            {
+                return Err(self.unknown_section(place, name));
+            }
+            let DeValue::Table(keys) = value.get_ref() else {
+                let section = name.to_owned();
+                return Err(SettingError::NotASection { place, section });
+            };
+            for (key, value) in keys {
+                let setting = self.setting(name, key)?;
+                entries.push(self.entry(setting, key.get_ref(), value)?);
+            }
+        }
+        Ok(entries)
+    }
+
+    fn place(&self, start: usize) -> Place {
+        Place::File {
+            name: self.name.map(str::to_owned),
+            line: 1 + self.text[..start.min(self.text.len())]
+                .matches('\n')
+                .count(),
+        }
+    }
+
+    /// The setting of a key.
+    fn setting(
+        &self,
+        section: &str,
+        key: &Spanned<std::borrow::Cow<'_, str>>,
+    ) -> Result<&'static Setting, SettingError> {
+        let place = self.place(key.span().start);
+        let key = key.get_ref().as_ref();
+        let named = |setting: &&'static Setting| {
+            let same = setting.key == key || setting.aliases.contains(&key);
+            setting.in_file && setting.section == section && same
+        };
+        if let Some(setting) = settings_of(self.command).find(named) {
+            return Ok(setting);
+        }
+        let elsewhere = SECTIONS.iter().flat_map(|section| section.settings);
+        let commands = elsewhere
+            .filter(named)
+            .fold(Commands::NONE, |all, setting| all.and(setting.commands));
+        if commands != Commands::NONE {
+            return Err(SettingError::OfOtherCommands {
+                place,
+                name: format!("{section}.{key}"),
+                commands,
+                command: self.command,
+            });
+        }
+        let known = settings_of(self.command)
+            .filter(|setting| setting.in_file && setting.section == section);
+        Err(SettingError::UnknownKey {
+            place,
+            section: section.to_owned(),
+            key: key.to_owned(),
+            known: known.map(|s| s.key).collect::<Vec<_>>().join(", "),
+        })
+    }
+
+    fn unknown_section(&self, place: Place, name: &str) -> SettingError {
+        let known: Vec<&str> = SECTIONS
+            .iter()
+            .filter(|section| {
+                let settings = &mut section.settings.iter();
+                settings.any(|s| s.in_file && s.commands.contains(self.command))
+            })
+            .map(|section| section.name)
+            .collect();
+        SettingError::UnknownSection {
+            place,
+            section: name.to_owned(),
+            command: self.command,
+            known: known.join(", "),
+        }
+    }
+
+    fn entry(
+        &self,
+        setting: &'static Setting,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Result<Entry, SettingError> {
+        let written = self.text.get(value.span()).unwrap_or_default();
+        let written = written.split_whitespace().collect::<Vec<_>>().join(" ");
+        let given = Given {
+            text: format!("{key} = {written}"),
+            place: self.place(value.span().start),
+        };
+        match self.value(setting, value.get_ref()) {
+            Some(value) => Ok(Entry {
+                setting,
+                value,
+                given,
+            }),
+            None => Err(SettingError::Invalid {
+                given,
+                expected: setting.expected(self.command),
+            }),
+        }
+    }
+
+    /// The value of a setting; `None` if it is invalid.
+    fn value(&self, setting: &Setting, value: &DeValue<'_>) -> Option<Value> {
+        let one = |value: &DeValue<'_>| scalar(setting, value);
+        let DeValue::Array(values) = value else {
+            let value = one(value)?;
+            return match (setting.kind, setting.shape) {
+                (Kind::Models, _) => Some(Value::Array(vec![value])),
+                (_, Shape::Tuple(_)) => None,
+                _ => Some(value),
+            };
+        };
+        let values: Vec<Value> = values
+            .iter()
+            .map(|value| one(value.get_ref()))
+            .collect::<Option<_>>()?;
+        let allowed = match setting.shape {
+            Shape::PerAxis => values.len() == 2,
+            Shape::Tuple(names) => values.len() == names.len(),
+            _ if setting.kind == Kind::Models => true,
+            _ => setting.is_list(self.command) && !values.is_empty(),
+        };
+        allowed.then_some(Value::Array(values))
+    }
+
+    /// What is wrong with text that is not TOML, with a hint for values without quotes.
+    fn syntax_error(&self, start: usize, message: &str) -> SettingError {
+        let line = self.text[..start.min(self.text.len())]
+            .rsplit('\n')
+            .next()
+            .unwrap_or_default()
+            .to_owned()
+            + self.text[start.min(self.text.len())..]
+                .split('\n')
+                .next()
+                .unwrap_or_default();
+        let reason = message.trim().replace('\n', " ");
+        let reason = match line.split_once('=') {
+            Some(_) => format!(
+                "`{}` is not valid TOML ({reason}); numbers stand without a unit, text in quotes",
+                line.trim()
+            ),
+            None => reason,
+        };
+        SettingError::Syntax {
+            place: self.place(start),
+            reason,
+        }
+    }
+}
+
+/// One value; `None` if it is invalid.
+fn scalar(setting: &Setting, value: &DeValue<'_>) -> Option<Value> {
+    let parse = |text: &str| setting.kind.parse(text, setting.range);
+    match value {
+        DeValue::Boolean(value) if setting.kind == Kind::Switch => Some(Value::Bool(*value)),
+        DeValue::String(text) if setting.kind != Kind::Switch => parse(text),
+        DeValue::Integer(number) if !setting.kind.is_text() && number.radix() == 10 => {
+            parse(number.as_str())
+        }
+        DeValue::Float(number) if !setting.kind.is_text() => parse(number.as_str()),
+        _ => None,
+    }
+}

@@ -1,0 +1,156 @@
+//! Kind: what a value is, and how its text is read.
+
+use asperity_tally::HemisphereGrid;
+use serde_json::Value;
+
+use super::range::Range;
+use crate::number::{MOST_COUNT, count_from_number, parse_number, parse_seconds};
+
+/// What a value is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// Present or not; `true` or `false` in a file.
+    Switch,
+    /// A number, or a quotient of two such as `1/1.4`.
+    Number,
+    /// A whole number of one or more, also written as `1e6`.
+    Count,
+    /// A count up to 4294967295.
+    Order,
+    /// A whole number of zero or more.
+    Seed,
+    /// A time: seconds, or as `10m` or `2h`.
+    Duration,
+    /// One of several names.
+    Choice(&'static [Choice]),
+    /// One of several names, or a file.
+    ChoiceOrFile(&'static [Choice]),
+    /// Names of models, or `none`.
+    Models,
+    /// The name of a model.
+    Model,
+    /// A file or a folder.
+    Path,
+    /// Numbers of bins, `THETAxPHI`.
+    Grid,
+    /// Numbers of pixels, `COLUMNSxROWS`.
+    Pixels,
+}
+
+/// One name that a setting allows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Choice {
+    /// The name.
+    pub name: &'static str,
+    /// What it means.
+    pub help: &'static str,
+    /// Values of a lower layer that it clears, as `section.key`.
+    pub clears: &'static [&'static str],
+}
+
+/// A choice that clears nothing.
+pub(super) const fn choice(name: &'static str, help: &'static str) -> Choice {
+    Choice {
+        name,
+        help,
+        clears: &[],
+    }
+}
+
+impl Kind {
+    /// Whether a file writes it as text in quotes, never as a bare number.
+    pub(super) const fn is_text(self) -> bool {
+        !matches!(
+            self,
+            Self::Switch | Self::Number | Self::Count | Self::Order | Self::Seed | Self::Duration
+        )
+    }
+
+    /// The value that `text` stands for; `None` if it is invalid or out of `range`.
+    pub(super) fn parse(self, text: &str, range: Range) -> Option<Value> {
+        match self {
+            Self::Switch => text.parse::<bool>().ok().map(Value::from),
+            Self::Number => {
+                let number = parse_number(text).ok()?;
+                range.contains(number).then(|| Value::from(number))
+            }
+            Self::Count => count(text)
+                .filter(|count| range.contains(*count as f64))
+                .map(Value::from),
+            Self::Order => count(text)
+                .filter(|count| *count <= u32::MAX.into())
+                .map(Value::from),
+            Self::Seed => text
+                .replace('_', "")
+                .parse::<u64>()
+                .ok()
+                .or_else(|| count(text))
+                .map(Value::from),
+            Self::Duration => parse_seconds(text).ok().map(Value::from),
+            Self::Choice(choices) => choices
+                .iter()
+                .any(|choice| choice.name == text)
+                .then(|| Value::from(text)),
+            Self::Grid => grid(text).map(|grid| Value::from(grid.to_string())),
+            Self::Pixels => {
+                let [columns, rows] = whole_pair(text)?;
+                Some(Value::from(vec![columns, rows]))
+            }
+            Self::ChoiceOrFile(_) | Self::Models | Self::Model | Self::Path => {
+                (!text.is_empty()).then(|| Value::from(text))
+            }
+        }
+    }
+
+    /// What is allowed, to follow "must be".
+    pub(super) fn expected(self, range: Range) -> String {
+        match self {
+            Self::Switch => "true or false".to_owned(),
+            Self::Number if range == Range::Any => "a number such as 1.4, 2e-3 or 1/1.4".to_owned(),
+            Self::Number => format!("a number {range}, such as 1.4, 2e-3 or 1/1.4"),
+            Self::Count if range != Range::Any => format!("a whole number {range}"),
+            Self::Count => {
+                format!("a whole number of 1 or more, up to {MOST_COUNT:e}, such as 1000 or 1e6")
+            }
+            Self::Order => format!("a whole number from 1 to {}", u32::MAX),
+            Self::Seed => format!("a whole number from 0 to {}", u64::MAX),
+            Self::Duration => "a time above 0: seconds, or such as 10m or 2h".to_owned(),
+            Self::Choice(choices) => one_of(choices, None),
+            Self::ChoiceOrFile(choices) => one_of(choices, Some("a file")),
+            Self::Models => "names of models, or none".to_owned(),
+            Self::Model => "the name of a model".to_owned(),
+            Self::Path => "a path".to_owned(),
+            Self::Grid => {
+                "numbers of bins as THETAxPHI, such as 18x36, with at most 4000000 bins".to_owned()
+            }
+            Self::Pixels => "numbers of pixels as COLUMNSxROWS, such as 640x480".to_owned(),
+        }
+    }
+}
+
+/// Names in a sentence: `a, b or c`.
+fn one_of(choices: &[Choice], further: Option<&str>) -> String {
+    let mut names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
+    names.extend(further);
+    match names.split_last() {
+        Some((last, [])) => (*last).to_owned(),
+        Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
+        None => String::new(),
+    }
+}
+
+fn count(text: &str) -> Option<u64> {
+    let plain: String = text.chars().filter(|&c| c != '_').collect();
+    count_from_number(parse_number(&plain).ok()?).ok()
+}
+
+/// Two whole numbers, written as `AxB` or `A,B`.
+fn whole_pair(text: &str) -> Option<[u64; 2]> {
+    let (first, second) = text.split_once(['x', 'X', ','])?;
+    Some([first.trim().parse().ok()?, second.trim().parse().ok()?])
+}
+
+fn grid(text: &str) -> Option<HemisphereGrid> {
+    let [theta, phi] = whole_pair(text)?;
+    HemisphereGrid::new(theta.try_into().ok()?, phi.try_into().ok()?).ok()
+}

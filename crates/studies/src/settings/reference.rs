@@ -1,0 +1,169 @@
+//! The reference page of all settings, `docs/settings.md`.
+
+use std::fmt::Write;
+
+use super::command::{Command, Commands};
+use super::definitions::SECTIONS;
+use super::kind::Kind;
+use super::setting::{Setting, Shape};
+
+/// The page, in Markdown.
+#[must_use]
+pub fn reference_page() -> String {
+    let mut page = INTRODUCTION.to_owned();
+    for section in SECTIONS {
+        let in_file = section.settings.iter().any(|setting| setting.in_file);
+        let title = match in_file {
+            true => format!("{}: `[{}]`", section.title, section.name),
+            false => section.title.to_owned(),
+        };
+        let _ = write!(page, "\n## {title}\n\n");
+        page.push_str("| key | flag | value | default | commands | meaning |\n");
+        page.push_str("|---|---|---|---|---|---|\n");
+        for setting in section.settings {
+            page.push_str(&row(setting));
+        }
+    }
+    page.push_str("\n## Old spellings\n\nThese stay valid and are not shown in the help.\n\n");
+    page.push_str("| old | new |\n|---|---|\n");
+    for setting in SECTIONS.iter().flat_map(|section| section.settings) {
+        for alias in setting.aliases {
+            let flag = setting.flag_name().unwrap_or_default();
+            let _ = writeln!(page, "| `--{}` | `--{flag}` |", alias.replace('_', "-"));
+            if setting.in_file {
+                let _ = writeln!(
+                    page,
+                    "| `{}.{alias}` | `{}` |",
+                    setting.section,
+                    setting.path()
+                );
+            }
+        }
+    }
+    page
+}
+
+const INTRODUCTION: &str = "# Settings
+
+<!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
+
+Every setting of every command. A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
+the file, and the file overrides the defaults. A flag that excludes keys of the file takes their place.
+
+Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
+`6,3,1` on the command line and `[6, 3, 1]` in a file. Pairs along x and y are `X,Y` or `XxY`, and `[X, Y]` in a file.
+";
+
+fn row(setting: &Setting) -> String {
+    let key = match setting.in_file {
+        true => format!("`{}`", setting.key),
+        false => String::new(),
+    };
+    let flag = match (setting.flag_name(), setting.short) {
+        (Some(flag), Some(short)) => format!("`--{flag}`, `-{short}`"),
+        (Some(flag), None) => format!("`--{flag}`"),
+        (None, _) => String::new(),
+    };
+    let escaped = |text: String| text.replace('|', "\\|");
+    format!(
+        "| {key} | {flag} | {} | {} | {} | {} |\n",
+        escaped(value(setting)),
+        default(setting),
+        commands(setting.commands),
+        escaped(meaning(setting)),
+    )
+}
+
+/// What a value may be.
+fn value(setting: &Setting) -> String {
+    let first = setting.commands.iter().next().unwrap_or(Command::Verify);
+    match setting.kind {
+        Kind::Choice(choices) | Kind::ChoiceOrFile(choices) => {
+            let mut names: Vec<String> = choices.iter().map(|c| format!("`{}`", c.name)).collect();
+            if matches!(setting.kind, Kind::ChoiceOrFile(_)) {
+                names.push("a file".to_owned());
+            }
+            let several = match setting.shape {
+                Shape::ListIn(_) => "; one or several",
+                _ => "",
+            };
+            format!("{}{several}", names.join(", "))
+        }
+        _ => {
+            let text = match setting.shape {
+                // What holds for lists is said once, below.
+                Shape::ListIn(_) => setting.kind.expected(setting.range),
+                _ => setting.expected(first),
+            };
+            let text = text
+                .replace(", such as 1.4, 2e-3 or 1/1.4", "")
+                .replace(" such as 1.4, 2e-3 or 1/1.4", "");
+            let unit = match (setting.shape, setting.unit) {
+                (Shape::ListIn(_), unit) if !unit.is_empty() => format!(" ({unit})"),
+                _ => String::new(),
+            };
+            let lists = match setting.shape {
+                Shape::ListIn(lists) if setting.commands.iter().all(|c| lists.contains(c)) => {
+                    "; one or several".to_owned()
+                }
+                Shape::ListIn(lists) => format!("; one or several in {}", commands(lists)),
+                _ => String::new(),
+            };
+            format!("{text}{unit}{lists}")
+        }
+    }
+}
+
+/// The default of each command.
+fn default(setting: &Setting) -> String {
+    if setting.kind == Kind::Switch {
+        return match setting.default {
+            Some("true") => "on".to_owned(),
+            _ => "off".to_owned(),
+        };
+    }
+    let mut groups: Vec<(Option<&str>, Vec<Command>)> = Vec::new();
+    for command in setting.commands.iter() {
+        let default = setting.default_of(command);
+        match groups.iter_mut().find(|(text, _)| *text == default) {
+            Some((_, commands)) => commands.push(command),
+            None => groups.push((default, vec![command])),
+        }
+    }
+    let single = groups.len() == 1;
+    let parts: Vec<String> = groups
+        .into_iter()
+        .filter_map(|(text, group)| {
+            let text = match text {
+                Some(text) => format!("`{text}`"),
+                None if setting.otherwise.is_empty() => return None,
+                None => setting.otherwise.to_owned(),
+            };
+            Some(match single {
+                true => text,
+                false => format!("{text} ({})", commands(Commands::of(&group))),
+            })
+        })
+        .collect();
+    parts.join("; ")
+}
+
+fn commands(commands: Commands) -> String {
+    if commands == Commands::ALL {
+        return "all".to_owned();
+    }
+    let names: Vec<&str> = commands.iter().map(Command::name).collect();
+    names.join(", ")
+}
+
+/// What it is, with the meaning of its choices.
+fn meaning(setting: &Setting) -> String {
+    let (Kind::Choice(choices) | Kind::ChoiceOrFile(choices)) = setting.kind else {
+        return setting.help.to_owned();
+    };
+    let choices: Vec<String> = choices
+        .iter()
+        .map(|choice| format!("{}: {}", choice.name, choice.help))
+        .collect();
+    format!("{} ({})", setting.help, choices.join("; "))
+}

@@ -1,0 +1,257 @@
+//! Setting: everything that is known about one setting.
+
+use super::command::{Command, Commands};
+use super::kind::Kind;
+use super::range::Range;
+
+/// One setting.
+#[derive(Clone, Copy, Debug)]
+pub struct Setting {
+    /// The section of a configuration file.
+    pub section: &'static str,
+    /// The key in that section.
+    pub key: &'static str,
+    /// The flag.
+    pub flag: Flag,
+    /// The short form of the flag.
+    pub short: Option<char>,
+    /// Old spellings of key and flag, which stay valid but are not shown in the help.
+    pub aliases: &'static [&'static str],
+    /// Whether a configuration file may hold it.
+    pub in_file: bool,
+    /// What its value is.
+    pub kind: Kind,
+    /// How many values it takes.
+    pub shape: Shape,
+    /// The unit of numbers.
+    pub unit: &'static str,
+    /// The numbers that are allowed.
+    pub range: Range,
+    /// The name of the value in the help.
+    pub value_name: &'static str,
+    /// What it is, in one sentence without a full stop.
+    pub help: &'static str,
+    /// The commands that have it.
+    pub commands: Commands,
+    /// The commands that need it.
+    pub required: Commands,
+    /// Its value unless given, written as on the command line.
+    pub default: Option<&'static str>,
+    /// Other defaults of some commands.
+    pub default_in: &'static [(Commands, Option<&'static str>)],
+    /// What holds unless it is given, where that depends on other settings.
+    pub otherwise: &'static str,
+    /// Whether the default does not hold once a setting that excludes it is given.
+    pub default_yields: bool,
+    /// Settings that cannot be given beside it, as `section.key` or `section.*`; it clears those of a lower layer.
+    pub excludes: &'static [&'static str],
+    /// Settings of a lower layer that it clears.
+    pub clears: &'static [&'static str],
+}
+
+/// The flag of a setting.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flag {
+    /// That of the key, with hyphens.
+    OfKey,
+    /// Another name.
+    Named(&'static str),
+    /// A flag that makes a switch `false`.
+    Off(&'static str),
+    /// No flag: it stands in a file alone.
+    None,
+}
+
+/// How many values a setting takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// One.
+    One,
+    /// One or several in these commands, one in all others.
+    ListIn(Commands),
+    /// One for both axes, or one for each.
+    PerAxis,
+    /// As many as these names.
+    Tuple(&'static [&'static str]),
+    /// One per flag, which may be repeated.
+    Repeated,
+}
+
+/// A setting of `section` without a default, with the flag of its key.
+pub(super) const fn setting(
+    section: &'static str,
+    key: &'static str,
+    kind: Kind,
+    commands: Commands,
+    help: &'static str,
+) -> Setting {
+    Setting {
+        section,
+        key,
+        flag: Flag::OfKey,
+        short: None,
+        aliases: &[],
+        in_file: true,
+        kind,
+        shape: Shape::One,
+        unit: "",
+        range: Range::Any,
+        value_name: "",
+        help,
+        commands,
+        required: Commands::NONE,
+        default: None,
+        default_in: &[],
+        otherwise: "",
+        default_yields: false,
+        excludes: &[],
+        clears: &[],
+    }
+}
+
+impl Setting {
+    pub(super) const fn default(mut self, text: &'static str) -> Self {
+        self.default = Some(text);
+        self
+    }
+
+    pub(super) const fn default_in(
+        mut self,
+        defaults: &'static [(Commands, Option<&'static str>)],
+    ) -> Self {
+        self.default_in = defaults;
+        self
+    }
+
+    pub(super) const fn default_yields(mut self) -> Self {
+        self.default_yields = true;
+        self
+    }
+
+    pub(super) const fn otherwise(mut self, text: &'static str) -> Self {
+        self.otherwise = text;
+        self
+    }
+
+    pub(super) const fn range(mut self, range: Range) -> Self {
+        self.range = range;
+        self
+    }
+
+    pub(super) const fn unit(mut self, unit: &'static str) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    pub(super) const fn value_name(mut self, name: &'static str) -> Self {
+        self.value_name = name;
+        self
+    }
+
+    pub(super) const fn shape(mut self, shape: Shape) -> Self {
+        self.shape = shape;
+        self
+    }
+
+    pub(super) const fn flag(mut self, flag: Flag) -> Self {
+        self.flag = flag;
+        self
+    }
+
+    pub(super) const fn short(mut self, short: char) -> Self {
+        self.short = Some(short);
+        self
+    }
+
+    pub(super) const fn aliases(mut self, aliases: &'static [&'static str]) -> Self {
+        self.aliases = aliases;
+        self
+    }
+
+    pub(super) const fn flag_only(mut self) -> Self {
+        self.in_file = false;
+        self
+    }
+
+    pub(super) const fn required(mut self, commands: Commands) -> Self {
+        self.required = commands;
+        self
+    }
+
+    pub(super) const fn excludes(mut self, settings: &'static [&'static str]) -> Self {
+        self.excludes = settings;
+        self
+    }
+
+    pub(super) const fn clears(mut self, settings: &'static [&'static str]) -> Self {
+        self.clears = settings;
+        self
+    }
+
+    /// Its name in messages and tables: `section.key`.
+    #[must_use]
+    pub fn path(&self) -> String {
+        format!("{}.{}", self.section, self.key)
+    }
+
+    /// The name of its flag, without the hyphens before it.
+    #[must_use]
+    pub fn flag_name(&self) -> Option<String> {
+        match self.flag {
+            Flag::OfKey => Some(self.key.replace('_', "-")),
+            Flag::Named(name) | Flag::Off(name) => Some(name.to_owned()),
+            Flag::None => None,
+        }
+    }
+
+    /// Whether the flag takes a value.
+    #[must_use]
+    pub fn takes_value(&self) -> bool {
+        self.kind != Kind::Switch
+    }
+
+    /// Its default in `command`, written as on the command line.
+    #[must_use]
+    pub fn default_of(&self, command: Command) -> Option<&'static str> {
+        let own = self
+            .default_in
+            .iter()
+            .find(|(commands, _)| commands.contains(command));
+        own.map_or(self.default, |(_, default)| *default)
+    }
+
+    /// Whether it may be a list in `command`.
+    #[must_use]
+    pub fn is_list(&self, command: Command) -> bool {
+        match self.shape {
+            Shape::ListIn(commands) => commands.contains(command),
+            Shape::Repeated => true,
+            _ => self.kind == Kind::Models,
+        }
+    }
+
+    /// Whether `pattern`, `section.key` or `section.*`, names it.
+    pub(super) fn matches(&self, pattern: &str) -> bool {
+        match pattern.split_once('.') {
+            Some((section, "*")) => section == self.section,
+            Some((section, key)) => section == self.section && key == self.key,
+            None => false,
+        }
+    }
+
+    /// What is allowed, to follow "must be", with the unit.
+    #[must_use]
+    pub fn expected(&self, command: Command) -> String {
+        let one = self.kind.expected(self.range);
+        let unit = match self.unit {
+            "" => String::new(),
+            unit => format!(" ({unit})"),
+        };
+        match self.shape {
+            Shape::PerAxis => format!("{one}{unit}, one for both axes or two as X,Y"),
+            Shape::Tuple(names) => format!("{one}{unit}, given as {}", names.join(",")),
+            _ if self.is_list(command) => format!("{one}{unit}, one or several"),
+            _ => format!("{one}{unit}"),
+        }
+    }
+}

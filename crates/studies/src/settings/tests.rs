@@ -1,0 +1,310 @@
+//! Tests over the table of definitions.
+
+use std::collections::BTreeSet;
+
+use super::document::read_text;
+use super::*;
+
+fn all() -> impl Iterator<Item = &'static Setting> {
+    SECTIONS.iter().flat_map(|section| section.settings)
+}
+
+#[test]
+fn every_definition_has_all_parts() {
+    for setting in all() {
+        let path = setting.path();
+        assert!(
+            !setting.help.is_empty() && !setting.help.ends_with('.'),
+            "{path}"
+        );
+        assert!(setting.help.len() <= 66, "{path}: {}", setting.help.len());
+        assert!(setting.commands != Commands::NONE, "{path}");
+        let in_section = SECTIONS
+            .iter()
+            .find(|section| section.name == setting.section);
+        assert!(in_section.is_some(), "{path}");
+        for command in setting.commands.iter() {
+            let known = setting.default_of(command).is_some()
+                || !setting.otherwise.is_empty()
+                || setting.required.contains(command)
+                || OPTIONAL.contains(&path.as_str());
+            assert!(known, "{path} has no default in {command}");
+        }
+        if setting.in_file {
+            let configured = setting.commands.iter().any(Command::has_configuration);
+            assert!(
+                configured || setting.section == "surface" || setting.section == "view",
+                "{path}"
+            );
+        }
+    }
+}
+
+/// Settings that change nothing unless they are given.
+const OPTIONAL: [&str; 11] = [
+    "surface.sigma",
+    "surface.size",
+    "surface.azimuth",
+    "measured.file",
+    "material.kappa",
+    "medium.mean_free_path",
+    "medium.albedo",
+    "medium.g",
+    "light.directions",
+    "run.target_error",
+    "run.max_time",
+];
+
+#[test]
+fn defaults_are_allowed_values() {
+    for setting in all() {
+        for command in setting.commands.iter() {
+            if let Some(text) = setting.default_of(command) {
+                let value = read_text(setting, command, &[text.to_owned()]);
+                assert!(value.is_some(), "{} = {text} in {command}", setting.path());
+            }
+        }
+    }
+}
+
+#[test]
+fn keys_and_flags_are_unique_in_each_command() {
+    for command in Command::ALL {
+        let mut keys = BTreeSet::new();
+        let mut flags = BTreeSet::new();
+        let mut shorts = BTreeSet::new();
+        for setting in settings_of(command) {
+            assert!(
+                keys.insert(setting.path()),
+                "{} in {command}",
+                setting.path()
+            );
+            if let Some(short) = setting.short {
+                assert!(shorts.insert(short), "-{short} in {command}");
+            }
+            // The spacing of random surfaces and of a given one are one flag, of which the surface decides.
+            if setting.path() == "measured.spacing" && command == Command::Gonio {
+                continue;
+            }
+            for flag in setting
+                .flag_name()
+                .into_iter()
+                .chain(setting.aliases.iter().map(|a| (*a).to_owned()))
+            {
+                assert!(flags.insert(flag.clone()), "--{flag} in {command}");
+            }
+        }
+    }
+}
+
+#[test]
+fn patterns_name_settings() {
+    for setting in all() {
+        let choices = match setting.kind {
+            Kind::Choice(choices) | Kind::ChoiceOrFile(choices) => choices,
+            _ => &[],
+        };
+        let by_choice = choices.iter().flat_map(|choice| choice.clears);
+        for pattern in setting
+            .excludes
+            .iter()
+            .chain(setting.clears)
+            .chain(by_choice)
+        {
+            assert!(
+                all().any(|other| other.matches(pattern)),
+                "{}: {pattern}",
+                setting.path()
+            );
+        }
+    }
+}
+
+fn flag(name: &str, value: &str) -> (String, Vec<String>) {
+    let values = if value.is_empty() {
+        vec![]
+    } else {
+        vec![value.to_owned()]
+    };
+    (name.to_owned(), values)
+}
+
+/// What is said of flags above a file.
+fn refusal(command: Command, file: &str, flags: &[(String, Vec<String>)]) -> String {
+    let mut document = Document::new(command);
+    let result = document
+        .add_file(Some("c.toml"), file)
+        .and_then(|()| document.add_flags(flags));
+    result.unwrap_err().to_string()
+}
+
+#[test]
+fn every_range_is_kept_and_named_with_the_flag_and_the_key() {
+    for setting in all().filter(|setting| setting.kind == Kind::Number) {
+        let bad = match setting.range {
+            Range::Any => "one",
+            Range::Above(least) | Range::Between(least, _) | Range::AboveTo(least, _) => {
+                assert!(!setting.range.contains(least));
+                "-2"
+            }
+            _ => "-2",
+        };
+        for command in setting.commands.iter() {
+            let Some(name) = setting.flag_name() else {
+                continue;
+            };
+            let bad = match setting.shape {
+                Shape::Tuple(names) => vec!["one"; names.len()].join(","),
+                _ => bad.to_owned(),
+            };
+            let said = refusal(command, "", &[flag(&name, &bad)]);
+            assert!(
+                said.starts_with(&format!("--{name} {bad}: must be a number")),
+                "{said}"
+            );
+            if setting.range != Range::Any {
+                assert!(said.contains(&setting.range.to_string()), "{said}");
+            }
+            if setting.in_file && command.has_configuration() {
+                let file = format!("[{}]\n{} = \"{bad}\"\n", setting.section, setting.key);
+                let said = refusal(command, &file, &[]);
+                let start = format!("c.toml: line 2: {} = \"{bad}\": must be", setting.key);
+                assert!(said.starts_with(&start), "{said}");
+            }
+        }
+    }
+}
+
+#[test]
+fn flags_override_the_file_and_the_file_the_defaults() {
+    let mut document = Document::new(Command::Verify);
+    assert_eq!(document.value("surface.tau"), Some(16.0.into()));
+    let file = "[surface]\ntau = 8\nsigma = 2\nsize = 64\n[material]\neta = \"1/1.5\"";
+    document.add_file(None, file).unwrap();
+    assert_eq!(document.value("surface.tau"), Some(8.0.into()));
+    assert_eq!(document.value("material.eta"), Some((1.0 / 1.5).into()));
+    assert_eq!(document.value("surface.smoothness"), None);
+    document
+        .add_flags(&[
+            flag("smoothness", "6,3"),
+            flag("material", "mirror"),
+            flag("size", "64x32"),
+        ])
+        .unwrap();
+    assert_eq!(document.value("surface.sigma"), None);
+    assert_eq!(document.value("material.eta"), None);
+    assert_eq!(
+        document.value("surface.smoothness"),
+        Some(vec![6.0, 3.0].into())
+    );
+    assert_eq!(document.value("surface.size"), Some(vec![64, 32].into()));
+}
+
+#[test]
+fn what_excludes_each_other_is_refused_in_one_layer() {
+    let both = "[surface]\nsmoothness = 3\nsigma = 2";
+    let said = refusal(Command::Verify, both, &[]);
+    assert!(said.contains("line 3") || said.contains("line 2"), "{said}");
+    assert!(said.contains("either one or the other"), "{said}");
+    let flags = [flag("theta", "3"), flag("directions", "2x3")];
+    let said = refusal(Command::Gonio, "", &flags);
+    assert!(
+        said.starts_with("--theta 3: cannot stand beside --directions 2x3"),
+        "{said}"
+    );
+    let file = "[measured]\nflat = true\n[surface]\ntau = 3";
+    assert!(refusal(Command::Gonio, file, &[]).contains("tau = 3"));
+}
+
+#[test]
+fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
+    let spacing = |file: &str, flags: &[(String, Vec<String>)]| {
+        let mut document = Document::of_text(Command::Gonio, file).unwrap();
+        document.add_flags(flags).unwrap();
+        ["surface.spacing", "measured.spacing"].map(|path| document.value(path))
+    };
+    let two = || flag("spacing", "2");
+    let [random, given] = [Some(2.0.into()), None];
+    assert_eq!(spacing("", &[two()]), [random.clone(), given.clone()]);
+    let of_given = [Some(1.0.into()), random.clone()];
+    assert_eq!(spacing("", &[two(), flag("surface", "h.npy")]), of_given);
+    let file = "[measured]\nfile = \"h.npy\"";
+    assert_eq!(spacing(file, &[two()]), of_given);
+    assert_eq!(spacing(file, &[two(), flag("tau", "9")]), [random, given]);
+}
+
+#[test]
+fn unknown_names_are_refused_with_what_is_known() {
+    for (command, file, expected) in [
+        (
+            Command::Verify,
+            "[surface]\ntua = 16",
+            "c.toml: line 2: unknown key `tua` in [surface]; its keys are tau,",
+        ),
+        (
+            Command::Verify,
+            "surface = 3",
+            "line 1: `surface` must be a section",
+        ),
+        (Command::Verify, "[surface", "line 1"),
+        (
+            Command::Verify,
+            "[light]\ntheta = 30deg",
+            "line 2: `theta = 30deg` is not valid TOML",
+        ),
+        (
+            Command::Verify,
+            "[results]\njson = true",
+            "unknown section `results`",
+        ),
+        (
+            Command::Gonio,
+            "[run]\nrefine = true",
+            "run.refine is for trace, verify and map, not for gonio",
+        ),
+        (
+            Command::Map,
+            "[compare]\nalpha = 0.1",
+            "compare.alpha is for verify, not for map",
+        ),
+        (
+            Command::Converge,
+            "[run]\nrays = 5",
+            "unknown section `run`",
+        ),
+        (
+            Command::Verify,
+            "[run]\nseed = -1",
+            "seed = -1: must be a whole number from 0",
+        ),
+        (Command::Verify, "[light]\ntheta = []", "one or several"),
+    ] {
+        let said = refusal(command, file, &[]);
+        assert!(said.contains(expected), "{said}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+    let said = refusal(Command::Model, "", &[flag("level", "0.3")]);
+    assert_eq!(said, "--level is for verify, not for model");
+}
+
+#[test]
+fn old_spellings_stay_valid() {
+    let mut document = Document::of_text(Command::Verify, "[compare]\nalpha = 0.1").unwrap();
+    assert_eq!(document.value("compare.level"), Some(0.1.into()));
+    document.add_flags(&[flag("alpha", "0.2")]).unwrap();
+    assert_eq!(document.value("compare.level"), Some(0.2.into()));
+}
+
+#[test]
+fn models_may_be_one_name_several_or_none() {
+    let models = |file: &str| {
+        let document = Document::of_text(Command::Verify, file).unwrap();
+        document.value("compare.models").unwrap()
+    };
+    assert_eq!(models("").as_array().unwrap().len(), 3);
+    assert_eq!(
+        models("[compare]\nmodels = \"smith\""),
+        serde_json::json!(["smith"])
+    );
+    assert_eq!(models("[compare]\nmodels = []"), serde_json::json!([]));
+}
