@@ -1,10 +1,16 @@
-//! Dependencies between the crates run downward only.
+//! Architecture: which crate, folder and module may use which other, and what may be done where.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+
+mod graph;
+mod sources;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+
+use graph::{cycles, graph, paths};
+use sources::{bare, crates, has_word, modules, root, rust_files};
 
 /// Crates of the workspace that each crate may use, outside of its tests.
 const ALLOWED: [(&str, &[&str]); 10] = [
@@ -51,44 +57,184 @@ fn crates_use_only_what_lies_below_them() {
     }
 }
 
+/// Cycles of imports that are still to be removed, by crate: the modules in them.
+const CYCLES_LEFT: &[(&str, &[&str])] = &[
+    ("cli", &["failure", "output"]),
+    ("studies", &["conclusion", "tables"]),
+    ("studies", &["config", "medium", "values"]),
+    ("studies", &["figures", "report"]),
+    ("studies", &["gonio::config", "gonio::plan"]),
+    (
+        "studies",
+        &["gonio::figures", "gonio::files", "gonio::summary"],
+    ),
+    ("studies", &["models", "verify"]),
+    ("surface", &["harmonic", "missing"]),
+];
+
 #[test]
-fn unsafe_code_is_in_one_module() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
-    let mut folders = vec![root];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs")
-                && !path.ends_with("pyramid/x86.rs")
-            {
-                let text = fs::read_to_string(&path).unwrap();
-                assert!(!text.contains("unsafe {"), "{}", path.display());
+fn modules_form_no_import_cycles() {
+    let mut found = Vec::new();
+    for name in crates() {
+        let left = CYCLES_LEFT
+            .iter()
+            .filter(|(of, _)| *of == name)
+            .flat_map(|(_, modules)| modules.iter());
+        let left: BTreeSet<&str> = left.copied().collect();
+        for cycle in cycles(&graph(&modules(&name))) {
+            if !cycle.iter().all(|module| left.contains(module.as_str())) {
+                found.push(format!("{name}: {cycle:?}"));
             }
+        }
+    }
+    assert!(
+        found.is_empty(),
+        "modules that use each other:\n{}",
+        found.join("\n")
+    );
+}
+
+/// Folders and files of the tracer, each with those that it may use.
+const TRACER: [(&str, &[&str]); 10] = [
+    ("ray", &[]),
+    ("settings", &[]),
+    ("sampling", &[]),
+    ("geometry", &["ray"]),
+    ("accelerators", &["ray", "geometry"]),
+    ("periodic", &["ray", "geometry", "accelerators"]),
+    (
+        "interaction",
+        &["ray", "geometry", "accelerators", "periodic"],
+    ),
+    (
+        "visibility",
+        &[
+            "ray",
+            "geometry",
+            "accelerators",
+            "periodic",
+            "interaction",
+            "sampling",
+        ],
+    ),
+    (
+        "path",
+        &[
+            "ray",
+            "settings",
+            "sampling",
+            "geometry",
+            "accelerators",
+            "periodic",
+            "interaction",
+        ],
+    ),
+    // It tests the engine in `path`, so it shares no step of a path with it.
+    (
+        "reference",
+        &[
+            "ray",
+            "settings",
+            "geometry",
+            "accelerators",
+            "periodic",
+            "interaction",
+            "visibility",
+        ],
+    ),
+];
+
+#[test]
+fn folders_of_the_tracer_use_only_what_lies_below_them() {
+    let top = |module: &str| module.split("::").next().unwrap().to_owned();
+    for (module, used) in graph(&modules("tracer")) {
+        let (_, allowed) = TRACER
+            .iter()
+            .find(|(folder, _)| *folder == top(&module))
+            .unwrap_or_else(|| panic!("tracer/{module} is in no layer"));
+        for used in used.iter().map(|used| top(used)) {
+            assert!(
+                used == top(&module) || allowed.contains(&used.as_str()),
+                "tracer/{module} uses {used}, allowed are {allowed:?}"
+            );
         }
     }
 }
 
 #[test]
 fn single_precision_and_obvhs_stay_in_the_accelerators() {
-    let sources = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/tracer/src");
-    for entry in fs::read_dir(sources).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            continue;
+    for (module, code) in modules("tracer") {
+        if module.split("::").next() != Some("accelerators") {
+            for word in ["obvhs", "f32", "Vec3A"] {
+                assert!(!has_word(&code, word), "tracer/{module}: {word}");
+            }
         }
-        let text = fs::read_to_string(&path).unwrap();
-        let code: Vec<&str> = text
-            .lines()
-            .filter(|line| !line.trim_start().starts_with("//"))
-            .collect();
-        for word in ["obvhs::", "f32", "Vec3A"] {
-            assert!(
-                !code.iter().any(|line| line.contains(word)),
-                "{}: {word}",
-                path.display()
-            );
+    }
+    for name in crates().iter().filter(|name| *name != "tracer") {
+        for (module, code) in modules(name) {
+            assert!(!has_word(&code, "obvhs"), "{name}/{module}");
+        }
+    }
+}
+
+/// The modules that may hold unsafe code, as files in `crates/`.
+const UNSAFE: [&str; 1] = ["tracer/src/accelerators/pyramid/x86.rs"];
+
+#[test]
+fn unsafe_code_is_in_the_listed_modules_alone() {
+    for folder in ["crates", "tests", "examples"].map(|folder| root().join(folder)) {
+        for path in rust_files(&folder) {
+            if UNSAFE.iter().any(|allowed| path.ends_with(allowed)) {
+                continue;
+            }
+            let code = bare(&fs::read_to_string(&path).unwrap());
+            // The second one is the lint, which an attribute might allow.
+            for word in ["unsafe", "unsafe_code"] {
+                assert!(!has_word(&code, word), "{}: {word}", path.display());
+            }
+        }
+    }
+}
+
+/// Modules outside of `io` that still reach for files by themselves.
+const FILES_LEFT: [&str; 0] = [];
+
+#[test]
+fn files_are_reached_through_io_alone() {
+    let mut found = BTreeSet::new();
+    for name in crates().iter().filter(|name| *name != "io") {
+        for (module, code) in modules(name) {
+            let place = format!("{name}/{module}");
+            let mut paths = paths(&code).into_iter();
+            if !FILES_LEFT.contains(&place.as_str())
+                && paths.any(|path| path == "std::fs" || path.starts_with("std::fs::"))
+            {
+                found.insert(place);
+            }
+        }
+    }
+    assert!(found.is_empty(), "std::fs outside of io: {found:?}");
+}
+
+#[test]
+fn arguments_printing_and_exit_codes_are_in_the_program_alone() {
+    for name in crates().iter().filter(|name| *name != "cli") {
+        for (module, code) in modules(name) {
+            for word in ["clap", "println", "print", "eprintln", "eprint", "dbg"] {
+                let macro_call = format!("{word}!");
+                let is_found = if word == "clap" {
+                    has_word(&code, word)
+                } else {
+                    code.split(|c: char| !(c.is_alphanumeric() || c == '_' || c == '!'))
+                        .any(|found| found == macro_call)
+                };
+                assert!(!is_found, "{name}/{module}: {word}");
+            }
+            for path in paths(&code) {
+                for only in ["std::process", "std::io::stdout", "std::io::stderr"] {
+                    assert!(!path.starts_with(only), "{name}/{module} uses {path}");
+                }
+            }
         }
     }
 }
