@@ -144,7 +144,7 @@ fn models_are_refused_what_they_cannot_do_by_name() {
         ),
         (
             "verify --tau-y 32 --models xu-sun -o out",
-            "xu-sun is of isotropic surfaces",
+            "xu-sun is defined for isotropic surfaces",
         ),
         ("verify --models ggx -o out", "no model `ggx`"),
         ("verify --model-rays 0 -o out", "1 or more"),
@@ -154,7 +154,7 @@ fn models_are_refused_what_they_cannot_do_by_name() {
         ),
         (
             "model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30",
-            "xu-sun-mc is of isotropic surfaces",
+            "xu-sun-mc is defined for isotropic surfaces",
         ),
         ("model heitz --smoothness 0 --theta 30", "smoothness is 0"),
         ("model heitz --theta 30", "smoothness"),

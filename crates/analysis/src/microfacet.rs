@@ -1,7 +1,10 @@
-//! Gaussian facets: slopes, normals, half vectors and single scattering without shadowing.
+//! Gaussian facets: their slopes, the distribution of their normals, half vectors and single scattering.
 
+pub(crate) mod beckmann;
 pub(crate) mod bsdf;
 pub(crate) mod half_vector;
-pub(crate) mod normals;
+pub(crate) mod lambda;
+mod normals;
+pub(crate) mod slope_frame;
 pub(crate) mod slopes;
-pub(crate) mod visible_normals;
+mod visible_normals;

@@ -1,4 +1,5 @@
-//! Numerical tools that know nothing of light: quadrature and hashing.
+//! Numerical tools that are independent of optics.
 
 pub(crate) mod hash;
 pub(crate) mod quadrature;
+pub(crate) mod special;

@@ -84,6 +84,16 @@ impl Material {
             Self::Conductor { .. } | Self::Mirror => None,
         }
     }
+
+    /// The same interface for light from the other side: a dielectric has the inverse index, an opaque material
+    /// stays as it is.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        match self {
+            Self::Dielectric { eta } => Self::Dielectric { eta: 1.0 / eta },
+            opaque => opaque,
+        }
+    }
 }
 
 /// Largest index, far above that of any matter: squares of it and of its inverse stay exact enough.

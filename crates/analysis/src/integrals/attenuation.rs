@@ -9,13 +9,15 @@ use std::f64::consts::{PI, SQRT_2};
 
 use glam::{DVec2, DVec3};
 
-use crate::microfacet::slopes::{SlopeCovariance, smith_lambda};
+use crate::microfacet::beckmann::{Beckmann, Masking, facing_fraction_at};
+use crate::microfacet::lambda::smith_lambda;
+use crate::microfacet::slopes::SlopeCovariance;
 use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
 /// Share of the points whose facets face `w`: `1 - erfc(a) / 2`, `a = cot(theta) / (sqrt 2 deviation)`.
 #[must_use]
 pub fn facing_fraction(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    facing_at(argument(slopes, w))
+    Beckmann::new(*slopes).facing_fraction(w)
 }
 
 /// Share of all points that face the light and, by Smith, see it: `(1 - erfc(a) / 2) / (1 + Lambda)`.
@@ -24,7 +26,8 @@ pub fn facing_fraction(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// Smith 1967, Eq. 24: the share `S(theta)` of the lit surface.
 #[must_use]
 pub fn smith_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    facing_fraction(slopes, w) * slopes.g1(w)
+    let distribution = Beckmann::new(*slopes);
+    distribution.facing_fraction(w) * distribution.g1(w)
 }
 
 /// Share of the points that face both directions that are, by Smith, both lit and seen, if the one knew
@@ -34,7 +37,8 @@ pub fn smith_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// Walter et al. 2007, Eq. 23.
 #[must_use]
 pub fn smith_separable_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
-    slopes.g1(wi) * slopes.g1(wo)
+    let distribution = Beckmann::new(*slopes);
+    distribution.g1(wi) * distribution.g1(wo)
 }
 
 /// The same with what both owe to the height of the point: `1 / (1 + Lambda(wi) + Lambda(wo))`.
@@ -45,7 +49,7 @@ pub fn smith_separable_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64
 /// Ross, Dion and Potvin 2005; Heitz 2014, Eq. 99.
 #[must_use]
 pub fn smith_correlated_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
-    1.0 / (1.0 + slopes.lambda(wi) + slopes.lambda(wo))
+    Beckmann::new(*slopes).g2(wi, wo, Masking::HeightCorrelated)
 }
 
 /// Smith's visibility of a point at the height `h` (over the root mean square height) that faces `w`:
@@ -55,7 +59,8 @@ pub fn smith_correlated_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f6
 /// Smith 1967; Heitz 2014, Eq. 77.
 #[must_use]
 pub fn smith_visibility(slopes: &SlopeCovariance, w: DVec3, h: f64) -> f64 {
-    (0.5 * libm::erfc(-h / SQRT_2)).powf(slopes.lambda(w))
+    let below = 0.5 * libm::erfc(-h / SQRT_2);
+    Beckmann::new(*slopes).visibility(w, below)
 }
 
 /// The lit share as the 2019 paper prints it: `(1 - erfc(mu / (2 sigma)) / 2) / (1 + Lambda)`, `mu` being
@@ -70,7 +75,7 @@ pub fn smith_visibility(slopes: &SlopeCovariance, w: DVec3, h: f64) -> f64 {
 #[must_use]
 pub fn smith_lit_as_printed(sigma: f64, w: DVec3) -> f64 {
     let a = cotangent(w) / (2.0 * sigma);
-    facing_at(a) / (1.0 + smith_lambda(a))
+    facing_fraction_at(a) / (1.0 + smith_lambda(a))
 }
 
 /// Share of all points that face the light and are lit, if every facet were one side of a symmetric
@@ -112,7 +117,7 @@ pub fn v_cavity_mean_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
 pub fn smith_demarcation(slopes: &SlopeCovariance, dark: f64, within_facing: bool) -> Option<f64> {
     let deviation = slopes.xx().sqrt();
     let share = |a: f64| {
-        let (facing, lambda) = (facing_at(a), smith_lambda(a));
+        let (facing, lambda) = (facing_fraction_at(a), smith_lambda(a));
         if within_facing {
             facing * lambda / (1.0 + lambda)
         } else {
@@ -141,19 +146,9 @@ const LARGEST: f64 = 9.2;
 /// Correlation of the slopes along two directions from which they count as one.
 const ALIKE: f64 = 1.0 - 1e-12;
 
-/// `1 - erfc(a) / 2`.
-fn facing_at(a: f64) -> f64 {
-    0.5 * libm::erfc(-a)
-}
-
 /// `cot(theta)`; infinite for a vertical direction.
 fn cotangent(w: DVec3) -> f64 {
     w.z / w.x.hypot(w.y)
-}
-
-/// `cot(theta)` over root two deviations of the slope along the azimuth of `w`.
-fn argument(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    w.z / (SQRT_2 * slopes.variance_along(w.truncate()).sqrt())
 }
 
 /// The facets that face two directions, by their slopes along both, in deviations.
@@ -283,7 +278,7 @@ mod tests {
             smith_separable_g2(&slopes, wi, DVec3::Z),
             smith_correlated_g2(&slopes, wi, DVec3::Z),
         ] {
-            assert!((g2 - slopes.g1(wi)).abs() < 1e-15);
+            assert!((g2 - Beckmann::new(slopes).g1(wi)).abs() < 1e-15);
         }
         let both = v_cavity_mean_g2(&slopes, wi, DVec3::Z);
         assert!((both - v_cavity_mean_g1(&slopes, wi)).abs() < 1e-8);
@@ -303,7 +298,7 @@ mod tests {
             let w = at(theta, 30.0);
             let lit = over_facing_normals(&slopes, w, &Edges::none(w), |m| {
                 let g1 = (2.0 * m.z * w.z / w.dot(m)).min(1.0);
-                slopes.normal_density(m) * m.z * g1
+                Beckmann::new(slopes).d(m) * m.z * g1
             });
             let found = v_cavity_lit(&slopes, w);
             // The kink of G1 is a break in the one and not in the other.
@@ -365,9 +360,13 @@ mod tests {
     fn heights_decide_what_smith_sees() {
         let slopes = slopes(1.0);
         let w = at(45.0, 0.0);
-        assert!((smith_visibility(&slopes, w, 0.0) - 0.5_f64.powf(slopes.lambda(w))).abs() < 1e-15);
+        assert!(
+            (smith_visibility(&slopes, w, 0.0) - 0.5_f64.powf(Beckmann::new(slopes).lambda(w)))
+                .abs()
+                < 1e-15
+        );
         // Phi(1) = 0.841: high points see more.
-        let high = 0.841_344_746_068_543_f64.powf(slopes.lambda(w));
+        let high = 0.841_344_746_068_543_f64.powf(Beckmann::new(slopes).lambda(w));
         assert!((smith_visibility(&slopes, w, 1.0) - high).abs() < 1e-14);
         // The mean over heights is G1: int Phi^Lambda dPhi = 1 / (1 + Lambda).
         let mean: f64 = (-800..800)
@@ -376,7 +375,7 @@ mod tests {
                 0.01 * (-0.5 * h * h).exp() / (2.0 * PI).sqrt() * smith_visibility(&slopes, w, h)
             })
             .sum();
-        assert!((mean - slopes.g1(w)).abs() < 1e-6);
+        assert!((mean - Beckmann::new(slopes).g1(w)).abs() < 1e-6);
     }
 
     #[test]

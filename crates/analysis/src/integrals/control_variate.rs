@@ -9,11 +9,10 @@ use rayon::prelude::*;
 
 use crate::integrals::flux::{FluxIntegral, Scattering};
 use crate::integrals::unshadowed::unshadowed_fluxes;
-use crate::microfacet::bsdf::unmasked_bsdf;
+use crate::microfacet::beckmann::Masking;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
-use crate::models::model::{ModelError, validate};
-use crate::models::smith::Masking;
+use crate::models::model::{ModelError, valid_interface};
 
 /// Shares above this count as one. There a ray that is seen, as nearly all are, cancels its control
 /// exactly and need not be booked at all, which is worth more than the last bit of variance.
@@ -82,17 +81,14 @@ pub fn visible_fractions(
     incidence: Incidence,
     layout: &Layout,
 ) -> Result<VisibleShares, ModelError> {
-    validate(material)?;
+    let interface = valid_interface(*slopes, material)?;
+    let distribution = &interface.distribution;
     let wi = incidence.wi();
-    let unmasked = |wi, wo| unmasked_bsdf(&material, slopes, wi, wo);
+    let unshadowed = |wi, wo| interface.unshadowed_bsdf(wi, wo);
     let masked = |wi, wo| {
-        let unmasked = unmasked_bsdf(&material, slopes, wi, wo);
-        // No share of nothing: visibility has no meaning where a direction is none.
-        if unmasked == 0.0 {
-            0.0
-        } else {
-            unmasked * Masking::HeightCorrelated.visible_share(slopes, wi, wo)
-        }
+        interface.bsdf(wi, wo, |_| {
+            distribution.g2(wi, wo, Masking::HeightCorrelated)
+        })
     };
     let n = layout.grid().n_theta();
     let ring_flux = |bsdf: &(dyn Fn(_, _) -> f64 + Sync), side: Side, ring: usize| {
@@ -119,7 +115,7 @@ pub fn visible_fractions(
         (0..n)
             .into_par_iter()
             .map(|ring| {
-                let all = ring_flux(&unmasked, side, ring);
+                let all = ring_flux(&unshadowed, side, ring);
                 if all < NO_FLUX {
                     1.0
                 } else {
@@ -130,7 +126,7 @@ pub fn visible_fractions(
     });
     Ok(VisibleShares {
         rings,
-        absorbed: clear_cut(slopes.g1(wi)),
+        absorbed: clear_cut(distribution.g1(wi)),
     })
 }
 

@@ -27,6 +27,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use asperity_optics::{Incidence, Material, reflect, refract};
 use glam::{DVec2, DVec3};
 
+use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::slopes::SlopeCovariance;
 
 /// Slopes end at so many deviations, beyond which there is a share of 1e-18.
@@ -91,7 +92,7 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
             hidden += probability * weight * flux;
         }
     }
-    MARGIN[0] * (slopes.lambda(wi) + hidden) + MARGIN[1]
+    MARGIN[0] * (Beckmann::new(*slopes).lambda(wi) + hidden) + MARGIN[1]
 }
 
 /// At most the probability that a point of a facet of the given `slope` does not see all of the way
@@ -100,7 +101,7 @@ fn hidden_share(slopes: &SlopeCovariance, slope: DVec2, wo: DVec3) -> f64 {
     if wo.z <= 0.0 {
         return 1.0;
     }
-    let lambda = slopes.lambda(wo);
+    let lambda = Beckmann::new(*slopes).lambda(wo);
     if lambda == 0.0 {
         return 0.0;
     }
@@ -164,7 +165,7 @@ mod tests {
     fn where_nothing_goes_on_the_bound_is_the_shadow() {
         let black = Material::conductor(1.0, 0.0).unwrap();
         for (slopes, light) in scenes() {
-            let lambda = slopes.lambda(light.wi());
+            let lambda = Beckmann::new(slopes).lambda(light.wi());
             let bound = deviation_bound(&slopes, black, light);
             println!("Lambda {lambda:.6}, bound {bound:.6}");
             assert!(bound >= 1.01 * lambda && bound <= 1.02 * lambda + 2e-9);
@@ -182,7 +183,7 @@ mod tests {
     fn what_goes_straight_on_is_hidden_as_the_integral_says() {
         let none = Material::dielectric(1.0).unwrap();
         for (slopes, light) in scenes() {
-            let lambda = slopes.lambda(light.wi());
+            let lambda = Beckmann::new(slopes).lambda(light.wi());
             let hidden = lambda * (1.0 + (1.0 / lambda).ln_1p());
             let found = (deviation_bound(&slopes, none, light) - MARGIN[1]) / MARGIN[0] - lambda;
             println!("hidden {found:.6} against {hidden:.6}");
@@ -206,15 +207,19 @@ mod tests {
                 let wo = ((1.0 - z * z).sqrt() * DVec2::new(cos, sin)).extend(z);
                 let m = (wi + wo).normalize();
                 let solid_angle = 2.0 * TAU / (steps * steps) as f64;
-                let flux = slopes.normal_density(m) / (4.0 * wi.z) * solid_angle;
+                let flux = Beckmann::new(slopes).d(m) / (4.0 * wi.z) * solid_angle;
                 let share = hidden_share(&slopes, -m.truncate() / m.z, wo);
-                let least = if z > 0.0 { 1.0 - slopes.g1(wo) } else { 1.0 };
+                let least = if z > 0.0 {
+                    1.0 - Beckmann::new(slopes).g1(wo)
+                } else {
+                    1.0
+                };
                 assert!(share >= least - 1e-12, "{share} {least}");
                 hidden += flux * share;
                 masked += flux * least;
             }
             let bound = deviation_bound(&slopes, Material::Mirror, light);
-            let found = (bound - MARGIN[1]) / MARGIN[0] - slopes.lambda(wi);
+            let found = (bound - MARGIN[1]) / MARGIN[0] - Beckmann::new(slopes).lambda(wi);
             println!("hidden {found:.5} against {hidden:.5}; by Smith's masking {masked:.5}");
             assert!((found / hidden - 1.0).abs() < 1e-3);
             assert!(found > masked);

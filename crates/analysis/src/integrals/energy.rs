@@ -6,12 +6,12 @@
 //! (a line), where total reflection sets in, and where the light leaves horizontally (a circle). Where a
 //! model has kinks beside, see [`Kinks`].
 
-use asperity_optics::{reflect, refract};
 use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
-use crate::microfacet::half_vector::{reflecting_facet, refracting_facet};
+use crate::microfacet::half_vector::{outgoing_direction, reflecting_facet, refracting_facet};
+use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
@@ -72,13 +72,10 @@ pub(crate) fn over_facing_normals(
     } else {
         DVec2::X
     };
-    let across = along.perp();
-    // p is Gaussian, and so is q at given p, about a line.
-    let variance = slopes.variance_along(along);
-    let unit = (2.0 * variance).sqrt();
-    let covariance = across.dot(slopes.times(along));
-    let incline = covariance / variance;
-    let unit_across = (2.0 / slopes.inverse_form(across, across)).sqrt();
+    let frame = SlopeFrame::new(slopes, along);
+    let across = frame.across;
+    let unit = (2.0 * frame.variance).sqrt();
+    let unit_across = (2.0 / frame.inverse_variance_across).sqrt();
     let largest = LARGEST_SLOPE * unit;
     let facing = if sin_i > 0.0 { -wi.z / sin_i } else { -largest };
 
@@ -105,7 +102,7 @@ pub(crate) fn over_facing_normals(
     let mut inner = Breaks::default();
     let mut largest_row = 0.0_f64;
     integrate(&outer, tolerance, &mut Pieces::default(), |p| {
-        let centre = incline * p;
+        let centre = frame.regression * p;
         let reach = LARGEST_SLOPE * unit_across;
         inner.reset(centre - reach, centre + reach);
         for t in [-2.5, 0.0, 2.5] {
@@ -132,29 +129,13 @@ pub(crate) fn over_facing_normals(
 
 /// Flux fraction per solid angle of facet normals.
 fn per_normal(model: &dyn BsdfModel, wi: DVec3, m: DVec3, refracted: Option<f64>) -> f64 {
-    let cos_theta_i = wi.dot(m);
-    if cos_theta_i <= 0.0 {
+    let Some(wo) = outgoing_direction(&model.material(), wi, m, refracted) else {
         return 0.0;
-    }
-    let (wo, facet) = match refracted {
-        None => {
-            let wo = reflect(wi, m);
-            if wo.z <= 0.0 {
-                return 0.0;
-            }
-            (wo, reflecting_facet(wi, wo))
-        }
-        Some(eta) => {
-            let fresnel = model.material().fresnel(cos_theta_i.min(1.0));
-            if fresnel.transmitted <= 0.0 {
-                return 0.0;
-            }
-            let wo = refract(wi, m, eta, fresnel.cos_theta_t);
-            if wo.z >= 0.0 {
-                return 0.0;
-            }
-            (wo, refracting_facet(wi, wo, eta))
-        }
+    };
+    let facet = match refracted {
+        None if wo.z > 0.0 => reflecting_facet(wi, wo),
+        Some(eta) if wo.z < 0.0 => refracting_facet(wi, wo, eta),
+        _ => None,
     };
     facet.map_or(0.0, |facet| model.bsdf(wi, wo) * wo.z.abs() / facet.chi)
 }

@@ -16,12 +16,13 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use asperity_optics::{Incidence, Material, from_spherical, polar_angle, reflect, refract};
+use asperity_optics::{Incidence, Material, from_spherical, polar_angle};
 use asperity_tally::{HemisphereGrid, Layout, Side, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use crate::integrals::lobe::{Lobe, NEGLIGIBLE};
+use crate::microfacet::half_vector::outgoing_direction;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
@@ -285,6 +286,7 @@ impl<'a> FluxIntegral<'a> {
             Side::Reflected => 1.0,
             Side::Transmitted => index?,
         };
+        let refracted = (side == Side::Transmitted).then_some(eta);
         let edge = match (side, index) {
             // Refraction ends where light meets the facet, or leaves it, at grazing.
             (Side::Transmitted, Some(eta)) => Some(-eta.min(1.0 / eta)),
@@ -302,25 +304,10 @@ impl<'a> FluxIntegral<'a> {
             .iter()
             .filter_map(|t| {
                 let m = (*t * unit).extend(1.0).normalize();
-                let cos_theta_i = wi.dot(m);
-                if cos_theta_i <= 0.0 {
-                    return None;
-                }
-                let wo = match side {
-                    Side::Reflected => reflect(wi, m),
-                    Side::Transmitted => {
-                        let fresnel = material.fresnel(cos_theta_i.min(1.0));
-                        if fresnel.transmitted <= 0.0 {
-                            return None;
-                        }
-                        refract(wi, m, eta, fresnel.cos_theta_t)
-                    }
-                };
-                Some(polar_angle(wo))
+                outgoing_direction(&material, wi, m, refracted).map(polar_angle)
             })
             .collect();
         let forward = f64::atan2(-wi.y, -wi.x);
-        let refracted = (side == Side::Transmitted).then_some(eta);
         Some(Self {
             scattering: *scattering,
             shape: Lobe::new(&slopes, wi, forward, refracted),

@@ -11,10 +11,10 @@ use asperity_tally::{Layout, Side, Sides, UnshadowedFluxes};
 
 use crate::integrals::energy::{Edges, over_facing_normals};
 use crate::integrals::flux::{Scattering, fluxes_into_bins, in_plane_fluxes_of};
-use crate::microfacet::bsdf::unmasked_bsdf;
+use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
-use crate::models::model::{ModelError, validate};
+use crate::models::model::{ModelError, valid_interface};
 
 /// The mean fluxes of unshadowed single scattering by facets of Gaussian `slopes`, as fractions of the
 /// flux that falls on the mean plane: into all bins, rings and in-plane bins of `layout`, on both
@@ -35,8 +35,8 @@ pub fn unshadowed_fluxes(
     incidence: Incidence,
     layout: &Layout,
 ) -> Result<UnshadowedFluxes, ModelError> {
-    validate(material)?;
-    let bsdf = |wi, wo| unmasked_bsdf(&material, slopes, wi, wo);
+    let interface = valid_interface(*slopes, material)?;
+    let bsdf = |wi, wo| interface.unshadowed_bsdf(wi, wo);
     let scattering = Scattering {
         slopes: *slopes,
         material,
@@ -66,9 +66,10 @@ fn absorbed(slopes: &SlopeCovariance, material: Material, incidence: Incidence) 
         return 0.0;
     }
     let wi = incidence.wi();
+    let distribution = Beckmann::new(*slopes);
     over_facing_normals(slopes, wi, &Edges::none(wi), |m| {
         let cos_theta_i = wi.dot(m).clamp(0.0, 1.0);
         let lost = material.fresnel(cos_theta_i).transmitted;
-        cos_theta_i * lost * slopes.normal_density(m) / wi.z
+        cos_theta_i * lost * distribution.d(m) / wi.z
     })
 }

@@ -1,54 +1,78 @@
-//! Single scattering by independent facets: what all models of this kind share.
+//! Microfacet interface: single scattering by Gaussian facets of one material.
 
 use asperity_optics::Material;
 use glam::DVec3;
 
+use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 use crate::microfacet::slopes::SlopeCovariance;
 
-/// The BSDF in 1/sr of Gaussian facets that all see the light and are all seen:
-/// `(wi . m) F D(m) chi / (wi.z |wo.z|)`, with `F` reflected or transmitted by the
-/// side of `wo`. A model multiplies it by the share of facets that are visible both ways.
-///
-/// # Source
-/// Xu and Sun 2008, Eq. 25 without its visibilities; Walter et al. 2007, Eqs. 20 and 21 without G.
-pub(crate) fn unmasked_bsdf(
-    material: &Material,
-    slopes: &SlopeCovariance,
-    wi: DVec3,
-    wo: DVec3,
-) -> f64 {
-    scattering_facet(material, slopes, wi, wo).map_or(0.0, |(bsdf, _)| bsdf)
+/// A distribution of facets and what they are made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MicrofacetInterface {
+    /// Distribution of the facet normals.
+    pub(crate) distribution: Beckmann,
+    /// Material of the facets.
+    pub(crate) material: Material,
 }
 
-/// [`unmasked_bsdf`] where it is not zero, and the facet that sends the light.
-pub(crate) fn scattering_facet(
-    material: &Material,
-    slopes: &SlopeCovariance,
-    wi: DVec3,
-    wo: DVec3,
-) -> Option<(f64, Facet)> {
-    if wi.z <= 0.0 || wo.z == 0.0 {
-        return None;
+impl MicrofacetInterface {
+    /// Facets of these slopes and this material, neither of which is checked.
+    pub(crate) const fn new(slopes: SlopeCovariance, material: Material) -> Self {
+        Self {
+            distribution: Beckmann::new(slopes),
+            material,
+        }
     }
-    let reflected = wo.z > 0.0;
-    let facet = if reflected {
-        reflecting_facet(wi, wo)
-    } else {
-        material
-            .transmitting_index()
-            .and_then(|eta| refracting_facet(wi, wo, eta))
-    }?;
-    let d = slopes.normal_density(facet.m);
-    if d == 0.0 {
-        return None;
+
+    /// The BSDF in 1/sr: [`Self::unshadowed_bsdf`] times `masking`, the fraction of the facets with the half
+    /// vector as normal that are neither shadowed nor masked.
+    ///
+    /// `masking` is called only where the unshadowed BSDF is above zero.
+    #[inline]
+    pub(crate) fn bsdf(&self, wi: DVec3, wo: DVec3, masking: impl FnOnce(&Facet) -> f64) -> f64 {
+        match self.scatter(wi, wo) {
+            Some((unshadowed, facet)) => unshadowed * masking(&facet),
+            None => 0.0,
+        }
     }
-    let fresnel = material.fresnel(facet.cos_theta_i.min(1.0));
-    let f = if reflected {
-        fresnel.reflected
-    } else {
-        fresnel.transmitted
-    };
-    let bsdf = facet.cos_theta_i * f * d * facet.chi / (wi.z * wo.z.abs());
-    (bsdf != 0.0).then_some((bsdf, facet))
+
+    /// The BSDF in 1/sr without shadowing and masking: `(wi . m) F D(m) chi / (wi.z |wo.z|)`, with `F`
+    /// reflected or transmitted by the side of `wo`.
+    ///
+    /// # Source
+    /// Xu and Sun 2008, Eq. 25 without its visibilities; Walter et al. 2007, Eqs. 20 and 21 without G.
+    #[inline]
+    pub(crate) fn unshadowed_bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
+        self.scatter(wi, wo).map_or(0.0, |(bsdf, _)| bsdf)
+    }
+
+    /// The unshadowed BSDF where it is above zero, and the facet that scatters the light.
+    fn scatter(&self, wi: DVec3, wo: DVec3) -> Option<(f64, Facet)> {
+        if wi.z <= 0.0 || wo.z == 0.0 {
+            return None;
+        }
+        // Find the half vector
+        let reflected = wo.z > 0.0;
+        let facet = if reflected {
+            reflecting_facet(wi, wo)
+        } else {
+            self.material
+                .transmitting_index()
+                .and_then(|eta| refracting_facet(wi, wo, eta))
+        }?;
+        // Evaluate D and F at it
+        let d = self.distribution.d(facet.m);
+        if d == 0.0 {
+            return None;
+        }
+        let fresnel = self.material.fresnel(facet.cos_theta_i.min(1.0));
+        let f = if reflected {
+            fresnel.reflected
+        } else {
+            fresnel.transmitted
+        };
+        let bsdf = facet.cos_theta_i * f * d * facet.chi / (wi.z * wo.z.abs());
+        (bsdf != 0.0).then_some((bsdf, facet))
+    }
 }

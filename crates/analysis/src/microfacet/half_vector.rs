@@ -1,5 +1,6 @@
-//! The facet that sends light from one direction into another.
+//! Half vectors: the facet that scatters light from one direction into another, and the reverse.
 
+use asperity_optics::{Material, reflect, refract};
 use glam::DVec3;
 
 /// A facet that reflects or refracts light from `wi` into `wo`.
@@ -7,7 +8,7 @@ use glam::DVec3;
 pub struct Facet {
     /// Unit normal, on the side of `wi`.
     pub m: DVec3,
-    /// `wi . m`, above zero.
+    /// `wi . m`, above zero: the local angle of incidence, not the polar angle of `wi`.
     pub cos_theta_i: f64,
     /// `|wo . m|`, above zero.
     pub cos_theta_t: f64,
@@ -15,7 +16,7 @@ pub struct Facet {
     pub chi: f64,
 }
 
-/// The facet that mirrors `wi` into `wo`; `None` unless both see its front and it looks upward.
+/// The facet that mirrors `wi` into `wo`; `None` unless both are on its front side and it faces upward.
 ///
 /// `m = normalise(wi + wo)`, `chi = 1 / (4 cos theta_i)`.
 ///
@@ -33,8 +34,8 @@ pub fn reflecting_facet(wi: DVec3, wo: DVec3) -> Option<Facet> {
     })
 }
 
-/// The facet that refracts `wi` into `wo`; `None` unless `wi` sees its front and `wo` its back and
-/// it looks upward.
+/// The facet that refracts `wi` into `wo`; `None` unless `wi` is on its front side, `wo` is on
+/// its back side and it faces upward.
 ///
 /// The half vector `wi + eta wo` points down for `eta > 1` and up for `eta < 1`: the facet normal
 /// is on the side of `wi`. With `|wi + eta wo| = |eta cos theta_t - cos theta_i|`,
@@ -61,10 +62,32 @@ pub fn refracting_facet(wi: DVec3, wo: DVec3, eta: f64) -> Option<Facet> {
     })
 }
 
+/// The direction into which the facet `m` scatters light from `wi`: mirrored, or refracted by `material` if
+/// `refracted` gives its index.
+///
+/// `None` if `wi` is behind the facet or total reflection leaves nothing to refract. The direction may lie on
+/// either side of the mean plane.
+pub(crate) fn outgoing_direction(
+    material: &Material,
+    wi: DVec3,
+    m: DVec3,
+    refracted: Option<f64>,
+) -> Option<DVec3> {
+    let cos_theta_i = wi.dot(m);
+    if cos_theta_i <= 0.0 {
+        return None;
+    }
+    let Some(eta) = refracted else {
+        return Some(reflect(wi, m));
+    };
+    let fresnel = material.fresnel(cos_theta_i.min(1.0));
+    (fresnel.transmitted > 0.0).then(|| refract(wi, m, eta, fresnel.cos_theta_t))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_optics::{dielectric, from_spherical, reflect, refract};
+    use asperity_optics::{dielectric, from_spherical};
 
     /// Solid angle of outgoing directions per solid angle of normals, by central differences along
     /// two tangents of the unit sphere at `m`.
@@ -79,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn jacobian_is_the_stretch_of_solid_angles() {
+    fn jacobian_is_the_ratio_of_solid_angles() {
         // Central differences err by h^2 times third derivatives (h = 1e-5; derivatives up to some
         // hundred towards the critical angle) and by eps / h = 2e-11.
         let wi = from_spherical(0.6, 0.3);
@@ -133,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_that_no_facet_connects_are_none() {
+    fn directions_that_no_facet_connects_give_none() {
         let wi = from_spherical(0.5, 0.0);
         // Refraction cannot turn light by more than the critical angle allows.
         assert!(refracting_facet(wi, from_spherical(2.0, 0.0), 1.5).is_none());

@@ -1,66 +1,29 @@
-//! Normals of facets drawn from the density of slopes, all of them or those that face a direction.
+//! Sampling of facet normals from the slope distribution: all facets, or those that face a direction.
 
 use std::f64::consts::TAU;
 
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 
-/// Thresholds end here, in standard deviations: beyond, no facet differs from an upright one.
-const STEEPEST: f64 = 1e8;
+/// Largest threshold of a slope, in standard deviations. Facets beyond it are vertical to rounding.
+const MAX_THRESHOLD: f64 = 1e8;
 
-/// A unit normal, `z > 0`, of a facet as likely as its slopes, by two random numbers.
-pub(crate) fn draw_normal(slopes: &SlopeCovariance, rng: &mut impl Rng) -> DVec3 {
+/// See [`crate::Beckmann::sample`].
+pub(crate) fn sample(slopes: &SlopeCovariance, rng: &mut impl Rng) -> DVec3 {
     let (along, across) = normal_pair(rng);
-    Frame::new(slopes, DVec3::X).normal(along, across)
+    SlopeFrame::of_direction(slopes, DVec3::X).normal(along, across)
 }
 
-/// A unit normal, `z > 0`, of a facet as likely as its slopes among those with `v . m > 0`.
-///
-/// `v` is a unit vector that may point downward; rounding may leave `v . m` at or just below zero where
-/// only facets that are all but upright face it.
-pub(crate) fn draw_facing_normal(slopes: &SlopeCovariance, v: DVec3, rng: &mut impl Rng) -> DVec3 {
-    let frame = Frame::new(slopes, v);
+/// See [`crate::Beckmann::sample_facing`].
+pub(crate) fn sample_facing(slopes: &SlopeCovariance, v: DVec3, rng: &mut impl Rng) -> DVec3 {
+    let frame = SlopeFrame::of_direction(slopes, v);
     // The facet of slopes (p, q) in the frame faces v where v.z > sin(theta_v) p.
     let along = -normal_above(-v.z / (v.x.hypot(v.y) * frame.deviation), rng);
     let (across, _) = normal_pair(rng);
     frame.normal(along, across)
-}
-
-/// Slopes along the azimuth of a direction and across it.
-pub(crate) struct Frame {
-    along: DVec2,
-    across: DVec2,
-    /// Standard deviation of the slope along.
-    pub(crate) deviation: f64,
-    /// Mean of the slope across, per slope along.
-    incline: f64,
-    /// Of the slope across about that mean.
-    deviation_across: f64,
-}
-
-impl Frame {
-    /// The frame of direction `v`; that of x for a vertical one.
-    pub(crate) fn new(slopes: &SlopeCovariance, v: DVec3) -> Self {
-        let along = v.truncate().try_normalize().unwrap_or(DVec2::X);
-        let across = along.perp();
-        let variance = slopes.variance_along(along);
-        Self {
-            along,
-            across,
-            deviation: variance.sqrt(),
-            incline: across.dot(slopes.times(along)) / variance,
-            deviation_across: slopes.inverse_form(across, across).sqrt().recip(),
-        }
-    }
-
-    /// The unit normal of the slope along, and of that across about its mean, in standard deviations.
-    pub(crate) fn normal(&self, along: f64, across: f64) -> DVec3 {
-        let p = self.deviation * along;
-        let q = self.incline * p + self.deviation_across * across;
-        (-p * self.along - q * self.across).extend(1.0).normalize()
-    }
 }
 
 /// Two independent standard normal numbers from two uniform ones.
@@ -77,7 +40,7 @@ pub(crate) fn normal_pair(rng: &mut impl Rng) -> (f64, f64) {
 ///
 /// # Source
 /// Robert 1995, "Simulation of truncated normal variables", for the tail: at least three of four draws are
-/// accepted however far out it begins.
+/// accepted for any `least`.
 fn normal_above(least: f64, rng: &mut impl Rng) -> f64 {
     if least < 0.5 {
         loop {
@@ -90,7 +53,7 @@ fn normal_above(least: f64, rng: &mut impl Rng) -> f64 {
             }
         }
     }
-    let least = least.min(STEEPEST);
+    let least = least.min(MAX_THRESHOLD);
     let rate = 0.5 * (least + (least * least + 4.0).sqrt());
     loop {
         let x = least - (-rng.random::<f64>()).ln_1p() / rate;
@@ -105,6 +68,7 @@ mod tests {
     use super::*;
     use crate::chi_squared_survival;
     use asperity_optics::from_spherical;
+    use glam::DVec2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
@@ -135,14 +99,14 @@ mod tests {
     }
 
     #[test]
-    fn slopes_are_drawn_from_their_density() {
-        // Whitened by the other order of the axes than that of the draws: q first, then p at given q.
+    fn sampled_slopes_follow_their_density() {
+        // Whitened in the order opposite to that of the sampling: q first, then p at given q.
         let (xx, yy, xy) = (0.5, 0.2, -0.15);
         let slopes = SlopeCovariance::new(xx, yy, xy).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(11);
         let p = chi_squared_of(
             (0..40_000).map(|_| {
-                let s = slopes_of(draw_normal(&slopes, &mut rng));
+                let s = slopes_of(sample(&slopes, &mut rng));
                 let rest = (s.x - xy / yy * s.y) / (xx - xy * xy / yy).sqrt();
                 [phi(s.y / yy.sqrt()), phi(rest)]
             }),
@@ -153,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn facing_slopes_are_drawn_from_what_faces() {
+    fn sampled_facing_slopes_follow_the_truncated_density() {
         // In front, behind by little (rejection), and behind by three and by eight deviations.
         let (xx, yy, xy) = (0.5, 0.2, -0.15);
         let slopes = SlopeCovariance::new(xx, yy, xy).unwrap();
@@ -161,18 +125,18 @@ mod tests {
             let v = from_spherical(theta, 2.2);
             let along = v.truncate().normalize();
             let variance = slopes.variance_along(along);
-            let incline = along.perp().dot(slopes.times(along)) / variance;
+            let regression = along.perp().dot(slopes.times(along)) / variance;
             let limit = v.z / v.x.hypot(v.y) / variance.sqrt();
             let determinant = xx * yy - xy * xy;
             let mut rng = ChaCha8Rng::seed_from_u64(i as u64);
             let p = chi_squared_of(
                 (0..20_000).map(|_| {
-                    let m = draw_facing_normal(&slopes, v, &mut rng);
+                    let m = sample_facing(&slopes, v, &mut rng);
                     assert!(v.dot(m) > 0.0 && m.z > 0.0 && (m.length() - 1.0).abs() < 1e-14);
                     let s = slopes_of(m);
                     let p = along.dot(s);
                     let rest =
-                        (along.perp().dot(s) - incline * p) / (determinant / variance).sqrt();
+                        (along.perp().dot(s) - regression * p) / (determinant / variance).sqrt();
                     [phi(p / variance.sqrt()) / phi(limit), phi(rest)]
                 }),
                 10,
@@ -184,14 +148,14 @@ mod tests {
     }
 
     #[test]
-    fn a_direction_that_no_facet_faces_ends() {
+    fn directions_that_no_facet_faces_return_a_vertical_facet() {
         let slopes = SlopeCovariance::isotropic(3.0).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(1);
         for v in [
             DVec3::NEG_Z,
             from_spherical(std::f64::consts::PI - 1e-7, 0.0),
         ] {
-            let m = draw_facing_normal(&slopes, v, &mut rng);
+            let m = sample_facing(&slopes, v, &mut rng);
             assert!(m.is_finite() && m.z > 0.0 && m.z < 1e-7);
         }
     }

@@ -1,19 +1,19 @@
-//! Facets that a direction sees, drawn by chance.
+//! Sampling of visible facet normals.
 //!
-//! Facets are independent of what hides them in Smith's statistics, so that a ray from `w` meets the
-//! normals `m` with the density
+//! In Smith's statistics a facet is independent of what masks it, so a ray from `w` meets normals `m` with the
+//! density
 //!
 //! ```text
 //! D_w(m) = max(0, w . m) D(m) / sigma(w),   sigma(w) = cos(theta_w) (1 + Lambda(w))
 //! ```
 //!
-//! where `w` may look up from below the facets, as against a ray that travels upwards and meets a slope
-//! from its upper side: there `Lambda(w) = -1 - Lambda(-w)`. With `p` the slope along the azimuth of
+//! where `w` may point down, as for a ray that travels upwards and meets a slope from its upper side:
+//! there `Lambda(w) = -1 - Lambda(-w)`. With `p` the slope along the azimuth of
 //! `w`, `x = p / sqrt(2 var p)` and `a = cot(theta_w) / sqrt(2 var p)`, negative from below, the density
 //! of `x` is proportional to `max(0, a - x) exp(-x^2)`; the slope across is Gaussian about a line in `p`.
 //!
 //! # Source
-//! Heitz et al. 2016, Secs. 4 and 5, for the density; the ways to draw from it are derived here.
+//! Heitz et al. 2016, Secs. 4 and 5, for the density; the sampling methods are derived here.
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
@@ -21,38 +21,35 @@ use glam::DVec3;
 use rand::distr::Open01;
 use rand::{Rng, RngExt};
 
-use crate::microfacet::normals::{Frame, normal_pair};
+use crate::microfacet::normals::normal_pair;
+use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 
 const SQRT_PI: f64 = 1.772_453_850_905_516;
 
-/// Above this `a` all slopes are seen alike to rounding: `a - x = a`.
-const FLAT: f64 = 1e17;
+/// Above this `a` all slopes are equally visible to rounding: `a - x = a`.
+const MAX_A: f64 = 1e17;
 
-/// Below this `a` the slopes seen from below are nearer to a Gamma than to a Rayleigh density: where the
-/// two ways accept equally often.
-const STEEP: f64 = -FRAC_1_SQRT_2;
+/// Below this `a` a Gamma proposal is accepted more often than a Rayleigh proposal.
+const GAMMA_BELOW: f64 = -FRAC_1_SQRT_2;
 
-/// Draws the unit normal (`z > 0`) of a facet that the unit vector `w` sees, with the density `D_w`.
-///
-/// `w` may have any `z`, but must not look straight down: no facet is seen from vertically below. The
-/// density is met exactly, by rejection; at least a third of the trials are accepted.
-pub(crate) fn visible_normal<R: Rng>(slopes: &SlopeCovariance, w: DVec3, rng: &mut R) -> DVec3 {
-    let frame = Frame::new(slopes, w);
+/// See [`crate::Beckmann::sample_visible`].
+pub(crate) fn sample_visible<R: Rng>(slopes: &SlopeCovariance, w: DVec3, rng: &mut R) -> DVec3 {
+    let frame = SlopeFrame::of_direction(slopes, w);
     let (x, y) = visible_slope(w.z / (w.x.hypot(w.y) * SQRT_2 * frame.deviation), rng);
     frame.normal(SQRT_2 * x, SQRT_2 * y)
 }
 
-/// Draws `x` with a density proportional to `max(0, a - x) exp(-x^2)`, and an independent `y` with one
+/// Samples `x` with a density proportional to `max(0, a - x) exp(-x^2)`, and an independent `y` with one
 /// proportional to `exp(-y^2)`.
 fn visible_slope<R: Rng>(a: f64, rng: &mut R) -> (f64, f64) {
-    if a > FLAT {
+    if a > MAX_A {
         return half_normals(rng);
     }
     if a <= 0.0 {
         return (slope_from_below(a, rng), half_normals(rng).1);
     }
-    // Under (a + |x|) exp(-x^2), of which a sqrt(pi) is Gaussian and one is Rayleigh of either sign.
+    // Propose from (a + |x|) exp(-x^2): a Gaussian of mass a sqrt(pi) plus a two-sided Rayleigh of mass one.
     let rayleigh = 1.0 / (1.0 + a * SQRT_PI);
     loop {
         let (mut x, y) = half_normals(rng);
@@ -68,7 +65,7 @@ fn visible_slope<R: Rng>(a: f64, rng: &mut R) -> (f64, f64) {
 /// [`visible_slope`] for `a <= 0`: `y = a - x > 0` has the density `y exp(-y^2 - 2 |a| y)`, up to a factor.
 fn slope_from_below<R: Rng>(a: f64, rng: &mut R) -> f64 {
     loop {
-        if a > STEEP {
+        if a > GAMMA_BELOW {
             let y = log_uniform(rng).sqrt();
             if rng.random::<f64>() < (2.0 * a * y).exp() {
                 return a - y;
@@ -97,22 +94,24 @@ fn log_uniform<R: Rng>(rng: &mut R) -> f64 {
 mod tests {
     use super::*;
     use crate::compare::multiple_tests::{chi_squared_survival, sidak_level};
+    use crate::microfacet::beckmann::Beckmann;
     use asperity_optics::from_spherical;
     use glam::DVec2;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
-    /// Density of the slopes that `w` sees, per slope along x and y: `max(0, w . m) D(m) / sigma(w)`
+    /// Density of the slopes visible from `w`, per slope along x and y: `max(0, w . m) D(m) / sigma(w)`
     /// with `dOmega_m = cos^3(theta_m)`, `sigma` by the sign rule of Lambda.
     fn density(slopes: &SlopeCovariance, w: DVec3, v: DVec2) -> f64 {
         let m = (-v).extend(1.0).normalize();
+        let beckmann = Beckmann::new(*slopes);
         // From below, 1 + Lambda(w) = -Lambda(-w), without the difference.
         let sigma = if w.z > 0.0 {
-            w.z * (1.0 + slopes.lambda(w))
+            w.z * (1.0 + beckmann.lambda(w))
         } else {
-            -w.z * slopes.lambda(w)
+            -w.z * beckmann.lambda(w)
         };
-        w.dot(m).max(0.0) * slopes.normal_density(m) * m.z.powi(3) / sigma
+        w.dot(m).max(0.0) * beckmann.d(m) * m.z.powi(3) / sigma
     }
 
     /// Cells of the plane of slopes: by the slope along `w`, up to where facets turn away, and by that
@@ -187,7 +186,7 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut counts = vec![0_u32; cells.n * cells.n];
         for _ in 0..draws {
-            let m = visible_normal(slopes, w, &mut rng);
+            let m = sample_visible(slopes, w, &mut rng);
             assert!((m.length() - 1.0).abs() < 1e-15 && m.z > 0.0);
             assert!(w.dot(m) > -1e-15, "{w} {m}");
             if let Some(cell) = cells.index(-m.truncate() / m.z) {
@@ -211,13 +210,13 @@ mod tests {
     }
 
     #[test]
-    fn facets_are_met_as_often_as_they_are_seen() {
+    fn sampled_normals_follow_the_visible_density() {
         let slopes = [
             SlopeCovariance::isotropic(1.0).unwrap(),
             SlopeCovariance::isotropic(6.0).unwrap(),
             SlopeCovariance::new(0.8, 0.1, -0.2).unwrap(),
         ];
-        // From above, at grazing, and from below, where both ways to draw are taken; degrees.
+        // From above, at grazing, and from below, where both proposals are used; degrees.
         let directions = [0.0, 30.0, 75.0, 89.9, 90.1, 97.0, 120.0, 150.0, 170.0];
         let mut p_values = Vec::new();
         for (i, slopes) in slopes.iter().enumerate() {
@@ -232,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn both_ways_from_below_are_taken_and_agree_where_they_meet() {
+    fn both_proposals_from_below_agree_at_their_limit() {
         let mut rng = ChaCha8Rng::seed_from_u64(3);
         let n = 40_000;
         let mean = |a: f64, rng: &mut ChaCha8Rng| {
@@ -241,15 +240,15 @@ mod tests {
             let square = values.iter().map(|y| y * y).sum::<f64>() / f64::from(n);
             (mean, ((square - mean * mean) / f64::from(n)).sqrt())
         };
-        let (rayleigh, e) = mean(STEEP + 1e-12, &mut rng);
-        let (gamma, f) = mean(STEEP - 1e-12, &mut rng);
+        let (rayleigh, e) = mean(GAMMA_BELOW + 1e-12, &mut rng);
+        let (gamma, f) = mean(GAMMA_BELOW - 1e-12, &mut rng);
         let z = (rayleigh - gamma) / e.hypot(f);
         println!("z {z:.2}");
         assert!(z.abs() < 3.5);
     }
 
     #[test]
-    fn extreme_directions_are_answered() {
+    fn extreme_directions_return_finite_normals() {
         let slopes = SlopeCovariance::new(1e-8, 4.0, 0.0).unwrap();
         let mut rng = ChaCha8Rng::seed_from_u64(4);
         for (horizontal, z) in [(0.0, 1.0), (1e-300, 1.0), (1e-18, 1.0), (1.0, 1e-300)] {
@@ -262,7 +261,7 @@ mod tests {
                     DVec3::new(0.0, horizontal, sign * z),
                 ] {
                     for _ in 0..100 {
-                        let m = visible_normal(&slopes, w, &mut rng);
+                        let m = sample_visible(&slopes, w, &mut rng);
                         assert!(m.is_finite() && m.z > 0.0 && w.dot(m) > -1e-15, "{w} {m}");
                     }
                 }
@@ -271,9 +270,9 @@ mod tests {
     }
 
     /// The mean of `x` is `-(sqrt(pi) / 4) (1 + erf a)` over `(a sqrt(pi) (1 + erf a) + exp(-a^2)) / 2`, by parts:
-    /// sharper than counts in cells where the masses of the two ways of drawing meet.
+    /// sharper than counts in cells where the masses of the two proposals meet.
     #[test]
-    fn slopes_seen_have_their_exact_mean() {
+    fn visible_slopes_have_their_exact_mean() {
         let mut rng = ChaCha8Rng::seed_from_u64(17);
         for a in [-2.0_f64, -0.3, 0.2, 0.5, 1.0, 3.0] {
             let below = 1.0 + libm::erf(a);

@@ -1,4 +1,4 @@
-//! What a scattering model offers.
+//! Model interface: what every scattering model offers.
 
 use asperity_optics::{Material, MaterialError};
 use asperity_tally::{Record, Sides};
@@ -6,6 +6,7 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::slopes::{SlopeCovariance, SlopeError};
 use crate::models::kinks::Kinks;
 
@@ -14,117 +15,164 @@ use crate::models::kinks::Kinks;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Scope {
-    /// Light that met the surface once; compare with order 1 of an explicit result.
+    /// Light scattered once by the surface; compare with order 1 of an explicit result.
     SingleScattering,
-    /// Light of all orders; compare with the total, and with single and multiple scattering apart.
+    /// Light of all orders; compare with the total, and with single and multiple scattering separately.
     AllOrders,
-    /// Light that a medium below the surface scattered once, and light that it never scattered.
+    /// Light scattered at most once by a medium below the surface.
     ScatteredInside,
 }
 
-/// A statistical model of a rough surface, whichever way it is evaluated: by the density of light that
-/// was scattered once, by following rays, or by both.
-///
-/// What it expects in the bins of a run is found by [`crate::expect`].
-pub trait ScatteringModel: Send + Sync {
-    /// The name under which [`crate::create_model`] knows the model.
-    fn name(&self) -> &'static str;
-
+/// What is fixed about a model: its name, its source and where it holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ModelInfo {
+    /// The name under which [`crate::create_model`] finds the model.
+    pub name: &'static str,
     /// One line about the model and its source.
-    fn description(&self) -> &'static str;
-
+    pub description: &'static str,
     /// One sentence on where the model is meant to hold, and what it leaves out.
-    fn valid_range(&self) -> &'static str;
+    pub valid_range: &'static str,
+    /// The orders of scattering that it covers.
+    pub scope: Scope,
+    /// The sides whose light it describes; it sends none to another side.
+    pub sides: Sides,
+}
 
-    /// The orders that the model covers.
-    fn scope(&self) -> Scope;
+/// A statistical model of a rough surface: the density of single scattering, a random walk, or both.
+///
+/// [`crate::expect`] computes what a model expects in the bins of a run.
+pub trait ScatteringModel: Send + Sync {
+    /// Name, source and valid range.
+    fn info(&self) -> &'static ModelInfo;
 
-    /// The sides whose light it describes; nothing leaves on another.
-    fn sides(&self) -> Sides {
-        Sides::Both
-    }
-
-    /// What the surface is made of.
+    /// Material of the surface.
     fn material(&self) -> Material;
 
-    /// How steep its facets are.
+    /// Covariance of the facet slopes.
     fn slopes(&self) -> SlopeCovariance;
 
-    /// The density of light that was scattered once, if it has a closed form.
+    /// The density of single scattering, if it has a closed form.
     fn density(&self) -> Option<&dyn BsdfModel> {
         None
     }
 
-    /// How the model follows a ray, if it is evaluated so. Light that was scattered once is taken from
-    /// the density where there is one, and the walk counts for what was scattered more often.
+    /// The random walk of the model, if it has one.
+    ///
+    /// If there is also a density, single scattering is taken from the density, and the walk serves
+    /// multiple scattering.
     fn random_walk(&self) -> Option<&dyn RandomWalk> {
         None
+    }
+
+    /// See [`ModelInfo::name`].
+    fn name(&self) -> &'static str {
+        self.info().name
+    }
+
+    /// See [`ModelInfo::description`].
+    fn description(&self) -> &'static str {
+        self.info().description
+    }
+
+    /// See [`ModelInfo::valid_range`].
+    fn valid_range(&self) -> &'static str {
+        self.info().valid_range
+    }
+
+    /// See [`ModelInfo::scope`].
+    fn scope(&self) -> Scope {
+        self.info().scope
+    }
+
+    /// See [`ModelInfo::sides`].
+    fn sides(&self) -> Sides {
+        self.info().sides
     }
 }
 
 /// A model that has a density at every direction.
 ///
-/// Quadrature places its first subdivisions by the model's slopes, and takes a model of isotropic
-/// slopes for one that looks the same from all azimuths and in a mirror.
+/// Quadrature places its first subdivisions by the model's slopes. It takes the BSDF of a model with isotropic
+/// slopes as independent of a common turn of both azimuths and of reflection in the plane of incidence.
 pub trait BsdfModel: ScatteringModel {
     /// The BSDF in 1/sr: reflection if `wo.z > 0`, transmission if `wo.z < 0`.
     ///
     /// Both are unit vectors; zero unless `wi.z > 0`.
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64;
 
-    /// Where the density has kinks; quadrature divides there.
+    /// Where the density has kinks; quadrature subdivides there.
     fn kinks(&self) -> Kinks {
         Kinks::None
     }
 }
 
-/// A model that follows light through its own statistics.
+/// A random walk of light among statistically independent facets.
 pub trait RandomWalk: Send + Sync {
-    /// Follows one incident ray of flux one, which comes from `wi` (a unit vector, `z > 0`), and books
-    /// in `record` where all its light goes.
+    /// Follows one incident ray of flux one from `wi` (a unit vector, `z > 0`) and adds all its light to
+    /// `record`.
     ///
-    /// What is booked is an unbiased estimate of the model's fluxes, and follows from the numbers drawn
-    /// from `rng` alone.
+    /// The result is an unbiased estimate of the model's fluxes. It depends on `rng` alone.
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>);
 }
 
-/// Why a model is refused.
+/// Why a model cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// No model has this name.
-    #[error("there is no model `{name}`; the models are {}", known.join(", "))]
+    /// Unknown name.
+    #[error("unknown model `{name}`; the models are {}", known.join(", "))]
     Unknown {
-        /// The name asked for.
+        /// The given name.
         name: String,
-        /// The names that exist.
+        /// The valid names.
         known: &'static [&'static str],
     },
-    /// No surface has these slopes.
+    /// Invalid slopes.
     #[error(transparent)]
     Slopes(#[from] SlopeError),
-    /// The material is none that exists.
+    /// Invalid material.
     #[error(transparent)]
     Material(#[from] MaterialError),
     /// Equal indices on both sides.
     #[error(
-        "eta is {0}: between equal indices light goes straight on without reflection, which is a delta and has no density; eta must differ from 1 by at least 1e-5"
+        "eta is {0}: with equal indices the transmitted light is a delta and has no density; eta must differ from 1 by at least 1e-5"
     )]
     MatchedIndices(f64),
-    /// A model of surfaces alike along all directions, and slopes that are not.
+    /// Anisotropic slopes for an isotropic model.
     #[error(
-        "the model {0} is of isotropic surfaces; for anisotropic ones take any model but xu-sun and xu-sun-mc, as smith, heitz or xu-sun-mc-smith"
+        "the model {0} is defined for isotropic surfaces; for anisotropic ones use another, such as smith, heitz or xu-sun-mc-smith"
     )]
     Anisotropic(&'static str),
-    /// A model of one side, asked about another through which light leaves.
+    /// A model of one side, requested for both.
     #[error(
-        "the model {0} describes reflected light alone; ask for the reflected side alone, or take another model for light that is transmitted"
+        "the model {0} describes reflected light alone; request the reflected side alone, or use another model for transmitted light"
     )]
     ReflectionAlone(&'static str),
 }
 
-/// Checks that `material` exists and scatters.
-pub(crate) fn validate(material: Material) -> Result<(), ModelError> {
+/// One line of the registry of models.
+pub(crate) struct ModelEntry {
+    pub(crate) info: &'static ModelInfo,
+    pub(crate) constructor: Constructor,
+}
+
+/// How a model is made for a surface of Gaussian slopes and a material.
+#[derive(Clone, Copy)]
+pub(crate) enum Constructor {
+    /// It has a density at every direction.
+    ClosedForm(fn(SlopeCovariance, Material) -> Result<Box<dyn BsdfModel>, ModelError>),
+    /// It is evaluated by a random walk, at least for multiple scattering.
+    RandomWalk(fn(SlopeCovariance, Material) -> Result<Box<dyn ScatteringModel>, ModelError>),
+}
+
+/// The microfacet interface of a model.
+///
+/// # Errors
+/// [`ModelError`] for an invalid material, or for indices that differ by less than 1e-5.
+pub(crate) fn valid_interface(
+    slopes: SlopeCovariance,
+    material: Material,
+) -> Result<MicrofacetInterface, ModelError> {
     match material {
         Material::Dielectric { eta } => {
             Material::dielectric(eta)?;
@@ -139,10 +187,13 @@ pub(crate) fn validate(material: Material) -> Result<(), ModelError> {
         }
         _ => {}
     }
-    Ok(())
+    Ok(MicrofacetInterface::new(slopes, material))
 }
 
-/// The smoothness `tau / sigma` of isotropic slopes, for a model of that `name` which knows no others.
+/// The smoothness `tau / sigma` of isotropic slopes, for the model `name`, which is defined for these alone.
+///
+/// # Errors
+/// [`ModelError::Anisotropic`] for other slopes.
 pub(crate) fn smoothness_of(
     slopes: &SlopeCovariance,
     name: &'static str,

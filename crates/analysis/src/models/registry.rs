@@ -1,65 +1,100 @@
-//! Models by name.
+//! Registry of models: the one list of their names.
+//!
+//! A new model is one file in this folder, and one line in [`REGISTRY`].
 
 use asperity_optics::Material;
 
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::heitz::Heitz;
-use crate::models::model::{BsdfModel, ModelError, ScatteringModel};
-use crate::models::neumann::{Attenuation, CookTorranceNeumann};
-use crate::models::smith::{Masking, Smith};
+use crate::models::model::{BsdfModel, Constructor, ModelEntry, ModelError, ScatteringModel};
+use crate::models::neumann::CookTorranceNeumann;
+use crate::models::smith::Smith;
 use crate::models::v_cavity::VCavity;
 use crate::models::xu_sun::XuSun;
-use crate::models::xu_sun_mc::{RayVisibility, XuSunMonteCarlo};
+use crate::models::xu_sun_mc::XuSunMonteCarlo;
 
-/// The names that [`create_model`] knows.
-pub const MODEL_NAMES: &[&str] = &[
-    XuSun::NAME,
-    XuSunMonteCarlo::NAME,
-    XuSunMonteCarlo::NAME_SMITH,
-    Smith::NAME_CORRELATED,
-    Smith::NAME_SEPARABLE,
-    Heitz::NAME,
-    VCavity::NAME,
-    CookTorranceNeumann::NAME_GROOVES,
-    CookTorranceNeumann::NAME_SMITH,
+/// All models, in the order in which they are listed.
+const REGISTRY: &[ModelEntry] = &[
+    XuSun::ENTRY,
+    XuSunMonteCarlo::ENTRY,
+    XuSunMonteCarlo::ENTRY_SMITH,
+    Smith::ENTRY_CORRELATED,
+    Smith::ENTRY_SEPARABLE,
+    Heitz::ENTRY,
+    VCavity::ENTRY,
+    CookTorranceNeumann::ENTRY_GROOVES,
+    CookTorranceNeumann::ENTRY_SMITH,
 ];
 
-/// Those of them that have a density at every direction: the names that [`closed_form`] knows.
-pub const CLOSED_FORMS: &[&str] = &[
-    XuSun::NAME,
-    Smith::NAME_CORRELATED,
-    Smith::NAME_SEPARABLE,
-    VCavity::NAME,
-    CookTorranceNeumann::NAME_GROOVES,
-    CookTorranceNeumann::NAME_SMITH,
-];
+/// The names that [`create_model`] accepts.
+pub const MODEL_NAMES: &[&str] = &names::<{ REGISTRY.len() }>(false);
 
-/// The model of that name for a surface of Gaussian facet `slopes` and `material`.
+/// The names of the models that have a density at every direction, which [`closed_form`] accepts.
+pub const CLOSED_FORMS: &[&str] = &names::<{ closed_form_count() }>(true);
+
+const fn is_closed_form(entry: &ModelEntry) -> bool {
+    matches!(entry.constructor, Constructor::ClosedForm(_))
+}
+
+const fn closed_form_count() -> usize {
+    let (mut i, mut count) = (0, 0);
+    while i < REGISTRY.len() {
+        count += is_closed_form(&REGISTRY[i]) as usize;
+        i += 1;
+    }
+    count
+}
+
+const fn names<const N: usize>(closed_forms_alone: bool) -> [&'static str; N] {
+    let mut names = [""; N];
+    let (mut i, mut n) = (0, 0);
+    while i < REGISTRY.len() {
+        if !closed_forms_alone || is_closed_form(&REGISTRY[i]) {
+            names[n] = REGISTRY[i].info.name;
+            n += 1;
+        }
+        i += 1;
+    }
+    names
+}
+
+/// Creates the model of the given name for a surface of Gaussian `slopes` and `material`.
 ///
 /// # Errors
 /// [`ModelError::Unknown`] for a name that is not in [`MODEL_NAMES`]; otherwise as the model's own
 /// constructor.
+///
+/// # Examples
+/// ```
+/// use asperity_analysis::{MODEL_NAMES, SlopeCovariance, create_model};
+/// use asperity_optics::{Material, from_spherical};
+///
+/// assert!(MODEL_NAMES.contains(&"smith"));
+/// let slopes = SlopeCovariance::isotropic(2.0)?;
+/// let model = create_model("smith", slopes, Material::dielectric(1.5)?)?;
+/// println!("{}: {}", model.name(), model.valid_range());
+///
+/// // Evaluate the BSDF, in 1/sr, at a pair of directions: near the mirror direction, and transmitted.
+/// let bsdf = model.density().ok_or("no closed form")?;
+/// let wi = from_spherical(0.5, 0.0);
+/// let reflected = from_spherical(0.6, 3.1);
+/// let transmitted = from_spherical(2.8, 3.1);
+/// assert!(bsdf.bsdf(wi, reflected) > 0.0 && bsdf.bsdf(wi, transmitted) > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn create_model(
     name: &str,
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn ScatteringModel>, ModelError> {
-    let xu_sun = |visibility| XuSunMonteCarlo::new(slopes, material, visibility);
-    Ok(match name {
-        XuSunMonteCarlo::NAME => Box::new(xu_sun(RayVisibility::XuSun)?),
-        XuSunMonteCarlo::NAME_SMITH => Box::new(xu_sun(RayVisibility::Smith)?),
-        Heitz::NAME => Box::new(Heitz::new(slopes, material)?),
-        _ => closed_form(name, slopes, material).map_err(|error| match error {
-            ModelError::Unknown { name, .. } => ModelError::Unknown {
-                name,
-                known: MODEL_NAMES,
-            },
-            error => error,
-        })?,
-    })
+    match constructor(name) {
+        Some(Constructor::ClosedForm(create)) => Ok(create(slopes, material)?),
+        Some(Constructor::RandomWalk(create)) => create(slopes, material),
+        None => Err(unknown(name, MODEL_NAMES)),
+    }
 }
 
-/// The model of that name, if it has a density at every direction.
+/// Creates the model of the given name, if it has a density at every direction.
 ///
 /// # Errors
 /// [`ModelError::Unknown`] for a name that is not in [`CLOSED_FORMS`]; otherwise as the model's own
@@ -69,22 +104,22 @@ pub fn closed_form(
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<Box<dyn BsdfModel>, ModelError> {
-    let smith = |masking| Smith::new(slopes, material, masking);
-    let neumann = |attenuation| CookTorranceNeumann::new(slopes, material, attenuation);
-    Ok(match name {
-        XuSun::NAME => Box::new(XuSun::new(slopes, material)?),
-        Smith::NAME_CORRELATED => Box::new(smith(Masking::HeightCorrelated)?),
-        Smith::NAME_SEPARABLE => Box::new(smith(Masking::Separable)?),
-        VCavity::NAME => Box::new(VCavity::new(slopes, material)?),
-        CookTorranceNeumann::NAME_GROOVES => Box::new(neumann(Attenuation::Grooves)?),
-        CookTorranceNeumann::NAME_SMITH => Box::new(neumann(Attenuation::Smith)?),
-        _ => {
-            return Err(ModelError::Unknown {
-                name: name.to_owned(),
-                known: CLOSED_FORMS,
-            });
-        }
-    })
+    match constructor(name) {
+        Some(Constructor::ClosedForm(create)) => create(slopes, material),
+        _ => Err(unknown(name, CLOSED_FORMS)),
+    }
+}
+
+fn constructor(name: &str) -> Option<Constructor> {
+    let entry = REGISTRY.iter().find(|entry| entry.info.name == name)?;
+    Some(entry.constructor)
+}
+
+fn unknown(name: &str, known: &'static [&'static str]) -> ModelError {
+    ModelError::Unknown {
+        name: name.to_owned(),
+        known,
+    }
 }
 
 #[cfg(test)]
@@ -103,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn every_listed_name_makes_the_model_of_that_name() {
+    fn every_name_creates_the_model_of_that_name() {
         for &name in MODEL_NAMES {
             let slopes = SlopeCovariance::isotropic(2.0).unwrap();
             let model = create_model(name, slopes, Material::Mirror).unwrap();
@@ -114,18 +149,18 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_refused_with_the_list() {
+    fn unknown_names_are_refused_with_the_list() {
         assert_eq!(
             refusal("ggx", 2.0, Material::Mirror),
             format!(
-                "there is no model `ggx`; the models are {}",
+                "unknown model `ggx`; the models are {}",
                 MODEL_NAMES.join(", ")
             )
         );
     }
 
     #[test]
-    fn impossible_surfaces_are_refused() {
+    fn invalid_surfaces_and_materials_are_refused() {
         for &name in MODEL_NAMES {
             for s in [0.0, -1.0, f64::NAN, f64::INFINITY] {
                 assert!(refusal(name, s, Material::Mirror).contains("smoothness"));
@@ -138,5 +173,25 @@ mod tests {
             };
             assert!(refusal(name, 2.0, conductor).contains("kappa"));
         }
+    }
+
+    #[test]
+    fn closed_forms_are_the_models_without_a_random_walk() {
+        let slopes = SlopeCovariance::isotropic(2.0).unwrap();
+        let without_walk: Vec<&str> = MODEL_NAMES
+            .iter()
+            .copied()
+            .filter(|name| {
+                let model = create_model(name, slopes, Material::Mirror).unwrap();
+                model.random_walk().is_none()
+            })
+            .collect();
+        assert_eq!(without_walk, CLOSED_FORMS);
+    }
+
+    #[test]
+    fn names_are_distinct() {
+        let names: std::collections::BTreeSet<_> = MODEL_NAMES.iter().collect();
+        assert_eq!(names.len(), MODEL_NAMES.len());
     }
 }

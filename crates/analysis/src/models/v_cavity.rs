@@ -1,48 +1,72 @@
-//! The microfacet model of V-shaped grooves, by Torrance and Sparrow and by Blinn.
+//! V-cavities: microfacets in V-shaped grooves, by Torrance and Sparrow and by Blinn.
 //!
-//! Parameters: the slope covariance and the material. Every facet is one side of a symmetric groove as
-//! long as the surface, whose rim lies in the mean plane; its neighbour alone shadows and masks it. With the
-//! factor 4 in the denominator this is the model of Cook and Torrance (Eq. 8 of the 2019 paper on
-//! geometric attenuation); with Smith's attenuation in place of the grooves' it is `smith-separable`.
+//! Every facet is one side of a symmetric groove as long as the surface, whose rim lies in the mean plane.
+//! Only the other side shadows and masks it. With the factor 4 in the denominator this is the model of Cook
+//! and Torrance (Eq. 8 of the 2019 paper on geometric attenuation). With Smith's masking in place of the
+//! grooves it is `smith-separable`.
+//!
+//! # Parameters
+//! The slope covariance and the material.
+//!
+//! # Source
+//! Torrance and Sparrow 1967, Blinn 1977, Cook and Torrance 1982 for reflection; Heitz and d'Eon 2014,
+//! supplemental material, for refraction.
+//!
+//! # Valid range
+//! Single scattering on gentle Gaussian slopes of any covariance.
 
 use asperity_optics::Material;
+use asperity_tally::Sides;
 use glam::DVec3;
 
-use crate::microfacet::bsdf::scattering_facet;
+use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
-use crate::models::model::{BsdfModel, ModelError, ScatteringModel, Scope, validate};
+use crate::models::model::{
+    BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
+    valid_interface,
+};
 
 /// Gaussian facets in V-shaped grooves, reflection and refraction.
-///
-/// # Source
-/// Torrance and Sparrow 1967, Blinn 1977, Cook and Torrance 1982 for reflection; Heitz and d'Eon 2014,
-/// supplemental material, for refraction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VCavity {
-    slopes: SlopeCovariance,
-    material: Material,
+    interface: MicrofacetInterface,
 }
+
+const INFO: ModelInfo = ModelInfo {
+    name: VCavity::NAME,
+    description: "Gaussian facets in V-shaped grooves (Torrance and Sparrow 1967, Blinn 1977, Cook and Torrance 1982)",
+    valid_range: "any Gaussian slopes that are gentle; light scattered once on a surface of separate symmetric grooves, so that steep facets are shadowed sharply and by their twins alone, which rough random surfaces do not do",
+    scope: Scope::SingleScattering,
+    sides: Sides::Both,
+};
 
 impl VCavity {
     /// The name of the model.
     pub const NAME: &'static str = "v-cavity";
 
-    /// The model for a surface of such facet slopes.
+    pub(crate) const ENTRY: ModelEntry = ModelEntry {
+        info: &INFO,
+        constructor: Constructor::ClosedForm(|slopes, material| {
+            Ok(Box::new(Self::new(slopes, material)?))
+        }),
+    };
+
+    /// The model for a surface of these slopes.
     ///
     /// # Errors
-    /// [`ModelError`] for an impossible material or equal indices.
+    /// [`ModelError`] for an invalid material or equal indices.
     pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
-        validate(material)?;
-        Ok(Self { slopes, material })
+        let interface = valid_interface(slopes, material)?;
+        Ok(Self { interface })
     }
 }
 
-/// Share of a facet `m` that `w` sees, in a groove whose other side is tilted as much the other way:
+/// Masking function `G1` of a facet `m` in a groove whose other side is tilted as much the other way:
 /// `min(1, 2 cos(theta_m) |cos(theta_w)| / |w . m|)`.
 ///
-/// `w` and `m` are unit vectors, `m.z > 0`. Zero where the facet looks away from `w`; a `w` below the
-/// mean plane sees its underside, and counts by its angle from -z.
+/// `w` and `m` are unit vectors, `m.z > 0`. Zero if the facet faces away from `w`. From below the mean plane
+/// the underside is visible, and the angle of `w` is measured from -z.
 ///
 /// # Source
 /// Torrance and Sparrow 1967; Blinn 1977; Heitz 2014, Eq. 76.
@@ -55,46 +79,34 @@ pub fn v_cavity_g1(w: DVec3, m: DVec3) -> f64 {
     (2.0 * m.z * w.z.abs() / facing).min(1.0)
 }
 
-/// Share of a facet `m` that `wi` lights and `wo` sees, in such a groove.
+/// Fraction `G2` of a facet `m` in such a groove that is neither shadowed from `wi` nor masked from `wo`.
 ///
-/// What is visible from above lies at the rim of the groove. So the smaller of two such parts is within
-/// the larger: `min(G1(wi), G1(wo))`. What is visible from below lies at the bottom, and has in common
-/// with the other what both have too much: `max(0, G1(wi) + G1(wo) - 1)`.
+/// The part visible from above is at the rim of the groove, so the smaller of two such parts lies within
+/// the larger: `min(G1(wi), G1(wo))`. The part visible from below is at the bottom, and overlaps the other
+/// by the excess of their sum over one: `max(0, G1(wi) + G1(wo) - 1)`.
 ///
 /// # Source
 /// Torrance and Sparrow 1967 for reflection; Heitz and d'Eon 2014, supplemental material, for refraction.
 pub(crate) fn v_cavity_g2(wi: DVec3, wo: DVec3, m: DVec3) -> f64 {
-    let (lit, seen) = (v_cavity_g1(wi, m), v_cavity_g1(wo, m));
+    let (g1_i, g1_o) = (v_cavity_g1(wi, m), v_cavity_g1(wo, m));
     if wo.z > 0.0 {
-        lit.min(seen)
+        g1_i.min(g1_o)
     } else {
-        (lit + seen - 1.0).max(0.0)
+        (g1_i + g1_o - 1.0).max(0.0)
     }
 }
 
 impl ScatteringModel for VCavity {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn description(&self) -> &'static str {
-        "Gaussian facets in V-shaped grooves (Torrance and Sparrow 1967, Blinn 1977, Cook and Torrance 1982)"
-    }
-
-    fn valid_range(&self) -> &'static str {
-        "any Gaussian slopes that are gentle; light scattered once on a surface of separate symmetric grooves, so that steep facets are shadowed sharply and by their twins alone, which rough random surfaces do not do"
-    }
-
-    fn scope(&self) -> Scope {
-        Scope::SingleScattering
+    fn info(&self) -> &'static ModelInfo {
+        &INFO
     }
 
     fn material(&self) -> Material {
-        self.material
+        self.interface.material
     }
 
     fn slopes(&self) -> SlopeCovariance {
-        self.slopes
+        *self.interface.distribution.slopes()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -104,8 +116,8 @@ impl ScatteringModel for VCavity {
 
 impl BsdfModel for VCavity {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        scattering_facet(&self.material, &self.slopes, wi, wo)
-            .map_or(0.0, |(bsdf, facet)| bsdf * v_cavity_g2(wi, wo, facet.m))
+        self.interface
+            .bsdf(wi, wo, |facet| v_cavity_g2(wi, wo, facet.m))
     }
 
     fn kinks(&self) -> Kinks {
@@ -117,10 +129,11 @@ impl BsdfModel for VCavity {
 mod tests {
     use super::*;
     use crate::integrals::energy::{Edges, over_facing_normals};
+    use crate::microfacet::beckmann::Beckmann;
     use asperity_optics::{from_spherical, refract};
 
     #[test]
-    fn visible_facets_cover_what_the_light_falls_on() {
+    fn visible_facets_cover_the_mean_plane_once() {
         // A facet and its twin on the other side of the groove together fill its opening, whatever the
         // slopes: int G1 max(0, w . m) D dOmega_m = cos(theta). The quadrature errs by some 1e-11.
         for slopes in [
@@ -132,7 +145,7 @@ mod tests {
                 let w = from_spherical(theta, 0.7);
                 let edges = Edges::none(w).with_kinks(Kinks::Grooves);
                 let covered = over_facing_normals(&slopes, w, &edges, |m| {
-                    v_cavity_g1(w, m) * w.dot(m).max(0.0) * slopes.normal_density(m)
+                    v_cavity_g1(w, m) * w.dot(m).max(0.0) * Beckmann::new(slopes).d(m)
                 });
                 assert!(
                     (covered / w.z - 1.0).abs() < 1e-10,
@@ -160,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_those_of_a_groove_looked_at_point_by_point() {
+    fn g2_is_the_visible_fraction_of_the_points_of_a_groove() {
         // Thresholds in height, so n points miss each by one point at most.
         let n = 1000;
         let mut kinds = [0; 3];
@@ -189,12 +202,12 @@ mod tests {
                 }
             }
         }
-        println!("none, part and all visible: {kinds:?}");
+        println!("none, some and all visible: {kinds:?}");
         assert!(kinds.iter().all(|&k| k > 5), "{kinds:?}");
     }
 
     #[test]
-    fn light_goes_back_as_it_came() {
+    fn the_bsdf_is_reciprocal() {
         let mirrored = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
         let slopes = SlopeCovariance::new(0.9, 0.3, -0.3).unwrap();
         let (a, b) = (from_spherical(1.1, 0.3), from_spherical(0.9, 3.9));
@@ -203,7 +216,7 @@ mod tests {
             let (f, g) = (model.bsdf(a, b), model.bsdf(b, a));
             assert!(f > 0.0 && (f / g - 1.0).abs() < 1e-13);
         }
-        // Seen from below, slopes change their signs, which turns nothing in a Gaussian density: f / n_o^2
+        // Seen from below, slopes change sign, which leaves a Gaussian density as it is: f / n_o^2
         // = f' / n_i^2. The half vector's rounding, eps / |eta - 1|, enters through the exponent.
         for eta in [1.5, 1.0 / 1.5] {
             let above = VCavity::new(slopes, Material::dielectric(eta).unwrap()).unwrap();
@@ -212,7 +225,7 @@ mod tests {
             let wi = from_spherical(1.0, 0.4);
             for (theta_m, phi_m) in [(0.65, 0.4), (0.6, 0.3), (0.2, 2.0)] {
                 let m = from_spherical(theta_m, phi_m);
-                let fresnel = above.material.fresnel(wi.dot(m));
+                let fresnel = above.interface.material.fresnel(wi.dot(m));
                 if fresnel.transmitted == 0.0 {
                     continue;
                 }
@@ -226,7 +239,7 @@ mod tests {
                     f > 0.0 && (f / (eta * eta * g) - 1.0).abs() < 1e-12,
                     "{eta} {f} {g}"
                 );
-                let bare = crate::microfacet::bsdf::unmasked_bsdf(&above.material, &slopes, wi, wo);
+                let bare = above.interface.unshadowed_bsdf(wi, wo);
                 attenuated += usize::from(f < bare);
             }
             assert!(attenuated > 0, "{eta}");

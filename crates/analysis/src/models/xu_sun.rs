@@ -1,46 +1,65 @@
-//! The single-scattering model of Xu and Sun, to the letter.
+//! Xu and Sun: their single-scattering model as published.
 //!
-//! Parameters: smoothness `s = tau / sigma > 0` and the material. Intended by its authors for
-//! moderate roughness (`s` from about 3); below that its visibility loses energy, because it counts
-//! facets that look away from the light a second time. It is kept as published all the same.
+//! # Parameters
+//! The smoothness `s = tau / sigma > 0` and the material.
+//!
+//! # Source
+//! Xu and Sun 2008, Eq. 25 with Eqs. 24 and A.14; Sun 2007 for reflection.
+//!
+//! # Valid range
+//! Isotropic surfaces of moderate roughness (`s` from about 3). Below that the visibility loses energy, because it
+//! counts facets that face away from the light a second time. The model is kept as published, since this is
+//! what users compare with.
 
 use asperity_optics::Material;
+use asperity_tally::Sides;
 use glam::DVec3;
 
-use crate::microfacet::bsdf::unmasked_bsdf;
+use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
-    BsdfModel, ModelError, ScatteringModel, Scope, smoothness_of, validate,
+    BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
+    smoothness_of, valid_interface,
 };
 
 /// The constant of Eq. 24.
 const K0: f64 = 0.7;
 
 /// Xu and Sun's BTDF with Sun's BRDF of the same form.
-///
-/// # Source
-/// Xu and Sun 2008, Eq. 25 with Eqs. 24 and A.14; Sun 2007 for reflection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XuSun {
     smoothness: f64,
-    slopes: SlopeCovariance,
-    material: Material,
+    interface: MicrofacetInterface,
 }
+
+const INFO: ModelInfo = ModelInfo {
+    name: XuSun::NAME,
+    description: "single scattering with separable visibility fit (Xu and Sun 2008, Eq. 25; Sun 2007)",
+    valid_range: "isotropic Gaussian surfaces that are smooth to moderately rough (s from about 3); below, its visibility counts facets that face away twice and loses light",
+    scope: Scope::SingleScattering,
+    sides: Sides::Both,
+};
 
 impl XuSun {
     /// The name of the model.
     pub const NAME: &'static str = "xu-sun";
 
-    /// The model for a surface of such facet slopes.
+    pub(crate) const ENTRY: ModelEntry = ModelEntry {
+        info: &INFO,
+        constructor: Constructor::ClosedForm(|slopes, material| {
+            Ok(Box::new(Self::new(slopes, material)?))
+        }),
+    };
+
+    /// The model for a surface of these slopes.
     ///
     /// # Errors
-    /// [`ModelError`] for slopes that are not isotropic, an impossible material or equal indices.
+    /// [`ModelError`] for anisotropic slopes, an invalid material or equal indices.
     pub fn new(slopes: SlopeCovariance, material: Material) -> Result<Self, ModelError> {
-        validate(material)?;
+        let interface = valid_interface(slopes, material)?;
         Ok(Self {
             smoothness: smoothness_of(&slopes, Self::NAME)?,
-            slopes,
-            material,
+            interface,
         })
     }
 }
@@ -51,42 +70,30 @@ impl XuSun {
 /// `[0, 90)` degrees.
 ///
 /// # Source
-/// Xu and Sun 2008, Eq. 24, whose inner exponent must be read this way: the other grouping makes
-/// grazing light see everything.
+/// Xu and Sun 2008, Eq. 24. Its inner exponent must be read this way: the other grouping makes the visibility
+/// one at grazing.
 #[must_use]
 pub fn xu_sun_visibility(w: DVec3, smoothness: f64) -> f64 {
-    (-blocking(w, smoothness)).exp()
+    (-negative_log_visibility(w, smoothness)).exp()
 }
 
 /// `K = -ln V(0, theta)` of Eq. 24.
-pub(crate) fn blocking(w: DVec3, smoothness: f64) -> f64 {
+pub(crate) fn negative_log_visibility(w: DVec3, smoothness: f64) -> f64 {
     let x = w.x.hypot(w.y) / (w.z.abs() * smoothness);
     K0 * x * (-0.25 / (x * x)).exp()
 }
 
 impl ScatteringModel for XuSun {
-    fn name(&self) -> &'static str {
-        Self::NAME
-    }
-
-    fn description(&self) -> &'static str {
-        "single scattering with separable visibility fit (Xu and Sun 2008, Eq. 25; Sun 2007)"
-    }
-
-    fn valid_range(&self) -> &'static str {
-        "isotropic Gaussian surfaces that are smooth to moderately rough (s from about 3); below, its visibility counts facets that look away twice and loses light"
-    }
-
-    fn scope(&self) -> Scope {
-        Scope::SingleScattering
+    fn info(&self) -> &'static ModelInfo {
+        &INFO
     }
 
     fn material(&self) -> Material {
-        self.material
+        self.interface.material
     }
 
     fn slopes(&self) -> SlopeCovariance {
-        self.slopes
+        *self.interface.distribution.slopes()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -96,21 +103,21 @@ impl ScatteringModel for XuSun {
 
 impl BsdfModel for XuSun {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        let unmasked = unmasked_bsdf(&self.material, &self.slopes, wi, wo);
-        // No share of nothing: visibility has no meaning where a direction is none.
-        if unmasked == 0.0 {
-            0.0
-        } else {
-            unmasked
-                * xu_sun_visibility(wi, self.smoothness)
-                * xu_sun_visibility(wo, self.smoothness)
+        // Shadowing
+        let visible = |_: &_| xu_sun_visibility(wi, self.smoothness);
+        let shadowed = self.interface.bsdf(wi, wo, visible);
+        if shadowed == 0.0 {
+            return 0.0;
         }
+        // Masking
+        shadowed * xu_sun_visibility(wo, self.smoothness)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::microfacet::beckmann::Beckmann;
     use asperity_optics::from_spherical;
 
     #[test]
@@ -126,11 +133,11 @@ mod tests {
 
     #[test]
     fn visibility_loses_energy_on_rough_surfaces() {
-        // V (1 + Lambda) would be one if every lit facet were counted once.
+        // V (1 + Lambda) would be one if every facet in the light were counted once.
         for (theta, expected) in [(30.0, 0.862_177), (60.0, 0.510), (80.0, 0.0725)] {
             let w = from_spherical(f64::to_radians(theta), 0.0);
-            let kept = xu_sun_visibility(w, 1.0)
-                * (1.0 + SlopeCovariance::isotropic(1.0).unwrap().lambda(w));
+            let beckmann = Beckmann::new(SlopeCovariance::isotropic(1.0).unwrap());
+            let kept = xu_sun_visibility(w, 1.0) * (1.0 + beckmann.lambda(w));
             assert!((kept - expected).abs() < 5e-4, "{theta} {kept}");
         }
     }

@@ -1,85 +1,109 @@
-//! The statistical Monte Carlo of Xu and Sun, to the letter.
+//! Xu-Sun Monte Carlo: the statistical Monte Carlo of Xu and Sun as published.
 //!
-//! Parameters: the slope covariance, the material, and what a ray is blocked by: the visibility of Eq. 24,
-//! or Smith's in its place and nothing else changed.
+//! A ray is shot from the direction of the light. The height of a hit is sampled from the density of heights and its
+//! normal `n` from the density of slopes, independently of everything before. A shot ray has the weight
+//! `W = V(zeta, theta_i) (wi . n) / n.z` (Eq. 26) and the flux `W / wi.z` (Eq. 28). It splits into `F_r W` and
+//! `F_t W`, or into one ray under total reflection. A ray whose weight is below a threshold ends. Any other is
+//! blocked with a probability that follows from its direction and the visibility at its height, and hits again
+//! if it is blocked.
 //!
-//! Rays are shot from the direction of the light. The height of a hit is drawn from the density of heights
-//! and its normal `n` from the density of slopes, independently of all before. A shot ray has the
-//! weight `W = V(zeta, theta_i) (wi . n) / n.z` (Eq. 26), and its flux is `W / wi.z` (Eq.
-//! 28). It splits into `F_r W` and `F_t W`, or into one ray under total reflection. A ray whose
-//! weight is below a threshold ends; any other is blocked or not by its direction, the visibility at
-//! its height, and a random number, and hits again if it is blocked.
+//! # Parameters
+//! The slope covariance, the material, and the visibility: that of Eq. 24, or Smith's with nothing else changed.
 //!
-//! # What the paper leaves open, and what is done
-//! 1. *`V(zeta, theta)` is not given*, but for `zeta = 0`: `V(0, theta) = exp(-K)` with `K = (k0 tan(theta) / s)
-//!    exp(-s^2 / (4 tan^2(theta)))`, `k0 = 0.7` (Eq. 24, from Sun 2007, of which the paper prints no more). With
-//!    the distribution of heights `Phi`, independent obstacles along a ray give `Phi(zeta / sigma)^Lambda`, and `k0` is
-//!    `ln 2 = -ln Phi(0)` to one percent. So `V(zeta, theta) = Phi(zeta / sigma)^(K / ln 2)`, which is Eq. 24 at
-//!    `zeta = 0` exactly. Smith's visibility is `Phi(zeta / sigma)^Lambda` with Lambda of facets that face the
-//!    ray. Below the surface both hold with `-zeta`.
+//! # Source
+//! Xu and Sun 2008, Sec. 4, with the choices below.
+//!
+//! # Valid range
+//! Xu and Sun's visibility: isotropic surfaces with `s` from about 3. Smith's: any Gaussian slopes.
+//!
+//! # What the paper leaves open
+//! 1. *`V(zeta, theta)`* is given for `zeta = 0` only: `V(0, theta) = exp(-K)` with `K = (k0 tan(theta) / s)
+//!    exp(-s^2 / (4 tan^2(theta)))`, `k0 = 0.7` (Eq. 24, from Sun 2007). With the distribution of heights `Phi`,
+//!    independent obstacles along a ray give `Phi(zeta / sigma)^Lambda`, and `k0` is `ln 2 = -ln Phi(0)` to one
+//!    percent. So `V(zeta, theta) = Phi(zeta / sigma)^(K / ln 2)`, which is Eq. 24 at `zeta = 0` exactly. Smith's
+//!    visibility is `Phi(zeta / sigma)^Lambda` with Lambda of facets that face the ray. Below the surface both
+//!    hold with `-zeta`.
 //! 2. *Rays that go into the surface*: a reflected ray that goes down, or a refracted one that goes up, is
-//!    blocked with certainty, since only at an angle from its own side has a ray a visibility.
-//! 3. *Normals that look away*: of a shot ray they count nothing, as Eq. 26 has no meaning for
-//!    them. A later hit cannot count nothing without the flux of its ray vanishing; its normal is drawn
-//!    among those that face the ray, and without the weight of Eq. 26, which the paper gives to
-//!    shot rays alone. Seen facets would be weighted by `v . n`, which is what rays that are scattered more
-//!    than once lack here.
-//! 4. *The height of a later hit* is drawn like that of the first, whatever the height that the ray comes
-//!    from and whether it goes up or down.
-//! 5. *Light that Eq. 26 does not account for*: the mean of `W / cos(theta_i)` is not one, but the mean of `V`
-//!    over heights times `1 + Lambda`: for Smith's visibility `1`, for that of Eq. 24 `(1 + Lambda) / (1 + K / ln 2)`,
-//!    which at `s = 1` is 0.818, 0.597 and 0.557 at 30, 60 and 80 degrees. Nothing normalises it, and the rest is
-//!    booked nowhere: the budget of `xu-sun-mc` does not close, and what is missing is one less its sum.
-//! 6. *The threshold* has no value in the paper: here 1e-5 of the incident flux of a ray. It is applied to
-//!    `W / cos(theta_i)`, so that it means the same at all angles. The flux ended by it is booked as truncated,
-//!    and so is that of rays still on their way when all those that one incident ray has split into have hit
-//!    30 000 times, low orders first. That happens where slopes are some 20 and more (`s` below 0.1) and light
-//!    is held inside by total reflection.
+//!    always blocked, since a ray has a visibility only at an angle from its own side.
+//! 3. *Normals that face away*: for a shot ray they count zero, as Eq. 26 has no meaning for them. At a later hit
+//!    the flux of the ray would vanish. There the normal is sampled among those that face the ray, and without
+//!    the weight of Eq. 26, which the paper gives to shot rays alone. Visible facets would be weighted by `v . n`,
+//!    which rays scattered more than once lack here.
+//! 4. *The height of a later hit* is sampled like that of the first, independently of the height that the ray comes
+//!    from and of whether it goes up or down.
+//! 5. *Light that Eq. 26 does not account for*: the mean of `W / wi.z` is not one, but the mean of `V` over
+//!    heights times `1 + Lambda`. For Smith's visibility that is `1`, for Eq. 24 `(1 + Lambda) / (1 + K / ln 2)`,
+//!    which at `s = 1` is 0.818, 0.597 and 0.557 at 30, 60 and 80 degrees. It is not normalised, and the rest is
+//!    tallied nowhere: the budget of `xu-sun-mc` does not close, and one minus its sum is missing.
+//! 6. *The threshold* has no value in the paper: here it is 1e-5 of the flux of an incident ray. It is applied to
+//!    `W / wi.z`, so that it means the same at all angles. The flux that it ends is tallied as truncated. So is
+//!    that of the rays left when those of one incident ray have hit 30 000 times, low orders first. That
+//!    happens for slopes of about 20 and more (`s` below 0.1), where total reflection traps light.
 //!
-//! Where `tan(theta_i) / s` is large the weights of Eq. 26 vary widely, since steep facets are drawn seldom
-//! and catch most of the light: the variance of `W` is some `(tan(theta_i) / s)^2` of its mean squared, so that rough surfaces
-//! (`s` below 1) need many rays.
+//! Where `tan(theta_i) / s` is large the weights of Eq. 26 vary widely, since steep facets are rarely sampled and
+//! catch most of the light. The variance of `W` is about `(tan(theta_i) / s)^2` of its mean squared, so rough
+//! surfaces (`s` below 1) need many rays.
 
 use std::collections::VecDeque;
+use std::f64::consts::LN_2;
 
 use asperity_optics::{Material, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
+use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side, Sides};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use crate::microfacet::normals::{draw_facing_normal, draw_normal};
+use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
-    ModelError, RandomWalk, ScatteringModel, Scope, smoothness_of, validate,
+    Constructor, ModelEntry, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope,
+    smoothness_of, valid_interface,
 };
-use crate::models::xu_sun::blocking;
+use crate::models::xu_sun::negative_log_visibility;
 
-/// A ray of less than this share of the flux of an incident ray ends.
-const THRESHOLD: f64 = 1e-5;
+/// A ray below this fraction of the flux of an incident ray ends.
+const MIN_FLUX: f64 = 1e-5;
 
-/// Hits of all rays that one incident ray splits into, after which those that are blocked end.
-const MOST_HITS: u32 = 30_000;
+/// Hits of all rays that one incident ray splits into, after which blocked rays end.
+const MAX_HITS: u32 = 30_000;
 
-/// What blocks rays that go away from the surface.
+/// The visibility of points for rays that leave the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RayVisibility {
-    /// Eq. 24, continued to all heights: `Phi^(K / ln 2)`; of isotropic slopes.
+    /// Eq. 24, continued to all heights: `Phi^(K / ln 2)`; for isotropic slopes.
     XuSun,
-    /// Smith's, of facets that face the ray: `Phi^Lambda`.
+    /// Smith's, for facets that face the ray: `Phi^Lambda`.
     Smith,
 }
 
 /// Xu and Sun's Monte Carlo of rays that meet independent heights and normals.
-///
-/// # Source
-/// Xu and Sun 2008, Sec. 4, with the choices named at the top of this file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XuSunMonteCarlo {
-    slopes: SlopeCovariance,
-    material: Material,
-    exponent: Exponent,
+    interface: MicrofacetInterface,
+    visibility: Visibility,
 }
+
+/// [`RayVisibility`] with its parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Visibility {
+    XuSun { smoothness: f64 },
+    Smith,
+}
+
+const XU_SUN: ModelInfo = ModelInfo {
+    name: XuSunMonteCarlo::NAME,
+    description: "statistical Monte Carlo with the visibility of Eq. 24 (Xu and Sun 2008, Sec. 4)",
+    valid_range: "isotropic Gaussian surfaces that are smooth to moderately rough (s from about 3); below, its weights lose the light that its visibility counts twice, and its budget does not close",
+    scope: Scope::AllOrders,
+    sides: Sides::Both,
+};
+
+const SMITH: ModelInfo = ModelInfo {
+    name: XuSunMonteCarlo::NAME_SMITH,
+    description: "statistical Monte Carlo of Xu and Sun 2008, Sec. 4, with Smith's visibility in place of Eq. 24",
+    valid_range: "any Gaussian slopes; all orders, the height and the facet of each hit sampled independently of those before; weights vary widely for s below 1",
+    ..XU_SUN
+};
 
 impl XuSunMonteCarlo {
     /// The name of the model with the visibility of Eq. 24.
@@ -87,74 +111,78 @@ impl XuSunMonteCarlo {
     /// The name of the model with Smith's visibility.
     pub const NAME_SMITH: &'static str = "xu-sun-mc-smith";
 
-    /// The model for a surface of such facet slopes.
+    pub(crate) const ENTRY: ModelEntry = ModelEntry {
+        info: &XU_SUN,
+        constructor: Constructor::RandomWalk(|slopes, material| {
+            Ok(Box::new(Self::new(slopes, material, RayVisibility::XuSun)?))
+        }),
+    };
+    pub(crate) const ENTRY_SMITH: ModelEntry = ModelEntry {
+        info: &SMITH,
+        constructor: Constructor::RandomWalk(|slopes, material| {
+            Ok(Box::new(Self::new(slopes, material, RayVisibility::Smith)?))
+        }),
+    };
+
+    /// The model for a surface of these slopes.
     ///
     /// # Errors
-    /// [`ModelError`] for an impossible material or equal indices, and for slopes that are not
-    /// isotropic under [`RayVisibility::XuSun`].
+    /// [`ModelError`] for an invalid material or equal indices, and for anisotropic slopes with
+    /// [`RayVisibility::XuSun`].
     pub fn new(
         slopes: SlopeCovariance,
         material: Material,
         visibility: RayVisibility,
     ) -> Result<Self, ModelError> {
-        validate(material)?;
-        let exponent = match visibility {
-            RayVisibility::XuSun => Exponent::XuSun {
+        let interface = valid_interface(slopes, material)?;
+        let visibility = match visibility {
+            RayVisibility::XuSun => Visibility::XuSun {
                 smoothness: smoothness_of(&slopes, Self::NAME)?,
             },
-            RayVisibility::Smith => Exponent::Smith,
+            RayVisibility::Smith => Visibility::Smith,
         };
         Ok(Self {
-            slopes,
-            material,
-            exponent,
+            interface,
+            visibility,
         })
     }
 
-    /// `V(zeta, theta)` of the direction `w` above the surface, or below it from its underside;
-    /// `clear` is the share of heights that are below the point, or above it.
+    /// `V(zeta, theta)` of the direction `w`, above the surface or below it; `clear` is the fraction of heights
+    /// below the point, or above it.
     fn visibility(&self, w: DVec3, clear: f64) -> f64 {
-        clear.powf(match self.exponent {
-            Exponent::XuSun { smoothness } => blocking(w, smoothness) / std::f64::consts::LN_2,
-            Exponent::Smith => self.slopes.lambda(w),
-        })
+        match self.visibility {
+            Visibility::XuSun { smoothness } => {
+                clear.powf(negative_log_visibility(w, smoothness) / LN_2)
+            }
+            Visibility::Smith => self.interface.distribution.visibility(w, clear),
+        }
     }
 
-    /// The rays into which `light` splits at a facet that it meets from `v`; what is absorbed is booked.
-    fn split(
-        &self,
-        light: Light,
-        v: DVec3,
-        m: DVec3,
-        record: &mut Record<'_>,
-    ) -> [Option<Light>; 2] {
-        // Seen from below, the facet looks down and the index is that of the upper medium.
-        let (m, material) = match (light.side, self.material) {
-            (Side::Reflected, material) => (m, material),
-            (Side::Transmitted, Material::Dielectric { eta }) => {
-                (-m, Material::Dielectric { eta: 1.0 / eta })
-            }
-            (Side::Transmitted, material) => (-m, material),
+    /// The rays into which `ray` splits at a facet of normal `m`, facing up; absorbed flux is tallied.
+    fn split(&self, ray: Ray, m: DVec3, record: &mut Record<'_>) -> [Option<Ray>; 2] {
+        let v = -ray.direction;
+        let (m, material) = match ray.side {
+            Side::Reflected => (m, self.interface.material),
+            Side::Transmitted => (-m, self.interface.material.reversed()),
         };
-        let cos_theta_i = v.dot(m).clamp(0.0, 1.0);
-        let fresnel = material.fresnel(cos_theta_i);
-        let reflected = Light {
+        let fresnel = material.fresnel(v.dot(m).clamp(0.0, 1.0));
+        let reflected = Ray {
             direction: reflect(v, m),
-            flux: light.flux * fresnel.reflected,
-            path: light.path.then(Event::Reflection),
-            ..light
+            flux: ray.flux * fresnel.reflected,
+            path: ray.path.then(Event::Reflection),
+            ..ray
         };
-        let rest = light.flux * fresnel.transmitted;
+        let rest = ray.flux * fresnel.transmitted;
         let transmitted = match material.transmitting_index() {
-            Some(eta) if rest > 0.0 => Some(Light {
+            Some(eta) if rest > 0.0 => Some(Ray {
                 direction: refract(v, m, eta, fresnel.cos_theta_t),
-                side: match light.side {
+                side: match ray.side {
                     Side::Reflected => Side::Transmitted,
                     Side::Transmitted => Side::Reflected,
                 },
                 flux: rest,
-                path: light.path.then(Event::Transmission),
-                ..light
+                path: ray.path.then(Event::Transmission),
+                ..ray
             }),
             Some(_) => None,
             None => {
@@ -165,76 +193,43 @@ impl XuSunMonteCarlo {
         [Some(reflected), transmitted]
     }
 
-    /// Whether `light` goes away from where it was scattered.
-    fn escapes(&self, light: &Light, rng: &mut ChaCha8Rng) -> bool {
-        let (outward, clear) = match light.side {
-            Side::Reflected => (light.direction.z > 0.0, light.height),
-            Side::Transmitted => (light.direction.z < 0.0, 1.0 - light.height),
+    /// Samples whether `ray` leaves the surface.
+    fn escapes(&self, ray: &Ray, rng: &mut ChaCha8Rng) -> bool {
+        let (outward, clear) = match ray.side {
+            Side::Reflected => (ray.direction.z > 0.0, ray.height),
+            Side::Transmitted => (ray.direction.z < 0.0, 1.0 - ray.height),
         };
-        outward && rng.random::<f64>() < self.visibility(light.direction, clear)
+        outward && rng.random::<f64>() < self.visibility(ray.direction, clear)
     }
 }
 
-/// The exponent of the distribution of heights in `V(zeta, theta)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Exponent {
-    XuSun { smoothness: f64 },
-    Smith,
-}
-
-/// A ray that leaves a hit.
+/// A ray between two hits.
 #[derive(Clone, Copy, Debug)]
-struct Light {
+struct Ray {
     direction: DVec3,
-    /// The medium that it is in.
+    /// Side of the medium that it travels through.
     side: Side,
-    /// Its share of the flux of the incident ray.
+    /// Fraction of the flux of the incident ray.
     flux: f64,
-    /// `Phi(zeta / sigma)` where it was scattered: uniform, if heights are as likely as they are.
+    /// `Phi(zeta / sigma)` at its last hit: uniform over hits.
     height: f64,
     path: EventPath,
 }
 
 impl ScatteringModel for XuSunMonteCarlo {
-    fn name(&self) -> &'static str {
-        match self.exponent {
-            Exponent::XuSun { .. } => Self::NAME,
-            Exponent::Smith => Self::NAME_SMITH,
+    fn info(&self) -> &'static ModelInfo {
+        match self.visibility {
+            Visibility::XuSun { .. } => &XU_SUN,
+            Visibility::Smith => &SMITH,
         }
-    }
-
-    fn description(&self) -> &'static str {
-        match self.exponent {
-            Exponent::XuSun { .. } => {
-                "statistical Monte Carlo with the visibility of Eq. 24 (Xu and Sun 2008, Sec. 4)"
-            }
-            Exponent::Smith => {
-                "statistical Monte Carlo of Xu and Sun 2008, Sec. 4, with Smith's visibility in place of Eq. 24"
-            }
-        }
-    }
-
-    fn valid_range(&self) -> &'static str {
-        match self.exponent {
-            Exponent::XuSun { .. } => {
-                "isotropic Gaussian surfaces that are smooth to moderately rough (s from about 3); below, its weights lose the light that its visibility takes twice, and its budget does not close"
-            }
-            Exponent::Smith => {
-                "any Gaussian slopes; all orders, each hit at a height and on a facet drawn anew, so that light scattered more than once forgets where it was; weights vary widely for s below 1"
-            }
-        }
-    }
-
-    fn scope(&self) -> Scope {
-        Scope::AllOrders
     }
 
     fn material(&self) -> Material {
-        self.material
+        self.interface.material
     }
 
     fn slopes(&self) -> SlopeCovariance {
-        self.slopes
+        *self.interface.distribution.slopes()
     }
 
     fn random_walk(&self) -> Option<&dyn RandomWalk> {
@@ -244,11 +239,11 @@ impl ScatteringModel for XuSunMonteCarlo {
 
 impl RandomWalk for XuSunMonteCarlo {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
+        // Shoot a ray: Eqs. 26 and 28
         let height = rng.random::<f64>();
-        let m = draw_normal(&self.slopes, rng);
-        // Eqs. 26 and 28.
+        let m = self.interface.distribution.sample(rng);
         let facing = wi.dot(m).max(0.0) / (m.z * wi.z);
-        let shot = Light {
+        let shot = Ray {
             direction: -wi,
             side: Side::Reflected,
             flux: self.visibility(wi, height) * facing,
@@ -258,36 +253,35 @@ impl RandomWalk for XuSunMonteCarlo {
         if shot.flux.is_nan() || shot.flux <= 0.0 {
             return;
         }
-        // Low orders first, so that the limit ends high ones alone.
+        // Follow all rays that it splits into, low orders first, so that the limit ends high ones alone
         let mut rays = VecDeque::new();
         let mut hits = 1;
-        rays.extend(self.split(shot, wi, m, record).into_iter().flatten());
-        while let Some(light) = rays.pop_front() {
-            if light.flux < THRESHOLD {
-                record.add_loss(Loss::Truncated, light.flux);
-            } else if self.escapes(&light, rng) {
+        rays.extend(self.split(shot, m, record).into_iter().flatten());
+        while let Some(ray) = rays.pop_front() {
+            if ray.flux < MIN_FLUX {
+                record.add_loss(Loss::Truncated, ray.flux);
+            } else if self.escapes(&ray, rng) {
                 record.add_exit(&Exit {
-                    side: light.side,
-                    wo: light.direction,
-                    flux: light.flux,
-                    path: light.path,
-                    scatterings: 0,
+                    side: ray.side,
+                    wo: ray.direction,
+                    flux: ray.flux,
+                    path: ray.path,
+                    scattered: 0,
                 });
-            } else if hits == MOST_HITS {
-                record.add_loss(Loss::Truncated, light.flux);
+            } else if hits == MAX_HITS {
+                record.add_loss(Loss::Truncated, ray.flux);
             } else {
                 hits += 1;
-                let v = -light.direction;
-                let front = match light.side {
-                    Side::Reflected => v,
-                    Side::Transmitted => -v,
+                let front = match ray.side {
+                    Side::Reflected => -ray.direction,
+                    Side::Transmitted => ray.direction,
                 };
-                let hit = Light {
+                let hit = Ray {
                     height: rng.random::<f64>(),
-                    ..light
+                    ..ray
                 };
-                let m = draw_facing_normal(&self.slopes, front, rng);
-                rays.extend(self.split(hit, v, m, record).into_iter().flatten());
+                let m = self.interface.distribution.sample_facing(front, rng);
+                rays.extend(self.split(hit, m, record).into_iter().flatten());
             }
         }
     }
@@ -296,6 +290,7 @@ impl RandomWalk for XuSunMonteCarlo {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::microfacet::beckmann::Beckmann;
     use crate::models::xu_sun::xu_sun_visibility;
     use asperity_optics::from_spherical;
 
@@ -306,7 +301,7 @@ mod tests {
 
     /// Half of all heights are below the mean one, and `(1/2)^(K / ln 2) = exp(-K)`.
     #[test]
-    fn at_mean_height_the_visibility_is_the_published_one() {
+    fn visibility_at_mean_height_is_the_published_one() {
         for s in [0.3, 1.0, 4.0] {
             for theta in [20.0, 50.0, 75.0, 89.0] {
                 let w = from_spherical(f64::to_radians(theta), 0.4);
@@ -322,11 +317,11 @@ mod tests {
         }
     }
 
-    /// The mean of `Phi^a` over heights is `1 / (1 + a)`; at the top all is seen, at the bottom nothing.
+    /// The mean of `Phi^a` over heights is `1 / (1 + a)`; it is one at the top and zero at the bottom.
     #[test]
-    fn visibility_rises_with_height_by_its_exponent() {
+    fn mean_visibility_over_heights_follows_from_its_exponent() {
         let w = from_spherical(1.2, 0.4);
-        let lambda = SlopeCovariance::isotropic(0.7).unwrap().lambda(w);
+        let lambda = Beckmann::new(SlopeCovariance::isotropic(0.7).unwrap()).lambda(w);
         let published = -xu_sun_visibility(w, 0.7).ln() / std::f64::consts::LN_2;
         for (visibility, exponent) in [
             (RayVisibility::Smith, lambda),

@@ -1,4 +1,4 @@
-//! The walk in its plainest form, to check the quicker one by: one branch, weight one, escape by chance.
+//! Analog random walk: one branch, weight one, escape by chance. It tests the walk with expectations.
 
 use asperity_optics::{Material, dielectric, reflect, refract};
 use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
@@ -6,21 +6,28 @@ use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::slopes::SlopeCovariance;
-use crate::microfacet::visible_normals::visible_normal;
 use crate::models::model::RandomWalk;
 
 /// The random walk of Heitz et al. 2016 as they write it, in one frame, with `C1` itself and the sign
 /// rule of Lambda.
 pub(crate) struct Analog {
-    pub(crate) slopes: SlopeCovariance,
+    pub(crate) distribution: Beckmann,
     pub(crate) material: Material,
 }
 
 impl Analog {
+    fn new(slopes: SlopeCovariance, material: Material) -> Self {
+        Self {
+            distribution: Beckmann::new(slopes),
+            material,
+        }
+    }
+
     /// Lambda of a direction anywhere on the sphere, for a ray whose medium lies towards `up`.
     fn lambda(&self, d: DVec3, up: f64) -> f64 {
-        let lambda = self.slopes.lambda(d);
+        let lambda = self.distribution.lambda(d);
         if d.z * up > 0.0 {
             lambda
         } else {
@@ -35,7 +42,7 @@ impl RandomWalk for Analog {
         // +1 in the incident medium, -1 in the other.
         let mut up = 1.0;
         let mut d = -wi;
-        // Share of the surface on the far side of the medium that the ray is in.
+        // Fraction of the surface on the far side of the medium that the ray is in.
         let mut c1: f64 = 1.0;
         while path.order() < 1000 {
             let lambda = self.lambda(d, up);
@@ -58,7 +65,7 @@ impl RandomWalk for Analog {
             }
             c1 /= (1.0 - u).powf(1.0 / lambda);
             let flip = DVec3::new(1.0, 1.0, up);
-            let m = flip * visible_normal(&self.slopes, -d * flip, rng);
+            let m = flip * self.distribution.sample_visible(-d * flip, rng);
             let cos_theta_i = m.dot(-d).clamp(0.0, 1.0);
             match self.material {
                 Material::Dielectric { eta } => {
@@ -139,15 +146,15 @@ mod tests {
     }
 
     #[test]
-    fn the_quick_walk_agrees_with_the_plain_one() {
+    fn the_expectation_walk_agrees_with_the_analog_walk() {
         let cases = cases();
         let mut z_values = Vec::new();
         let mut p_values = Vec::new();
         for (i, &(slopes, material, theta)) in cases.iter().enumerate() {
             let wi = from_spherical(theta.to_radians(), 0.7);
-            let plain = sampled(&Analog { slopes, material }, wi, 100_000, 211 + i as u64);
-            let quick = Heitz::new(slopes, material).unwrap();
-            let quick = sampled(&quick, wi, 60_000, 231 + i as u64);
+            let analog = sampled(&Analog::new(slopes, material), wi, 100_000, 211 + i as u64);
+            let heitz = Heitz::new(slopes, material).unwrap();
+            let expectation = sampled(&heitz, wi, 60_000, 231 + i as u64);
             let layout = layout();
             // Each path of two and of three facets; others are too rare.
             let paths = |side| {
@@ -163,11 +170,11 @@ mod tests {
                     .chain(paths(side))
             });
             let z = |i: usize| {
-                let (a, b) = (plain.estimate(i), quick.estimate(i));
+                let (a, b) = (analog.estimate(i), expectation.estimate(i));
                 (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
             };
-            // The plain walk counts rays: below some 40 of them they are not normally distributed.
-            let enough = |i: &usize| plain.means()[*i] > 40.0 / 100_000.0;
+            // The analog walk counts rays: below some 40 they are not normally distributed.
+            let enough = |i: &usize| analog.means()[*i] > 40.0 / 100_000.0;
             z_values.extend(entries.chain([Layout::ABSORBED]).filter(enough).map(z));
             for share in [Share::Single, Share::Multiple] {
                 let bins: Vec<f64> = layout.bins(share).filter(enough).map(z).collect();
@@ -183,15 +190,15 @@ mod tests {
         assert!(p_values.iter().all(|&p| p > level), "{level}");
     }
 
-    /// On slopes of some thirty a mirror holds light for long: what leaves after more than 30 reflections
-    /// must be as much by both walks, and the quick one must not end it.
+    /// On slopes of about thirty, light is reflected many times. The flux above order 30 must be equal in both
+    /// walks, and the expectation walk must not truncate it.
     #[test]
-    fn a_steep_mirror_sends_light_back_after_many_reflections() {
+    fn high_orders_on_a_steep_mirror_agree_with_the_analog_walk() {
         let slopes = SlopeCovariance::isotropic(0.05).unwrap();
         let material = Material::Mirror;
         let wi = from_spherical(f64::to_radians(50.0), 0.7);
         let layout = layout();
-        let often = |walk: &dyn RandomWalk, seed| -> [f64; 4] {
+        let high_orders = |walk: &dyn RandomWalk, seed| -> [f64; 4] {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let fluxes: Vec<[f64; 2]> = (0..100)
                 .map(|_| {
@@ -202,19 +209,19 @@ mod tests {
                     [orders.sum(), values[Layout::TRUNCATED]]
                 })
                 .collect();
-            let [often, ended] = [0, 1].map(|k| {
+            let [high, ended] = [0, 1].map(|k| {
                 let mean = fluxes.iter().map(|x| x[k]).sum::<f64>() / 100.0;
                 let squares: f64 = fluxes.iter().map(|x| (x[k] - mean).powi(2)).sum();
                 [mean, (squares / 9900.0).sqrt()]
             });
-            [often[0], often[1], ended[0], ended[1]]
+            [high[0], high[1], ended[0], ended[1]]
         };
-        let [plain, plain_se, ..] = often(&Analog { slopes, material }, 251);
-        let quick = Heitz::new(slopes, material).unwrap();
-        let [quick, quick_se, ended, ended_se] = often(&quick, 252);
-        let z = [(quick - plain) / quick_se.hypot(plain_se), ended / ended_se];
-        println!("{quick:.4} and {plain:.4}, ended {ended:.4}, z {z:.2?}");
-        assert!(plain > 0.5);
+        let [analog, analog_se, ..] = high_orders(&Analog::new(slopes, material), 251);
+        let heitz = Heitz::new(slopes, material).unwrap();
+        let [high, high_se, ended, ended_se] = high_orders(&heitz, 252);
+        let z = [(high - analog) / high_se.hypot(analog_se), ended / ended_se];
+        println!("{high:.4} and {analog:.4}, ended {ended:.4}, z {z:.2?}");
+        assert!(analog > 0.5);
         // Two values of z, each beyond 4 with probability 6e-5.
         assert!(z.iter().all(|z| z.abs() < 4.0));
     }

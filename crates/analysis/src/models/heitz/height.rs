@@ -1,11 +1,10 @@
-//! Heights on the Smith microsurface, and flights between them.
+//! Heights on the Smith microsurface, and free paths between them.
 
-/// The height of a ray as the logarithm of `C1`, the share of the surface that lies below it: from above
-/// minus infinity, deep below, to zero, above all. The distribution of heights does not matter beyond
-/// `C1`.
+/// The height of a ray as the logarithm of `C1`, the fraction of the surface below it: from minus infinity
+/// (excluded) at the bottom to zero above all facets. The distribution of heights enters through `C1` alone.
 ///
-/// The logarithm tells heights apart near both ends, where `C1` itself would round to zero or to one;
-/// it is never zero but for light that comes in.
+/// The logarithm resolves heights near both ends, where `C1` itself would round to zero or to one. It is zero
+/// for incident light only.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Height(f64);
 
@@ -13,7 +12,7 @@ impl Height {
     /// Above all facets.
     pub(super) const ABOVE_ALL: Self = Self(0.0);
 
-    /// Where a ray that travels down the direction of that `lambda` meets a facet: it always does.
+    /// Where a ray that travels downwards meets a facet, which it always does; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform. The free path gives `C1' = C1 / (1 - u)^(1 / Lambda)` with
     /// `Lambda = -1 - lambda` downwards.
@@ -24,8 +23,8 @@ impl Height {
         Self::of(self.0 + u.ln() / (1.0 + lambda))
     }
 
-    /// The probabilities that a ray which travels up the direction of that `lambda` escapes, `C1^lambda`,
-    /// and that it does not, each to its own relative accuracy.
+    /// The probability `C1^lambda` that a ray which travels upwards escapes, and that it does not, each to its
+    /// own relative accuracy; `lambda` is that of its direction.
     ///
     /// # Source
     /// Heitz et al. 2016, Sec. 4.
@@ -34,16 +33,16 @@ impl Height {
         (exponent.exp(), -exponent.exp_m1())
     }
 
-    /// Where a ray that travels up the direction of that `lambda`, and does *not* escape, meets a facet.
+    /// Where a ray that travels upwards and does *not* escape meets a facet; `lambda` is that of its direction.
     ///
     /// `u` in (0, 1) is uniform; `blocked` is the second probability of [`Self::escape`], above zero.
     pub(super) fn ascended(self, lambda: f64, blocked: f64, u: f64) -> Self {
         Self::of(self.0 - (-u * blocked).ln_1p() / lambda)
     }
 
-    /// The same place for a ray behind the surface, where up is down: `1 - C1`.
+    /// The same point for a ray behind the surface, where heights are reversed: `1 - C1`.
     pub(super) fn seen_from_behind(self) -> Self {
-        // Each form keeps its digits where the other loses them.
+        // Each form is accurate where the other loses digits.
         Self::of(if self.0 > -std::f64::consts::LN_2 {
             (-self.0.exp_m1()).ln()
         } else {
@@ -51,12 +50,12 @@ impl Height {
         })
     }
 
-    fn of(log_share: f64) -> Self {
-        Self(log_share.min(-f64::MIN_POSITIVE))
+    fn of(log_fraction: f64) -> Self {
+        Self(log_fraction.min(-f64::MIN_POSITIVE))
     }
 
     #[cfg(test)]
-    pub(super) fn share_below(self) -> f64 {
+    pub(super) fn fraction_below(self) -> f64 {
         self.0.exp()
     }
 }
@@ -65,17 +64,17 @@ impl Height {
 mod tests {
     use super::*;
 
-    fn at_share(c1: f64) -> Height {
+    fn at_fraction(c1: f64) -> Height {
         Height(c1.ln())
     }
 
-    /// The share of Gaussian heights of deviation one below `h`, and their density there.
+    /// The fraction of Gaussian heights of deviation one below `h`, and their density there.
     fn gaussian(h: f64) -> (f64, f64) {
         let density = (-0.5 * h * h).exp() / std::f64::consts::TAU.sqrt();
         (0.5 * libm::erfc(-h / std::f64::consts::SQRT_2), density)
     }
 
-    /// The height where a share `c` of Gaussian heights is below.
+    /// The height with the fraction `c` of Gaussian heights below it.
     fn gaussian_height(c: f64) -> f64 {
         let (mut low, mut high) = (-9.0, 9.0);
         for _ in 0..200 {
@@ -111,22 +110,22 @@ mod tests {
     }
 
     #[test]
-    fn flights_follow_the_free_path_among_gaussian_heights() {
+    fn free_paths_agree_with_gaussian_heights() {
         for lambda in [0.03, 0.7, 5.0] {
             for c1 in [0.05, 0.4, 0.9] {
-                let (here, h) = (at_share(c1), gaussian_height(c1));
+                let (here, h) = (at_fraction(c1), gaussian_height(c1));
                 let (escape, blocked) = here.escape(lambda);
-                // Above nine deviations there is a share of 1e-19 of the surface.
+                // Above nine deviations there is a fraction of 1e-19 of the surface.
                 assert!((escape / survival(lambda, h, 9.0) - 1.0).abs() < 1e-9);
                 for u in [0.1, 0.5, 0.8] {
-                    let up = here.ascended(lambda, blocked, u).share_below();
+                    let up = here.ascended(lambda, blocked, u).fraction_below();
                     assert!(up > c1 && up < 1.0);
                     let hit = 1.0 - survival(lambda, h, gaussian_height(up));
                     assert!(
                         (hit / (u * blocked) - 1.0).abs() < 1e-9,
                         "{lambda} {c1} {u}"
                     );
-                    let down = here.descended(lambda, u).share_below();
+                    let down = here.descended(lambda, u).fraction_below();
                     let kept = survival(-1.0 - lambda, h, gaussian_height(down));
                     assert!((kept / u - 1.0).abs() < 1e-9, "{lambda} {c1} {u}");
                 }
@@ -135,13 +134,13 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_chance_to_escape_is_g1() {
-        // All shares below are alike: int_0^1 c^Lambda dc = 1 / (1 + Lambda), by the midpoint rule.
+    fn the_mean_escape_probability_is_g1() {
+        // All fractions below are equally likely: int_0^1 c^Lambda dc = 1 / (1 + Lambda), by the midpoint rule.
         for lambda in [0.0, 0.2, 1.0, 7.0] {
             let n = 20_000;
             let mean = (0..n)
                 .map(|i| {
-                    at_share((f64::from(i) + 0.5) / f64::from(n))
+                    at_fraction((f64::from(i) + 0.5) / f64::from(n))
                         .escape(lambda)
                         .0
                 })
@@ -157,11 +156,11 @@ mod tests {
     }
 
     #[test]
-    fn the_first_facet_is_lit_by_g1_at_each_height() {
+    fn heights_of_first_hits_have_their_distribution() {
         // From above all, C1 to the power 1 + Lambda is uniform.
         for lambda in [0.0, 0.3, 4.0, 1e6] {
             for u in [1e-6, 0.2, 0.99] {
-                let c1 = Height::ABOVE_ALL.descended(lambda, u).share_below();
+                let c1 = Height::ABOVE_ALL.descended(lambda, u).fraction_below();
                 // The power magnifies the rounding of C1.
                 let error = c1.powf(1.0 + lambda) / u - 1.0;
                 assert!(
@@ -173,19 +172,18 @@ mod tests {
     }
 
     #[test]
-    fn behind_the_surface_low_is_high() {
+    fn heights_behind_the_surface_are_reversed() {
         for c1 in [1e-300, 1e-17, 0.1, 0.5, 0.6, 0.9] {
-            let behind = at_share(c1).seen_from_behind();
-            assert!((behind.share_below() - (1.0 - c1)).abs() < 1e-16);
-            // There and back again, without a loss at either end: the share to four roundings of its
-            // logarithm.
+            let behind = at_fraction(c1).seen_from_behind();
+            assert!((behind.fraction_below() - (1.0 - c1)).abs() < 1e-16);
+            // There and back again, without loss at either end: to four roundings of the logarithm.
             let again = behind.seen_from_behind().0;
             assert!((again / c1.ln() - 1.0).abs() < 1e-14, "{c1} {again}");
         }
     }
 
     #[test]
-    fn no_ray_makes_a_height_that_is_none() {
+    fn all_heights_are_finite_and_negative() {
         let heights = [-f64::MIN_POSITIVE, -1e-300, -1e-17, -0.3, -40.0, -800.0];
         let lambdas = [0.0, 5e-324, 1e-300, 1e-12, 1.0, 1e17, 1e308, f64::INFINITY];
         for height in heights.map(Height) {

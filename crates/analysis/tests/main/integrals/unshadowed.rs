@@ -4,12 +4,12 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
-    BsdfModel, ModelError, ScatteringModel, Scope, SlopeCovariance, bin_fluxes, control_variate,
-    hemispherical_energy, reflecting_facet, refracting_facet, sidak_z_threshold, unshadowed_fluxes,
-    visible_fractions,
+    Beckmann, BsdfModel, ModelError, ModelInfo, ScatteringModel, Scope, SlopeCovariance,
+    bin_fluxes, control_variate, hemispherical_energy, reflecting_facet, refracting_facet,
+    sidak_z_threshold, unshadowed_fluxes, visible_fractions,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, UnshadowedFluxes};
+use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, Sides, UnshadowedFluxes};
 use glam::DVec3;
 
 use crate::common::closed_form;
@@ -52,20 +52,14 @@ struct Unmasked {
 }
 
 impl ScatteringModel for Unmasked {
-    fn name(&self) -> &'static str {
-        "unmasked"
-    }
-
-    fn description(&self) -> &'static str {
-        "facets that all are seen"
-    }
-
-    fn scope(&self) -> Scope {
-        Scope::SingleScattering
-    }
-
-    fn valid_range(&self) -> &'static str {
-        "nowhere"
+    fn info(&self) -> &'static ModelInfo {
+        &ModelInfo {
+            name: "unshadowed",
+            description: "neither shadowing nor masking",
+            valid_range: "nowhere",
+            scope: Scope::SingleScattering,
+            sides: Sides::Both,
+        }
     }
 
     fn material(&self) -> Material {
@@ -97,7 +91,7 @@ impl BsdfModel for Unmasked {
             } else {
                 fresnel.transmitted
             };
-            let d = self.slopes.normal_density(facet.m);
+            let d = Beckmann::new(self.slopes).d(facet.m);
             facet.cos_theta_i * part * d * facet.chi / (wi.z * wo.z.abs())
         })
     }
@@ -221,7 +215,7 @@ fn fluxes_are_those_of_facets_drawn_at_random() {
     let mut rng = ChaCha8Rng::seed_from_u64(20);
     let mut family = Vec::new();
     for (number, (slopes, material, incidence)) in cases.into_iter().enumerate() {
-        let facing = 1.0 + slopes.lambda(incidence.wi());
+        let facing = 1.0 + Beckmann::new(slopes).lambda(incidence.wi());
         let heaviest = 1.0 + 5.0 * incidence.theta().tan() * slopes.xx().max(slopes.yy()).sqrt();
         let fluxes = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
         let expected = flat(&fluxes, facing);
@@ -408,7 +402,7 @@ fn shares_are_the_ratio_of_smiths_fluxes_to_unshadowed_ones() {
             let shares = visible_fractions(&slopes, material, incidence, &layout).unwrap();
             let again = visible_fractions(&slopes, material, incidence, &layout).unwrap();
             assert_eq!(shares, again);
-            let g1 = slopes.g1(incidence.wi());
+            let g1 = Beckmann::new(slopes).g1(incidence.wi());
             assert_eq!(shares.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
             let all = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
             let model = closed_form("smith", s, material);

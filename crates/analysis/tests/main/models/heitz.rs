@@ -4,8 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
-    Heitz, ScatteringModel, SlopeCovariance, bin_fluxes, chi_squared_survival, create_model,
-    hemispherical_energy, sidak_level, sidak_z_threshold,
+    Beckmann, Heitz, ScatteringModel, SlopeCovariance, bin_fluxes, chi_squared_survival,
+    create_model, hemispherical_energy, sidak_level, sidak_z_threshold,
 };
 use asperity_optics::{Material, from_spherical, reflect};
 use asperity_tally::{
@@ -210,7 +210,7 @@ fn reflected_twice(s: f64, n: u32) -> f64 {
         // All azimuths of the first facet are alike.
         let d1 = reflect(DVec3::Z, DVec3::new(-r, 0.0, 1.0).normalize());
         let w = -d1;
-        let l1 = slopes.lambda(d1);
+        let l1 = Beckmann::new(slopes).lambda(d1);
         let sigma = if w.z > 0.0 {
             w.z * (1.0 + l1)
         } else {
@@ -237,7 +237,9 @@ fn reflected_twice(s: f64, n: u32) -> f64 {
                 let d2 = reflect(w, (-v).extend(1.0).normalize());
                 if d2.z > 0.0 {
                     let seen = (w.z + w.x * (-v.x)).max(0.0) * p(v) / sigma;
-                    row += 2.0 * seen * height_weight(0.0, l1, d1.z > 0.0, slopes.lambda(d2));
+                    row += 2.0
+                        * seen
+                        * height_weight(0.0, l1, d1.z > 0.0, Beckmann::new(slopes).lambda(d2));
                 }
             }
         }

@@ -3,12 +3,12 @@
 use std::f64::consts::{LN_2, TAU};
 
 use asperity_analysis::{
-    BsdfModel, Expectation, Masking, ModelError, SamplingEffort, ScatteringModel, Scope,
-    SlopeCovariance, Smith, bin_fluxes, chi_squared_survival, closed_form, create_model, expect,
-    hemispherical_energy, xu_sun_visibility,
+    Beckmann, BsdfModel, Expectation, Masking, ModelError, ModelInfo, SamplingEffort,
+    ScatteringModel, Scope, SlopeCovariance, Smith, bin_fluxes, chi_squared_survival, closed_form,
+    create_model, expect, hemispherical_energy, xu_sun_visibility,
 };
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
-use asperity_tally::{Azimuth, EventPath, HemisphereGrid, Layout, Share, Side};
+use asperity_tally::{Azimuth, EventPath, HemisphereGrid, Layout, Share, Side, Sides};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -96,18 +96,16 @@ impl Averaged {
 }
 
 impl ScatteringModel for Averaged {
-    fn name(&self) -> &'static str {
-        "averaged"
+    fn info(&self) -> &'static ModelInfo {
+        &ModelInfo {
+            name: "averaged",
+            description: "Eq. 22",
+            valid_range: "this test",
+            scope: Scope::SingleScattering,
+            sides: Sides::Both,
+        }
     }
-    fn description(&self) -> &'static str {
-        "Eq. 22"
-    }
-    fn valid_range(&self) -> &'static str {
-        "this test"
-    }
-    fn scope(&self) -> Scope {
-        Scope::SingleScattering
-    }
+
     fn material(&self) -> Material {
         self.smith.material()
     }
@@ -126,7 +124,7 @@ impl BsdfModel for Averaged {
         if bare == 0.0 {
             return 0.0;
         }
-        let g1 = |w| self.slopes().g1(w);
+        let g1 = |w| Beckmann::new(self.slopes()).g1(w);
         bare / (g1(wi) * g1(wo)) * self.mean_of_product(wi, wo)
     }
 }
@@ -213,7 +211,7 @@ fn mean_weights_are_the_mean_visibility_of_lit_facets() {
     for (theta, expected) in [(30.0, 0.818_209), (60.0, 0.596_909), (80.0, 0.557_312)] {
         let wi = light(theta).0.wi();
         let v = xu_sun_visibility(wi, 1.0);
-        let facing = 1.0 + slopes.lambda(wi);
+        let facing = 1.0 + Beckmann::new(slopes).lambda(wi);
         let over_heights = facing / (1.0 - v.ln() / LN_2);
         println!(
             "{theta}: at height zero {:.4}, over heights {over_heights:.4}",
@@ -274,7 +272,7 @@ fn light_scattered_twice_met_two_independent_facets() {
         let averaged = Averaged::new(s, glass());
         let exponent = |w: DVec3| match name {
             "xu-sun-mc" => averaged.exponent(w),
-            _ => slopes.lambda(w),
+            _ => Beckmann::new(slopes).lambda(w),
         };
         let outward = |ray: &Leaving| ray.above == (ray.direction.z > 0.0);
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -460,7 +458,7 @@ fn only_smiths_visibility_knows_anisotropic_slopes() {
     assert!(
         error
             .to_string()
-            .starts_with("the model xu-sun-mc is of isotropic surfaces")
+            .starts_with("the model xu-sun-mc is defined for isotropic surfaces")
     );
     assert!(create_model("xu-sun-mc-smith", slopes, glass()).is_ok());
 }
