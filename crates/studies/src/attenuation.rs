@@ -57,8 +57,8 @@ use asperity_simulate::{Observer, RunError};
 use std::time::Instant;
 
 use asperity_analysis::{
-    smith_correlated_g2, smith_lit, smith_lit_as_printed, smith_separable_g2, v_cavity_lit,
-    v_cavity_mean_g1, v_cavity_mean_g2,
+    Beckmann, smith_correlated_g2, smith_lit, smith_lit_as_printed, smith_separable_g2,
+    v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
 use asperity_surface::SynthesisError;
 use asperity_tally::Estimate;
@@ -290,7 +290,7 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         g1_projected: areas(|area, _| [area.free, area.facing]),
         lit_projected: areas(|area, points| [area.free, points]),
         smith_lit: smith_lit(slopes, wi),
-        smith_g1: slopes.g1(wi),
+        smith_g1: Beckmann::new(*slopes).g1(wi),
         smith_lit_as_printed: smith_lit_as_printed(sigma, wi),
         v_cavity_lit: v_cavity_lit(slopes, wi),
         v_cavity_g1: v_cavity_mean_g1(slopes, wi),

@@ -161,7 +161,7 @@ impl Heitz {
                     wo: branch.upright_direction(),
                     flux,
                     path: hit.path.then(branch.event),
-                    scattered: 0,
+                    scatterings: 0,
                 });
             }
         }

@@ -266,7 +266,7 @@ impl RandomWalk for XuSunMonteCarlo {
                     wo: ray.direction,
                     flux: ray.flux,
                     path: ray.path,
-                    scattered: 0,
+                    scatterings: 0,
                 });
             } else if hits == MAX_HITS {
                 record.add_loss(Loss::Truncated, ray.flux);

@@ -1,6 +1,6 @@
 //! How a case is estimated: where its paths start, and what is subtracted from them.
 
-use asperity_analysis::{ModelError, SlopeCovariance, control_variate};
+use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{BatchStatistics, Control, Layout};
 use asperity_tracer::{Illumination, Starts};
@@ -76,7 +76,7 @@ impl Method {
         let seen: f64 = control.expected()[Layout::REFLECTED..=Layout::LOST]
             .iter()
             .sum();
-        let worth = Worth::new(seen, slopes.lambda(incidence.wi()));
+        let worth = Worth::new(seen, Beckmann::new(*slopes).lambda(incidence.wi()));
         if seen == 0.0 || estimator == Estimator::Auto && worth.time >= 1.0 {
             return Self::PLAIN;
         }

@@ -3,7 +3,9 @@
 use asperity_simulate::{Case, Estimator, Group, Observer, RaySettings, Seconds};
 use std::time::Instant;
 
-use asperity_analysis::{Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy};
+use asperity_analysis::{
+    Beckmann, Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy,
+};
 use asperity_optics::Material;
 use asperity_surface::Synthesis;
 use asperity_tally::{BatchStatistics, Layout, Share, Side};
@@ -316,7 +318,7 @@ impl<'a> Stage<'a> {
             ..
         } = &self.case;
         let wi = incidence.wi();
-        if !psd.is_isotropic() || self.slopes.lambda(wi) >= NOTHING_HIDDEN {
+        if !psd.is_isotropic() || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN {
             return Ok(None);
         }
         let of = |material| Smith::new(self.slopes, material, Masking::HeightCorrelated);
