@@ -68,12 +68,16 @@ fn every_dependency_has_a_permissive_licence() {
 #[test]
 fn no_dependency_needs_a_later_compiler_than_the_workspace_declares() {
     let Some(packages) = packages() else { return };
-    let version = |text: &str| -> Vec<u32> { text.split('.').map(|n| n.parse().unwrap()).collect() };
+    let version =
+        |text: &str| -> Vec<u32> { text.split('.').map(|n| n.parse().unwrap()).collect() };
     let declared = version(env!("CARGO_PKG_RUST_VERSION"));
     for package in &packages {
         if let Some(needed) = package["rust_version"].as_str() {
             let name = package["name"].as_str().unwrap();
-            assert!(version(needed)[..2] <= declared[..2], "{name} needs {needed}");
+            assert!(
+                version(needed)[..2] <= declared[..2],
+                "{name} needs {needed}"
+            );
         }
     }
 }
