@@ -7,15 +7,13 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{files, json, refused, succeed, words};
 use asperity_analysis::{SlopeCovariance, smith_correlated_g2};
 use asperity_optics::{from_spherical, reflect};
 use serde_json::Value;
-use support::{files, json, refused, succeed, words};
 
 /// The surfaces of the 2019 paper, whose sigma is to be given.
 const PAPER: &str = "attenuation --tau 0.5 --length 12.8 --spacing 0.05";

@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{asperity, json, refused, succeed, with_surface, words};
+use crate::support::{asperity, json, refused, succeed, with_surface, words};
 
 #[test]
 fn generate_then_inspect_shows_requested_beside_realised() {

@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use support::{files, json, refused, succeed, words};
+use crate::support::{files, json, refused, succeed, words};
 
 const CONFIG: &str = "
     [surface]

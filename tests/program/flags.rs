@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{Table, json, refused, succeed, words};
 use serde_json::{Value, json as value};
-use support::{Table, json, refused, succeed, words};
 
 fn summary(folder: &Path, line: &str) -> Value {
     json(&succeed(

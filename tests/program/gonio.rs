@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{asperity, files, json, refused, succeed, words};
 use serde_json::Value;
-use support::{asperity, files, json, refused, succeed, words};
 
 /// Two media and two angles, in a fraction of a second.
 const CONFIG: &str = "
@@ -302,7 +300,7 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
 
 #[test]
 fn given_surfaces_are_measured_and_told_apart() {
-    let (_keep, folder) = support::with_surface();
+    let (_keep, folder) = crate::support::with_surface();
     let surface = "gonio --surface h.exr --theta 30 --phi 0,90 --rays 2e4 --no-plots";
     let text = succeed(&folder, &words(&format!("{surface} -o out")));
     assert!(

@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{Table, refused, succeed, words};
+use crate::support::{Table, refused, succeed, words};
 
 /// Twelve bins a side, a thousand rays.
 const SHORT: &str = "--theta 30 --bins 3x4 --no-plots";

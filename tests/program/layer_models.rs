@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{json, refused, succeed, words};
 use serde_json::Value;
-use support::{json, refused, succeed, words};
 
 const LAYER: &str = "--eta 1.5 --theta 30 --mean-free-path 10 --albedo 0.9 --g 0.3 --thickness 1";
 

@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{asperity, files, json, refused, succeed, words};
+use crate::support::{asperity, files, json, refused, succeed, words};
 
 /// Four cells on which something holds, fails and is not resolved; in a fraction of a second.
 const CONFIG: &str = "

@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{json, refused, succeed, with_surface, words};
 use serde_json::Value;
-use support::{json, refused, succeed, with_surface, words};
 
 /// `(mean, se)` of one of the energies of a summary.
 fn energy(summary: &Value, name: &str) -> (f64, f64) {

@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{files, json, refused, succeed, with_surface};
 use serde_json::Value;
-use support::{files, json, refused, succeed, with_surface};
 
 /// A cube of side 2 on a square ground of side 6 with a gap beneath it, by polygons.
 const TABLE: &str = "v -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n\

@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 
+use crate::support::{json, refused, succeed, words};
 use serde_json::Value;
-use support::{json, refused, succeed, words};
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()

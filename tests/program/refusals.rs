@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use support::{files, refused, succeed, with_surface, words};
+use crate::support::{files, refused, succeed, with_surface, words};
 
 #[test]
 fn surfaces_out_of_proportion_are_refused_or_pointed_out() {

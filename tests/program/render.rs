@@ -6,11 +6,9 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 
-use support::{files, refused, succeed, with_surface, words};
+use crate::support::{files, refused, succeed, with_surface, words};
 
 const SMALL: &str = "render h.exr --size 24x18 --samples 4";
 

@@ -6,12 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{files, json, refused, succeed, with_surface, words};
+use crate::support::{files, json, refused, succeed, with_surface, words};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 

@@ -13,7 +13,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 use tempfile::TempDir;
 
-pub fn asperity(folder: &Path, arguments: &[&str]) -> Output {
+pub(crate) fn asperity(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_asperity"))
         .current_dir(folder)
         .args(arguments)
@@ -22,12 +22,12 @@ pub fn asperity(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 /// The arguments of a command line, none of which holds a blank.
-pub fn words(line: &str) -> Vec<&str> {
+pub(crate) fn words(line: &str) -> Vec<&str> {
     line.split(' ').collect()
 }
 
 /// Runs a command that must succeed, and returns its standard output.
-pub fn succeed(folder: &Path, arguments: &[&str]) -> String {
+pub(crate) fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = asperity(folder, arguments);
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.success(), "{arguments:?}: {errors}");
@@ -36,7 +36,7 @@ pub fn succeed(folder: &Path, arguments: &[&str]) -> String {
 }
 
 /// Runs a command that must be refused with `code` and one sentence, and returns that.
-pub fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
+pub(crate) fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
     let output = asperity(folder, arguments);
     let errors = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
@@ -50,11 +50,11 @@ pub fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
     errors
 }
 
-pub fn json(text: &str) -> Value {
+pub(crate) fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-pub fn files(folder: &Path) -> Vec<String> {
+pub(crate) fn files(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -64,7 +64,7 @@ pub fn files(folder: &Path) -> Vec<String> {
 }
 
 /// A folder with one small generated surface.
-pub fn with_surface() -> (TempDir, PathBuf) {
+pub(crate) fn with_surface() -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let arguments = words("generate --tau 8 --smoothness 2 --size 64 --seed 7");
     succeed(folder.path(), &[&arguments[..], &["-o", "h.exr"]].concat());
@@ -73,13 +73,13 @@ pub fn with_surface() -> (TempDir, PathBuf) {
 }
 
 /// A table by the names of its columns.
-pub struct Table {
+pub(crate) struct Table {
     header: Vec<String>,
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    pub fn read(path: &Path) -> Self {
+    pub(crate) fn read(path: &Path) -> Self {
         let text = fs::read_to_string(path).unwrap();
         let split = |line: &str| line.split(',').map(str::to_owned).collect();
         let mut lines = text.lines();
@@ -89,12 +89,12 @@ impl Table {
         }
     }
 
-    pub fn text(&self, row: usize, name: &str) -> &str {
+    pub(crate) fn text(&self, row: usize, name: &str) -> &str {
         let column = self.header.iter().position(|c| c == name);
         &self.rows[row][column.unwrap_or_else(|| panic!("no column {name}"))]
     }
 
-    pub fn number(&self, row: usize, name: &str) -> f64 {
+    pub(crate) fn number(&self, row: usize, name: &str) -> f64 {
         self.text(row, name).parse().unwrap()
     }
 }

@@ -6,13 +6,11 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{files, json, refused, succeed, with_surface, words};
 use serde_json::Value;
-use support::{files, json, refused, succeed, with_surface, words};
 
 #[test]
 fn verify_judges_every_case_and_says_so() {

@@ -1,0 +1,20 @@
+//! The program as its users run it, and the libraries behind it on whole runs.
+
+mod attenuation;
+mod commands;
+mod converge;
+mod estimators;
+mod flags;
+mod gonio;
+mod gonio_given;
+mod layer_models;
+mod map;
+mod media;
+mod meshes;
+mod models;
+mod reference;
+mod refusals;
+mod render;
+mod stopping;
+mod support;
+mod verify;
