@@ -6,7 +6,7 @@ use std::str::FromStr;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::statistics::mean_height;
+use crate::roughness::mean_height;
 use crate::{HeightField, HeightFieldError};
 
 /// The form to remove, by least squares over the samples of one tile.

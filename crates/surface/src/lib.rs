@@ -33,24 +33,20 @@
 //! # }
 //! ```
 
-mod correlation;
 mod form;
-mod harmonic;
 mod height_field;
 mod missing;
 mod psd;
-mod refinement;
-mod slopes;
-mod statistics;
+mod resampling;
+mod roughness;
 mod synthesis;
 
 pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
-pub use psd::{Provenance, Psd, PsdError};
-pub use refinement::{CoarseningError, RefinementError};
-pub use slopes::{SteepestFacet, Triangle};
-pub use statistics::{Compared, Realised, Roughness};
+pub use psd::{GaussianPsd, Provenance, Psd, PsdError};
+pub use resampling::{CoarseningError, RefinementError};
+pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
     SynthesisError,

@@ -1,26 +1,19 @@
 //! Power spectral densities of random surfaces.
 
-use std::f64::consts::PI;
+mod gaussian;
 
 use serde::{Deserialize, Serialize};
+
+pub use self::gaussian::GaussianPsd;
+pub(crate) use self::gaussian::PreparedDensity;
 
 /// A two-sided power spectral density of surface height over the angular wave vector.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Psd {
-    /// Gaussian autocorrelation `C = sigma^2 exp(-u^2 / tau_x^2 - v^2 / tau_y^2)`, where `(u, v)`
-    /// are the coordinates of the lag in axes turned by `azimuth` from `(x, y)`.
-    Gaussian {
-        /// Root mean square height, length units, above zero.
-        sigma: f64,
-        /// 1/e correlation length along the first principal axis, length units, above zero.
-        tau_x: f64,
-        /// 1/e correlation length along the second principal axis, length units, above zero.
-        tau_y: f64,
-        /// Angle from +x to the first principal axis, radians.
-        azimuth: f64,
-    },
+    /// Gaussian, isotropic or anisotropic.
+    Gaussian(GaussianPsd),
 }
 
 /// Why a power spectral density is refused.
@@ -74,78 +67,67 @@ impl Psd {
                 allowed: "finite",
             });
         }
-        Ok(Self::Gaussian {
+        Ok(Self::Gaussian(GaussianPsd {
             sigma,
             tau_x,
             tau_y,
             azimuth,
-        })
+        }))
     }
 
     /// `W(kx, ky)` in length units to the fourth; `kx`, `ky` in radians a length unit.
     #[must_use]
     pub fn density(&self, kx: f64, ky: f64) -> f64 {
-        self.prepared().at(kx, ky)
+        match self {
+            Self::Gaussian(gaussian) => gaussian.density(kx, ky),
+        }
     }
 
     /// The density with all that does not depend on the wave vector worked out.
     pub(crate) fn prepared(&self) -> PreparedDensity {
-        let Self::Gaussian {
-            sigma,
-            tau_x,
-            tau_y,
-            azimuth,
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        let (uu, vv) = (tau_x * tau_x / 4.0, tau_y * tau_y / 4.0);
-        PreparedDensity {
-            peak: sigma * sigma * tau_x * tau_y / (4.0 * PI),
-            xx: uu * cos * cos + vv * sin * sin,
-            xy: (uu - vv) * 2.0 * sin * cos,
-            yy: uu * sin * sin + vv * cos * cos,
+        match self {
+            Self::Gaussian(gaussian) => gaussian.prepared(),
         }
     }
 
     /// Largest `[|kx|, |ky|]` at which the density is `fraction` of its peak, radians a length unit.
     pub(crate) fn reach(&self, fraction: f64) -> [f64; 2] {
-        // The contour of exponent E reaches k = 2 sqrt(E) / length along an axis, where length is
-        // that at which the autocorrelation is 1/e along this axis: the two are polar to each other.
-        self.axis_correlation_lengths()
-            .map(|length| 2.0 * (-fraction.ln()).sqrt() / length)
+        match self {
+            Self::Gaussian(gaussian) => gaussian.reach(fraction),
+        }
     }
 
     /// Root mean square height.
     #[must_use]
     pub const fn sigma(&self) -> f64 {
-        let Self::Gaussian { sigma, .. } = *self;
-        sigma
+        match self {
+            Self::Gaussian(gaussian) => gaussian.sigma(),
+        }
     }
 
     /// 1/e correlation lengths along the two principal axes.
     #[must_use]
     pub const fn correlation_lengths(&self) -> [f64; 2] {
-        let Self::Gaussian { tau_x, tau_y, .. } = *self;
-        [tau_x, tau_y]
+        match self {
+            Self::Gaussian(gaussian) => gaussian.correlation_lengths(),
+        }
     }
 
     /// The correlation length along the second principal axis over that along the first, and the angle from +x
     /// to the first, radians; `None` if it [is isotropic](Self::is_isotropic).
     #[must_use]
     pub fn anisotropy(&self) -> Option<[f64; 2]> {
-        let Self::Gaussian {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        (!self.is_isotropic()).then(|| [tau_y / tau_x, azimuth])
+        match self {
+            Self::Gaussian(gaussian) => gaussian.anisotropy(),
+        }
     }
 
     /// Whether the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
-        let [tau_x, tau_y] = self.correlation_lengths();
-        tau_x == tau_y
+        match self {
+            Self::Gaussian(gaussian) => gaussian.is_isotropic(),
+        }
     }
 
     /// Lags along x and along y at which the autocorrelation is 1/e of its peak, length units:
@@ -153,56 +135,34 @@ impl Psd {
     /// `2 sigma^2 / length^2`.
     #[must_use]
     pub fn axis_correlation_lengths(&self) -> [f64; 2] {
-        let Self::Gaussian {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        [
-            (cos / tau_x).hypot(sin / tau_y).recip(),
-            (sin / tau_x).hypot(cos / tau_y).recip(),
-        ]
+        match self {
+            Self::Gaussian(gaussian) => gaussian.axis_correlation_lengths(),
+        }
     }
 
     /// Farthest reach along x and along y of the contour on which the autocorrelation is 1/e of its
     /// peak, length units: `[tau_x, tau_y]` if the azimuth is zero.
     #[must_use]
     pub fn correlation_extents(&self) -> [f64; 2] {
-        let Self::Gaussian {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        [
-            (cos * tau_x).hypot(sin * tau_y),
-            (sin * tau_x).hypot(cos * tau_y),
-        ]
+        match self {
+            Self::Gaussian(gaussian) => gaussian.correlation_extents(),
+        }
     }
 
     /// Autocorrelation `C(x, y)` at the lag `(x, y)`, length units squared.
     #[must_use]
     pub fn autocorrelation(&self, x: f64, y: f64) -> f64 {
-        let Self::Gaussian {
-            sigma,
-            tau_x,
-            tau_y,
-            azimuth,
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        let u = x * cos + y * sin;
-        let v = y * cos - x * sin;
-        sigma * sigma * (-(u / tau_x).powi(2) - (v / tau_y).powi(2)).exp()
+        match self {
+            Self::Gaussian(gaussian) => gaussian.autocorrelation(x, y),
+        }
     }
 
     /// Slope variances along x and y, `[-C_xx(0), -C_yy(0)]`, of the continuous surface.
     #[must_use]
     pub fn slope_variance(&self) -> [f64; 2] {
-        let [xx, _, yy] = self.slope_covariance();
-        [xx, yy]
+        match self {
+            Self::Gaussian(gaussian) => gaussian.slope_variance(),
+        }
     }
 
     /// Covariance `[xx, xy, yy]` of the slopes of the continuous surface, dimensionless:
@@ -213,56 +173,9 @@ impl Psd {
     /// [`Synthesis::facet_slope_covariance`](crate::Synthesis::facet_slope_covariance).
     #[must_use]
     pub fn slope_covariance(&self) -> [f64; 3] {
-        let Self::Gaussian {
-            sigma,
-            tau_x,
-            tau_y,
-            azimuth,
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        let along_u = 2.0 * (sigma / tau_x).powi(2);
-        let along_v = 2.0 * (sigma / tau_y).powi(2);
-        [
-            along_u * cos * cos + along_v * sin * sin,
-            (along_u - along_v) * sin * cos,
-            along_u * sin * sin + along_v * cos * cos,
-        ]
-    }
-}
-
-/// `W(k) = peak exp(-(xx kx^2 + xy kx ky + yy ky^2))`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PreparedDensity {
-    peak: f64,
-    xx: f64,
-    xy: f64,
-    yy: f64,
-}
-
-impl PreparedDensity {
-    /// `W(kx, ky)`, as [`Psd::density`].
-    pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
-        self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
-    }
-
-    /// Whether `W` is a function of `kx` times a function of `ky`.
-    pub(crate) fn is_separable(&self) -> bool {
-        self.xy == 0.0
-    }
-
-    /// The factor of a separable `W` that depends on `ky`, 1 at `ky = 0`.
-    pub(crate) fn factor_along_y(&self, ky: f64) -> f64 {
-        debug_assert!(self.is_separable());
-        (-self.yy * ky * ky).exp()
-    }
-
-    /// Largest `|ky|` at which, for this `kx`, the density is `fraction` of its peak; none if it
-    /// stays below.
-    pub(crate) fn reach_along_y(&self, kx: f64, fraction: f64) -> Option<f64> {
-        // The larger root of yy ky^2 - |xy kx| ky + xx kx^2 + ln(fraction) = 0
-        let b = (self.xy * kx).abs();
-        let discriminant = b * b - 4.0 * self.yy * (self.xx * kx * kx + fraction.ln());
-        (discriminant >= 0.0).then(|| (b + discriminant.sqrt()) / (2.0 * self.yy))
+        match self {
+            Self::Gaussian(gaussian) => gaussian.slope_covariance(),
+        }
     }
 }
 
@@ -279,6 +192,8 @@ pub struct Provenance {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     #[test]

@@ -324,22 +324,16 @@ fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)>
     ];
     // The attributes name a Gaussian; spectra of other kinds are not recorded.
     if let Some(Provenance {
-        psd:
-            Psd::Gaussian {
-                sigma,
-                tau_x,
-                tau_y,
-                azimuth,
-            },
+        psd: Psd::Gaussian(gaussian),
         seed,
         realisation,
     }) = field.provenance()
     {
         attributes.extend([
-            ("sigma", AttributeValue::F64(*sigma)),
-            ("tau_x", AttributeValue::F64(*tau_x)),
-            ("tau_y", AttributeValue::F64(*tau_y)),
-            ("azimuth", AttributeValue::F64(*azimuth)),
+            ("sigma", AttributeValue::F64(gaussian.sigma)),
+            ("tau_x", AttributeValue::F64(gaussian.tau_x)),
+            ("tau_y", AttributeValue::F64(gaussian.tau_y)),
+            ("azimuth", AttributeValue::F64(gaussian.azimuth)),
             ("seed", text(&seed.to_string())),
             ("realisation", text(&realisation.to_string())),
             ("autocorrelation", text(CONVENTION)),

@@ -1,13 +1,18 @@
 //! Roughness of any surface, generated or measured.
 
+mod correlation;
+mod slopes;
+
 use std::f64::consts::{PI, SQRT_2};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
-use crate::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
-use crate::slopes::slope_moments;
-use crate::{Border, HeightField, LengthUnit, SteepestFacet};
+use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
+use self::slopes::slope_moments;
+use crate::{Border, HeightField, LengthUnit};
+
+pub use self::slopes::{SteepestFacet, Triangle};
 
 /// Parameters of a surface's roughness.
 ///
