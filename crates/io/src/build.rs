@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// Epoch of the numbers that this program writes.
 ///
-/// Raise it with every change after which the same configuration and seed give other numbers, be it
-/// in the last digit: other algorithms, other random streams, another order of summation. Leave it
+/// Raise it with every change after which the same configuration and seed give other numbers, even in
+/// the last digit: other algorithms, other random streams, another order of summation. Leave it
 /// where only file layouts, words, figures or speed change. Results of different epochs are never
 /// mixed: checkpoints of another epoch are refused.
 pub const RESULTS_EPOCH: u32 = 1;

@@ -26,7 +26,7 @@ pub enum HeightMapFormat {
     /// points, `#` before comments; plain (spacing 1, no unit) or after the header lines of an
     /// interferometer (`h=`, `w=`, `pixel size=`, `data unit=`, `height conversion factor (-> m)=`).
     Text,
-    /// Greyscale image of 16 bits, written only, for the eye: black is the lowest height, white the
+    /// Greyscale image of 16 bits, written only, for viewing: black is the lowest height, white the
     /// highest; text chunks keep the mapping `height_min`, `height_max`, `spacing_x`, `spacing_y`,
     /// `unit`. Row 0 is on top.
     Png,
@@ -43,7 +43,7 @@ impl HeightMapFormat {
         Self::Png,
     ];
 
-    /// The endings that stand for the format, in small letters and without the dot.
+    /// The endings of the format, in lower case and without the dot.
     #[must_use]
     pub const fn endings(self) -> &'static [&'static str] {
         match self {
@@ -56,7 +56,7 @@ impl HeightMapFormat {
         }
     }
 
-    /// The format that the ending of `path` stands for, in capital or small letters.
+    /// The format of the ending of `path`, in upper or lower case.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
@@ -65,13 +65,13 @@ impl HeightMapFormat {
             .find(|format| format.endings().contains(&ending.as_str()))
     }
 
-    /// Whether [`read_height_map`] reads it: all but PNG, which has no scale.
+    /// Whether [`read_height_map`](crate::read_height_map) reads it: all but PNG, which has no scale.
     #[must_use]
     pub const fn can_read(self) -> bool {
         !matches!(self, Self::Png)
     }
 
-    /// Whether [`write_height_map`] writes it: all but text.
+    /// Whether [`write_height_map`](crate::write_height_map) writes it: all but text.
     #[must_use]
     pub const fn can_write(self) -> bool {
         !matches!(self, Self::Text)
@@ -139,7 +139,7 @@ impl MeshFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Ply, Self::Obj, Self::Stl];
 
-    /// The ending that stands for the format, in small letters and without the dot.
+    /// The ending of the format, in lower case and without the dot.
     #[must_use]
     pub const fn ending(self) -> &'static str {
         match self {
@@ -149,7 +149,7 @@ impl MeshFormat {
         }
     }
 
-    /// The format that the ending of `path` stands for, in capital or small letters.
+    /// The format of the ending of `path`, in upper or lower case.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();

@@ -28,8 +28,25 @@ pub use npy::write_array;
 /// Missing points are NaN in the result. Rows and columns keep the order of the file: its first
 /// row is row 0, at y = 0.
 ///
+/// # Examples
+/// ```
+/// use asperity_io::{HeightMapFormat, read_height_map, write_bytes};
+/// use asperity_surface::{Border, MissingPolicy};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("map.txt");
+/// write_bytes(&path, b"0 1 2\n3 bad 5\n")?;
+///
+/// let map = read_height_map(&path)?;
+/// assert_eq!((map.shape(), map.missing()), ([2, 3], 1));
+/// let field = map.into_height_field(MissingPolicy::Fill, Border::Open)?;
+/// // The mean of its three neighbours
+/// assert!((field.height(1, 1) - 3.0).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
-/// [`ReadError`] if the file is not there, not of the format its ending says, damaged, cut short,
+/// [`ReadError`] if the file does not exist, is not of the format its ending says, damaged, cut short,
 /// of an unknown ending, or holds no surface (too small, infinite heights, spacings not positive).
 pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError> {
     let path = path.as_ref();
@@ -51,7 +68,7 @@ pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError
     )
 }
 
-/// Reads a height map of a known format; `path` serves messages only.
+/// Reads a height map of a known format; `path` is for messages only.
 pub(crate) fn read_from<R: BufRead + Seek>(
     path: &Path,
     format: HeightMapFormat,
@@ -83,7 +100,7 @@ const MARKS: [(HeightMapFormat, &[u8]); 5] = [
     (HeightMapFormat::Png, b"\x89PNG\r\n\x1a\n"),
 ];
 
-/// Compares the first bytes of a file with what its ending promises.
+/// Checks that the first bytes of a file are those of the format of its ending.
 fn check_mark(path: &Path, format: HeightMapFormat, start: &[u8]) -> Result<(), ReadError> {
     let found = MARKS.iter().find(|(_, mark)| start.starts_with(mark));
     match found {
@@ -140,6 +157,23 @@ fn read_up_to(reader: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usiz
 /// | .x3p | double precision, in metres: exact if the unit is metre | yes, as metres | yes, in a comment | no |
 /// | .png | 65536 grey levels between the lowest and the highest | in text chunks | in a text chunk | no |
 ///
+/// # Examples
+/// ```
+/// use asperity_io::{read_height_map, write_height_map};
+/// use asperity_surface::{Border, MissingPolicy, Psd, Synthesis};
+///
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("surface.npy");
+/// let synthesis = Synthesis::new(Psd::gaussian(1.0, 4.0)?, [32, 32], [1.0, 1.0], false)?;
+/// let surface = synthesis.draw(1, 0)?;
+/// write_height_map(&path, &surface)?;
+///
+/// let map = read_height_map(&path)?;
+/// let read = map.into_height_field(MissingPolicy::Refuse, Border::Periodic)?;
+/// assert_eq!(read.heights(), surface.heights());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
 /// # Errors
 /// [`WriteError`] if the ending is unknown or of a format that is only read, the format cannot
 /// hold the surface (no unit for X3P, beyond single precision for EXR and GSF), or the operating
@@ -153,7 +187,7 @@ pub fn write_height_map(path: impl AsRef<Path>, field: &HeightField) -> Result<(
     replace_alone(path, |out| write_to(path, format, field, out))
 }
 
-/// Writes a height map in a known format; `path` serves messages only.
+/// Writes a height map in a known format; `path` is for messages only.
 pub(crate) fn write_to<W: Write>(
     path: &Path,
     format: HeightMapFormat,

@@ -2,13 +2,13 @@
 //!
 //! [`read_height_map`] and [`write_height_map`] choose the format by the file's ending:
 //! OpenEXR, NumPy, Gwyddion Simple Field, ISO 25178-72 (X3P), text matrices (read only) and 16-bit
-//! PNG (written only); [`HeightMapFormat`] tells what each keeps. [`read_mesh`] and [`write_mesh`]
+//! PNG (written only); [`HeightMapFormat`] says what each keeps. [`read_mesh`] and [`write_mesh`]
 //! do the same for triangle meshes, [`write_csv`] and [`write_json`] for results.
 //!
-//! Whatever is written goes aside first and is renamed when complete ([`write_atomically`]), so
-//! that a name either holds a whole file or what it held before. The bytes depend on the data
-//! alone: no time, no host, no order of hashing. Whatever is read is checked first against the real
-//! length of the file, so that no header can ask for more memory than the file deserves, and every
+//! Files are written aside and renamed when complete ([`write_atomically`]), so that a name holds
+//! either the complete new file or the old one. [`ResultFolder`] does the same for all files of a run.
+//! The bytes depend on the data alone: no time, no host, no order of hashing. Sizes in headers are checked first against the real
+//! length of the file, so that no header can claim more memory than its file can fill, and every
 //! error is one sentence that names the file.
 //!
 //! ```

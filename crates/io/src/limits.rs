@@ -68,7 +68,7 @@ pub(crate) fn check_plain_data(
     [data_length, length]: [u64; 2],
 ) -> Result<[usize; 2], ReadError> {
     let needed = bytes_of([ny, nx], bytes_each)
-        // Nobody loses all but a thousandth of a file: a header that claims so much is a lie.
+        // Truncation rarely leaves less than a thousandth of a file: such a header is wrong.
         .filter(|needed| needed / 1024 <= length)
         .ok_or_else(|| too_large(path, [ny, nx], length))?;
     let shape = [ny, nx].map(|n| usize::try_from(n).unwrap_or(usize::MAX));

@@ -29,8 +29,8 @@ pub struct MeshData {
 
 /// A borrowed triangle mesh.
 ///
-/// Triangles run counter-clockwise as seen from +z, so that their normals point upwards; whoever
-/// makes them sees to it.
+/// Triangles run counter-clockwise as seen from +z, so that their normals point upwards; which is not
+/// checked.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshView<'a> {
     /// Positions `[x, y, z]` in length units.
@@ -42,11 +42,11 @@ pub struct MeshView<'a> {
 /// Reads a triangle mesh; the ending of `path` chooses the format.
 ///
 /// PLY is read as text and in either byte order, STL as text and binary; polygons become fans of
-/// triangles around their first corner, and vertices of equal coordinates become one. Nothing is
-/// asked of the shape: triangles may be without area, and overlap.
+/// triangles around their first corner, and vertices of equal coordinates become one. The shape
+/// is not checked: triangles may have no area, and overlap.
 ///
 /// # Errors
-/// [`ReadError`] if the file is not there, of another ending, damaged, cut short, or holds no faces,
+/// [`ReadError`] if the file does not exist, has another ending, damaged, cut short, or holds no faces,
 /// coordinates that are not finite, or corners that do not exist.
 pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshData, ReadError> {
     let path = path.as_ref();
@@ -58,7 +58,7 @@ pub fn read_mesh(path: impl AsRef<Path>) -> Result<MeshData, ReadError> {
     read_mesh_from(path, format, reader, length)
 }
 
-/// Reads a mesh of a known format; `path` serves messages only.
+/// Reads a mesh of a known format; `path` is for messages only.
 pub(crate) fn read_mesh_from<R: BufRead + Seek>(
     path: &Path,
     format: MeshFormat,

@@ -1,4 +1,4 @@
-//! Pictures: radiance by pixel, as OpenEXR for numbers and as PNG for the eye.
+//! Pictures: radiance by pixel, as OpenEXR for numbers and as PNG for viewing.
 //!
 //! EXR (.exr): the channels `Y`, radiance, `error`, its standard error, and `A`, the share of the pixel in
 //! which the camera sees the surface; single precision, ZIP compression, lossless. Radiance is linear, and
@@ -33,15 +33,15 @@ pub struct Picture {
 pub enum PictureFormat {
     /// OpenEXR: all numbers.
     Exr,
-    /// PNG, for the eye.
+    /// PNG, for viewing.
     Png,
 }
 
 impl PictureFormat {
-    /// The format that the ending of `path` stands for, in capital or small letters.
+    /// The format of the ending of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`WriteError::UnknownEnding`] if it stands for none.
+    /// [`WriteError::UnknownEnding`] if there is none.
     pub fn from_path(path: &Path) -> Result<Self, WriteError> {
         let ending = path.extension().and_then(|ending| ending.to_str());
         match ending.map(str::to_ascii_lowercase).as_deref() {
@@ -55,18 +55,18 @@ impl PictureFormat {
     }
 }
 
-/// Writes a picture in the format that the ending of `path` stands for, as
+/// Writes a picture in the format of the ending of `path`, as
 /// [`crate::write_atomically`] does.
 ///
 /// `exposure`: what radiance is multiplied by for PNG, where one is white; `comment`: what the values are,
 /// for EXR.
 ///
 /// # Errors
-/// [`WriteError`] if the ending stands for no format, a value is beyond single precision, or the file
+/// [`WriteError`] if the ending is unknown, a value is beyond single precision, or the file
 /// cannot be written.
 ///
 /// # Panics
-/// If a vector has not one value a pixel.
+/// If a vector does not have one value per pixel.
 pub fn write_picture(
     path: impl AsRef<Path>,
     picture: &Picture,
@@ -76,7 +76,7 @@ pub fn write_picture(
     let path = path.as_ref();
     let pixels = picture.size[0] * picture.size[1];
     for values in [&picture.radiance, &picture.error, &picture.coverage] {
-        assert_eq!(values.len(), pixels, "a value a pixel");
+        assert_eq!(values.len(), pixels, "one value per pixel");
     }
     match PictureFormat::from_path(path)? {
         PictureFormat::Exr => replace_alone(path, |out| write_exr(path, picture, comment, out)),

@@ -8,17 +8,17 @@ use crate::formats::{HeightMapFormat, MeshFormat};
 /// A file format of surfaces, which are height maps or meshes, chosen by the ending of the file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SurfaceFormat {
-    /// A height map, read by [`read_height_map`].
+    /// A height map, read by [`read_height_map`](crate::read_height_map).
     HeightMap(HeightMapFormat),
     /// A triangle mesh, read by [`read_mesh`](crate::read_mesh).
     Mesh(MeshFormat),
 }
 
 impl SurfaceFormat {
-    /// The format that the ending of `path` stands for, in capital or small letters.
+    /// The format of the ending of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`ReadError::UnknownSurfaceEnding`] if it stands for none.
+    /// [`ReadError::UnknownSurfaceEnding`] if there is none.
     pub fn from_path(path: &Path) -> Result<Self, ReadError> {
         let mesh = || MeshFormat::from_path(path).map(Self::Mesh);
         HeightMapFormat::from_path(path)

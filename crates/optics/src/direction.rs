@@ -34,7 +34,7 @@ pub fn azimuth(w: DVec3) -> f64 {
     }
 }
 
-/// The unit vector at the cosine `mu` from the unit vector `axis`, at the share `turn` of a full turn
+/// The unit vector at the angle of cosine `mu` to the unit vector `axis`, at the azimuth `2 pi turn`
 /// about it.
 ///
 /// # Source
@@ -69,6 +69,16 @@ pub enum IncidenceError {
 }
 
 /// The direction of collimated light: polar angle below a right angle, any azimuth.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::Incidence;
+///
+/// let wi = Incidence::from_degrees(60.0, 90.0)?.wi();
+/// assert!((wi.z - 0.5).abs() < 1e-15 && wi.y > 0.0);
+/// assert!(Incidence::from_degrees(90.0, 0.0).is_err());
+/// # Ok::<(), asperity_optics::IncidenceError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Incidence {
     theta: f64,

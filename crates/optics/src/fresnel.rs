@@ -14,7 +14,20 @@
 
 use num_complex::Complex64;
 
-/// What an interface does with unpolarised flux that meets it.
+/// Fresnel terms of an interface for unpolarised light.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::dielectric;
+///
+/// // Brewster's angle: the reflected and the refracted ray are at right angles.
+/// let eta = 1.5_f64;
+/// let theta_i = eta.atan();
+/// let fresnel = dielectric(theta_i.cos(), eta);
+/// assert!((fresnel.cos_theta_t - theta_i.sin()).abs() < 1e-15);
+/// // Beyond the critical angle all light is reflected.
+/// assert_eq!(dielectric(0.2, 1.0 / eta).reflected, 1.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel {
     /// Fraction reflected, `[0, 1]`.

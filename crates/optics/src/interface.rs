@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// The mirrored direction `wo = 2 (wi . m) m - wi`, renormalised.
 ///
-/// `wi` points away from the facet, `m` is the unit normal on the same side.
+/// `wi` points away from the facet; `m` is the unit normal on the same side.
 #[must_use]
 #[inline]
 pub fn reflect(wi: DVec3, m: DVec3) -> DVec3 {

@@ -1,23 +1,23 @@
-//! What lies below a surface: a medium, and what it ends on.
+//! Layer below a surface: a participating medium and its lower boundary.
 
 use serde::Serialize;
 
 use crate::material::valid_eta;
 use crate::{MaterialError, ParticipatingMedium};
 
-/// What a layer of medium ends on.
+/// Lower boundary of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Bottom {
-    /// Nothing: the medium ends, and what surrounds its particles goes on. Light leaves undeviated.
+    /// None: the particles end, but not the material around them. Light leaves undeviated.
     Open,
     /// An interface to a clear third medium, of index `eta` relative to the layer's.
     Interface {
         /// n_beyond / n_layer.
         eta: f64,
     },
-    /// Takes all light.
+    /// Absorbs all light.
     Absorbing,
     /// Reflects all light as a mirror does.
     Mirror,
@@ -28,19 +28,30 @@ pub enum Bottom {
     },
 }
 
-/// A medium below a surface: all the way down, or down to a bottom.
+/// A medium below a surface, semi-infinite or down to a bottom.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::{Bottom, Layer, ParticipatingMedium, PhaseFunction};
+///
+/// let phase = PhaseFunction::henyey_greenstein(0.8)?;
+/// let medium = ParticipatingMedium::from_mean_free_path(2.0, 0.9, phase)?;
+/// let layer = Layer::slab(medium, 40.0, Bottom::Absorbing)?;
+/// assert!(!layer.transmits());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Layer {
     medium: ParticipatingMedium,
     slab: Option<Slab>,
 }
 
-/// Where a layer ends.
+/// Thickness and lower boundary of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Slab {
     /// From the mean plane of the surface to that of the bottom, in the unit of the surface.
     pub thickness: f64,
-    /// What it ends on.
+    /// Lower boundary.
     pub bottom: Bottom,
 }
 
@@ -48,7 +59,7 @@ pub struct Slab {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LayerError {
-    /// The thickness is none.
+    /// The thickness is out of range.
     #[error("the thickness is {0:?}; it must be a length above zero")]
     BadThickness(f64),
     /// The bottom's reflectance is out of range.
@@ -60,7 +71,7 @@ pub enum LayerError {
 }
 
 impl Layer {
-    /// A medium that goes on for ever.
+    /// A semi-infinite medium.
     #[must_use]
     pub const fn half_space(medium: ParticipatingMedium) -> Self {
         Self { medium, slab: None }
@@ -69,7 +80,7 @@ impl Layer {
     /// A medium down to `thickness` below the mean plane.
     ///
     /// # Errors
-    /// [`LayerError`] unless `0 < thickness <= 1e150`, a reflectance is from 0 to 1, and an index is one.
+    /// [`LayerError`] unless `0 < thickness <= 1e150`, a reflectance is from 0 to 1, and an index is in the range of [`Material`](crate::Material).
     pub fn slab(
         medium: ParticipatingMedium,
         thickness: f64,
@@ -99,7 +110,7 @@ impl Layer {
         self.medium
     }
 
-    /// Where it ends, if it does.
+    /// Thickness and lower boundary; `None` if it is semi-infinite.
     #[must_use]
     pub const fn end(&self) -> Option<Slab> {
         self.slab

@@ -1,4 +1,4 @@
-//! Directions, the Fresnel equations, interface materials, and media that absorb and scatter.
+//! Directions, the Fresnel equations, interface materials, and participating media.
 //!
 //! # Conventions
 //! The mean plane of the surface is `z = 0` and +z points into the incident medium. `wi` points

@@ -1,10 +1,23 @@
-//! What the surface is made of.
+//! Interface material: dielectric, conductor or mirror, with its Fresnel terms.
 
 use serde::{Deserialize, Serialize};
 
 use crate::{Fresnel, conductor, dielectric};
 
 /// Interface material, with indices relative to the medium that the light comes from.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::Material;
+///
+/// let glass = Material::dielectric(1.5)?;
+/// let fresnel = glass.fresnel(1.0);
+/// assert!((fresnel.reflected - 0.04).abs() < 1e-15);
+///
+/// let gold = Material::conductor(0.21, 3.272)?;
+/// assert!(gold.fresnel(1.0).reflected > 0.93);
+/// # Ok::<(), asperity_optics::MaterialError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
@@ -14,7 +27,7 @@ pub enum Material {
         /// Relative refractive index.
         eta: f64,
     },
-    /// Absorbing conductor of relative index `eta + i kappa`; nothing is followed inside.
+    /// Absorbing conductor of relative index `eta + i kappa`; no path is followed inside.
     Conductor {
         /// Real part of the relative index, above zero.
         eta: f64,

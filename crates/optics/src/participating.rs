@@ -1,4 +1,4 @@
-//! Media that absorb and scatter the light that passes through them.
+//! Participating medium: absorption, scattering and phase function.
 
 use serde::Serialize;
 
@@ -32,7 +32,7 @@ pub enum ParticipatingMediumError {
     #[error("the mean free path is {0:?}; it must be a length from 1e-150 to 1e150")]
     BadMeanFreePath(f64),
     /// The albedo is out of range.
-    #[error("the albedo is {0:?}; the share of an interaction that scatters must be from 0 to 1")]
+    #[error("the albedo is {0:?}; it must be from 0 to 1")]
     BadAlbedo(f64),
 }
 
@@ -63,8 +63,8 @@ impl ParticipatingMedium {
         })
     }
 
-    /// A medium in which light goes `mean_free_path` from interaction to interaction, on average, of
-    /// which a share `albedo` scatters it and the rest absorbs it.
+    /// A medium of the given mean free path, in which a fraction `albedo` of interactions scatters and
+    /// the rest absorbs.
     ///
     /// # Errors
     /// [`ParticipatingMediumError`] unless `1e-150 <= mean_free_path <= 1e150` and `0 <= albedo <= 1`.
@@ -98,19 +98,19 @@ impl ParticipatingMedium {
         1.0 / self.extinction
     }
 
-    /// Share of an interaction that scatters, `[0, 1]`.
+    /// Single-scattering albedo, `[0, 1]`.
     #[must_use]
     pub const fn albedo(&self) -> f64 {
         self.albedo
     }
 
-    /// Where it scatters light to.
+    /// Phase function.
     #[must_use]
     pub const fn phase(&self) -> PhaseFunction {
         self.phase
     }
 
-    /// Whether light passes as through nothing.
+    /// Whether the medium neither absorbs nor scatters.
     #[must_use]
     pub const fn is_clear(&self) -> bool {
         self.extinction == 0.0

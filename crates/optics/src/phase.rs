@@ -1,4 +1,4 @@
-//! Phase functions: where a particle of a medium scatters light.
+//! Phase functions: the directions into which a medium scatters light.
 
 use std::f64::consts::PI;
 
@@ -8,6 +8,17 @@ use serde::Serialize;
 use crate::direction::around;
 
 /// How light is scattered inside a medium, by the angle between the directions before and after.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::{PhaseFunction, from_spherical};
+///
+/// let forward = PhaseFunction::henyey_greenstein(0.9)?;
+/// assert!(forward.density(1.0) > forward.density(-1.0));
+/// let scattered = forward.sample(from_spherical(0.3, 0.0), [0.5, 0.25]);
+/// assert!((scattered.length() - 1.0).abs() < 1e-15);
+/// # Ok::<(), asperity_optics::PhaseFunctionError>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -28,7 +39,7 @@ pub enum PhaseFunction {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhaseFunctionError {
-    /// The mean cosine is that of no density.
+    /// The mean cosine is out of range.
     #[error("g is {0:?}; the mean cosine of scattering must lie between -1 and 1, both excluded")]
     BadMeanCosine(f64),
 }
@@ -88,8 +99,8 @@ impl PhaseFunction {
     }
 }
 
-/// Cosine below which a share `(1 + s) / 2` of Henyey-Greenstein lies: the usual inverse, multiplied out
-/// so that nothing cancels for small `g`.
+/// Inverse of the cumulative distribution of the cosine for Henyey-Greenstein at `(1 + s) / 2`, expanded so
+/// that nothing cancels for small `g`.
 fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
     let g2 = g * g;
     let numerator = 2.0 * s * (1.0 + g2) + g * (s * s * (1.0 + g2) + 3.0 - g2);
@@ -97,7 +108,7 @@ fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
     (numerator / (2.0 * root * root)).clamp(-1.0, 1.0)
 }
 
-/// The same for Rayleigh: the real root of `mu^3 + 3 mu = 4 s`.
+/// As [`henyey_greenstein_cosine`], for Rayleigh: the real root of `mu^3 + 3 mu = 4 s`.
 fn rayleigh_cosine(s: f64) -> f64 {
     (2.0 * ((2.0 * s).asinh() / 3.0).sinh()).clamp(-1.0, 1.0)
 }

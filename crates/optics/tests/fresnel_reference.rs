@@ -1,6 +1,4 @@
-//! Fresnel reflectances against 50-digit arithmetic.
-//!
-//! The whole table lies beside the project, where it is there; a few rows stand here.
+//! Fresnel reflectances against 50-digit arithmetic: a few rows here, and a table where it is present.
 
 #![allow(
     clippy::unwrap_used,

@@ -186,6 +186,21 @@ pub enum HeightFieldError {
 ///
 /// Shape `[ny, nx]`, row-major: the sample in column `ix` and row `iy` is `heights[iy * nx + ix]`
 /// and sits at `(ix dx, iy dy)`. All heights are finite and both spacings positive.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::{Border, HeightField, LengthUnit};
+///
+/// // Two rows of three samples, 0.5 um apart
+/// let heights = vec![0.0, 0.1, 0.0, 0.0, 0.2, 0.0];
+/// let field = HeightField::new(heights, [2, 3], [0.5, 0.5])?
+///     .with_unit(LengthUnit::Micrometre)
+///     .with_border(Border::Mirrored);
+/// assert_eq!(field.height(1, 1), 0.2);
+/// // Of a surface that does not repeat, cells are one fewer than samples.
+/// assert_eq!(field.extent(), [1.0, 0.5]);
+/// # Ok::<(), asperity_surface::HeightFieldError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeightField {
     heights: Vec<f64>,
@@ -199,7 +214,7 @@ pub struct HeightField {
 impl HeightField {
     /// A periodic surface in arbitrary units.
     ///
-    /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units a sample.
+    /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units per sample.
     ///
     /// # Errors
     /// [`HeightFieldError`] if the shape is too small or does not fit the number of heights, a
@@ -306,7 +321,7 @@ impl HeightField {
         self.shape[0]
     }
 
-    /// `[dx, dy]`, length units a sample.
+    /// `[dx, dy]`, length units per sample.
     #[must_use]
     pub const fn spacing(&self) -> [f64; 2] {
         self.spacing

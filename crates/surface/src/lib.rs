@@ -23,7 +23,7 @@
 //! let seed = 1;
 //! let surface = synthesis.draw(seed, 0)?;
 //!
-//! // A realisation is not rescaled: its roughness scatters about what was asked for.
+//! // A realisation is not rescaled: its roughness scatters about the requested one.
 //! let roughness = Roughness::of(&surface);
 //! let sigma = roughness.realised.expect("the surface was generated").sigma;
 //! let scatter = sigma.expected_deviation.expect("known for a Gaussian");

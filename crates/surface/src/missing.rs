@@ -71,7 +71,7 @@ pub enum MissingError {
     /// Unknown name of a policy.
     #[error("unknown policy `{0}` for missing points; allowed are refuse and fill")]
     UnknownPolicy(String),
-    /// The points that are there make no surface.
+    /// The points that are present make no surface.
     #[error(transparent)]
     HeightField(#[from] HeightFieldError),
 }
@@ -129,7 +129,7 @@ impl RawHeightMap {
         })
     }
 
-    /// The same map, of a source that says nothing of its spacing, so that a caller may ask for it.
+    /// The same map, with a spacing that is assumed because the source states none.
     #[must_use]
     pub fn with_assumed_spacing(self) -> Self {
         Self {
@@ -138,7 +138,7 @@ impl RawHeightMap {
         }
     }
 
-    /// Whether the source says what its spacing is.
+    /// Whether the source states the spacing.
     #[must_use]
     pub const fn spacing_is_known(&self) -> bool {
         self.spacing_is_known
@@ -169,7 +169,7 @@ impl RawHeightMap {
         self.shape
     }
 
-    /// The surface; a source that says nothing of its border is taken as `default_border`.
+    /// The surface; `default_border` applies if the source states none.
     ///
     /// # Errors
     /// [`MissingError`] if points are missing and `policy` refuses them, none is left to fill from,

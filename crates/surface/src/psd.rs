@@ -8,6 +8,17 @@ pub use self::gaussian::GaussianPsd;
 pub(crate) use self::gaussian::PreparedDensity;
 
 /// A two-sided power spectral density of surface height over the angular wave vector.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::Psd;
+///
+/// // Root mean square height 0.5, correlation length 2: smoothness tau / sigma = 4
+/// let psd = Psd::gaussian(0.5, 2.0)?;
+/// // Slope variance per axis 2 / s^2
+/// assert_eq!(psd.slope_variance(), [0.125, 0.125]);
+/// # Ok::<(), asperity_surface::PsdError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 #[non_exhaustive]
@@ -75,7 +86,7 @@ impl Psd {
         }))
     }
 
-    /// `W(kx, ky)` in length units to the fourth; `kx`, `ky` in radians a length unit.
+    /// `W(kx, ky)` in length units to the fourth; `kx`, `ky` in radians per length unit.
     #[must_use]
     pub fn density(&self, kx: f64, ky: f64) -> f64 {
         match self {
@@ -83,14 +94,14 @@ impl Psd {
         }
     }
 
-    /// The density with all that does not depend on the wave vector worked out.
+    /// The density, with everything precomputed that does not depend on the wave vector.
     pub(crate) fn prepared(&self) -> PreparedDensity {
         match self {
             Self::Gaussian(gaussian) => gaussian.prepared(),
         }
     }
 
-    /// Largest `[|kx|, |ky|]` at which the density is `fraction` of its peak, radians a length unit.
+    /// Largest `[|kx|, |ky|]` at which the density is `fraction` of its peak, radians per length unit.
     pub(crate) fn reach(&self, fraction: f64) -> [f64; 2] {
         match self {
             Self::Gaussian(gaussian) => gaussian.reach(fraction),
@@ -179,10 +190,10 @@ impl Psd {
     }
 }
 
-/// How a surface was generated: what was asked for, and from which random stream it came.
+/// How a surface was generated: the requested statistics and the random stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// The power spectral density asked for.
+    /// The requested power spectral density.
     pub psd: Psd,
     /// The seed.
     pub seed: u64,

@@ -23,7 +23,7 @@ pub enum RefinementError {
     /// The system gives no more memory.
     #[error("{bytes} bytes of memory were refused for the refined surface")]
     OutOfMemory {
-        /// Bytes asked for.
+        /// Requested bytes.
         bytes: usize,
     },
     /// The refined grid or its heights make no surface.
@@ -79,7 +79,7 @@ impl HeightField {
     /// It holds four times the bytes of the heights beside them, and some columns.
     ///
     /// # Errors
-    /// - [`RefinementError::Open`] for an open border: nothing says how the surface goes on, so it has
+    /// - [`RefinementError::Open`] for an open border: the surface is unknown beyond its border, so it has
     ///   no spectrum.
     /// - [`RefinementError::OutOfMemory`] if the system refuses the memory.
     /// - [`RefinementError::HeightField`] if the grid is too large, or heights overshoot what a surface
@@ -99,7 +99,7 @@ impl HeightField {
         let spacing = self.spacing().map(|d| d / 2.0);
         check_grid(shape, spacing)?;
         let len = shape[0] * shape[1];
-        // Asked twice, since the vector whose pages threads clear as they write cannot report a refusal
+        // Reserved twice, since the vector whose pages threads clear as they write cannot report a refusal
         Vec::<f64>::new()
             .try_reserve_exact(len)
             .map_err(|_| RefinementError::OutOfMemory {
@@ -119,7 +119,7 @@ impl HeightField {
     ///
     /// Period or extent, unit, border and provenance stay. A periodic field of shape `[ny, nx]` becomes
     /// one of `[ny / 2, nx / 2]`, any other one of `[(ny + 1) / 2, (nx + 1) / 2]`. Nothing is smoothed:
-    /// waves that the coarser grid does not resolve are taken for longer ones.
+    /// waves that the coarser grid does not resolve are aliased to longer ones.
     ///
     /// # Errors
     /// - [`CoarseningError::OddCells`] if a number of cells, of [`HeightField::cells`], is odd.

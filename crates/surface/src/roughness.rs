@@ -27,7 +27,7 @@ pub use self::slopes::{SteepestFacet, Triangle};
 pub struct Roughness {
     /// Number of samples `[ny, nx]`.
     pub shape: [usize; 2],
-    /// `[dx, dy]`, length units a sample.
+    /// `[dx, dy]`, length units per sample.
     pub spacing: [f64; 2],
     /// Extent `[x, y]` of one tile, length units.
     pub extent: [f64; 2],
@@ -83,11 +83,11 @@ pub struct Roughness {
     pub equivalent_smoothness: Option<f64>,
     /// The steepest facet, the first of equals.
     pub steepest: SteepestFacet,
-    /// What was asked for beside what came, if the surface carries its provenance.
+    /// Requested and realised statistics, if the surface carries its provenance.
     pub realised: Option<Realised>,
 }
 
-/// A generated surface's statistics: asked for and realised, side by side.
+/// Requested and realised statistics of a generated surface.
 ///
 /// They differ because a tile holds finitely many correlation areas and a realisation is never
 /// rescaled.
@@ -108,10 +108,10 @@ pub struct Realised {
     pub slope_variance_y: Compared,
 }
 
-/// One number, asked for and realised.
+/// One number, requested and realised.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Compared {
-    /// What was asked for.
+    /// The requested value.
     pub requested: f64,
     /// What this surface has; `None` if it cannot be measured on it.
     pub realised: Option<f64>,
@@ -183,7 +183,7 @@ impl Roughness {
 }
 
 impl Realised {
-    /// Compares `roughness` with what the provenance of `field` asks for; `None` without one.
+    /// Compares `roughness` with the provenance of `field`; `None` without one.
     ///
     /// The mean over an area `A` of the square of a Gaussian field with autocorrelation `C` has
     /// variance `2 / A` times the integral of `C^2`. For heights that is `sigma^4 pi tau_x tau_y / A`.

@@ -96,7 +96,7 @@ pub enum SynthesisError {
     /// The system gives no more memory.
     #[error("{bytes} bytes of memory were refused; take fewer samples")]
     OutOfMemory {
-        /// Bytes asked for.
+        /// Requested bytes.
         bytes: usize,
     },
     /// The grid or the heights drawn make no surface.
@@ -104,11 +104,24 @@ pub enum SynthesisError {
     HeightField(#[from] HeightFieldError),
 }
 
-/// A recipe for random periodic surfaces, with its FFTs planned.
+/// A generator of random periodic surfaces, with its FFTs planned.
 ///
-/// One recipe draws any number of realisations. The heights depend on the power spectral density,
+/// One generator draws any number of realisations. The heights depend on the power spectral density,
 /// shape, spacing, seed and realisation, and on nothing else: not on the number of threads. Between
 /// kinds of processor, whose FFTs round differently, they agree to about `1e-15 sigma`.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::{Psd, Synthesis};
+///
+/// let psd = Psd::gaussian(1.0, 8.0)?;
+/// let synthesis = Synthesis::new(psd, [64, 128], [1.0, 1.0], false)?;
+/// let (seed, realisation) = (7, 0);
+/// let surface = synthesis.draw(seed, realisation)?;
+/// assert_eq!(surface.shape(), [64, 128]);
+/// assert_eq!(surface, synthesis.draw(seed, realisation)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Synthesis {
     psd: Psd,
@@ -133,7 +146,7 @@ impl Synthesis {
     /// Plans surfaces of the power spectral density `psd`.
     ///
     /// `shape`: `[ny, nx]`, at least `[2, 2]`, of any size, odd and prime included (sizes with small
-    /// prime factors are quickest). `spacing`: `[dx, dy]`, length units a sample. `insist`: draw
+    /// prime factors are quickest). `spacing`: `[dx, dy]`, length units per sample. `insist`: draw
     /// even what the grid cannot resolve or hold; the surface then lacks the statistics of `psd`,
     /// and [`Synthesis::expected_variance`] says how much of its variance is left.
     ///
@@ -168,7 +181,7 @@ impl Synthesis {
         })
     }
 
-    /// The power spectral density asked for.
+    /// The requested power spectral density.
     #[must_use]
     pub const fn psd(&self) -> &Psd {
         &self.psd
@@ -180,14 +193,14 @@ impl Synthesis {
         self.shape
     }
 
-    /// `[dx, dy]`, length units a sample.
+    /// `[dx, dy]`, length units per sample.
     #[must_use]
     pub const fn spacing(&self) -> [f64; 2] {
         self.spacing
     }
 
-    /// Bytes that a program holds at the peak of a [`Synthesis::draw`]: the heights, which are worked
-    /// out where they lie, some columns of their spectrum, more of them the more threads there are,
+    /// Bytes that a program holds at the peak of a [`Synthesis::draw`]: the heights, which are computed
+    /// in place, some columns of their spectrum, more of them the more threads there are,
     /// and 8 MiB for the program itself and the tables of its FFTs.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
@@ -228,12 +241,12 @@ impl Synthesis {
         self.draw_into(seed, realisation, Vec::new())
     }
 
-    /// Draws the same surface as [`Synthesis::draw`] in memory that is at hand, if it is large
-    /// enough, such as the [`HeightField::into_heights`] of a surface that has served. Its contents
-    /// do not matter.
+    /// Draws the same surface as [`Synthesis::draw`], reusing the memory of `room` if it is large
+    /// enough, such as the [`HeightField::into_heights`] of an earlier surface. Its contents do not
+    /// matter.
     ///
-    /// Of a surface larger than some megabytes, the system provides and clears each page anew, which
-    /// may take longer than all else.
+    /// Of a surface larger than some megabytes, the system provides and clears each page again, which
+    /// may dominate the time.
     ///
     /// # Errors
     /// As [`Synthesis::draw`].
@@ -316,7 +329,7 @@ fn reserved<T>(len: usize) -> Result<Vec<T>, SynthesisError> {
 /// `len` zeros, whose pages the system provides when they are first written, by the threads that
 /// write them.
 ///
-/// The system is asked twice, since the vector that is quick to zero cannot report a refusal.
+/// The memory is reserved twice, since the vector that is quick to zero cannot report a refusal.
 fn zeroed<T: Copy>(zero: T, len: usize) -> Result<Vec<T>, SynthesisError> {
     drop(reserved::<T>(len)?);
     Ok(vec![zero; len])

@@ -1,4 +1,4 @@
-//! Random surfaces have the statistics asked for, and the bytes their seed says.
+//! Random surfaces have the requested statistics, and the bytes that their seed determines.
 
 use std::f64::consts::PI;
 

@@ -69,7 +69,7 @@ pub enum ReadError {
     WrongFormat {
         /// The file.
         path: PathBuf,
-        /// The format that its ending stands for.
+        /// The format of its ending.
         expected: HeightMapFormat,
         /// What its first bytes look like.
         found: String,
@@ -102,7 +102,7 @@ pub enum ReadError {
         /// What was found and what is allowed.
         what: String,
     },
-    /// The file is valid but holds something that is no height map, or of a kind that is not read.
+    /// The file is valid, but its content is no height map or of a kind that is not supported.
     #[error("`{}` is of a kind that is not read: {what}", .path.display())]
     Unsupported {
         /// The file.
@@ -139,7 +139,7 @@ pub enum ReadError {
         path: PathBuf,
         /// The part of the archive.
         part: String,
-        /// The checksum of the bytes that are there.
+        /// The checksum of the bytes found.
         found: String,
         /// The checksum that the file states.
         stated: String,
@@ -164,7 +164,7 @@ pub enum ReadError {
         /// Why.
         source: HeightFieldError,
     },
-    /// The JSON text does not hold what is looked for.
+    /// The JSON text does not hold the expected value.
     #[error("`{}` is not as expected: {source}", .path.display())]
     Json {
         /// The file.
@@ -212,7 +212,7 @@ impl ReadError {
         }
     }
 
-    /// An error of the operating system, or of a decoder: an early end is told apart.
+    /// An error of the operating system or of a decoder.
     pub(crate) fn io(path: &Path, source: io::Error) -> Self {
         let path = path.to_owned();
         match source.kind() {

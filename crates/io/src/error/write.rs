@@ -18,7 +18,7 @@ pub enum WriteError {
     UnknownEnding {
         /// The file.
         path: PathBuf,
-        /// The endings that are known.
+        /// The known endings.
         allowed: String,
     },
     /// A format that is read but not written.
@@ -57,7 +57,7 @@ pub enum WriteError {
         /// How many are allowed.
         limit: u64,
     },
-    /// A mesh that is none.
+    /// An invalid mesh.
     #[error("`{}` is not written: {what}", .path.display())]
     BadMesh {
         /// The file.
@@ -96,7 +96,7 @@ pub enum WriteError {
     FolderIsFile {
         /// The folder.
         path: PathBuf,
-        /// The file that stands in its way.
+        /// The file that is in the way.
         file: PathBuf,
     },
     /// The operating system refuses to make a folder or to let files into it.

@@ -67,7 +67,7 @@ pub(crate) fn replace(
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,
 ) -> Result<(), WriteError> {
     let io = WriteError::io(path);
-    // A link that leads nowhere is itself replaced.
+    // A dangling link is itself replaced.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let old = fs::metadata(&target).ok();
     if old.as_ref().is_some_and(fs::Metadata::is_dir) {
@@ -127,7 +127,7 @@ fn fill(
     let mut out = BufWriter::with_capacity(1 << 16, file);
     let written = write(&mut out);
     if let Err(error) = written {
-        // What is left in the buffer belongs to a file that nobody will see.
+        // The rest of the buffer belongs to a file that is given up.
         let _ = out.into_parts();
         return Err(error);
     }

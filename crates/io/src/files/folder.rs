@@ -7,7 +7,7 @@ use std::path::{Component, Path, PathBuf};
 use super::parts::{temporary_folder_in, temporary_in};
 use crate::error::WriteError;
 
-/// Whether there is anything under the name `path`, be it a link that leads nowhere.
+/// Whether anything exists under the name `path`, dangling links included.
 #[must_use]
 pub fn exists(path: impl AsRef<Path>) -> bool {
     fs::symlink_metadata(path).is_ok()
@@ -37,15 +37,15 @@ pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
 }
 
 /// Checks that files can be made in the folder `path`, or that such a folder can be made, and leaves
-/// nothing behind: a long run should not learn at its end that its results have no place, and one
-/// that is refused should not leave an empty folder.
+/// nothing behind: a long run must not fail at its end because its results have no place, and a refused
+/// run must not leave an empty folder.
 ///
 /// # Errors
 /// As [`create_output_folder`].
 pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
     refuse_files(path)?;
-    // What is there already, be it a link that leads nowhere, and what is to be made within it.
+    // The part that exists, even as a dangling link, and the part to be made within it.
     let is_there = |part: &&Path| fs::symlink_metadata(part).is_ok();
     let there = path.ancestors().find(is_there).unwrap_or(Path::new(""));
     let missing = path.strip_prefix(there).unwrap_or(path);
@@ -83,11 +83,11 @@ fn refuse_files(path: &Path) -> Result<(), WriteError> {
     Ok(())
 }
 
-/// Removes those files of `names` that are in `folder`: what an earlier run left and this one will not
+/// Removes those files of `names` that are in `folder`: results of an earlier run that this one does not
 /// replace.
 ///
 /// # Errors
-/// [`WriteError`] if a file is there and cannot be removed.
+/// [`WriteError`] if a file exists and cannot be removed.
 pub fn remove_files(folder: impl AsRef<Path>, names: &[&str]) -> Result<(), WriteError> {
     for name in names {
         let path = folder.as_ref().join(name);

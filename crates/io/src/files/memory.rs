@@ -4,8 +4,8 @@ use std::fs;
 
 /// Bytes of memory that can be taken without swapping, where the operating system says (Linux).
 ///
-/// Systems that promise more memory than they have end a program that uses it; asking first lets the
-/// program refuse with a sentence instead.
+/// Systems that grant more memory than they have kill a program that uses it. Checking first lets the
+/// program refuse with a message instead.
 #[must_use]
 pub fn available_memory() -> Option<u64> {
     parse(&fs::read_to_string("/proc/meminfo").ok()?)

@@ -11,7 +11,7 @@ use crate::error::ReadError;
 /// Reads a whole text file in UTF-8, which may be empty.
 ///
 /// # Errors
-/// [`ReadError`] if it is not there, not a regular file or not UTF-8.
+/// [`ReadError`] if it does not exist, is not a regular file or not UTF-8.
 pub fn read_text(path: impl AsRef<Path>) -> Result<String, ReadError> {
     let path = path.as_ref();
     let (mut file, length) = match open(path) {

@@ -1,4 +1,4 @@
-//! Damaged, cut and lying files of every format: an error each time, a panic never.
+//! Damaged, truncated and inconsistent files of every format give an error, never a panic.
 
 mod exr;
 mod gsf;

@@ -1,4 +1,4 @@
-//! Greyscale PNG of 16 bits (.png), written for the eye.
+//! Greyscale PNG of 16 bits (.png), written for viewing.
 //!
 //! The lowest height is black (0), the highest white (65535), linear between; a flat surface is
 //! black. Text chunks keep the mapping: `height = height_min + grey (height_max - height_min) / 65535`

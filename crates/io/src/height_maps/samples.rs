@@ -55,7 +55,7 @@ impl SampleKind {
         }
     }
 
-    /// Reads `count` numbers, a block at a time, handing the raw bytes to `seen` as well.
+    /// Reads `count` numbers, a block at a time, passing the raw bytes to `seen` as well.
     ///
     /// `out` is expected to have room for them.
     pub(crate) fn read(

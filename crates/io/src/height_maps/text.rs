@@ -1,8 +1,8 @@
 //! Matrices of numbers as text (.asc, .txt, .csv), read only.
 //!
-//! One row a line, all of one length, separated by white space or, where a line holds a comma, by
+//! One row per line, all of one length, separated by white space or, where a line holds a comma, by
 //! commas; lines that begin with `#` are comments. A point is missing where `nan` or `bad` stands
-//! in capital or small letters, or nothing stands between two commas. Without a header the spacing
+//! in upper or lower case, or the field between two commas is empty. Without a header the spacing
 //! is 1 and the unit arbitrary.
 //!
 //! A header of `name=value` lines, as interferometers write it, may come first:

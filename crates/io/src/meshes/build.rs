@@ -1,4 +1,4 @@
-//! What the readers of meshes share: joining vertices, fanning polygons, refusing what is no mesh.
+//! Mesh builder: joins vertices, splits polygons into fans of triangles, refuses invalid meshes.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -43,7 +43,7 @@ impl<'a> Builder<'a> {
         self.numbers.len()
     }
 
-    /// Takes the next vertex, or says what is wrong with it.
+    /// Adds the next vertex; an error says what is wrong with it.
     pub(super) fn vertex(&mut self, vertex: [f64; 3]) -> Result<(), String> {
         let number = self.join(vertex)?;
         self.numbers.push(number);
@@ -68,9 +68,9 @@ impl<'a> Builder<'a> {
         Ok(number)
     }
 
-    /// Takes a polygon of vertices of the file, as a fan of triangles around its first corner.
+    /// Adds a polygon of vertices of the file, as a fan of triangles around its first corner.
     ///
-    /// Says what is wrong with it if it has too few corners, or corners that do not exist.
+    /// An error says what is wrong: too few corners, or corners that do not exist.
     pub(super) fn polygon(&mut self, corners: &[i64]) -> Result<(), String> {
         let number = |corner: &i64| {
             let number = usize::try_from(*corner)
@@ -97,7 +97,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Takes a triangle that brings its own corners.
+    /// Adds a triangle given by the coordinates of its corners.
     pub(super) fn triangle(&mut self, corners: [[f64; 3]; 3]) -> Result<(), String> {
         let [a, b, c] = corners;
         let triangle = [self.join(a)?, self.join(b)?, self.join(c)?];
@@ -164,7 +164,7 @@ impl<'a> Line<'a> {
     }
 }
 
-/// At most the first 40 characters, for messages, of which none breaks a line.
+/// At most the first 40 characters, on one line, for messages.
 pub(super) fn short(text: &str) -> String {
     let visible = |c: char| if c.is_control() { ' ' } else { c };
     text.trim().chars().map(visible).take(40).collect()

@@ -1,6 +1,6 @@
 //! Wavefront objects (.obj), the polygons of them.
 //!
-//! `v` gives a vertex (what follows its three coordinates, a weight or a colour, is left alone), `f`
+//! `v` gives a vertex (what follows its three coordinates, a weight or a colour, is ignored), `f`
 //! a polygon of vertices counted from one, or from the last one backwards if negative; texture
 //! coordinates and normals after a slash, and all other statements, are skipped. A backslash at its
 //! end joins a line with the next.

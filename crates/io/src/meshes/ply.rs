@@ -230,7 +230,7 @@ fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Resul
             return Err(mesh.malformed(what));
         }
     }
-    // What the elements take at least: no header asks for more than its file holds.
+    // The least size of the elements: no header may claim more than its file holds.
     let mut least = 0_u64;
     for element in header.elements.values() {
         let mut bytes = 0;

@@ -1,4 +1,4 @@
-//! Meshes as others write them, and damaged, cut and lying files: an error each time, a panic never.
+//! Meshes of other programs, and damaged, truncated and inconsistent files: always an error, never a panic.
 
 use std::io::Cursor;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -12,7 +12,7 @@ pub(super) fn fill(
     [dx, dy]: [f64; 2],
     border: Border,
 ) -> Result<(), MissingError> {
-    // Number the missing points, and take heights relative to the mean of those that are there.
+    // Number the missing points, and take heights relative to the mean of the known ones.
     let gaps: Vec<usize> = (0..heights.len())
         .filter(|&i| heights[i].is_nan())
         .collect();

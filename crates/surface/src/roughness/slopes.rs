@@ -1,4 +1,4 @@
-//! Slopes of the mesh: two triangles a cell, split along the diagonal from its corner `(ix, iy)`.
+//! Slopes of the mesh: two triangles per cell, split along the diagonal from its corner `(ix, iy)`.
 
 use rayon::prelude::*;
 use serde::Serialize;

@@ -22,7 +22,7 @@ impl Synthesis {
     /// even where those of the surface are not. [`Psd::slope_covariance`](crate::Psd::slope_covariance)
     /// is that of the surface.
     ///
-    /// It looks once at each wave that is not empty, as a drawing does before its FFTs.
+    /// The cost is one pass over the waves that are not empty, as for a drawing before its FFTs.
     #[must_use]
     pub fn facet_slope_covariance(&self) -> [f64; 3] {
         let ny = self.shape[0];
@@ -39,7 +39,7 @@ impl Synthesis {
     /// Sum, over the waves of column `ix` of the half spectrum and their opposites, of the covariance of
     /// the differences `h10 - h00` and `h11 - h10`.
     ///
-    /// With `a` and `b` radians a sample along x and y, a wave of unit variance has the covariance
+    /// With `a` and `b` radians per sample along x and y, a wave of unit variance has the covariance
     /// `[4 sin^2(a/2), 4 sin(a/2) sin(b/2) cos((a+b)/2), 4 sin^2(b/2)]`: the middles of the two edges lie
     /// half a cell apart along both axes.
     fn sum_of_column(&self, ix: usize, half_turns: &[[f64; 2]]) -> [f64; 3] {

@@ -108,7 +108,7 @@ impl Filter {
     }
 }
 
-/// Angular wave number of index `i` of an FFT of `n` samples, radians a length unit.
+/// Angular wave number of index `i` of an FFT of `n` samples, radians per length unit.
 pub(super) fn wave_number(i: usize, n: usize, spacing: f64) -> f64 {
     let signed = if 2 * i <= n {
         i as f64

@@ -3,7 +3,7 @@
 //! A wave takes 64 random bits and turns them into a complex normal number by the transform of Box
 //! and Muller (Ann. Math. Stat. 29, 610 (1958)). Logarithm, sine and cosine are short polynomials in
 //! single precision, free of branches, which compilers turn into vector instructions. They add,
-//! multiply, divide and take roots, and nothing else, so that every processor finds the same bits.
+//! multiply, divide and take roots, and nothing else, so that every processor computes the same bits.
 //!
 //! Single precision is ample: parts are off by less than `1e-6 |z|`, which no ensemble of surfaces is
 //! large enough to show, and `|z|` ends at 4.7, beyond which one wave in `2^32` would lie.
@@ -223,7 +223,7 @@ mod tests {
         assert_eq!(draw(45), draw(200)[..45]);
     }
 
-    /// The bits that every processor is to find, as long as this version's surfaces are to last.
+    /// The bits that every processor must compute, as long as this version's surfaces are to last.
     #[test]
     fn bits_stay_as_published() {
         let mut bits = 0_u64;

@@ -3,7 +3,7 @@
 //! Columns are drawn and transformed a group at a time in room of their own, contiguous, and then
 //! written across the rows: the complex numbers of columns 0, 1, 2, ... take the places of the heights
 //! two by two. This leaves no place for the last column of the half spectrum, which stays outside.
-//! Each row is then transformed where it lies.
+//! Each row is then transformed in place.
 //!
 //! A column and a row are each the work of one thread, so no rounding depends on how many there are.
 
@@ -115,7 +115,7 @@ impl Synthesis {
             );
     }
 
-    /// Transforms each row along x where it lies; `outside` is the last column.
+    /// Transforms each row along x in place; `outside` is the last column.
     fn transform_rows(&self, outside: &[Complex<f64>], heights: &mut [f64]) -> bool {
         let nx = self.shape[1];
         let columns = self.columns_in_place();

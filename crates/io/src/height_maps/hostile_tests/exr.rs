@@ -1,4 +1,4 @@
-//! EXR files of other programs: channels, types, and headers that lie.
+//! EXR files of other programs: channels, types, and inconsistent headers.
 
 use std::io::Cursor;
 

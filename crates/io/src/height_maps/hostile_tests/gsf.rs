@@ -1,4 +1,4 @@
-//! GSF headers that lie, and units that differ.
+//! GSF inconsistent headers, and units that differ.
 
 use asperity_surface::{Border, LengthUnit, MissingPolicy};
 

@@ -1,4 +1,4 @@
-//! NPY headers that lie, and arrays of every type.
+//! NPY inconsistent headers, and arrays of every type.
 
 use asperity_surface::{Border, MissingPolicy};
 

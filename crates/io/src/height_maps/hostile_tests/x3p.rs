@@ -1,4 +1,4 @@
-//! X3P files of other programs: types, masks, checksums, and headers that lie.
+//! X3P files of other programs: types, masks, checksums, and inconsistent headers.
 
 use std::io::Cursor;
 
