@@ -38,6 +38,15 @@ pub struct Fresnel {
     pub cos_theta_t: f64,
 }
 
+impl Fresnel {
+    /// All light is reflected: by a mirror, or beyond the critical angle.
+    pub(crate) const TOTAL_REFLECTION: Self = Self {
+        reflected: 1.0,
+        transmitted: 0.0,
+        cos_theta_t: 0.0,
+    };
+}
+
 /// Dielectric interface of relative index `eta > 0`, met at `cos_theta_i` in `[0, 1]`.
 ///
 /// Total reflection gives `reflected = 1`, `transmitted = 0` exactly. For `eta = 1` nothing is
@@ -45,43 +54,39 @@ pub struct Fresnel {
 #[must_use]
 #[inline]
 pub fn dielectric(cos_theta_i: f64, eta: f64) -> Fresnel {
-    let c = cos_theta_i;
     let delta = (eta - 1.0) * (eta + 1.0);
     if delta == 0.0 {
         return Fresnel {
             reflected: 0.0,
             transmitted: 1.0,
-            cos_theta_t: c,
+            cos_theta_t: cos_theta_i,
         };
     }
-    let g_squared = delta + c * c;
+    // Compute g = eta cos_theta_t by Snell's law; total reflection leaves no real root.
+    let g_squared = delta + cos_theta_i * cos_theta_i;
     if g_squared <= 0.0 {
-        return Fresnel {
-            reflected: 1.0,
-            transmitted: 0.0,
-            cos_theta_t: 0.0,
-        };
-    }
-    if c <= 0.0 {
-        return Fresnel {
-            reflected: 1.0,
-            transmitted: 0.0,
-            cos_theta_t: g_squared.sqrt() / eta,
-        };
+        return Fresnel::TOTAL_REFLECTION;
     }
     let g = g_squared.sqrt();
+    if cos_theta_i <= 0.0 {
+        return Fresnel {
+            cos_theta_t: g / eta,
+            ..Fresnel::TOTAL_REFLECTION
+        };
+    }
+    // Compute the amplitudes r_s and r_p, and average s and p.
     let eta2 = eta * eta;
-    let s_sum = c + g;
-    let p_sum = eta2 * c + g;
+    let s_sum = cos_theta_i + g;
+    let p_sum = eta2 * cos_theta_i + g;
     let r_s = -delta / (s_sum * s_sum);
-    let r_p = delta * ((eta2 + 1.0) * c * c - 1.0) / (p_sum * p_sum);
+    let r_p = delta * ((eta2 + 1.0) * cos_theta_i * cos_theta_i - 1.0) / (p_sum * p_sum);
     let reflected = 0.5 * (r_s * r_s + r_p * r_p);
     // The smaller fraction keeps its relative accuracy, and both add to one exactly.
     let (reflected, transmitted) = if reflected < 0.5 {
         (reflected, 1.0 - reflected)
     } else {
-        let t_s = 4.0 * c * g / (s_sum * s_sum);
-        let t_p = 4.0 * eta2 * c * g / (p_sum * p_sum);
+        let t_s = 4.0 * cos_theta_i * g / (s_sum * s_sum);
+        let t_p = 4.0 * eta2 * cos_theta_i * g / (p_sum * p_sum);
         let transmitted = 0.5 * (t_s + t_p);
         (1.0 - transmitted, transmitted)
     };
@@ -106,17 +111,16 @@ pub struct FresnelAmplitudes {
 /// `eta > 0`, `kappa >= 0`, `cos_theta_i` in `[0, 1]`.
 #[must_use]
 pub fn conductor_amplitudes(cos_theta_i: f64, eta: f64, kappa: f64) -> FresnelAmplitudes {
-    let c = cos_theta_i;
     let m = Complex64::new(eta, kappa);
     let m2 = m * m;
     let delta = (m - 1.0) * (m + 1.0);
     // The principal root of a number in the upper half plane has a positive imaginary part.
-    let g = (delta + c * c).sqrt();
-    let s_sum = c + g;
-    let p_sum = m2 * c + g;
+    let g = (delta + cos_theta_i * cos_theta_i).sqrt();
+    let s_sum = cos_theta_i + g;
+    let p_sum = m2 * cos_theta_i + g;
     FresnelAmplitudes {
         r_s: -delta / (s_sum * s_sum),
-        r_p: delta * ((m2 + 1.0) * (c * c) - 1.0) / (p_sum * p_sum),
+        r_p: delta * ((m2 + 1.0) * (cos_theta_i * cos_theta_i) - 1.0) / (p_sum * p_sum),
     }
 }
 

@@ -13,9 +13,10 @@ pub fn reflect(wi: DVec3, m: DVec3) -> DVec3 {
     wo * (1.5 - 0.5 * wo.length_squared())
 }
 
-/// The refracted direction by Snell's law in vector form, renormalised.
+/// The refracted direction `wt = (cos_theta_i / eta - cos_theta_t) m - wi / eta`, Snell's law in vector
+/// form, renormalised.
 ///
-/// `cos_theta_t` is that of [`crate::dielectric`] for `wi . m` and `eta`. For `eta = 1` the result is
+/// `cos_theta_t` is that of [`crate::dielectric`] for `cos_theta_i = wi . m` and `eta`. For `eta = 1` the result is
 /// `-wi` exactly.
 #[must_use]
 #[inline]
@@ -23,8 +24,9 @@ pub fn refract(wi: DVec3, m: DVec3, eta: f64, cos_theta_t: f64) -> DVec3 {
     if eta == 1.0 {
         return -wi;
     }
-    let inverse = 1.0 / eta;
-    ((wi.dot(m) * inverse - cos_theta_t) * m - inverse * wi).normalize()
+    let eta_inverse = 1.0 / eta;
+    let cos_theta_i = wi.dot(m);
+    ((cos_theta_i * eta_inverse - cos_theta_t) * m - eta_inverse * wi).normalize()
 }
 
 #[cfg(test)]

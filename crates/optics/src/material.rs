@@ -66,7 +66,7 @@ impl Material {
     /// # Errors
     /// [`MaterialError`] unless `eta` is from 1e-6 to 1e6 and `kappa` from 0 to 1e6.
     pub fn conductor(eta: f64, kappa: f64) -> Result<Self, MaterialError> {
-        if !(0.0..=MOST).contains(&kappa) {
+        if !(0.0..=MAX_INDEX).contains(&kappa) {
             return Err(MaterialError::BadKappa(kappa));
         }
         Ok(Self::Conductor {
@@ -81,11 +81,7 @@ impl Material {
         match *self {
             Self::Dielectric { eta } => dielectric(cos_theta_i, eta),
             Self::Conductor { eta, kappa } => conductor(cos_theta_i, eta, kappa),
-            Self::Mirror => Fresnel {
-                reflected: 1.0,
-                transmitted: 0.0,
-                cos_theta_t: 0.0,
-            },
+            Self::Mirror => Fresnel::TOTAL_REFLECTION,
         }
     }
 
@@ -110,10 +106,10 @@ impl Material {
 }
 
 /// Largest index, far above that of any matter: squares of it and of its inverse stay exact enough.
-const MOST: f64 = 1e6;
+const MAX_INDEX: f64 = 1e6;
 
 pub(crate) fn valid_eta(eta: f64) -> Result<f64, MaterialError> {
-    if (1.0 / MOST..=MOST).contains(&eta) {
+    if (1.0 / MAX_INDEX..=MAX_INDEX).contains(&eta) {
         Ok(eta)
     } else {
         Err(MaterialError::BadEta(eta))

@@ -47,7 +47,7 @@ impl ParticipatingMedium {
         phase: PhaseFunction,
     ) -> Result<Self, ParticipatingMediumError> {
         for (name, value) in [("absorption", absorption), ("scattering", scattering)] {
-            if value != 0.0 && !(1.0 / LONGEST..=LONGEST).contains(&value) {
+            if value != 0.0 && !(1.0 / MAX_LENGTH..=MAX_LENGTH).contains(&value) {
                 return Err(ParticipatingMediumError::BadCoefficient { name, value });
             }
         }
@@ -73,7 +73,7 @@ impl ParticipatingMedium {
         albedo: f64,
         phase: PhaseFunction,
     ) -> Result<Self, ParticipatingMediumError> {
-        if !(1.0 / LONGEST..=LONGEST).contains(&mean_free_path) {
+        if !(1.0 / MAX_LENGTH..=MAX_LENGTH).contains(&mean_free_path) {
             return Err(ParticipatingMediumError::BadMeanFreePath(mean_free_path));
         }
         if !(0.0..=1.0).contains(&albedo) {
@@ -118,7 +118,7 @@ impl ParticipatingMedium {
 }
 
 /// Largest and, inverted, smallest length: squares of it are finite.
-const LONGEST: f64 = 1e150;
+const MAX_LENGTH: f64 = 1e150;
 
 #[cfg(test)]
 mod tests {

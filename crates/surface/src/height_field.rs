@@ -112,7 +112,7 @@ impl FromStr for LengthUnit {
 }
 
 /// Largest magnitude of a height.
-const MOST_HEIGHT: f64 = 1e100;
+const MAX_HEIGHT: f64 = 1e100;
 
 /// Why a height field cannot be made of the given numbers.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -164,7 +164,7 @@ pub enum HeightFieldError {
     },
     /// A height so large that its square would overflow.
     #[error(
-        "the height at column {ix}, row {iy} is {value:e}; heights up to {MOST_HEIGHT:e} are allowed"
+        "the height at column {ix}, row {iy} is {value:e}; heights up to {MAX_HEIGHT:e} are allowed"
     )]
     TooHigh {
         /// Column.
@@ -404,7 +404,7 @@ pub fn check_grid(shape: [usize; 2], spacing: [f64; 2]) -> Result<(), HeightFiel
 pub(crate) fn are_allowed(heights: &[f64]) -> bool {
     heights
         .iter()
-        .fold(true, |all, h| all & (h.abs() <= MOST_HEIGHT))
+        .fold(true, |all, h| all & (h.abs() <= MAX_HEIGHT))
 }
 
 /// Refuses heights that are not finite, or else too high, by the first of them.
@@ -419,7 +419,7 @@ fn check_heights(heights: &[f64], nx: usize) -> Result<(), HeightFieldError> {
             value: heights[i],
         });
     }
-    if let Some(i) = heights.iter().position(|h| h.abs() > MOST_HEIGHT) {
+    if let Some(i) = heights.iter().position(|h| h.abs() > MAX_HEIGHT) {
         return Err(HeightFieldError::TooHigh {
             ix: i % nx,
             iy: i / nx,
