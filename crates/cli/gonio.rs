@@ -63,7 +63,7 @@ pub(crate) fn run(command: &Gonio, common: &Common) -> Result<(), Failure> {
             _ => "interrupted",
         };
         say(&format!(
-            "{why}; {} of {} directions are there, and the same command goes on from there",
+            "{why}; {} of {} directions are finished, and the same command resumes",
             outcome.directions.len() - outcome.missing(),
             outcome.directions.len()
         ));

@@ -68,7 +68,7 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
             _ => "interrupted",
         };
         say(&format!(
-            "{why}; {} of {} cells are there and mapped, and the same command goes on from there",
+            "{why}; {} of {} cells are finished and mapped, and the same command resumes",
             outcome.cells.len() - outcome.missing(),
             outcome.cells.len()
         ));

@@ -198,9 +198,17 @@ fn a_measurement_goes_on_where_it_was_left_and_threads_change_no_byte() {
         let output = asperity(folder, &arguments);
         assert!(output.status.success());
         let said = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(said.contains("goes on from there"), left > 0, "{said}");
+        assert_eq!(
+            said.contains("the same command resumes"),
+            left > 0,
+            "{said}"
+        );
         let report = fs::read_to_string(folder.join("pieces/report.txt")).unwrap();
-        assert_eq!(report.contains("not there yet"), left > 0, "{report}");
+        assert_eq!(
+            report.contains("directions are missing"),
+            left > 0,
+            "{report}"
+        );
     }
     assert_same_bytes(&whole, &folder.join("pieces"));
 

@@ -214,11 +214,11 @@ fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads(
         let told = String::from_utf8(output.stderr).unwrap();
         if calls < 4 {
             let expected = format!(
-                "the time is over; {calls} of 4 cells are there and mapped, and the same command goes on from there\n"
+                "the time is over; {calls} of 4 cells are finished and mapped, and the same command resumes\n"
             );
             assert_eq!(told, expected);
             let report = fs::read_to_string(folder.join("parts/report.txt")).unwrap();
-            assert!(report.contains(&format!("{} of 4 cells are not there yet", 4 - calls)));
+            assert!(report.contains(&format!("{} of 4 cells are missing", 4 - calls)));
             let rows = Table::read(&folder.join("parts")).rows.len();
             assert_eq!(rows, calls * 4);
         } else {
@@ -370,7 +370,7 @@ fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
         &words("map m.toml --quiet --no-plots --theta 0,40,60 --max-time 1e-9 -o out"),
     );
     let told = String::from_utf8(output.stderr).unwrap();
-    assert!(told.contains("5 of 6 cells are there"), "{told}");
+    assert!(told.contains("5 of 6 cells are finished"), "{told}");
 }
 
 #[test]

@@ -102,7 +102,7 @@ pub enum AttenuationError {
 /// What was measured for one sigma, light and view, beside what theory expects.
 ///
 /// Polar angles and azimuths are in degrees; theory is that of the continuous surface.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct AttenuationRow {
     /// Root mean square height, length units.
     pub sigma: f64,

@@ -6,8 +6,8 @@ use std::fmt::Write;
 use asperity_analysis::{Comparison, Verdict};
 use asperity_tally::{History, Layout, Share};
 
+use crate::output::{distance, wrapped};
 use crate::part::Part;
-use crate::tables::distance;
 use crate::verify::CaseOutcome;
 
 /// Where light deviates most significantly from a model, and by how much of the model.
@@ -144,19 +144,4 @@ fn clauses(layout: &Layout, case: &CaseOutcome, part: Part) -> Option<String> {
         ));
     }
     (!clauses.is_empty()).then(|| clauses.join("; "))
-}
-
-/// Text in lines of at most 100 characters, broken at blanks.
-fn wrapped(text: &str) -> String {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.chars().count() + 1 + word.chars().count() <= 100 => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines.join("\n")
 }

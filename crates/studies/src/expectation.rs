@@ -3,49 +3,52 @@
 use std::path::Path;
 
 use asperity_analysis::{Expectation, ScatteringModel};
-use asperity_io::{CsvField as Field, WriteError, write_csv};
-use asperity_tally::{Layout, Share, Side};
+use asperity_io::WriteError;
+use asperity_tally::{BatchStatistics, Layout, Share, Side};
 use serde_json::{Value, json};
 
-use crate::csv::{PLACE, fields, place};
+use crate::output::{Column, Table, bin_columns, over, projected_solid_angle, solid_angle_column};
 use crate::summary::orders;
 
-/// Writes a row a bin: its place, solid angle, flux and BSDF with standard errors, and the flux scattered
+/// Writes a row per bin: its place, solid angle, flux and BSDF with standard errors, and the flux scattered
 /// once and more often apart. Errors are zero where nothing was sampled.
 ///
 /// # Errors
 /// [`WriteError`] if the file cannot be written.
 pub fn write_expectation(path: &Path, expectation: &Expectation) -> Result<(), WriteError> {
     let layout = expectation.layout();
-    let statistics = expectation.statistics();
-    let mut header = PLACE.to_vec();
-    header.extend([
-        "solid_angle_sr",
-        "flux",
-        "flux_se",
-        "bsdf",
-        "bsdf_se",
-        "flux_single",
-        "flux_single_se",
-        "flux_multiple",
-        "flux_multiple_se",
-    ]);
+    table(layout, expectation.statistics()).write_csv(path, layout.asked_bins())
+}
+
+fn table<'a>(layout: &'a Layout, statistics: &'a BatchStatistics) -> Table<'a, usize> {
     let grid = layout.grid();
-    let rows = layout.asked_bins().map(|i| {
-        let bin = grid.bin(i);
-        let [single, multiple, total] =
-            Share::ALL.map(|share| statistics.estimate(layout.bins(share).start + i));
-        let projected = bin.solid_angle * bin.mean_abs_cos();
-        let mut row = place(&grid, i);
-        row.push(bin.solid_angle.into());
-        row.extend(fields(total));
-        row.push((total.mean / projected).into());
-        row.push(Field::from(total.se.map(|se| se / projected)));
-        row.extend(fields(single));
-        row.extend(fields(multiple));
-        row
-    });
-    write_csv(path, &header, rows)
+    let of =
+        move |share| move |bin: &usize| Some(statistics.estimate(layout.bins(share).start + bin));
+    let total = of(Share::Total);
+    Table::new()
+        .columns(bin_columns(grid, |bin| *bin))
+        .column(solid_angle_column(grid, |bin| *bin))
+        .column(Column::estimate(
+            "flux",
+            "expected flux into the bin",
+            total,
+        ))
+        .column(
+            Column::estimate("bsdf", "mean BSDF of the bin", move |bin: &usize| {
+                Some(over(total(bin)?, projected_solid_angle(&grid, *bin)))
+            })
+            .unit("1/sr"),
+        )
+        .column(Column::estimate(
+            "flux_single",
+            "flux of light that met the surface once",
+            of(Share::Single),
+        ))
+        .column(Column::estimate(
+            "flux_multiple",
+            "flux of light that met the surface more often",
+            of(Share::Multiple),
+        ))
 }
 
 /// The energies that a model expects, in all and by order of scattering.

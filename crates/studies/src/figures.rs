@@ -17,10 +17,10 @@ use rayon::prelude::*;
 
 use crate::case_model::CaseModel;
 use crate::config::{Incident, VerifyConfig};
+use crate::energies::{SINGLE_SCATTERING, history_name, recorded_orders};
 use crate::models::ModelOutcome;
 use crate::part::Part;
 use crate::report::ReportError;
-use crate::tables::{SINGLE_SCATTERING, history_name, recorded_orders};
 use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.

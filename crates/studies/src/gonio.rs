@@ -12,6 +12,7 @@ mod results;
 mod sample;
 mod setting;
 mod summary;
+mod tables;
 
 use asperity_simulate::{Observer, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
 use std::path::{Path, PathBuf};
@@ -21,8 +22,8 @@ use asperity_optics::Incidence;
 use asperity_tally::Layout;
 
 use crate::config::ConfigError;
+use crate::energies::lost_warning;
 use crate::store::{self, CHANGED, StoreError, Unseen, finish};
-use crate::tables::lost_warning;
 use crate::verify::{VerifyError, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};

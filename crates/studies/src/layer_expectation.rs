@@ -4,18 +4,17 @@ use asperity_simulate::short;
 use std::path::Path;
 
 use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
-use asperity_io::{CsvField as Field, WriteError, write_csv};
+use asperity_io::WriteError;
 use asperity_optics::{Incidence, Layer};
 use asperity_tally::{History, Layout, Side};
 use serde_json::{Value, json};
 
-use crate::csv::{PLACE, place};
-use crate::tables::aligned;
+use crate::output::{Column, Table, bin_columns, projected_solid_angle, solid_angle_column};
 
 /// The histories that such a model describes.
 const HISTORIES: [History; 2] = [History::Unscattered, History::Once];
 
-/// Writes a row a bin: its place, solid angle, flux and BSDF, and the fluxes never scattered and scattered
+/// Writes a row per bin: its place, solid angle, flux and BSDF, and the fluxes never scattered and scattered
 /// once apart. Unscattered light goes one way and fills one bin, whose BSDF it dominates.
 ///
 /// `record`: what [`FlatLayer::record`] makes of `layout`, which has histories.
@@ -27,63 +26,60 @@ pub fn write_layer_expectation(
     layout: &Layout,
     record: &[f64],
 ) -> Result<(), WriteError> {
-    let mut header = PLACE.to_vec();
-    header.extend([
-        "solid_angle_sr",
-        "flux",
-        "bsdf",
-        "flux_unscattered",
-        "flux_once",
-    ]);
+    table(layout, record).write_csv(path, layout.asked_bins())
+}
+
+fn table<'a>(layout: &'a Layout, record: &'a [f64]) -> Table<'a, usize> {
     let grid = layout.grid();
-    let rows = layout.asked_bins().map(|i| {
-        let bin = grid.bin(i);
-        let fluxes = HISTORIES.map(|history| record[layout.history_bins(history).start + i]);
-        let flux: f64 = fluxes.iter().sum();
-        let mut row = place(&grid, i);
-        row.extend(
-            [
-                bin.solid_angle,
-                flux,
-                flux / (bin.solid_angle * bin.mean_abs_cos()),
-            ]
-            .map(Field::from),
-        );
-        row.extend(fluxes.map(Field::from));
-        row
-    });
-    write_csv(path, &header, rows)
+    let of = move |history| {
+        let start = layout.history_bins(history).start;
+        move |bin: &usize| record[start + bin]
+    };
+    let [unscattered, once] = HISTORIES.map(of);
+    let both = move |bin: &usize| unscattered(bin) + once(bin);
+    Table::new()
+        .columns(bin_columns(grid, |bin| *bin))
+        .column(solid_angle_column(grid, |bin| *bin))
+        .column(Column::new("flux", "expected flux into the bin", both))
+        .column(
+            Column::new("bsdf", "mean BSDF of the bin", move |bin: &usize| {
+                both(bin) / projected_solid_angle(&grid, *bin)
+            })
+            .unit("1/sr"),
+        )
+        .column(Column::new(
+            "flux_unscattered",
+            "flux of light that was never scattered inside the layer",
+            unscattered,
+        ))
+        .column(Column::new(
+            "flux_once",
+            "flux of light that was scattered inside the layer once",
+            once,
+        ))
 }
 
 /// The fluxes never scattered and scattered once that leave on each side, and what neither is.
 #[must_use]
 pub fn layer_energy_table(layout: &Layout, record: &[f64]) -> String {
-    let mut rows = vec![
-        ["", "never scattered", "scattered once", "both"]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
-    let mut accounted = 0.0;
-    for side in layout.sides() {
-        let fluxes = HISTORIES.map(|history| record[layout.history(side, history)]);
-        let both: f64 = fluxes.iter().sum();
-        accounted += both;
-        rows.push(vec![
-            side.to_string(),
-            short(fluxes[0]),
-            short(fluxes[1]),
-            short(both),
-        ]);
-    }
+    let flux = |side, history| record[layout.history(side, history)];
+    let both = |side| -> f64 { HISTORIES.map(|history| flux(side, history)).iter().sum() };
+    let column =
+        |heading, history| Column::new(heading, "", move |side: &Side| flux(*side, history));
+    let table = Table::new()
+        .column(Column::new("side", "", |side: &Side| side.to_string()))
+        .column(column("never scattered", History::Unscattered))
+        .column(column("scattered once", History::Once))
+        .column(Column::new("both", "", |side: &Side| both(*side)));
+    let accounted: f64 = layout.sides().map(both).sum();
     let rest = short((1.0 - accounted).max(0.0));
     format!(
         "{}  {rest} of the flux is absorbed, scattered more often, or on paths that the model leaves out\n",
-        aligned(&rows)
+        table.text(layout.sides())
     )
 }
 
-/// One sentence a direction into which light goes that was never scattered: a delta, of which a BSDF has
-/// no value.
+/// One sentence per direction into which unscattered light goes: a delta, of which a BSDF has no value.
 #[must_use]
 pub fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String> {
     let beams = model.unscattered(incidence.wi());

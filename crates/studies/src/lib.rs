@@ -8,19 +8,22 @@
 mod alone;
 mod attenuation;
 mod case_model;
+mod case_report;
 mod cases;
 mod conclusion;
 mod config;
 mod converge;
-mod csv;
+mod energies;
 mod expectation;
 mod figures;
+mod flux_tables;
 mod gonio;
 mod layer_expectation;
 mod map;
 mod medium;
 mod models;
 mod number;
+mod output;
 mod part;
 mod peak;
 mod report;
@@ -28,7 +31,6 @@ pub mod settings;
 mod side_difference;
 mod store;
 mod summary;
-mod tables;
 mod values;
 mod verify;
 
@@ -39,6 +41,7 @@ pub use attenuation::{
     attenuation_table,
 };
 pub use case_model::CaseModel;
+pub use case_report::verify_table;
 pub use cases::{check_light, check_sides};
 pub use config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
@@ -49,6 +52,7 @@ pub use converge::{
     Efficiency, Effort, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError,
     SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
+pub use energies::{energy_table, errors_table, lost_warning, work_line};
 pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use gonio::{
@@ -72,6 +76,5 @@ pub use peak::PeakDifference;
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use side_difference::SideDifference;
 pub use summary::Summary;
-pub use tables::{energy_table, errors_table, lost_warning, verify_table, work_line};
 pub use values::{Count, Number, OneOrMany, PerAxis, Seconds};
 pub use verify::{CaseOutcome, VerifyError, VerifyOutcome, verify};

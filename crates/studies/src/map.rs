@@ -10,6 +10,7 @@ mod files;
 mod interval;
 mod store;
 mod summary;
+mod tables;
 
 use asperity_simulate::{Case, Observer, StoppedBy};
 use std::path::{Path, PathBuf};

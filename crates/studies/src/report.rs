@@ -10,13 +10,13 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::case_model::CaseModel;
+use crate::case_report::{case_table, verify_table, warnings};
 use crate::conclusion::{conclusion, verdict_word};
-use crate::csv::{write_comparison, write_tables};
 use crate::figures::{self, Light};
+use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::models::ComparedShare;
 use crate::part::Part;
 use crate::summary::Summary;
-use crate::tables::{case_table, verify_table, warnings};
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
 /// Every file that a run may leave in its folder; an earlier run's are removed first.
@@ -90,8 +90,13 @@ pub fn trace_report(
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;
     let tables = || {
-        let fluxes = (&outcome.statistics, &outcome.errors, outcome.work.rays);
-        write_tables(folder, layout, fluxes, &[])
+        let fluxes = Fluxes {
+            layout,
+            statistics: &outcome.statistics,
+            errors: &outcome.errors,
+            rays: outcome.work.rays,
+        };
+        write_fluxes(folder, fluxes, &[])
     };
     let draw = |plots: &figures::Surroundings<'_>| {
         let map = || {
@@ -191,8 +196,13 @@ fn write_case(
 ) -> Result<(), ReportError> {
     let layout = &outcome.layout;
     let tables = || {
-        let fluxes = (&case.statistics, &case.errors, case.work.rays);
-        write_tables(place, layout, fluxes, &case.models)?;
+        let fluxes = Fluxes {
+            layout,
+            statistics: &case.statistics,
+            errors: &case.errors,
+            rays: case.work.rays,
+        };
+        write_fluxes(place, fluxes, &case.models)?;
         write_comparison(place, layout, case)?;
         write_bytes(
             place.join("report.txt"),

@@ -3,7 +3,6 @@
 use asperity_analysis::{SlopeCovariance, smith_demarcation};
 use asperity_tally::Estimate;
 use asperity_tracer::Horizon;
-use serde::Serialize;
 
 use super::estimate::mean;
 
@@ -71,7 +70,7 @@ fn shadowed_share(steepest: &[f64], own: &[f64], enough: usize) -> Option<f64> {
 /// *Dark* are points that face away from the light or do not see it; *shadowed* those alone that face it and
 /// do not see it. Along any line the steepest rise from a point is at most the steepest slope, so the first
 /// dark point is one that faces away.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Demarcation {
     /// Root mean square height of the surfaces, length units.
     pub sigma: f64,

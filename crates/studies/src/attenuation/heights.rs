@@ -3,7 +3,6 @@
 use asperity_analysis::{SlopeCovariance, smith_visibility, xu_sun_visibility};
 use asperity_optics::Incidence;
 use asperity_tally::Estimate;
-use serde::Serialize;
 
 use super::counts::Counts;
 use super::estimate::ratio;
@@ -28,7 +27,7 @@ fn ends(bin: usize) -> [f64; 2] {
 }
 
 /// The visibility of the points of some height that face the light.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct VisibilityRow {
     /// Root mean square height of the surfaces, length units.
     pub sigma: f64,

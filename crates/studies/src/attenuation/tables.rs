@@ -1,203 +1,291 @@
-//! Attenuation as text that people read.
+//! The tables of geometric attenuation, and the report that shows them.
 
-use asperity_simulate::short;
 use std::fmt::Write;
 
+use asperity_simulate::short;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::tables::{aligned, with_error};
+use crate::output::{Column, Format, Table};
 
-/// What was measured, beside theory.
+/// A column of angles in degrees.
+fn angle<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -> Column<'a, R> {
+    Column::new(name, about, value).unit("deg")
+}
+
+/// A column of measured shares.
+fn share<'a, R: 'a>(
+    name: &'a str,
+    about: &'static str,
+    value: impl Fn(&R) -> Estimate + 'a,
+) -> Column<'a, R> {
+    Column::estimate(name, about, move |row| Some(value(row)))
+}
+
+/// A column of what a theory expects.
+fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -> Column<'a, R> {
+    Column::new(name, about, value).format(Format::Fixed(4))
+}
+
+/// attenuation.csv: a row per sigma, light and view.
+pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
+    type Row = AttenuationRow;
+    let less = |share: Estimate, smith: f64| Estimate {
+        mean: share.mean - smith,
+        ..share
+    };
+    Table::new()
+        .column(Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"))
+        .column(angle("theta", "polar angle of the light", |row: &Row| row.theta))
+        .column(angle("phi", "azimuth of the light", |row: &Row| row.phi))
+        .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view_theta))
+        .column(angle("view_phi", "azimuth of the eye", |row: &Row| row.view_phi))
+        .column(share("lit", "share of all points that are lit", |row: &Row| row.lit))
+        .column(share("g1", "share of the points facing the light that are lit", |row: &Row| row.g1).heading("g1 (facing)"))
+        .column(share("g1_projected", "g1 weighted by the areas projected towards the light: Smith's G1", |row: &Row| row.g1_projected))
+        .column(share("lit_projected", "projected area of the lit points over that of the mean plane", |row: &Row| row.lit_projected))
+        .column(theory("smith_lit", "lit, by Smith", |row: &Row| row.smith_lit).heading("Smith lit"))
+        .column(theory("smith_g1", "g1, by Smith: 1 / (1 + Lambda)", |row: &Row| row.smith_g1).heading("Smith g1"))
+        .column(theory("smith_lit_as_printed", "lit, by Smith's formula as the 2019 paper prints it", |row: &Row| row.smith_lit_as_printed).heading("as printed"))
+        .column(theory("v_cavity_lit", "lit, of V-cavities", |row: &Row| row.v_cavity_lit).heading("V-cavity lit"))
+        .column(theory("v_cavity_g1", "g1, of V-cavities", |row: &Row| row.v_cavity_g1).heading("V-cavity g1"))
+        .column(share("local_shadow", "share of all points that face away from the light", |row: &Row| row.local_shadow))
+        .column(share("distant_shadow", "share of all points that face the light and are shadowed", |row: &Row| row.distant_shadow))
+        .column(share("local_mask", "share of all points that face away from the eye", |row: &Row| row.local_mask))
+        .column(share("distant_mask", "share of all points that face the eye and are masked", |row: &Row| row.distant_mask))
+        .column(share("g1_view", "share of the points facing the eye that are visible", |row: &Row| row.g1_view))
+        .column(share("g2", "share of the points facing both that are lit and visible", |row: &Row| row.g2).heading("g2 (facing both)"))
+        .column(theory("smith_separable_g2", "g2, by Smith: G1(wi) G1(wo)", |row: &Row| row.smith_separable_g2).heading("separable"))
+        .column(theory("smith_correlated_g2", "g2, by Smith: 1 / (1 + Lambda(wi) + Lambda(wo))", |row: &Row| row.smith_correlated_g2).heading("Smith correlated"))
+        .column(theory("v_cavity_g2", "g2, of V-cavities", |row: &Row| row.v_cavity_g2).heading("V-cavity"))
+        .column(share("paper_g2", "share of the samples of the grid that are lit and visible: 1 - N_s / N of the 2019 paper", |row: &Row| row.paper_g2))
+        .column(Column::estimate("mirror_g2", "share of all points that are lit and whose mirrored ray escapes", |row: &Row| row.mirror_g2))
+        .column(share("g1_less_smith", "g1 less smith_g1", move |row: &Row| less(row.g1, row.smith_g1)))
+        .column(share("lit_less_smith", "lit less smith_lit", move |row: &Row| less(row.lit, row.smith_lit)))
+}
+
+/// demarcation.csv: a row per sigma.
+pub(super) fn demarcation() -> Table<'static, Demarcation> {
+    type Row = Demarcation;
+    let smith = |name, about, value: fn(&Row) -> Option<f64>| {
+        Column::new(name, about, value)
+            .unit("deg")
+            .format(Format::Fixed(2))
+    };
+    let found = |name, about, value: fn(&Row) -> Option<Estimate>| {
+        Column::estimate(name, about, value).unit("deg")
+    };
+    Table::new()
+        .column(
+            Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"),
+        )
+        .column(
+            found(
+                "first_dark",
+                "polar angle of the light at which the first point is dark",
+                |row| Some(row.first_dark),
+            )
+            .heading("first dark"),
+        )
+        .column(
+            share(
+                "first_dark_scaled",
+                "its cotangent over the root mean square slope",
+                |row: &Row| row.first_dark_scaled,
+            )
+            .heading("cot / slope rms"),
+        )
+        .column(
+            found(
+                "first_shadowed",
+                "polar angle at which the first point that faces the light is dark",
+                |row| row.first_shadowed,
+            )
+            .heading("first shadowed"),
+        )
+        .column(
+            found(
+                "one_percent_dark",
+                "polar angle at which 1 % of all points are dark",
+                |row| row.one_percent_dark,
+            )
+            .heading("1 % dark"),
+        )
+        .column(
+            smith(
+                "smith_one_percent_dark",
+                "one_percent_dark, by Smith",
+                |row| row.smith_one_percent_dark,
+            )
+            .heading("Smith"),
+        )
+        .column(
+            found(
+                "one_percent_shadowed",
+                "polar angle at which 1 % of all points face the light and are dark",
+                |row| row.one_percent_shadowed,
+            )
+            .heading("1 % shadowed"),
+        )
+        .column(
+            smith(
+                "smith_one_percent_shadowed",
+                "one_percent_shadowed, by Smith",
+                |row| row.smith_one_percent_shadowed,
+            )
+            .heading("Smith"),
+        )
+        .column(
+            smith("paper", "the demarcation angle of the 2019 paper", |row| {
+                row.paper
+            })
+            .heading("2019 paper"),
+        )
+}
+
+/// visibility.csv: a row per sigma, light and height.
+pub(super) fn visibility() -> Table<'static, VisibilityRow> {
+    type Row = VisibilityRow;
+    Table::new()
+        .column(
+            Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"),
+        )
+        .column(angle("theta", "polar angle of the light", |row: &Row| {
+            row.theta
+        }))
+        .column(
+            theory(
+                "x",
+                "tan(theta) / s, on which alone all theory depends",
+                |row: &Row| row.x,
+            )
+            .heading("tan(theta) / s"),
+        )
+        .column(
+            Column::new("height_min", "lowest height", |row: &Row| row.height_min).unit("sigma"),
+        )
+        .column(
+            Column::new("height_max", "highest height", |row: &Row| row.height_max).unit("sigma"),
+        )
+        .column(Column::new(
+            "points",
+            "points of that height that face the light, per surface",
+            |row: &Row| row.points,
+        ))
+        .column(
+            Column::estimate(
+                "visibility",
+                "share of these points that are lit",
+                |row: &Row| row.visibility,
+            )
+            .heading("explicit"),
+        )
+        .column(theory("smith", "the same, by Smith", |row: &Row| row.smith).heading("Smith"))
+        .column(
+            Column::new(
+                "xu_sun",
+                "the same, by Eq. 24 of Xu and Sun, at height zero",
+                |row: &Row| row.xu_sun,
+            )
+            .format(Format::Fixed(4))
+            .heading("Xu and Sun, Eq. 24"),
+        )
+}
+
+/// What was measured, beside theory: report.txt.
 #[must_use]
 pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     let surface = &outcome.config.surface;
     let work = &outcome.work;
     let mut out = String::new();
-    let plural = |count: u64| if count == 1 { "" } else { "s" };
+    let plural = if work.realisations == 1 { "" } else { "s" };
     let _ = writeln!(
         out,
-        "tau {}, {} surface{} of {} points, {} border, by {}; shares of points, not of projected areas",
+        "tau {}, {} surface{plural} of {} points, {} border, by {};\nshares of points, not of projected areas",
         short(surface.tau.0),
         work.realisations,
-        plural(work.realisations),
         work.points,
         surface.border,
         work.way,
     );
     let _ = writeln!(
         out,
-        "paper_g2: share of samples of the grid, {} a surface",
+        "paper_g2: share of the samples of the grid, {} per surface",
         work.samples,
     );
     let _ = writeln!(
         out,
-        "errors from the scatter between surfaces; slope variance of the mesh is {:.2} % below that of the continuous surface\n",
+        "errors from the scatter between surfaces; the slope variance of the mesh is\n{:.2} % below that of the continuous surface\n",
         100.0 * outcome.mesh_slope_deficit,
     );
-    let views: Vec<f64> = {
-        let mut views: Vec<f64> = outcome.rows.iter().map(|row| row.view_theta).collect();
-        views.sort_by(f64::total_cmp);
-        views.dedup();
-        views
-    };
-    // The light does not know of the view: of several, one is enough here.
-    let first_view = outcome.rows.first().map(|row| row.view_theta);
-    let lights = outcome
-        .rows
-        .iter()
-        .filter(|row| Some(row.view_theta) == first_view);
-    let slanted = views.iter().any(|&theta| theta > 0.0);
-    out.push_str(&aligned(&light_table(lights, slanted)));
-    if slanted {
-        out.push('\n');
-        out.push_str(&aligned(&view_table(&outcome.rows)));
-    }
+    out.push_str(&shares(outcome));
     if !outcome.demarcation.is_empty() {
-        out.push_str("\nwhere shadow begins, degrees\n");
-        out.push_str(&aligned(&demarcation_table(&outcome.demarcation)));
+        let table = demarcation().text(&outcome.demarcation);
+        let _ = write!(
+            out,
+            "\npolar angle at which shadow begins, degrees\n{table}"
+        );
     }
     if !outcome.visibility.is_empty() {
-        out.push_str("\nvisibility of the points about height zero that face the light\n");
-        out.push_str(&aligned(&visibility_table(&outcome.visibility)));
+        // Eq. 24 is for heights about zero alone.
+        let about_zero = outcome.visibility.iter().filter(|row| row.xu_sun.is_some());
+        let columns = ["sigma", "theta", "x", "visibility", "smith", "xu_sun"];
+        let table = visibility().select(&columns).text(about_zero);
+        let _ = write!(
+            out,
+            "\nvisibility of the points at height zero that face the light\n{table}"
+        );
     }
     if work.lost > 0 {
         let _ = writeln!(
             out,
-            "warning: of {} looks it could not be told what they see; they count as blocked",
+            "warning: {} visibility rays were lost to numerical failure; they count as blocked",
             work.lost
         );
     }
     out
 }
 
-fn header(names: &[&str]) -> Vec<String> {
-    names.iter().map(|&name| name.to_owned()).collect()
-}
-
-fn digits(value: f64) -> String {
-    format!("{value:.4}")
-}
-
-/// A row a sigma and light. What depends on the view is there unless views have a table of their own.
-fn light_table<'a>(
-    rows: impl Iterator<Item = &'a AttenuationRow>,
-    slanted: bool,
-) -> Vec<Vec<String>> {
-    let mut names = header(&[
+/// The shares by light, and by light and view where a view is not vertical.
+fn shares(outcome: &AttenuationOutcome) -> String {
+    let slanted = outcome.rows.iter().any(|row| row.view_theta > 0.0);
+    // What depends on the light alone is the same for each view.
+    let first_view = outcome.rows.first().map(|row| row.view_theta);
+    let of_first_view = outcome
+        .rows
+        .iter()
+        .filter(|row| Some(row.view_theta) == first_view);
+    let mut columns = vec![
         "sigma",
         "theta",
         "lit",
-        "Smith",
-        "V-cavity",
-        "as printed",
-        "g1 (facing)",
-        "Smith",
-        "V-cavity",
+        "smith_lit",
+        "v_cavity_lit",
+        "smith_lit_as_printed",
+        "g1",
+        "smith_g1",
+        "v_cavity_g1",
         "mirror_g2",
-    ]);
+    ];
     if !slanted {
-        names.push("paper_g2".to_owned());
+        columns.push("paper_g2");
     }
-    let mut table = vec![names];
-    table.extend(rows.map(|row| {
-        let mut fields = vec![
-            short(row.sigma),
-            short(row.theta),
-            with_error(row.lit),
-            digits(row.smith_lit),
-            digits(row.v_cavity_lit),
-            digits(row.smith_lit_as_printed),
-            with_error(row.g1),
-            digits(row.smith_g1),
-            digits(row.v_cavity_g1),
-            row.mirror_g2.map_or("-".to_owned(), with_error),
+    let mut out = attenuation().select(&columns).text(of_first_view);
+    if slanted {
+        let columns = [
+            "sigma",
+            "theta",
+            "phi",
+            "view_theta",
+            "view_phi",
+            "g2",
+            "smith_correlated_g2",
+            "smith_separable_g2",
+            "v_cavity_g2",
+            "paper_g2",
         ];
-        if !slanted {
-            fields.push(with_error(row.paper_g2));
-        }
-        fields
-    }));
-    table
-}
-
-/// A row a sigma, light and view.
-fn view_table(rows: &[AttenuationRow]) -> Vec<Vec<String>> {
-    let mut table = vec![header(&[
-        "sigma",
-        "theta, phi",
-        "view theta, phi",
-        "g2 (facing both)",
-        "Smith correlated",
-        "separable",
-        "V-cavity",
-        "paper_g2",
-    ])];
-    table.extend(rows.iter().map(|row| {
-        vec![
-            short(row.sigma),
-            format!("{}, {}", short(row.theta), short(row.phi)),
-            format!("{}, {}", short(row.view_theta), short(row.view_phi)),
-            with_error(row.g2),
-            digits(row.smith_correlated_g2),
-            digits(row.smith_separable_g2),
-            digits(row.v_cavity_g2),
-            with_error(row.paper_g2),
-        ]
-    }));
-    table
-}
-
-/// A row a sigma and light: heights about zero alone, for which Eq. 24 stands.
-fn visibility_table(rows: &[VisibilityRow]) -> Vec<Vec<String>> {
-    let mut table = vec![header(&[
-        "sigma",
-        "theta",
-        "tan(theta) / s",
-        "explicit",
-        "Smith",
-        "Xu and Sun, Eq. 24",
-    ])];
-    table.extend(rows.iter().filter_map(|row| {
-        Some(vec![
-            short(row.sigma),
-            short(row.theta),
-            digits(row.x),
-            row.visibility.map_or("-".to_owned(), with_error),
-            digits(row.smith),
-            digits(row.xu_sun?),
-        ])
-    }));
-    table
-}
-
-/// A row a sigma.
-fn demarcation_table(rows: &[Demarcation]) -> Vec<Vec<String>> {
-    let mut table = vec![header(&[
-        "sigma",
-        "first dark",
-        "cot / slope rms",
-        "first shadowed",
-        "1 % dark",
-        "Smith",
-        "1 % shadowed",
-        "Smith",
-        "2019 paper",
-    ])];
-    let angle = |angle: Option<Estimate>| angle.map_or("-".to_owned(), with_error);
-    let plain = |angle: Option<f64>| angle.map_or("-".to_owned(), |angle| format!("{angle:.2}"));
-    table.extend(rows.iter().map(|row| {
-        vec![
-            short(row.sigma),
-            with_error(row.first_dark),
-            with_error(row.first_dark_scaled),
-            angle(row.first_shadowed),
-            angle(row.one_percent_dark),
-            plain(row.smith_one_percent_dark),
-            angle(row.one_percent_shadowed),
-            plain(row.smith_one_percent_shadowed),
-            plain(row.paper),
-        ]
-    }));
-    table
+        let by_view = attenuation().select(&columns).text(&outcome.rows);
+        let _ = write!(out, "\n{by_view}");
+    }
+    out
 }

@@ -3,14 +3,12 @@
 use asperity_simulate::Observer;
 use std::path::{Path, PathBuf};
 
-use asperity_io::{
-    CsvField as Field, create_output_folder, remove_files, write_bytes, write_csv, write_json,
-};
+use asperity_io::{create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use serde_json::{Value, json};
 
-use super::tables::{case_table, converge_table, method_name};
-use super::{ConvergeOutcome, ConvergedCase, Measurement, MethodOutcome};
+use super::tables::{case_table, converge_table, convergence, method_name, write_convergence};
+use super::{ConvergeOutcome, ConvergedCase, MethodOutcome};
 use crate::figures;
 use crate::report::{FILES, ReportError};
 
@@ -59,7 +57,7 @@ fn write_case(
 ) -> Result<(), ReportError> {
     create_output_folder(place)?;
     remove_files(place, FILES)?;
-    write_table(place, case)?;
+    write_convergence(&place.join("convergence.csv"), case)?;
     write_bytes(
         place.join("report.txt"),
         case_table(outcome, case).as_bytes(),
@@ -75,60 +73,6 @@ fn write_case(
         figures::save(&[place], "convergence", &figure)?;
     }
     Ok(())
-}
-
-/// convergence.csv: a row a method and effort.
-fn write_table(place: &Path, case: &ConvergedCase) -> Result<(), ReportError> {
-    let header = [
-        "estimator",
-        "sampling",
-        "accelerator",
-        "spacing",
-        "rays_a_surface",
-        "surfaces",
-        "repeats",
-        "seconds",
-        "seconds_min",
-        "seconds_max",
-        "error",
-        "error_se",
-        "reference_error",
-        "error_exact",
-        "energy_error",
-        "usable",
-    ];
-    let row = |method: &MethodOutcome, m: &Measurement| -> Vec<Field<'static>> {
-        let of = &method.method;
-        let [dx, dy] = of.spacing.xy().map(|spacing| spacing.0);
-        let spacing = if dx == dy {
-            Field::from(dx)
-        } else {
-            of.spacing_text().into()
-        };
-        vec![
-            of.estimator.to_string().into(),
-            of.sampling.to_string().into(),
-            of.accelerator.to_string().into(),
-            spacing,
-            m.rays_a_surface.into(),
-            m.surfaces.into(),
-            m.repeats.into(),
-            m.seconds.into(),
-            m.seconds_min.into(),
-            m.seconds_max.into(),
-            m.error.rms.into(),
-            m.error.se.into(),
-            case.reference.error.into(),
-            m.error_exact.map(|error| error.rms).into(),
-            m.energy_error.into(),
-            u64::from(m.usable).into(),
-        ]
-    };
-    let rows = case
-        .methods
-        .iter()
-        .flat_map(|method| method.measurements.iter().map(move |m| row(method, m)));
-    Ok(write_csv(place.join("convergence.csv"), &header, rows)?)
 }
 
 /// The contents of summary.json: that of the case, or, of several, a list of all with their folders.
@@ -168,6 +112,7 @@ fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Value {
         "reference": case.reference,
         "exact": case.is_exact,
         "methods": methods,
+        "columns": { "convergence.csv": convergence(case).description() },
         "work": case.work,
     })
 }

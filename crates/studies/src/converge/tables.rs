@@ -1,14 +1,17 @@
-//! Run time against error as text that people read.
+//! The tables of run time against error: convergence.csv and report.txt.
 
-use asperity_simulate::short;
 use std::fmt::Write;
+use std::path::Path;
 
+use asperity_io::WriteError;
+use asperity_simulate::short;
 use asperity_tally::Estimate;
 
 use super::{
-    ConvergeOutcome, ConvergedCase, Efficiency, Method, MethodOutcome, RepeatedError, SecondsTo,
+    ConvergeOutcome, ConvergedCase, Efficiency, Measurement, Method, MethodOutcome, RepeatedError,
+    SecondsTo,
 };
-use crate::tables::{aligned, with_error};
+use crate::output::{Cell, Column, Table, significant, with_error};
 
 /// What a method is called beside the others of its case: what they have in common is left out, the
 /// estimator and the sampling aside.
@@ -50,18 +53,18 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
         reference.rays_a_surface,
         reference.method.estimator,
         reference.method.sampling,
-        digits(reference.seconds),
+        significant(reference.seconds),
     );
     let _ = write!(
         out,
         "relative error of the reference {}",
-        digits(reference.error)
+        significant(reference.error)
     );
     if let Some(error) = reference.error_exact {
         let _ = write!(
             out,
             "; against the exact fluxes it is off by {}",
-            digits(error)
+            significant(error)
         );
     }
     out.push('\n');
@@ -83,15 +86,18 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
         "seconds are medians of {repeats} run{plural} on {} threads, and in brackets the fastest and the slowest\n",
         case.work.threads,
     );
-    out.push_str(&aligned(&measured(case)));
+    out.push_str(&measured(case).text(measurements(case)));
+    if measurements(case).any(|row| !row.measurement.usable) {
+        out.push_str("* as small as the error of the reference, and not fitted\n");
+    }
     let setup = case.methods.iter().map(|method| method.setup_seconds);
     let setup = setup.fold(0.0, f64::max);
     // Plain rays have nothing to prepare; what the clock says of that is no news.
     if setup > 1e-4 {
         let _ = writeln!(
             out,
-            "the mean of the control took {} s, once and not counted above",
-            digits(setup)
+            "the mean of the control variate took {} s, once and not counted above",
+            significant(setup)
         );
     }
     if case.work.lost != 0.0 {
@@ -102,7 +108,7 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
         );
     }
     out.push('\n');
-    out.push_str(&aligned(&compared(outcome, case)));
+    out.push_str(&compared(outcome, case).text(&case.methods));
     let _ = writeln!(
         out,
         "\n~ lies beyond what was measured. In brackets, and as efficiency at equal rays: how many times\nlonger plain random rays take to the same error."
@@ -110,113 +116,182 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     out
 }
 
-/// A row a method and effort.
-fn measured(case: &ConvergedCase) -> Vec<Vec<String>> {
-    let mut header = vec![
-        "method",
-        "surfaces",
-        "rays each",
-        "seconds",
-        "relative error",
-    ];
-    if case.is_exact {
-        header.push("against exact fluxes");
-    }
-    let mut rows = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
-    for method in &case.methods {
-        for (i, m) in method.measurements.iter().enumerate() {
-            let name = if i == 0 {
-                method_name(case, &method.method)
-            } else {
-                String::new()
-            };
-            let mut row = vec![
-                name,
-                m.surfaces.to_string(),
-                m.rays_a_surface.to_string(),
-                format!(
-                    "{} ({}-{})",
-                    digits(m.seconds),
-                    digits(m.seconds_min),
-                    digits(m.seconds_max)
-                ),
-                repeated(m.error),
-            ];
-            row.extend(m.error_exact.map(repeated));
-            if !m.usable {
-                row.push("at the reference".to_owned());
-            }
-            rows.push(row);
-        }
-    }
-    rows
+/// A measurement of one method of a case.
+pub(super) struct Measured<'a> {
+    method: &'a MethodOutcome,
+    measurement: &'a Measurement,
+    /// Whether it is the first one of its method.
+    first: bool,
 }
 
-/// A row a method: slope, seconds to each error, gains.
-fn compared(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Vec<Vec<String>> {
-    let mut header = vec!["method".to_owned(), "slope".to_owned()];
-    header.extend(outcome.errors.iter().map(|error| format!("s to {error:e}")));
-    header.push("efficiency".to_owned());
-    let mut rows = vec![header];
-    for method in &case.methods {
-        let mut row = vec![method_name(case, &method.method), slope(method)];
-        row.extend(outcome.errors.iter().map(|&error| {
-            let seconds = method.fit.and_then(|fit| fit.seconds_to(error));
-            match (seconds, case.speedup(method, error)) {
-                (None, _) => "-".to_owned(),
-                (Some(seconds), None) => marked(seconds),
-                (Some(seconds), Some(gain)) => {
-                    format!("{} ({})", marked(seconds), digits(gain.seconds))
+/// The measurements of a case, method by method.
+fn measurements(case: &ConvergedCase) -> impl Iterator<Item = Measured<'_>> {
+    case.methods.iter().flat_map(|method| {
+        let measurements = method.measurements.iter().enumerate();
+        measurements.map(move |(i, measurement)| Measured {
+            method,
+            measurement,
+            first: i == 0,
+        })
+    })
+}
+
+/// Writes convergence.csv.
+pub(super) fn write_convergence(path: &Path, case: &ConvergedCase) -> Result<(), WriteError> {
+    convergence(case).write_csv(path, measurements(case))
+}
+
+/// convergence.csv: a row per method and effort.
+pub(super) fn convergence(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
+    type Row<'a> = Measured<'a>;
+    let method = |name, about, of: fn(&Method) -> String| {
+        Column::new(name, about, move |row: &Row<'_>| of(&row.method.method))
+    };
+    let count = |name, about, of: fn(&Measurement) -> u64| {
+        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
+    };
+    let number = |name, about, of: fn(&Measurement) -> Option<f64>| {
+        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
+    };
+    Table::new()
+        .column(method("estimator", "estimator", |m| {
+            m.estimator.to_string()
+        }))
+        .column(method("sampling", "how rays are distributed", |m| {
+            m.sampling.to_string()
+        }))
+        .column(method("accelerator", "accelerator", |m| {
+            m.accelerator.to_string()
+        }))
+        .column(Column::new(
+            "spacing",
+            "length units per sample",
+            |row: &Row<'_>| {
+                let [dx, dy] = row.method.method.spacing.xy().map(|spacing| spacing.0);
+                if dx == dy {
+                    Cell::from(dx)
+                } else {
+                    row.method.method.spacing_text().into()
                 }
-            }
-        }));
-        row.push(match case.efficiency(method) {
-            Some(Efficiency { ratio, se }) => repeated(RepeatedError { rms: ratio, se }),
-            None => "-".to_owned(),
-        });
-        rows.push(row);
-    }
-    rows
+            },
+        ))
+        .column(count("rays_a_surface", "rays per surface", |m| {
+            m.rays_a_surface
+        }))
+        .column(count("surfaces", "surfaces", |m| m.surfaces))
+        .column(count(
+            "repeats",
+            "runs of which the medians and errors are",
+            |m| m.repeats,
+        ))
+        .column(number("seconds", "median run time", |m| Some(m.seconds)).unit("s"))
+        .column(number("seconds_min", "shortest run time", |m| Some(m.seconds_min)).unit("s"))
+        .column(number("seconds_max", "longest run time", |m| Some(m.seconds_max)).unit("s"))
+        .column(number(
+            "error",
+            "relative error against the reference",
+            |m| Some(m.error.rms),
+        ))
+        .column(number("error_se", "its standard error", |m| m.error.se))
+        .column(Column::new(
+            "reference_error",
+            "relative error of the reference",
+            |_: &Row<'_>| case.reference.error,
+        ))
+        .column(number(
+            "error_exact",
+            "relative error against the exact fluxes",
+            |m| Some(m.error_exact?.rms),
+        ))
+        .column(number(
+            "energy_error",
+            "deviation of the total energy from one",
+            |m| m.energy_error,
+        ))
+        .column(count(
+            "usable",
+            "1 if the error is well above that of the reference",
+            |m| m.usable.into(),
+        ))
 }
 
-fn slope(method: &MethodOutcome) -> String {
-    match method.fit {
-        Some(fit) => match fit.slope_se {
-            Some(se) => format!("{:.2} +- {se:.2}", fit.slope),
-            None => format!("{:.2}", fit.slope),
-        },
-        None => "-".to_owned(),
+/// A row per method and effort, for report.txt.
+fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
+    type Row<'a> = Measured<'a>;
+    let seconds = |row: &Row<'_>| {
+        let m = row.measurement;
+        let [median, least, most] = [m.seconds, m.seconds_min, m.seconds_max].map(significant);
+        format!("{median} ({least}-{most})")
+    };
+    let table = Table::new()
+        .column(Column::new("method", "", |row: &Row<'_>| match row.first {
+            true => method_name(case, &row.method.method),
+            false => String::new(),
+        }))
+        .column(Column::new("surfaces", "", |row: &Row<'_>| {
+            row.measurement.surfaces
+        }))
+        .column(Column::new("rays each", "", |row: &Row<'_>| {
+            row.measurement.rays_a_surface
+        }))
+        .column(Column::new("seconds", "", seconds))
+        .column(Column::new("relative error", "", |row: &Row<'_>| {
+            let mark = if row.measurement.usable { "" } else { " *" };
+            format!("{}{mark}", repeated(row.measurement.error))
+        }));
+    if !case.is_exact {
+        return table;
     }
+    table.column(Column::new("against exact fluxes", "", |row: &Row<'_>| {
+        row.measurement.error_exact.map(repeated)
+    }))
+}
+
+/// A row per method: slope, seconds to each error, gains.
+fn compared<'a>(outcome: &'a ConvergeOutcome, case: &'a ConvergedCase) -> Table<'a, MethodOutcome> {
+    let name = |method: &MethodOutcome| method_name(case, &method.method);
+    let seconds_to = |&error: &f64| {
+        let seconds = move |method: &MethodOutcome| {
+            let seconds = marked(method.fit?.seconds_to(error)?);
+            Some(match case.speedup(method, error) {
+                None => seconds,
+                Some(gain) => format!("{seconds} ({})", significant(gain.seconds)),
+            })
+        };
+        Column::new(format!("s to {error:e}"), "", seconds)
+    };
+    Table::new()
+        .column(Column::new("method", "", name))
+        .column(Column::new("slope", "", slope))
+        .columns(outcome.errors.iter().map(seconds_to))
+        .column(Column::new("efficiency", "", |method: &MethodOutcome| {
+            let Efficiency { ratio, se } = case.efficiency(method)?;
+            Some(repeated(RepeatedError { rms: ratio, se }))
+        }))
+}
+
+fn slope(method: &MethodOutcome) -> Option<String> {
+    let fit = method.fit?;
+    Some(match fit.slope_se {
+        Some(se) => format!("{:.2} +- {se:.2}", fit.slope),
+        None => format!("{:.2}", fit.slope),
+    })
 }
 
 /// Seconds, with a mark where they lie beyond what was measured.
 fn marked(to: SecondsTo) -> String {
     let mark = if to.extrapolated { "~" } else { "" };
-    format!("{mark}{}", digits(to.seconds))
+    format!("{mark}{}", significant(to.seconds))
 }
 
 fn repeated(error: RepeatedError) -> String {
     match error.se {
         // A root of squares that has no scatter is not thereby exact.
-        None | Some(0.0) => digits(error.rms),
+        None | Some(0.0) => significant(error.rms),
         se => with_error(Estimate {
             mean: error.rms,
             se,
         }),
-    }
-}
-
-/// Three significant digits, with an exponent where there would be many zeros.
-fn digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".to_owned();
-    }
-    let exponent = value.abs().log10().floor() as i32;
-    if (-4..6).contains(&exponent) {
-        let places = (2 - exponent).max(0) as usize;
-        format!("{value:.places$}")
-    } else {
-        format!("{value:.2e}")
     }
 }
 
@@ -235,8 +310,5 @@ mod tests {
         assert_eq!(to(1.2345, false), "1.23");
         assert_eq!(to(1.2345e7, true), "~1.23e7");
         assert_eq!(to(0.012_345, true), "~0.0123");
-        assert_eq!(digits(123_456.0), "123456");
-        assert_eq!(digits(1.5e-5), "1.50e-5");
-        assert_eq!(digits(0.0), "0");
     }
 }

@@ -12,12 +12,13 @@ use asperity_tally::{Layout, Side};
 use rayon::prelude::*;
 
 use super::config::PlotScale;
-use super::files::{over, projected_in_plane, projected_solid_angle};
 use super::results::part_names;
 use super::setting::Distinction;
 use super::summary::labelled;
+use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
 use crate::figures::save;
+use crate::output::{over, projected_solid_angle};
 use crate::report::ReportError;
 
 /// Folder of the plots.
@@ -302,7 +303,7 @@ fn hemisphere(
     });
     let bsdf = |bin| {
         let flux = part.bin(layout, bin)?;
-        Some(flux.mean / projected_solid_angle(layout, bin))
+        Some(flux.mean / projected_solid_angle(&layout.grid(), bin))
     };
     let share = part.side(layout, side)?.mean;
     let letter = match side {

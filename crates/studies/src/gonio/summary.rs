@@ -1,17 +1,15 @@
 //! A measurement in words and as JSON.
 
-use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_tally::Side;
 use serde_json::{Value, json};
 
 use super::GonioOutcome;
-use super::files::measured;
 use super::results::part_names;
 use super::setting::Distinction;
+use super::tables::{self, Measured, measured, report};
 use crate::config::Azimuth;
-use crate::tables::{aligned, with_error};
 
 /// The summary as text: report.txt.
 #[must_use]
@@ -30,14 +28,14 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         outcome.directions.len(),
         head.join(", ")
     );
-    if let Some((_, results)) = measured(outcome).next() {
+    if let Some(Measured { results, .. }) = measured(outcome).next() {
         let surfaces = match results.surfaces {
             1 => "1 surface".to_owned(),
             n => format!("{n} surfaces"),
         };
         let _ = writeln!(
             out,
-            "{} bins, {surfaces} and {} rays a direction; standard errors from {}",
+            "{} bins, {surfaces} and {} rays per direction; standard errors from {}",
             outcome.layout.grid(),
             results.rays,
             results.errors_from
@@ -50,33 +48,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
             true => writeln!(out),
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
-        let mut rows = vec![header(outcome)];
-        for direction in directions {
-            let angles = [
-                direction.incidence.theta_deg(),
-                direction.incidence.phi_deg(),
-            ];
-            let mut row: Vec<String> = angles.map(short).to_vec();
-            match &direction.results {
-                None => row.push("not there yet".to_owned()),
-                Some(results) => {
-                    for side in outcome.layout.sides() {
-                        let fluxes = results.parts.iter();
-                        let fluxes = fluxes.filter_map(|part| part.side(&outcome.layout, side));
-                        // Parts on the far side are in gonio.csv.
-                        let shown = match side {
-                            Side::Reflected => usize::MAX,
-                            Side::Transmitted => 1,
-                        };
-                        row.extend(fluxes.take(shown).map(with_error));
-                    }
-                    row.push(with_error(results.budget.estimate(0)));
-                    row.push(with_error(results.budget.estimate(1)));
-                }
-            }
-            rows.push(row);
-        }
-        out.push_str(&aligned(&rows));
+        out.push_str(&report(&outcome.layout).text(directions));
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
@@ -93,28 +65,12 @@ pub(super) fn labelled(title: &str, label: &str) -> String {
     }
 }
 
-fn header(outcome: &GonioOutcome) -> Vec<String> {
-    let mut header = vec!["theta".to_owned(), "phi".to_owned()];
-    for side in outcome.layout.sides() {
-        header.push(side.to_string());
-        if side == Side::Reflected {
-            header.extend(
-                part_names(&outcome.layout)[1..]
-                    .iter()
-                    .map(|n| (*n).to_owned()),
-            );
-        }
-    }
-    header.extend(["absorbed", "truncated"].map(str::to_owned));
-    header
-}
-
 /// What a reader of the results should know.
 pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     let mut warnings = Vec::new();
     if outcome.missing() > 0 {
         warnings.push(format!(
-            "{} of {} directions are not there yet; the same command goes on from here",
+            "{} of {} directions are missing; the same command resumes",
             outcome.missing(),
             outcome.directions.len()
         ));
@@ -133,7 +89,10 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
                 .to_owned(),
         );
     }
-    for (direction, results) in measured(outcome) {
+    for Measured {
+        direction, results, ..
+    } in measured(outcome)
+    {
         let named = |warning: &String| format!("{}: {warning}", direction.name);
         warnings.extend(results.warnings.iter().map(named));
     }
@@ -203,6 +162,11 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         "complete": outcome.missing() == 0,
         "missing": outcome.missing(),
         "directions": directions.collect::<Vec<_>>(),
+        "columns": {
+            "gonio.csv": tables::directions(layout).description(),
+            "in_plane.csv": tables::in_plane(layout).description(),
+            "bsdf.csv": tables::bsdf(layout).description(),
+        },
         "warnings": warnings(outcome),
     })
 }

@@ -3,20 +3,16 @@
 use asperity_simulate::short;
 use std::path::Path;
 
-use asperity_io::{
-    CsvField as Field, create_output_folder, remove_files, write_bytes, write_csv, write_json,
-};
-use asperity_optics::Material;
+use asperity_io::{create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
-use asperity_tally::Side;
 use serde_json::{Value, json};
 
-use super::cell::{CellModel, CellResults, JudgedCell, LightShare, energy_name, peak_name};
+use super::cell::LightShare;
 use super::interval::CellVerdict;
 use super::summary::{
     grooves, map_table, material_name, materials, smoothness, summarise, thetas, warnings,
 };
-use super::{MapCell, MapOutcome};
+use super::{MapOutcome, tables};
 use crate::figures;
 use crate::report::{FILES, ReportError};
 
@@ -29,7 +25,7 @@ use crate::report::{FILES, ReportError};
 pub fn map_report(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;
-    write_table(folder, outcome)?;
+    tables::map().write_csv(&folder.join("map.csv"), tables::judged(outcome))?;
     if outcome.config.output.plots {
         for light in LightShare::BOTH {
             let figure = figure(outcome, light).draw()?;
@@ -39,145 +35,6 @@ pub fn map_report(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError
     write_bytes(folder.join("report.txt"), map_table(outcome).as_bytes())?;
     write_json(folder.join("summary.json"), &map_summary(outcome))?;
     Ok(())
-}
-
-/// Each cell, model and share of the light that was found, with its judgement.
-fn judged(
-    outcome: &MapOutcome,
-) -> impl Iterator<Item = (&MapCell, &CellResults, &CellModel, LightShare, JudgedCell)> {
-    outcome.cells.iter().flat_map(move |cell| {
-        cell.results.iter().flat_map(move |results| {
-            results.models.iter().flat_map(move |model| {
-                LightShare::BOTH.map(|light| {
-                    let judged = results.judge(model, light, &outcome.config.map);
-                    (cell, results, model, light, judged)
-                })
-            })
-        })
-    })
-}
-
-/// map.csv: a row a cell, model and share of the light.
-fn write_table(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError> {
-    let mut header: Vec<String> = [
-        "s",
-        "material",
-        "eta",
-        "kappa",
-        "theta_deg",
-        "model",
-        "light",
-        "verdict",
-        "decided_by",
-        "total_variation",
-        "total_variation_low",
-        "total_variation_high",
-        "total_variation_verdict",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    for side in Side::BOTH {
-        for name in [
-            "explicit",
-            "model",
-            "difference",
-            "difference_se",
-            "difference_low",
-            "difference_high",
-            "verdict",
-            "peak_explicit_deg",
-            "peak_model_deg",
-            "peak_difference_deg",
-            "peak_difference_se_deg",
-            "peak_difference_low_deg",
-            "peak_difference_high_deg",
-            "peak_verdict",
-            "half_width_deg",
-        ] {
-            header.push(format!("{side}_{name}"));
-        }
-    }
-    header.extend(["surfaces", "rays", "model_rays"].map(str::to_owned));
-    let header: Vec<&str> = header.iter().map(String::as_str).collect();
-    let rows = judged(outcome).map(|(cell, results, model, light, judged)| {
-        let (kind, eta, kappa) = match cell.case.material {
-            Material::Dielectric { eta } => ("dielectric", Some(eta), None),
-            Material::Conductor { eta, kappa } => ("conductor", Some(eta), Some(kappa)),
-            _ => ("mirror", None, None),
-        };
-        let mut row: Vec<Field<'static>> = vec![
-            cell.case.smoothness.into(),
-            kind.into(),
-            eta.into(),
-            kappa.into(),
-            cell.case.incidence.theta_deg().into(),
-            model.name.clone().into(),
-            light.name().into(),
-            judged.verdict.name().into(),
-            judged.decided_by().join(" ").into(),
-        ];
-        row.extend(measure(
-            &judged,
-            "total-variation",
-            |value| vec![value.into()],
-            1,
-        ));
-        for side in Side::BOTH {
-            let of_side = model
-                .distances(light)
-                .sides
-                .iter()
-                .find(|of| of.side == side);
-            let energies = |difference: f64| -> Vec<Field<'static>> {
-                vec![
-                    of_side.map(|of| of.explicit).into(),
-                    of_side.map(|of| of.model).into(),
-                    difference.into(),
-                    of_side.and_then(|of| of.difference_se).into(),
-                ]
-            };
-            row.extend(measure(&judged, energy_name(side), energies, 4));
-            let peak = of_side.and_then(|of| of.peak);
-            let peaks = |difference: f64| -> Vec<Field<'static>> {
-                vec![
-                    peak.map(|peak| peak.explicit_deg).into(),
-                    peak.map(|peak| peak.model_deg).into(),
-                    difference.into(),
-                    peak.and_then(|peak| peak.se_deg).into(),
-                ]
-            };
-            row.extend(measure(&judged, peak_name(side), peaks, 4));
-            row.push(peak.map(|peak| peak.half_width_deg).into());
-        }
-        row.extend([
-            results.surfaces.into(),
-            results.rays.into(),
-            Field::from(Some(model.rays).filter(|rays| *rays > 0)),
-        ]);
-        row
-    });
-    Ok(write_csv(folder.join("map.csv"), &header, rows)?)
-}
-
-/// The fields of a measure: `first`, given its value, then its range and verdict; all empty if it is not
-/// there.
-fn measure(
-    judged: &JudgedCell,
-    name: &str,
-    first: impl Fn(f64) -> Vec<Field<'static>>,
-    of_first: usize,
-) -> Vec<Field<'static>> {
-    let Some(measure) = judged.measure(name) else {
-        return vec![Field::Empty; of_first + 3];
-    };
-    let mut fields = first(measure.interval.value);
-    let range = measure.interval.range;
-    fields.extend([
-        range.map(|[low, _]| low).into(),
-        range.map(|[_, high]| high).into(),
-        measure.verdict.name().into(),
-    ]);
-    fields
 }
 
 /// The contents of summary.json.
@@ -247,6 +104,7 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
         "missing": outcome.missing(),
         "summary": summarise(outcome),
         "cells": cells,
+        "columns": { "map.csv": tables::map().description() },
         "warnings": warnings(outcome),
     })
 }

@@ -6,10 +6,9 @@ use std::fmt::Write;
 use asperity_optics::Material;
 use serde::Serialize;
 
-use super::MapOutcome;
 use super::cell::{FEWEST_SURFACES, LightShare};
 use super::interval::CellVerdict;
-use crate::tables::aligned;
+use super::{MapOutcome, tables};
 
 /// What the map says of one model on one material, over one share of the light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -179,34 +178,14 @@ pub fn map_table(outcome: &MapOutcome) -> String {
                 LightShare::All => "each model beside all light",
             };
             let _ = writeln!(out, "\n{}: {what}", material_name(material));
-            let mut rows = vec![header(outcome)];
             let here = |s: &&ModelSummary| s.material == material && s.light == light;
-            rows.extend(summaries.iter().filter(here).map(row));
-            out.push_str(&aligned(&rows));
+            out.push_str(&tables::summary(outcome).text(summaries.iter().filter(here)));
         }
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     out
-}
-
-fn header(outcome: &MapOutcome) -> Vec<String> {
-    let mut header = vec!["holds from s =".to_owned()];
-    header.extend(thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
-        let to = if i == 0 { "at" } else { "to" };
-        format!("{to} {} deg", short(theta))
-    }));
-    header.extend(CellVerdict::ALL.map(|verdict| verdict.name().to_owned()));
-    header
-}
-
-fn row(summary: &ModelSummary) -> Vec<String> {
-    let mut row = vec![summary.model.clone()];
-    let from = |s: &Option<f64>| s.map_or_else(|| "-".to_owned(), short);
-    row.extend(summary.holds_from.iter().map(|(_, s)| from(s)));
-    row.extend(summary.cells.map(|count| count.to_string()));
-    row
 }
 
 /// What a reader of the map should know.
@@ -220,7 +199,7 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
     };
     if outcome.missing() > 0 {
         warnings.push(format!(
-            "{} of {} cells are not there yet; the same command goes on from here",
+            "{} of {} cells are missing; the same command resumes",
             outcome.missing(),
             outcome.cells.len()
         ));

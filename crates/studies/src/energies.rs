@@ -1,0 +1,192 @@
+//! The energies of one run and their errors as text, with what a reader should know of them.
+
+use std::fmt::Write;
+
+use asperity_simulate::{ControlMean, ErrorBudget, SummaryWork, short};
+use asperity_tally::{BatchStatistics, Estimate, History, Layout, MAX_LISTED_ORDER, Side};
+use asperity_tracer::PathSettings;
+
+use crate::output::{Column, Table, aligned, listed, two_digits, with_error, wrapped};
+
+/// What light of the first order is called.
+pub(crate) const SINGLE_SCATTERING: &str = "single scattering";
+
+/// What all recorded light is called where paths end after `max_order` interactions. The default limit is so high
+/// that it does not matter.
+pub(crate) fn recorded_orders(max_order: u32) -> String {
+    match max_order {
+        1 => SINGLE_SCATTERING.to_owned(),
+        2..PathSettings::DEFAULT_MAX_ORDER => format!("orders up to {max_order}"),
+        _ => "all orders".to_owned(),
+    }
+}
+
+/// What light is called by how often it was scattered inside a medium.
+pub(crate) const fn history_name(history: History) -> &'static str {
+    match history {
+        History::Unscattered => "never scattered inside",
+        History::Once => "once",
+        History::More => "more often",
+    }
+}
+
+/// A flux fraction with its error. Inside a medium zero only means that no ray was found.
+pub(crate) fn flux_with_error(layout: &Layout, flux: Estimate) -> String {
+    if layout.has_histories() && flux.mean == 0.0 && flux.se == Some(0.0) {
+        return "0 (none seen)".to_owned();
+    }
+    with_error(flux)
+}
+
+/// The parts of the light of one side by how often it was scattered inside a medium.
+fn by_history(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
+    if !layout.has_histories() || statistics.means()[side.index()] == 0.0 {
+        return None;
+    }
+    let parts = History::ALL.map(|history| {
+        let flux = statistics.estimate(layout.history(side, history));
+        format!(
+            "{}: {}",
+            history_name(history),
+            flux_with_error(layout, flux)
+        )
+    });
+    Some(listed(&side.to_string(), &parts))
+}
+
+/// The energies of one run, by side, order of scattering and number of scatterings inside a medium.
+#[must_use]
+pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
+    let energies = layout.sides().map(|side| (side.to_string(), side.index()));
+    let endings = endings(layout).map(|(name, i)| (name.to_owned(), i));
+    let fluxes = energies.chain(endings).map(|(name, i)| {
+        let flux = flux_with_error(layout, statistics.estimate(i));
+        (name, flux)
+    });
+    let residual = statistics.means()[..5].iter().sum::<f64>() - 1.0;
+    let residual = ("sum - 1".to_owned(), format!("{residual:.1e}"));
+    let rows: Vec<Vec<String>> = fluxes
+        .chain([residual])
+        .map(|(name, flux)| vec![name, flux])
+        .collect();
+    let mut out = aligned(&rows);
+    for side in layout.sides() {
+        let orders = by_order(layout, statistics, side);
+        let histories = by_history(layout, statistics, side);
+        for line in orders.into_iter().chain(histories) {
+            let _ = writeln!(out, "{line}");
+        }
+    }
+    out
+}
+
+/// The light of one side by its order of scattering at the surface; `None` if there is none.
+fn by_order(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
+    let mut fluxes: Vec<String> = (1..=4)
+        .map(|order| (order, statistics.estimate(layout.order(side, order))))
+        .filter(|(_, flux)| flux.mean != 0.0)
+        .map(|(order, flux)| format!("{order}: {}", with_error(flux)))
+        .collect();
+    let above: f64 = (5..=MAX_LISTED_ORDER)
+        .map(|order| statistics.means()[layout.order(side, order)])
+        .sum();
+    if above != 0.0 {
+        fluxes.push(format!("above: {}", short(above)));
+    }
+    (!fluxes.is_empty()).then(|| listed(&format!("{side} by order"), &fluxes))
+}
+
+/// The errors of the energies by their source.
+#[must_use]
+pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
+    let errors = |side: &Side| budget.errors(side.index());
+    let table = Table::new()
+        .column(Column::new("errors", "", |side: &Side| side.to_string()))
+        .column(Column::new("rays", "", move |side| {
+            errors(side).rays.map(two_digits)
+        }))
+        .column(Column::new("between surfaces", "", move |side| {
+            errors(side).surfaces.map(two_digits)
+        }))
+        .column(Column::new("mesh", "", move |side| {
+            let errors = errors(side);
+            let mut mesh = errors.mesh.map_or("-".to_owned(), with_sign);
+            if let Some(se) = errors.mesh_se {
+                let _ = write!(mesh, " +- {}", two_digits(se));
+            }
+            if let Some(removed) = errors.mesh_removed {
+                let _ = write!(mesh, " ({} removed)", with_sign(removed));
+            }
+            mesh
+        }));
+    let mut out = table.text(layout.sides());
+    if layout.sides().any(|side| errors(&side).mesh.is_none()) {
+        let _ = writeln!(out, "mesh {}", budget.way_of_mesh());
+    }
+    out
+}
+
+/// A shift to two digits.
+fn with_sign(shift: f64) -> String {
+    match shift {
+        0.0 => "0".to_owned(),
+        shift if shift < 0.0 => format!("-{}", two_digits(-shift)),
+        shift => format!("+{}", two_digits(shift)),
+    }
+}
+
+/// Names and entries of the budget, energies aside. What left on a side that is not recorded is a part of truncated,
+/// and set in beneath it.
+pub(crate) fn endings(layout: &Layout) -> impl Iterator<Item = (&'static str, usize)> {
+    let not_asked = layout.sides().count() < Side::BOTH.len();
+    [
+        ("absorbed", Layout::ABSORBED),
+        ("truncated", Layout::TRUNCATED),
+        ("  not asked", Layout::NOT_ASKED),
+        ("lost", Layout::LOST),
+    ]
+    .into_iter()
+    .filter(move |&(_, i)| i != Layout::NOT_ASKED || not_asked)
+}
+
+/// What a reader must know if light was lost.
+#[must_use]
+pub fn lost_warning(statistics: &BatchStatistics) -> Option<String> {
+    let lost = statistics.means()[Layout::LOST];
+    (lost != 0.0).then(|| {
+        format!("{lost:.3e} of the flux was lost to numerical failure: do not trust these results")
+    })
+}
+
+/// The effort in words.
+#[must_use]
+pub fn work_line(work: &SummaryWork) -> String {
+    let instructions = match &work.instructions {
+        Some(name) => format!(" ({name})"),
+        None => String::new(),
+    };
+    let estimator = match work.control {
+        None => "plain",
+        Some(ControlMean::GaussianSlopes) => "controlled",
+        Some(ControlMean::FacetsOfSurface) => "controlled by the facets of this surface",
+    };
+    let inside = if work.scatterings > 0 {
+        format!(
+            ", {:.1} scatterings per ray and at most {} on one path",
+            work.scatterings as f64 / work.rays as f64,
+            work.most_scatterings
+        )
+    } else {
+        String::new()
+    };
+    wrapped(&format!(
+        "{} rays, {estimator}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
+        work.rays,
+        work.segments,
+        work.segments_skipped,
+        work.accelerator,
+        instructions,
+        work.seconds,
+        work.threads
+    ))
+}

@@ -1,0 +1,248 @@
+//! The tables of a map: map.csv, and the summary by material in report.txt.
+
+use asperity_tally::Side;
+
+use super::cell::{
+    CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare, energy_name, peak_name,
+};
+use super::interval::CellVerdict;
+use super::summary::{ModelSummary, thetas};
+use super::{MapCell, MapOutcome};
+use crate::output::{Cell, Column, Table, material_columns};
+use crate::peak::PeakDifference;
+
+use asperity_simulate::short;
+
+/// One model in one cell over one share of the light, with its judgement.
+pub(super) struct JudgedModel<'a> {
+    cell: &'a MapCell,
+    results: &'a CellResults,
+    model: &'a CellModel,
+    light: LightShare,
+    judged: JudgedCell,
+}
+
+impl JudgedModel<'_> {
+    fn side(&self, side: Side) -> Option<&CellSide> {
+        let sides = &self.model.distances(self.light).sides;
+        sides.iter().find(|of| of.side == side)
+    }
+
+    fn peak(&self, side: Side) -> Option<PeakDifference> {
+        self.side(side)?.peak
+    }
+}
+
+/// Each cell, model and share of the light that was found.
+pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'_>> {
+    let models = outcome.cells.iter().flat_map(|cell| {
+        let results = cell.results.iter();
+        results.flat_map(move |results| {
+            results
+                .models
+                .iter()
+                .map(move |model| (cell, results, model))
+        })
+    });
+    models.flat_map(|(cell, results, model)| {
+        LightShare::BOTH.map(|light| JudgedModel {
+            cell,
+            results,
+            model,
+            light,
+            judged: results.judge(model, light, &outcome.config.map),
+        })
+    })
+}
+
+/// map.csv: a row per cell, model and share of the light.
+pub(super) fn map<'a>() -> Table<'a, JudgedModel<'a>> {
+    type Row<'a> = JudgedModel<'a>;
+    let mut table = Table::new()
+        .column(Column::new(
+            "s",
+            "smoothness tau / sigma",
+            |row: &Row<'_>| row.cell.case.smoothness,
+        ))
+        .columns(material_columns(|row: &Row<'_>| row.cell.case.material))
+        .column(
+            Column::new("theta_deg", "polar angle of the light", |row: &Row<'_>| {
+                row.cell.case.incidence.theta_deg()
+            })
+            .unit("deg"),
+        )
+        .column(Column::new(
+            "model",
+            "name of the model",
+            |row: &Row<'_>| row.model.name.clone(),
+        ))
+        .column(Column::new(
+            "light",
+            "own: the light that the model describes; all: all light",
+            |row: &Row<'_>| row.light.name(),
+        ))
+        .column(Column::new(
+            "verdict",
+            "whether all measures are within their tolerances",
+            |row: &Row<'_>| row.judged.verdict.name(),
+        ))
+        .column(Column::new(
+            "decided_by",
+            "the measures that decided the verdict",
+            |row: &Row<'_>| row.judged.decided_by().join(" "),
+        ))
+        .column(value(
+            "total_variation",
+            "total variation distance",
+            "total-variation",
+        ))
+        .columns(range("total_variation", "total-variation"))
+        .column(verdict("total_variation_verdict", "total-variation"));
+    for side in Side::BOTH {
+        table = table
+            .columns(energy_columns(side))
+            .columns(peak_columns(side));
+    }
+    table
+        .column(Column::new("surfaces", "surfaces", |row: &Row<'_>| {
+            row.results.surfaces
+        }))
+        .column(Column::new(
+            "rays",
+            "rays over all surfaces",
+            |row: &Row<'_>| row.results.rays,
+        ))
+        .column(Column::new(
+            "model_rays",
+            "rays that the model followed",
+            |row: &Row<'_>| Some(row.model.rays).filter(|rays| *rays > 0),
+        ))
+}
+
+/// Energies on one side, and their difference.
+fn energy_columns<'a>(side: Side) -> Vec<Column<'a, JudgedModel<'a>>> {
+    let measure = energy_name(side);
+    let of_side = |name: &str, about, of: fn(&CellSide) -> Option<f64>| {
+        measured(format!("{side}_{name}"), about, measure, move |row, _| {
+            of(row.side(side)?)
+        })
+    };
+    let mut columns = vec![
+        of_side("explicit", "flux on explicit surfaces", |of| {
+            Some(of.explicit)
+        }),
+        of_side("model", "flux that the model expects", |of| Some(of.model)),
+        value(format!("{side}_difference"), "explicit less model", measure),
+        of_side("difference_se", "its standard error", |of| of.difference_se),
+    ];
+    columns.extend(range(&format!("{side}_difference"), measure));
+    columns.push(verdict(format!("{side}_verdict"), measure));
+    columns
+}
+
+/// Directions of the peaks on one side, and their difference.
+fn peak_columns<'a>(side: Side) -> Vec<Column<'a, JudgedModel<'a>>> {
+    let measure = peak_name(side);
+    let of_peak = |name: &str, about, of: fn(PeakDifference) -> Option<f64>| {
+        let name = format!("{side}_{name}");
+        measured(name, about, measure, move |row, _| of(row.peak(side)?)).unit("deg")
+    };
+    let difference = format!("{side}_peak_difference");
+    let mut columns = vec![
+        of_peak(
+            "peak_explicit_deg",
+            "peak direction on explicit surfaces",
+            |p| Some(p.explicit_deg),
+        ),
+        of_peak(
+            "peak_model_deg",
+            "peak direction that the model expects",
+            |p| Some(p.model_deg),
+        ),
+        value(format!("{difference}_deg"), "explicit less model", measure).unit("deg"),
+        of_peak("peak_difference_se_deg", "its standard error", |p| p.se_deg),
+    ];
+    let bounds = ["low", "high"].into_iter().enumerate();
+    columns.extend(
+        bounds.map(|(i, end)| bound(format!("{difference}_{end}_deg"), measure, i).unit("deg")),
+    );
+    columns.push(verdict(format!("{side}_peak_verdict"), measure));
+    let half_width = move |row: &JudgedModel<'_>| row.peak(side).map(|peak| peak.half_width_deg);
+    let name = format!("{side}_half_width_deg");
+    columns.push(
+        Column::new(
+            name,
+            "half width of the lobe at half its height",
+            half_width,
+        )
+        .unit("deg"),
+    );
+    columns
+}
+
+/// A column that is empty where `measure` was not judged.
+fn measured<'a, C: Into<Cell>>(
+    name: impl Into<String>,
+    about: &'static str,
+    measure: &'static str,
+    value: impl Fn(&JudgedModel<'_>, &Judged) -> Option<C> + 'a,
+) -> Column<'a, JudgedModel<'a>> {
+    let value = move |row: &JudgedModel<'a>| value(row, row.judged.measure(measure)?);
+    Column::new(name.into(), about, value)
+}
+
+/// The value of a measure.
+fn value<'a>(
+    name: impl Into<String>,
+    about: &'static str,
+    measure: &'static str,
+) -> Column<'a, JudgedModel<'a>> {
+    measured(name, about, measure, |_, judged| {
+        Some(judged.interval.value)
+    })
+}
+
+/// The ends of the interval of a measure.
+fn range<'a>(name: &str, measure: &'static str) -> [Column<'a, JudgedModel<'a>>; 2] {
+    let ends = [("low", 0), ("high", 1)];
+    ends.map(|(end, i)| bound(format!("{name}_{end}"), measure, i))
+}
+
+/// One end of the interval of a measure.
+fn bound<'a>(name: String, measure: &'static str, end: usize) -> Column<'a, JudgedModel<'a>> {
+    let about = "end of its 95 % confidence interval";
+    measured(name, about, measure, move |_, judged| {
+        Some(judged.interval.range?[end])
+    })
+}
+
+/// The verdict on a measure.
+fn verdict<'a>(name: impl Into<String>, measure: &'static str) -> Column<'a, JudgedModel<'a>> {
+    let about = "whether it is within its tolerance";
+    measured(name, about, measure, |_, judged| {
+        Some(judged.verdict.name())
+    })
+}
+
+/// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
+pub(super) fn summary(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
+    let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
+        let to = if i == 0 { "at" } else { "to" };
+        let heading = format!("{to} {} deg", short(theta));
+        Column::new(heading, "", move |row: &ModelSummary| {
+            row.holds_from.get(i)?.1
+        })
+    });
+    let verdicts = CellVerdict::ALL
+        .into_iter()
+        .enumerate()
+        .map(|(i, verdict)| {
+            Column::new(verdict.name(), "", move |row: &ModelSummary| row.cells[i])
+        });
+    Table::new()
+        .column(Column::new("holds from s =", "", |row: &ModelSummary| {
+            row.model.clone()
+        }))
+        .columns(thetas)
+        .columns(verdicts)
+}

@@ -1,0 +1,161 @@
+//! Text in lines that fit a terminal: aligned cells, broken sentences and lists.
+
+/// Width of a terminal, in characters, which lines keep to if their cells allow it.
+pub(crate) const TEXT_WIDTH: usize = 80;
+
+/// Blanks between two columns.
+const GAP: &str = "  ";
+
+/// Rows of cells as lines whose columns are as wide as their widest cell.
+///
+/// Columns that do not fit in [`TEXT_WIDTH`] follow in further blocks of lines, each of which repeats the first
+/// column. A row without text in the cells of a further block is left out of it.
+pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
+    let widths = widths(rows);
+    let blocks: Vec<String> = blocks(&widths)
+        .iter()
+        .map(|columns| block(rows, &widths, columns))
+        .collect();
+    blocks.join("\n")
+}
+
+/// Width of each column, characters.
+fn widths(rows: &[Vec<String>]) -> Vec<usize> {
+    let mut widths = Vec::new();
+    for row in rows {
+        widths.resize(widths.len().max(row.len()), 0);
+        for (width, cell) in widths.iter_mut().zip(row) {
+            *width = cell.chars().count().max(*width);
+        }
+    }
+    widths
+}
+
+/// The columns of each block: the first, and as many of the others as fit.
+fn blocks(widths: &[usize]) -> Vec<Vec<usize>> {
+    let Some((&first, others)) = widths.split_first() else {
+        return Vec::new();
+    };
+    let mut blocks = Vec::new();
+    let mut block = vec![0];
+    let mut taken = first;
+    for (i, width) in others.iter().enumerate() {
+        if block.len() > 1 && taken + GAP.len() + width > TEXT_WIDTH {
+            blocks.push(std::mem::replace(&mut block, vec![0]));
+            taken = first;
+        }
+        block.push(i + 1);
+        taken += GAP.len() + width;
+    }
+    blocks.push(block);
+    blocks
+}
+
+/// The lines of one block.
+fn block(rows: &[Vec<String>], widths: &[usize], columns: &[usize]) -> String {
+    let further = columns.get(1).is_some_and(|column| *column > 1);
+    let filled = |row: &&Vec<String>| {
+        let cells = columns.iter().skip(1).filter_map(|&column| row.get(column));
+        !further || cells.into_iter().any(|cell| !cell.is_empty())
+    };
+    let mut out = String::new();
+    for row in rows.iter().filter(filled) {
+        let cells: Vec<String> = columns
+            .iter()
+            .filter_map(|&column| Some((row.get(column)?, widths[column])))
+            .map(|(cell, width)| format!("{cell:<width$}"))
+            .collect();
+        out.push_str(cells.join(GAP).trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+/// Words in lines of at most [`TEXT_WIDTH`] characters, broken at blanks.
+pub(crate) fn wrapped(text: &str) -> String {
+    joined(text.split(' '), " ", "")
+}
+
+/// `heading`, then items with commas between them. Items that do not fit into the line begin a new one, set in by
+/// two blanks.
+pub(crate) fn listed(heading: &str, items: &[String]) -> String {
+    let last = items.len().saturating_sub(1);
+    let items = items.iter().enumerate().map(|(i, item)| {
+        let comma = if i < last { "," } else { "" };
+        format!("{item}{comma}")
+    });
+    let items: Vec<String> = std::iter::once(heading.to_owned()).chain(items).collect();
+    joined(items.iter().map(String::as_str), GAP, GAP)
+}
+
+/// Pieces with `gap` between them, in lines whose further ones begin with `indent`.
+fn joined<'a>(pieces: impl Iterator<Item = &'a str>, gap: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut taken = 0;
+    for (i, piece) in pieces.enumerate() {
+        let width = piece.chars().count();
+        if i > 0 && taken + gap.len() + width > TEXT_WIDTH {
+            out.push('\n');
+            out.push_str(indent);
+            taken = indent.len();
+        } else if i > 0 {
+            out.push_str(gap);
+            taken += gap.len();
+        }
+        out.push_str(piece);
+        taken += width;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows(text: &[&[&str]]) -> Vec<Vec<String>> {
+        let cells = |row: &&[&str]| row.iter().map(|cell| (*cell).to_owned()).collect();
+        text.iter().map(cells).collect()
+    }
+
+    #[test]
+    fn columns_are_as_wide_as_their_widest_cell() {
+        let text = aligned(&rows(&[&["a", "bbb", "c"], &["aaaa", "b", "-"], &["a"]]));
+        assert_eq!(text, "a     bbb  c\naaaa  b    -\na\n");
+        assert_eq!(aligned(&[]), "");
+    }
+
+    #[test]
+    fn columns_that_do_not_fit_follow_below_with_the_first_repeated() {
+        let wide = "x".repeat(40);
+        let text = aligned(&rows(&[
+            &["model", "first", "second", "third"],
+            &["smith", &wide, &wide, "3"],
+            &["only", "1"],
+        ]));
+        assert_eq!(
+            text,
+            format!(
+                "model  first\nsmith  {wide}\nonly   1\n\nmodel  {0:<40}  third\nsmith  {wide}  3\n",
+                "second"
+            )
+        );
+        let longest = text.lines().map(str::len).max();
+        assert!(longest <= Some(TEXT_WIDTH), "{text}");
+        // A cell that is wider than a line is not cut.
+        let wider = "y".repeat(100);
+        assert!(aligned(&rows(&[&["a", &wider]])).contains(&wider));
+    }
+
+    #[test]
+    fn text_is_broken_at_blanks_and_between_items() {
+        let text = wrapped(&"word ".repeat(40));
+        assert!(text.lines().all(|line| line.len() <= TEXT_WIDTH), "{text}");
+        assert_eq!(text.split_whitespace().count(), 40);
+        let items: Vec<String> = (0..20).map(|i| format!("{i}: 0.5 +- 0.1")).collect();
+        let text = listed("orders", &items);
+        assert!(text.starts_with("orders  0: 0.5 +- 0.1,  1: "), "{text}");
+        assert!(text.lines().all(|line| line.len() <= TEXT_WIDTH), "{text}");
+        assert!(text.lines().skip(1).all(|line| line.starts_with("  ")));
+        assert_eq!(listed("none", &[]), "none");
+    }
+}

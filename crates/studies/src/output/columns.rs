@@ -1,0 +1,148 @@
+//! Columns that several tables share: bins of the hemispheres, materials, fluxes.
+
+use std::rc::Rc;
+
+use asperity_optics::Material;
+use asperity_tally::{Estimate, HemisphereGrid, Side};
+
+use super::table::{Cell, Column};
+
+/// The edges of all bins of a grid, exact in degrees.
+struct Edges {
+    grid: HemisphereGrid,
+    theta: [Vec<f64>; 2],
+    phi: Vec<f64>,
+}
+
+impl Edges {
+    fn of(grid: HemisphereGrid) -> Self {
+        Self {
+            grid,
+            theta: Side::BOTH.map(|side| grid.theta_edges_deg(side)),
+            phi: grid.phi_edges_deg(),
+        }
+    }
+
+    fn theta(&self, bin: usize) -> [f64; 2] {
+        let ring = (bin / self.grid.n_phi()) % self.grid.n_theta();
+        let edges = &self.theta[self.grid.bin(bin).side.index()];
+        [edges[ring], edges[ring + 1]]
+    }
+
+    fn phi(&self, bin: usize) -> [f64; 2] {
+        let sector = bin % self.grid.n_phi();
+        [self.phi[sector], self.phi[sector + 1]]
+    }
+}
+
+/// Columns that tell which bin of `grid` a row is about: its side and its edges.
+pub(crate) fn bin_columns<'a, R: 'a>(
+    grid: HemisphereGrid,
+    bin: impl Fn(&R) -> usize + Copy + 'a,
+) -> [Column<'a, R>; 5] {
+    let edges = Rc::new(Edges::of(grid));
+    let edge = |name, about, edge: fn(&Edges, usize) -> f64| {
+        let edges = Rc::clone(&edges);
+        Column::new(name, about, move |row: &R| edge(&edges, bin(row))).unit("deg")
+    };
+    let side = Column::new("side", "side on which light leaves", move |row: &R| {
+        grid.bin(bin(row)).side.to_string()
+    });
+    [
+        side,
+        edge("theta_min_deg", "lower polar angle of the bin", |e, i| {
+            e.theta(i)[0]
+        }),
+        edge("theta_max_deg", "upper polar angle of the bin", |e, i| {
+            e.theta(i)[1]
+        }),
+        edge("phi_min_deg", "lower azimuth of the bin", |e, i| {
+            e.phi(i)[0]
+        }),
+        edge("phi_max_deg", "upper azimuth of the bin", |e, i| {
+            e.phi(i)[1]
+        }),
+    ]
+}
+
+/// The columns `theta_o_deg` and `phi_o_deg`: the middle of a bin of `grid`.
+pub(crate) fn bin_centre_columns<'a, R: 'a>(
+    grid: HemisphereGrid,
+    bin: impl Fn(&R) -> usize + Copy + 'a,
+) -> [Column<'a, R>; 2] {
+    let edges = Rc::new(Edges::of(grid));
+    let centre = |name, about, range: fn(&Edges, usize) -> [f64; 2]| {
+        let edges = Rc::clone(&edges);
+        let middle = move |row: &R| {
+            let [from, to] = range(&edges, bin(row));
+            0.5 * (from + to)
+        };
+        Column::new(name, about, middle).unit("deg")
+    };
+    [
+        centre(
+            "theta_o_deg",
+            "polar angle in the middle of the bin",
+            Edges::theta,
+        ),
+        centre("phi_o_deg", "azimuth in the middle of the bin", Edges::phi),
+    ]
+}
+
+/// The column `solid_angle_sr` of bins of `grid`.
+pub(crate) fn solid_angle_column<'a, R: 'a>(
+    grid: HemisphereGrid,
+    bin: impl Fn(&R) -> usize + 'a,
+) -> Column<'a, R> {
+    let solid_angle = move |row: &R| grid.bin(bin(row)).solid_angle;
+    Column::new("solid_angle_sr", "solid angle of the bin", solid_angle).unit("sr")
+}
+
+/// Flux into a bin that makes a BSDF of one: solid angle times mean |cos theta|, steradians.
+pub(crate) fn projected_solid_angle(grid: &HemisphereGrid, bin: usize) -> f64 {
+    let bin = grid.bin(bin);
+    bin.solid_angle * bin.mean_abs_cos()
+}
+
+/// An estimate over a number that has no error.
+pub(crate) fn over(estimate: Estimate, divisor: f64) -> Estimate {
+    Estimate {
+        mean: estimate.mean / divisor,
+        se: estimate.se.map(|se| se / divisor),
+    }
+}
+
+/// The columns `material`, `eta` and `kappa`.
+pub(crate) fn material_columns<'a, R: 'a>(
+    material: impl Fn(&R) -> Material + Copy + 'a,
+) -> [Column<'a, R>; 3] {
+    let kind = move |row: &R| match material(row) {
+        Material::Dielectric { .. } => "dielectric",
+        Material::Conductor { .. } => "conductor",
+        _ => "mirror",
+    };
+    let eta = move |row: &R| match material(row) {
+        Material::Dielectric { eta } | Material::Conductor { eta, .. } => Some(eta),
+        _ => None,
+    };
+    let kappa = move |row: &R| match material(row) {
+        Material::Conductor { kappa, .. } => Some(kappa),
+        _ => None,
+    };
+    [
+        Column::new("material", "kind of material", kind),
+        Column::new("eta", "relative index of refraction", eta),
+        Column::new("kappa", "relative extinction coefficient", kappa),
+    ]
+}
+
+/// A number of rays, as counted per incident ray times incident rays: whole but for rounding, unless the rays
+/// of a ring were spread over its bins.
+pub(crate) fn ray_count(count: f64) -> Cell {
+    let whole = count.round();
+    if (count - whole).abs() <= 1e-9 * whole {
+        Cell::Count(whole as u64)
+    } else {
+        Cell::Number(count)
+    }
+}

@@ -1,0 +1,80 @@
+//! Numbers with errors as text.
+
+use asperity_simulate::short;
+use asperity_tally::Estimate;
+
+/// A mean with its standard error to two digits, as in `0.024812 +- 0.000042`.
+pub(crate) fn with_error(estimate: Estimate) -> String {
+    match estimate.se {
+        Some(se) if se > 0.0 => {
+            let digits = (1 - se.log10().floor() as i32).clamp(0, 12) as usize;
+            let mean = format!("{:.digits$}", estimate.mean);
+            // What rounds to zero has no sign.
+            let is_zero = mean.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+            let mean = mean.strip_prefix('-').filter(|_| is_zero).unwrap_or(&mean);
+            format!("{mean} +- {se:.digits$}")
+        }
+        Some(_) => format!("{} (exact)", short(estimate.mean)),
+        None => format!("{} (no error)", short(estimate.mean)),
+    }
+}
+
+/// Three significant digits, with an exponent where there would be many zeros.
+pub(crate) fn significant(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if (-4..6).contains(&exponent) {
+        let places = (2 - exponent).max(0) as usize;
+        format!("{value:.places$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
+
+/// A number that is not negative to two digits, as in `2.3e-5`.
+pub(crate) fn two_digits(value: f64) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    format!("{value:.1e}")
+}
+
+/// A total variation distance: five decimals, or two digits where five decimals would not show it.
+pub(crate) fn distance(value: f64) -> String {
+    if value == 0.0 || value >= 1e-3 {
+        format!("{value:.5}")
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn errors_have_two_digits_and_means_as_many_places() {
+        let estimate = |mean, se| with_error(Estimate { mean, se: Some(se) });
+        assert_eq!(estimate(0.024_812_3, 0.000_041_7), "0.024812 +- 0.000042");
+        assert_eq!(estimate(0.5, 0.0), "0.5 (exact)");
+        assert_eq!(estimate(-0.000_41, 0.023), "0.000 +- 0.023");
+        assert_eq!(estimate(-0.000_61, 0.023), "-0.001 +- 0.023");
+        assert_eq!(
+            with_error(Estimate {
+                mean: 0.25,
+                se: None
+            }),
+            "0.25 (no error)"
+        );
+    }
+
+    #[test]
+    fn three_digits_are_significant() {
+        assert_eq!(significant(123_456.0), "123456");
+        assert_eq!(significant(1.5e-5), "1.50e-5");
+        assert_eq!(significant(0.012_345), "0.0123");
+        assert_eq!(significant(0.0), "0");
+    }
+}
