@@ -69,7 +69,7 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
         .chain([residual])
         .map(|(name, flux)| vec![name, flux])
         .collect();
-    let mut out = aligned(&rows);
+    let mut out = aligned(&rows, 1);
     for side in layout.sides() {
         let orders = by_order(layout, statistics, side);
         let histories = by_history(layout, statistics, side);

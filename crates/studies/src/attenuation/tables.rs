@@ -270,7 +270,7 @@ fn shares(outcome: &AttenuationOutcome) -> String {
     if !slanted {
         columns.push("paper_g2");
     }
-    let mut out = attenuation().select(&columns).text(of_first_view);
+    let mut out = attenuation().select(&columns).keys(2).text(of_first_view);
     if slanted {
         let columns = [
             "sigma",
@@ -284,7 +284,7 @@ fn shares(outcome: &AttenuationOutcome) -> String {
             "v_cavity_g2",
             "paper_g2",
         ];
-        let by_view = attenuation().select(&columns).text(&outcome.rows);
+        let by_view = attenuation().select(&columns).keys(5).text(&outcome.rows);
         let _ = write!(out, "\n{by_view}");
     }
     out

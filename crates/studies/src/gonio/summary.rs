@@ -48,7 +48,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
             true => writeln!(out),
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
-        out.push_str(&report(&outcome.layout).text(directions));
+        out.push_str(&report(&outcome.layout).keys(2).text(directions));
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");

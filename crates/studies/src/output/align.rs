@@ -9,12 +9,12 @@ const GAP: &str = "  ";
 /// Rows of cells as lines whose columns are as wide as their widest cell.
 ///
 /// Columns that do not fit in [`TEXT_WIDTH`] follow in further blocks of lines, each of which repeats the first
-/// column. A row without text in the cells of a further block is left out of it.
-pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
+/// `keys` columns. A row without text in the other cells of a further block is left out of it.
+pub(crate) fn aligned(rows: &[Vec<String>], keys: usize) -> String {
     let widths = widths(rows);
-    let blocks: Vec<String> = blocks(&widths)
+    let blocks: Vec<String> = blocks(&widths, keys)
         .iter()
-        .map(|columns| block(rows, &widths, columns))
+        .map(|columns| block(rows, &widths, columns, keys))
         .collect();
     blocks.join("\n")
 }
@@ -31,31 +31,34 @@ fn widths(rows: &[Vec<String>]) -> Vec<usize> {
     widths
 }
 
-/// The columns of each block: the first, and as many of the others as fit.
-fn blocks(widths: &[usize]) -> Vec<Vec<usize>> {
-    let Some((&first, others)) = widths.split_first() else {
-        return Vec::new();
-    };
+/// The columns of each block: the first `keys`, and as many of the others as fit.
+fn blocks(widths: &[usize], keys: usize) -> Vec<Vec<usize>> {
+    let keys = keys.min(widths.len());
+    let of_keys = widths[..keys].iter().map(|width| width + GAP.len()).sum();
+    let begun: Vec<usize> = (0..keys).collect();
     let mut blocks = Vec::new();
-    let mut block = vec![0];
-    let mut taken = first;
-    for (i, width) in others.iter().enumerate() {
-        if block.len() > 1 && taken + GAP.len() + width > TEXT_WIDTH {
-            blocks.push(std::mem::replace(&mut block, vec![0]));
-            taken = first;
+    let mut block = begun.clone();
+    let mut taken: usize = of_keys;
+    for (column, width) in widths.iter().enumerate().skip(keys) {
+        if block.len() > keys && taken + width > TEXT_WIDTH {
+            blocks.push(std::mem::replace(&mut block, begun.clone()));
+            taken = of_keys;
         }
-        block.push(i + 1);
-        taken += GAP.len() + width;
+        block.push(column);
+        taken += width + GAP.len();
     }
     blocks.push(block);
     blocks
 }
 
 /// The lines of one block.
-fn block(rows: &[Vec<String>], widths: &[usize], columns: &[usize]) -> String {
-    let further = columns.get(1).is_some_and(|column| *column > 1);
+fn block(rows: &[Vec<String>], widths: &[usize], columns: &[usize], keys: usize) -> String {
+    let further = columns.get(keys).is_some_and(|column| *column > keys);
     let filled = |row: &&Vec<String>| {
-        let cells = columns.iter().skip(1).filter_map(|&column| row.get(column));
+        let cells = columns
+            .iter()
+            .skip(keys)
+            .filter_map(|&column| row.get(column));
         !further || cells.into_iter().any(|cell| !cell.is_empty())
     };
     let mut out = String::new();
@@ -119,19 +122,22 @@ mod tests {
 
     #[test]
     fn columns_are_as_wide_as_their_widest_cell() {
-        let text = aligned(&rows(&[&["a", "bbb", "c"], &["aaaa", "b", "-"], &["a"]]));
+        let text = aligned(&rows(&[&["a", "bbb", "c"], &["aaaa", "b", "-"], &["a"]]), 1);
         assert_eq!(text, "a     bbb  c\naaaa  b    -\na\n");
-        assert_eq!(aligned(&[]), "");
+        assert_eq!(aligned(&[], 1), "");
     }
 
     #[test]
     fn columns_that_do_not_fit_follow_below_with_the_first_repeated() {
         let wide = "x".repeat(40);
-        let text = aligned(&rows(&[
-            &["model", "first", "second", "third"],
-            &["smith", &wide, &wide, "3"],
-            &["only", "1"],
-        ]));
+        let text = aligned(
+            &rows(&[
+                &["model", "first", "second", "third"],
+                &["smith", &wide, &wide, "3"],
+                &["only", "1"],
+            ]),
+            1,
+        );
         assert_eq!(
             text,
             format!(
@@ -141,9 +147,17 @@ mod tests {
         );
         let longest = text.lines().map(str::len).max();
         assert!(longest <= Some(TEXT_WIDTH), "{text}");
+        let text = aligned(
+            &rows(&[&["a", "b", &wide, &wide], &["1", "2", "3", "4"]]),
+            2,
+        );
+        assert_eq!(
+            text,
+            format!("a  b  {wide}\n1  2  3\n\na  b  {wide}\n1  2  4\n")
+        );
         // A cell that is wider than a line is not cut.
         let wider = "y".repeat(100);
-        assert!(aligned(&rows(&[&["a", &wider]])).contains(&wider));
+        assert!(aligned(&rows(&[&["a", &wider]]), 1).contains(&wider));
     }
 
     #[test]

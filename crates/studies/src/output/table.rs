@@ -196,6 +196,7 @@ impl<'a, R> Column<'a, R> {
 /// ```
 pub(crate) struct Table<'a, R> {
     columns: Vec<Column<'a, R>>,
+    keys: usize,
 }
 
 impl<'a, R> Table<'a, R> {
@@ -203,6 +204,7 @@ impl<'a, R> Table<'a, R> {
     pub(crate) const fn new() -> Self {
         Self {
             columns: Vec::new(),
+            keys: 1,
         }
     }
 
@@ -215,6 +217,12 @@ impl<'a, R> Table<'a, R> {
     /// With more columns.
     pub(crate) fn columns(mut self, columns: impl IntoIterator<Item = Column<'a, R>>) -> Self {
         self.columns.extend(columns);
+        self
+    }
+
+    /// Whose first `keys` columns, instead of one, tell rows apart: text that is broken into blocks repeats them.
+    pub(crate) fn keys(mut self, keys: usize) -> Self {
+        self.keys = keys;
         self
     }
 
@@ -278,13 +286,13 @@ impl<'a, R> Table<'a, R> {
             assert!(place.is_some(), "no column {name}");
             place.map(|place| self.columns.swap_remove(place))
         };
-        let columns = names.iter().filter_map(take).collect();
-        Self { columns }
+        self.columns = names.iter().filter_map(take).collect();
+        self
     }
 
     /// The rows as aligned text, a line per row.
     pub(crate) fn text(&self, rows: impl IntoIterator<Item = impl Borrow<R>>) -> String {
-        aligned(&self.cells(rows))
+        aligned(&self.cells(rows), self.keys)
     }
 
     /// The rows as aligned text, a line per column.
@@ -294,7 +302,7 @@ impl<'a, R> Table<'a, R> {
         let transposed: Vec<Vec<String>> = (0..lines)
             .map(|line| cells.iter().map(|row| row[line].clone()).collect())
             .collect();
-        aligned(&transposed)
+        aligned(&transposed, 1)
     }
 
     /// Headings, then the cells of each row.
