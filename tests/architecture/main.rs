@@ -146,16 +146,38 @@ const TRACER: [(&str, &[&str]); 10] = [
 
 #[test]
 fn folders_of_the_tracer_use_only_what_lies_below_them() {
+    assert_layers("tracer", &TRACER);
+}
+
+/// Folders of the models and their integrals, each with those that it may use.
+const ANALYSIS: [(&str, &[&str]); 6] = [
+    ("numerics", &[]),
+    ("microfacet", &["numerics"]),
+    ("models", &["numerics", "microfacet"]),
+    ("integrals", &["numerics", "microfacet", "models"]),
+    ("layer", &["numerics", "models", "integrals"]),
+    // It judges models by their numbers alone.
+    ("compare", &[]),
+];
+
+#[test]
+fn folders_of_the_models_use_only_what_lies_below_them() {
+    assert_layers("analysis", &ANALYSIS);
+}
+
+/// Asserts that each module of the crate `name` lies in a layer, and uses that layer and those listed with it
+/// alone.
+fn assert_layers(name: &str, layers: &[(&str, &[&str])]) {
     let top = |module: &str| module.split("::").next().unwrap().to_owned();
-    for (module, used) in graph(&modules("tracer")) {
-        let (_, allowed) = TRACER
+    for (module, used) in graph(&modules(name)) {
+        let (_, allowed) = layers
             .iter()
             .find(|(folder, _)| *folder == top(&module))
-            .unwrap_or_else(|| panic!("tracer/{module} is in no layer"));
+            .unwrap_or_else(|| panic!("{name}/{module} is in no layer"));
         for used in used.iter().map(|used| top(used)) {
             assert!(
                 used == top(&module) || allowed.contains(&used.as_str()),
-                "tracer/{module} uses {used}, allowed are {allowed:?}"
+                "{name}/{module} uses {used}, allowed are {allowed:?}"
             );
         }
     }

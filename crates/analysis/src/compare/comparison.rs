@@ -1,19 +1,20 @@
-//! Explicit results against what a model expects, bin by bin and as a whole.
+//! Comparison of explicit surfaces with a model, bin by bin and as a whole.
 
 use serde::Serialize;
 
+use crate::compare::input::{ComparisonError, Expected, validate};
 use crate::compare::sign_flip::{
     Scale, SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test,
 };
 
-/// Flux by which a bin of a model and of surfaces may differ though both are right: ten times the error that
-/// quadrature allows itself.
+/// Flux by which a bin of a correct model may differ from that of the surfaces: ten times the error allowed in
+/// quadrature.
 const ROUNDING: f64 = 1e-11;
 
-/// Flips that estimate the total variation of noise.
+/// Number of flips that estimate the total variation of noise.
 const NOISE_FLIPS: usize = 400;
 
-/// Sums of bins that are tested beside the bins themselves, such as rings or whole sides.
+/// Sums of bins that are tested besides the bins themselves, such as rings or whole sides.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grouping {
     /// Name of the scale.
@@ -22,14 +23,14 @@ pub struct Grouping {
     pub groups: Vec<Vec<usize>>,
 }
 
-/// One bin of explicit surfaces beside a model.
+/// One bin of explicit surfaces and of a model.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BinComparison {
     /// Mean flux fraction over the surfaces.
     pub mean: f64,
     /// Standard error of the difference, from its scatter between surfaces; `None` for one surface.
     pub standard_error: Option<f64>,
-    /// What the model expects, or its mean over batches.
+    /// Flux that the model expects, or its mean over batches.
     pub model: f64,
     /// `(mean - model) / standard_error`: infinite where all surfaces deviate by the same amount,
     /// zero where they agree exactly; `None` for one surface.
@@ -40,19 +41,19 @@ pub struct BinComparison {
 
 /// Total variation distance `1/2 sum |mean - model|` over all bins.
 ///
-/// It is the flux that would have to move to make one distribution the other.
+/// It is the flux that would have to move to turn one distribution into the other.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TotalVariation {
-    /// The distance found.
+    /// The observed distance.
     pub observed: f64,
-    /// The mean distance that the scatter between surfaces alone would cause if the model were
-    /// right; `None` for one surface.
+    /// The mean distance that the scatter between surfaces alone would cause under a correct model;
+    /// `None` for one surface.
     pub noise: Option<f64>,
-    /// The distance that noise alone exceeds in one case of twenty; `None` for one surface.
+    /// The 95th percentile of the distance that noise alone causes; `None` for one surface.
     pub noise_95: Option<f64>,
 }
 
-/// Explicit surfaces beside one model.
+/// Explicit surfaces compared with one model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Bin by bin.
@@ -65,75 +66,18 @@ pub struct Comparison {
     pub test: Result<SignFlipTest, Untested>,
 }
 
-/// What a model expects, beside surfaces.
-#[derive(Clone, Copy, Debug)]
-pub enum Expected<'a> {
-    /// Fluxes that are exact.
-    Exact(&'a [f64]),
-    /// Fluxes found by sampling, one list an independent batch, as many as there are surfaces: each surface
-    /// is compared with a batch of its own, so that the differences remain independent of each other, and
-    /// their scatter is that of surface and model together.
-    Batches(&'a [&'a [f64]]),
-}
-
-impl<'a> Expected<'a> {
-    /// What surface `r` is compared with.
-    fn of(self, r: usize) -> &'a [f64] {
-        match self {
-            Self::Exact(fluxes) => fluxes,
-            Self::Batches(batches) => batches[r],
-        }
-    }
-}
-
-/// Why a comparison is refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ComparisonError {
-    /// Nothing to compare.
-    #[error("there is no surface to compare with the model")]
-    NoSurfaces,
-    /// Lists of unequal length.
-    #[error("{what} has {found} bins; the model has {expected}")]
-    BinCount {
-        /// The list that differs.
-        what: String,
-        /// Its length.
-        found: usize,
-        /// The length of the model's list.
-        expected: usize,
-    },
-    /// Batches of a model that do not go with the surfaces.
-    #[error("the model has {batches} batches for {surfaces} surfaces; it needs as many")]
-    BatchCount {
-        /// Batches of the model.
-        batches: usize,
-        /// Surfaces.
-        surfaces: usize,
-    },
-    /// A flux that is no number.
-    #[error("{what} holds {value} in bin {bin}; fluxes must be finite")]
-    NotFinite {
-        /// The list that holds it.
-        what: String,
-        /// Number of the bin.
-        bin: usize,
-        /// The value.
-        value: f64,
-    },
-}
-
 /// Compares the flux fractions of explicit surfaces with those that a model expects.
 ///
-/// `surfaces`: one list of bin fluxes a surface, each an independent draw of the same ensemble.
-/// `expected`: what the model says. `enough`: the bins to test; take those in which at least 20 rays
-/// are found or expected over all surfaces, because fewer rays are far from symmetric about their
-/// mean, which the test assumes. Bins left out still count in the total variation and in sums.
-/// `groupings`: coarser scales to test as well. `seed` chooses
-/// the random flips; the same seed gives the same result.
+/// - `surfaces`: one list of bin fluxes per surface, each an independent draw of the same ensemble.
+/// - `expected`: the fluxes of the model.
+/// - `enough`: the bins to test. Choose those in which at least 20 rays are found or expected over all surfaces.
+///   Fewer rays are far from symmetric about their mean, which the test assumes. Bins left out still count in
+///   the total variation and in sums.
+/// - `groupings`: coarser scales to test as well.
+/// - `seed`: chooses the random flips. The same seed gives the same result.
 ///
-/// The p value accounts for the correlation between bins of one surface: see
-/// [`SignFlipTest`]. A chi-squared over bins does not, and would reject a model that holds.
+/// The p value accounts for the correlation between bins of one surface: see [`SignFlipTest`]. A chi-squared over
+/// bins does not, and would reject correct models.
 ///
 /// # Errors
 /// [`ComparisonError`] for no surface, unequal lengths or values that are not finite.
@@ -144,64 +88,18 @@ pub fn compare(
     groupings: &[Grouping],
     seed: u64,
 ) -> Result<Comparison, ComparisonError> {
-    if surfaces.is_empty() {
-        return Err(ComparisonError::NoSurfaces);
-    }
-    if let Expected::Batches(batches) = expected
-        && batches.len() != surfaces.len()
-    {
-        return Err(ComparisonError::BatchCount {
-            batches: batches.len(),
-            surfaces: surfaces.len(),
-        });
-    }
-    let bin_count = expected.of(0).len();
-    let of_length = |what: &dyn Fn() -> String, found: usize| {
-        if found == bin_count {
-            Ok(())
-        } else {
-            Err(ComparisonError::BinCount {
-                what: what(),
-                found,
-                expected: bin_count,
-            })
-        }
-    };
-    let finite = |what: &dyn Fn() -> String, values: &[f64]| match values
-        .iter()
-        .position(|x| !x.is_finite())
-    {
-        None => Ok(()),
-        Some(bin) => Err(ComparisonError::NotFinite {
-            what: what(),
-            bin,
-            value: values[bin],
-        }),
-    };
-    of_length(
-        &|| "the list of bins with enough rays".to_owned(),
-        enough.len(),
-    )?;
-    for (r, fluxes) in surfaces.iter().enumerate() {
-        let of_model = || "the model".to_owned();
-        of_length(&of_model, expected.of(r).len())?;
-        finite(&of_model, expected.of(r))?;
-        let what = || format!("surface {r}");
-        of_length(&what, fluxes.len())?;
-        finite(&what, fluxes)?;
-    }
-
-    let count = surfaces.len() as f64;
+    validate(surfaces, expected, enough)?;
     let residuals: Vec<Vec<f64>> = surfaces
         .iter()
         .enumerate()
         .map(|(r, x)| x.iter().zip(expected.of(r)).map(|(x, m)| x - m).collect())
         .collect();
     // Residuals average without the rounding of the larger fluxes.
-    let offsets: Vec<f64> = (0..bin_count)
+    let count = surfaces.len() as f64;
+    let offsets: Vec<f64> = (0..enough.len())
         .map(|b| residuals.iter().map(|d| d[b]).sum::<f64>() / count)
         .collect();
-    let bins: Vec<BinComparison> = (0..bin_count)
+    let bins = (0..enough.len())
         .map(|b| {
             let model = match expected {
                 Expected::Exact(fluxes) => fluxes[b],
@@ -209,24 +107,12 @@ pub fn compare(
                     batches.iter().map(|batch| batch[b]).sum::<f64>() / count
                 }
             };
-            let standard_error = (surfaces.len() > 1).then(|| {
-                let squares: f64 = residuals.iter().map(|d| (d[b] - offsets[b]).powi(2)).sum();
-                (squares / (count * (count - 1.0))).sqrt()
-            });
-            let z = standard_error.map(|se| {
-                if offsets[b] == 0.0 {
-                    0.0
-                } else if se <= 4.0 * f64::EPSILON * offsets[b].abs() {
-                    offsets[b].signum() * f64::INFINITY
-                } else {
-                    offsets[b] / se
-                }
-            });
+            let standard_error = standard_error(&residuals, b, offsets[b]);
             BinComparison {
                 mean: model + offsets[b],
                 standard_error,
                 model,
-                z,
+                z: standard_error.map(|se| z_score(offsets[b], se)),
                 tested: enough[b],
             }
         })
@@ -239,7 +125,27 @@ pub fn compare(
     })
 }
 
-/// The sign-flip test of bins and of the sums that `groupings` name.
+/// Standard error of the mean residual of a bin; `None` for one surface.
+fn standard_error(residuals: &[Vec<f64>], bin: usize, mean: f64) -> Option<f64> {
+    let count = residuals.len() as f64;
+    (residuals.len() > 1).then(|| {
+        let squares: f64 = residuals.iter().map(|d| (d[bin] - mean).powi(2)).sum();
+        (squares / (count * (count - 1.0))).sqrt()
+    })
+}
+
+/// The offset over its standard error: infinite if the scatter is rounding, zero for no offset.
+fn z_score(offset: f64, standard_error: f64) -> f64 {
+    if offset == 0.0 {
+        0.0
+    } else if standard_error <= 4.0 * f64::EPSILON * offset.abs() {
+        offset.signum() * f64::INFINITY
+    } else {
+        offset / standard_error
+    }
+}
+
+/// The sign-flip test of bins and of the sums of bins in `groupings`.
 fn test_on_all_scales(
     residuals: &[Vec<f64>],
     enough: &[bool],
@@ -281,9 +187,9 @@ fn test_on_all_scales(
     sign_flip_test(&scales, seed)
 }
 
-/// Residuals of all surfaces with those columns set to zero that are no larger than rounding, each the
-/// sum of `bins` bins: where all surfaces have the same flux, as mirrors have in all, what is left of it
-/// beside the model is the error of quadrature, and has no scatter to be judged by.
+/// Residuals of all surfaces, with the columns that are no larger than rounding set to zero; each column is a
+/// sum of `bins` bins. Where all surfaces have the same flux, as mirrors have in total, the residual is the
+/// error of quadrature, and has no scatter to be judged by.
 fn without_rounding(mut residuals: Vec<Vec<f64>>, bins: impl Fn(usize) -> usize) -> Vec<Vec<f64>> {
     let columns = residuals.first().map_or(0, Vec::len);
     for column in 0..columns {
@@ -298,8 +204,8 @@ fn without_rounding(mut residuals: Vec<Vec<f64>>, bins: impl Fn(usize) -> usize)
     residuals
 }
 
-/// The observed distance, and that of flipped deviations from the mean: what the mean of so many
-/// surfaces scatters by whether or not the model is right.
+/// The observed distance, and that of flipped deviations from the mean: the scatter of the mean of as many
+/// surfaces, whether or not the model is correct.
 fn total_variation(residuals: &[Vec<f64>], offsets: &[f64], seed: u64) -> TotalVariation {
     let observed = 0.5 * offsets.iter().map(|d| d.abs()).sum::<f64>();
     if residuals.len() < 2 {
@@ -362,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn one_surface_has_a_deviation_but_no_judgement() {
+    fn one_surface_has_a_deviation_but_no_test() {
         let result = compare(
             &[vec![0.2, 0.4]],
             Expected::Exact(&[0.3, 0.4]),
@@ -379,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_never_comes_is_a_deviation_without_scatter() {
+    fn missing_flux_is_a_deviation_without_scatter() {
         let surfaces = vec![vec![0.0, 0.0]; 10];
         let result = compare(
             &surfaces,
@@ -420,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn a_deviation_that_is_rounding_fails_no_model() {
+    fn rounding_fails_no_model() {
         // The same flux on every surface, off by what quadrature leaves; the bins scatter and agree in sum.
         let surfaces: Vec<Vec<f64>> = (0..10)
             .map(|r| {
