@@ -6,5 +6,6 @@ pub(crate) mod deviation_bound;
 pub(crate) mod energy;
 pub(crate) mod expectation;
 pub(crate) mod flux;
+mod flux_integral;
 mod lobe;
 pub(crate) mod unshadowed;

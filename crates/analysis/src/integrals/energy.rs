@@ -1,10 +1,10 @@
 //! Hemispherical energies by integration over facet slopes.
 //!
-//! The same energies follow from the bins of [`crate::bin_fluxes`]; here they come by another way,
-//! with facet slopes `(p, q)` as variables, `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`.
-//! All edges of the integrand are conics in `(p, q)` with closed forms: where the facet turns away
-//! (a line), where total reflection sets in, and where the light leaves horizontally (a circle). Where a
-//! model has kinks beside, see [`Kinks`].
+//! The same energies follow from the bins of [`crate::bin_fluxes`]. Here they are computed independently, with
+//! facet slopes `(p, q)` as variables, `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`. All edges of the
+//! integrand are conics in `(p, q)` with closed forms: where the facet turns away (a line), where total
+//! reflection sets in, and where the light leaves horizontally (a circle). For the kinks of a model see
+//! [`Kinks`].
 
 use asperity_tally::Side;
 use glam::{DVec2, DVec3};
@@ -15,7 +15,7 @@ use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::BsdfModel;
-use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate, quadratic_roots};
+use crate::numerics::quadrature::{AllowedError, Breaks, Pieces, integrate, quadratic_roots};
 
 /// Flux fractions that a model sends into the two hemispheres.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -26,13 +26,32 @@ pub struct HemisphericalEnergy {
     pub transmitted: f64,
 }
 
-/// Slopes end at this multiple of their deviation times the root of two: the density there is `exp(-42)`
-/// of its peak.
-const LARGEST_SLOPE: f64 = 6.5;
+/// Largest slope, in units of the deviation times the root of two: the density there is `exp(-42)` of its peak.
+const MAX_SLOPE: f64 = 6.5;
+
+/// Error allowed in the integral over slopes.
+const ROWS: AllowedError = AllowedError {
+    absolute: 1e-300,
+    relative: 1e-11,
+};
 
 /// The flux fractions that `model` sends into the two hemispheres, to about 1e-10 of their value.
 ///
 /// `wi` is a unit vector with `z > 0`.
+///
+/// # Examples
+/// ```
+/// use asperity_analysis::{SlopeCovariance, closed_form, hemispherical_energy};
+/// use asperity_optics::{Incidence, Material};
+///
+/// let slopes = SlopeCovariance::isotropic(3.0)?;
+/// let model = closed_form("smith", slopes, Material::dielectric(1.4)?)?;
+/// let energy = hemispherical_energy(model.as_ref(), Incidence::from_degrees(30.0, 0.0)?.wi());
+/// // Multiple scattering is missing, so the energies add to less than one.
+/// let lost = 1.0 - energy.reflected - energy.transmitted;
+/// assert!(lost > 0.0 && lost < 0.02);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[must_use]
 pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEnergy {
     let reflected = over_slopes(model, wi, None);
@@ -73,58 +92,83 @@ pub(crate) fn over_facing_normals(
         DVec2::X
     };
     let frame = SlopeFrame::new(slopes, along);
-    let across = frame.across;
-    let unit = (2.0 * frame.variance).sqrt();
-    let unit_across = (2.0 / frame.inverse_variance_across).sqrt();
-    let largest = LARGEST_SLOPE * unit;
-    let facing = if sin_i > 0.0 { -wi.z / sin_i } else { -largest };
+    let mut row = Row::new(frame, edges);
+    let mut largest_row = 0.0_f64;
+    integrate(
+        &breaks_along(&frame, wi, edges),
+        ROWS.within(1000),
+        &mut Pieces::default(),
+        |p| {
+            let value = row.integral(p, largest_row, &per_normal);
+            largest_row = largest_row.max(value);
+            value
+        },
+    )
+}
 
-    let mut outer = Breaks::new(facing.max(-largest), largest);
-    outer.add_root(facing);
+/// Subdivision of the slopes `p` along the horizontal part of `wi`.
+fn breaks_along(frame: &SlopeFrame, wi: DVec3, edges: &Edges) -> Breaks {
+    let unit = (2.0 * frame.variance).sqrt();
+    let largest = MAX_SLOPE * unit;
+    let sin_i = wi.x.hypot(wi.y);
+    let facing = if sin_i > 0.0 { -wi.z / sin_i } else { -largest };
+    let mut breaks = Breaks::new(facing.max(-largest), largest);
+    breaks.add_root(facing);
     for t in [-2.5, 0.0, 2.5] {
-        outer.add_smooth(t * unit);
+        breaks.add_smooth(t * unit);
     }
     for p in edges.along() {
-        outer.add_root(p);
+        breaks.add_root(p);
     }
-    outer.finish();
-    let tolerance = Tolerance {
-        absolute: 1e-300,
-        relative: 1e-11,
-        max_pieces: 1000,
-    };
-    let inner_tolerance = Tolerance {
-        relative: 1e-12,
-        max_pieces: 300,
-        ..tolerance
-    };
-    let mut inner_pieces = Pieces::default();
-    let mut inner = Breaks::default();
-    let mut largest_row = 0.0_f64;
-    integrate(&outer, tolerance, &mut Pieces::default(), |p| {
-        let centre = frame.regression * p;
-        let reach = LARGEST_SLOPE * unit_across;
-        inner.reset(centre - reach, centre + reach);
+    breaks.finish();
+    breaks
+}
+
+/// Integrals over the slopes `q` across, at a given slope `p` along.
+struct Row<'a> {
+    frame: SlopeFrame,
+    edges: &'a Edges,
+    /// Deviation of `q` at given `p`, times the root of two.
+    unit: f64,
+    breaks: Breaks,
+    pieces: Pieces,
+}
+
+impl<'a> Row<'a> {
+    fn new(frame: SlopeFrame, edges: &'a Edges) -> Self {
+        Self {
+            frame,
+            edges,
+            unit: (2.0 / frame.inverse_variance_across).sqrt(),
+            breaks: Breaks::default(),
+            pieces: Pieces::default(),
+        }
+    }
+
+    /// The integral at `p`. `largest` is the largest row so far: small rows need few digits.
+    fn integral(&mut self, p: f64, largest: f64, per_normal: impl Fn(DVec3) -> f64) -> f64 {
+        // Given p, q is Gaussian about a line
+        let centre = self.frame.regression * p;
+        let reach = MAX_SLOPE * self.unit;
+        self.breaks.reset(centre - reach, centre + reach);
         for t in [-2.5, 0.0, 2.5] {
-            inner.add_smooth(centre + t * unit_across);
+            self.breaks.add_smooth(centre + t * self.unit);
         }
-        for q in edges.across(p) {
-            inner.add_root(q);
-            inner.add_root(-q);
+        for q in self.edges.across(p) {
+            self.breaks.add_root(q);
+            self.breaks.add_root(-q);
         }
-        inner.finish();
-        // Rows that hardly count need not be known to many digits.
-        let tolerance = Tolerance {
-            absolute: 1e-13 * largest_row,
-            ..inner_tolerance
+        self.breaks.finish();
+        let error = AllowedError {
+            absolute: 1e-13 * largest,
+            relative: 1e-12,
         };
-        let row = integrate(&inner, tolerance, &mut inner_pieces, |q| {
+        let (along, across) = (self.frame.along, self.frame.across);
+        integrate(&self.breaks, error.within(300), &mut self.pieces, |q| {
             let m = (p * along + q * across).extend(1.0).normalize();
             per_normal(m) * m.z.powi(3)
-        });
-        largest_row = largest_row.max(row);
-        row
-    })
+        })
+    }
 }
 
 /// Flux fraction per solid angle of facet normals.
@@ -140,7 +184,7 @@ fn per_normal(model: &dyn BsdfModel, wi: DVec3, m: DVec3, refracted: Option<f64>
     facet.map_or(0.0, |facet| model.bsdf(wi, wo) * wo.z.abs() / facet.chi)
 }
 
-/// Where the integrand has edges: conics symmetric in `q`.
+/// Edges of the integrand: conics symmetric in `q`.
 pub(crate) struct Edges {
     sin_i: f64,
     cos_i: f64,
@@ -155,7 +199,7 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    /// Those of an integrand that has none but the line where facets turn away.
+    /// No edges but the line where facets turn away.
     pub(crate) fn none(wi: DVec3) -> Self {
         Self {
             sin_i: wi.x.hypot(wi.y),
@@ -167,7 +211,7 @@ impl Edges {
         }
     }
 
-    /// The same with the `kinks` of light that is reflected, or of what does not depend on where it goes.
+    /// Adds the `kinks` of reflected light, or of an integrand that does not depend on the outgoing direction.
     #[cfg(test)]
     pub(crate) fn with_kinks(self, kinks: Kinks) -> Self {
         Self { kinks, ..self }
@@ -181,7 +225,7 @@ impl Edges {
             .map(|eta| (1.0 - eta) * (1.0 + eta));
         let horizontal = match refracted {
             None => Some(0.0),
-            // Entering the denser medium, light bends towards the normal and never turns upward.
+            // Light that enters the denser medium bends towards the normal and never turns upward.
             Some(_) => delta,
         };
         Self {

@@ -1,16 +1,17 @@
-//! Unshadowed single scattering: facets that all see the light and are all seen.
+//! Unshadowed single scattering: no facet is shadowed or masked.
 //!
-//! Points lie evenly over the mean plane, each with a facet `m` of Gaussian slopes that counts by its
-//! weight `w = max(0, wi . m) / (cos theta_m cos theta_i)`, the lit area over that of the mean plane.
-//! `w F` goes into the mirrored direction if that is upward, `w (1 - F)` into the refracted one if that
-//! is downward; conductors absorb `w (1 - F)`. What would go the other way is left out, and
-//! nothing is shadowed, so that all parts together are `1 + Lambda` less what is left out.
+//! Points are uniform over the mean plane, each with a facet `m` of Gaussian slopes and the weight
+//! `w = max(0, wi . m) / (m.z wi.z)`, the area facing the light over that of the mean plane. `w F` goes into the
+//! mirrored direction if that points up, `w (1 - F)` into the refracted direction if that points down.
+//! Conductors absorb `w (1 - F)`. Light in the other half space is left out. So all components together add to
+//! `1 + Lambda` minus what is left out.
 
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Layout, Side, Sides, UnshadowedFluxes};
 
 use crate::integrals::energy::{Edges, over_facing_normals};
-use crate::integrals::flux::{Scattering, fluxes_into_bins, in_plane_fluxes_of};
+use crate::integrals::flux::{fluxes_into_bins, in_plane_fluxes_of};
+use crate::integrals::flux_integral::Scattering;
 use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
@@ -18,14 +19,14 @@ use crate::models::model::{ModelError, valid_interface};
 
 /// The mean fluxes of unshadowed single scattering by facets of Gaussian `slopes`, as fractions of the
 /// flux that falls on the mean plane: into all bins, rings and in-plane bins of `layout`, on both
-/// sides whichever are asked for, and absorbed.
+/// sides whichever are recorded, and absorbed.
 ///
-/// In-plane bins lie about the azimuth of `incidence`, also where the light is vertical. The error of
+/// In-plane bins lie about the azimuth of `incidence`, also for vertical light. The error of
 /// a bin is about 1e-12 of the incident flux, that of a ring the sum of those of its bins.
 ///
 /// # Errors
-/// [`ModelError`] for an impossible material, and for indices that are equal to 1e-5: there the light
-/// goes straight on, in a delta that no quadrature over directions sees.
+/// [`ModelError`] for an invalid material, and for indices equal to 1e-5: there the transmitted light is a delta,
+/// which no quadrature over directions resolves.
 ///
 /// # Source
 /// Xu and Sun 2008, Eq. 26 without its visibility, over the facets of Eq. 25.

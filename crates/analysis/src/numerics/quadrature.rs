@@ -30,18 +30,37 @@ const GAUSS: [f64; 4] = [
     0.417_959_183_673_469_4,
 ];
 
-/// When a sum of pieces is good enough.
+/// Error allowed in an integral: the larger of both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AllowedError {
+    pub(crate) absolute: f64,
+    /// As a fraction of the integral.
+    pub(crate) relative: f64,
+}
+
+impl AllowedError {
+    /// The tolerance with this error and at most `max_pieces` pieces.
+    pub(crate) const fn within(self, max_pieces: usize) -> Tolerance {
+        Tolerance {
+            absolute: self.absolute,
+            relative: self.relative,
+            max_pieces,
+        }
+    }
+}
+
+/// When the subdivision of an integral ends.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tolerance {
     /// Error allowed in the integral.
     pub(crate) absolute: f64,
-    /// Error allowed as a share of the integral.
+    /// Error allowed as a fraction of the integral.
     pub(crate) relative: f64,
     /// Pieces allowed after subdivision.
     pub(crate) max_pieces: usize,
 }
 
-/// Points within a range where an integrand is special.
+/// Special points of an integrand within a range.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Breaks {
     points: Vec<(f64, bool)>,
@@ -65,14 +84,14 @@ impl Breaks {
         (self.lo, self.hi) = (lo, hi);
     }
 
-    /// A place where the integrand changes its pace but stays smooth.
+    /// A point where the scale of the integrand changes; it stays smooth there.
     pub(crate) fn add_smooth(&mut self, x: f64) {
         if x > self.lo && x < self.hi {
             self.points.push((x, false));
         }
     }
 
-    /// A place where the integrand may behave like a power `|x - x0|^(k / 2)`.
+    /// A point where the integrand may behave like a power `|x - x0|^(k / 2)`.
     pub(crate) fn add_root(&mut self, x: f64) {
         // Also at the ends, which are then roots themselves.
         if x >= self.lo && x <= self.hi {
@@ -80,7 +99,7 @@ impl Breaks {
         }
     }
 
-    /// All points, in the order in which they came.
+    /// All points, in the order in which they were added.
     #[cfg(test)]
     pub(crate) fn points(&self) -> impl Iterator<Item = f64> {
         self.points.iter().map(|point| point.0)
@@ -101,16 +120,16 @@ impl Breaks {
     }
 }
 
-/// A stretch of the axis with its own variable `u` in `[0, 1]`.
+/// A part of the range with its own variable `u` in `[0, 1]`.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
-    /// The whole stretch between two breaks.
+    /// The interval between two breaks.
     lo: f64,
     width: f64,
     /// Whether `x = lo + width u^2 (3 - 2 u)`, which turns square roots at both ends into analytic
     /// functions of `u`, or `x = lo + width u`.
     rooted: bool,
-    /// The part of it that this piece covers.
+    /// The part of it that this piece covers, in `u`.
     u0: f64,
     u1: f64,
     value: f64,
@@ -149,7 +168,7 @@ impl Piece {
         for (i, (a, b)) in pairs.iter().enumerate().take(7) {
             spread += KRONROD[i] * ((a - mean).abs() + (b - mean).abs());
         }
-        // The error estimate of QUADPACK: the difference of the rules is that of the poorer one.
+        // The error estimate of QUADPACK; the difference of both rules is the error of the poorer one.
         let difference = (kronrod - gauss).abs();
         let mut error = if spread > 0.0 {
             spread * (200.0 * difference / spread).powf(1.5).min(1.0)
@@ -165,7 +184,7 @@ impl Piece {
 /// Integral of `f` over the range of `breaks`.
 ///
 /// Pieces with the largest estimated error are halved until the sum of errors meets `tolerance` or
-/// the allowance of pieces is spent.
+/// the maximum number of pieces is reached.
 pub(crate) fn integrate(
     breaks: &Breaks,
     tolerance: Tolerance,
@@ -213,11 +232,11 @@ pub(crate) fn integrate(
     }
 }
 
-/// Room for the pieces of one integral, reused from one to the next.
+/// Buffer for the pieces of one integral, reused by the next.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Pieces(Vec<Piece>);
 
-/// Real roots of `a x^2 + 2 b x + c = 0`, none lost to cancellation.
+/// Real roots of `a x^2 + 2 b x + c = 0`, without cancellation.
 pub(crate) fn quadratic_roots(a: f64, b: f64, c: f64) -> impl Iterator<Item = f64> {
     let discriminant = b * b - a * c;
     let mut roots = [f64::NAN; 2];
