@@ -38,6 +38,7 @@ mod limits;
 mod meshes;
 mod pictures;
 mod surface_format;
+mod text_lines;
 
 #[cfg(test)]
 mod damage_tests;

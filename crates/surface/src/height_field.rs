@@ -1,115 +1,12 @@
-//! The sampled surface: heights, spacings, unit and border.
+//! Height field: a surface sampled on a regular grid, with spacings, unit and border.
 
-use std::fmt;
-use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
+mod border;
+mod unit;
 
 use crate::Provenance;
 
-/// What lies beyond the border of a height field.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Border {
-    /// The tile repeats with period `(nx dx, ny dy)`; the last sample is joined to the first.
-    #[default]
-    Periodic,
-    /// The tile is reflected at its first and last samples: period `(2 (nx-1) dx, 2 (ny-1) dy)`.
-    Mirrored,
-    /// Nothing: the surface ends at its first and last samples.
-    Open,
-}
-
-impl fmt::Display for Border {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Periodic => "periodic",
-            Self::Mirrored => "mirrored",
-            Self::Open => "open",
-        })
-    }
-}
-
-impl FromStr for Border {
-    type Err = HeightFieldError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "periodic" => Ok(Self::Periodic),
-            "mirrored" => Ok(Self::Mirrored),
-            "open" => Ok(Self::Open),
-            _ => Err(HeightFieldError::UnknownBorder(text.to_owned())),
-        }
-    }
-}
-
-/// The unit in which heights and spacings are given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum LengthUnit {
-    /// No physical unit: only ratios of lengths matter, as they do in geometric optics.
-    #[default]
-    #[serde(rename = "1")]
-    Arbitrary,
-    /// Metre.
-    #[serde(rename = "m")]
-    Metre,
-    /// Millimetre.
-    #[serde(rename = "mm")]
-    Millimetre,
-    /// Micrometre.
-    #[serde(rename = "um")]
-    Micrometre,
-    /// Nanometre.
-    #[serde(rename = "nm")]
-    Nanometre,
-}
-
-impl LengthUnit {
-    /// The symbol written into files: `1` (arbitrary), `m`, `mm`, `um` or `nm`.
-    #[must_use]
-    pub const fn symbol(self) -> &'static str {
-        match self {
-            Self::Arbitrary => "1",
-            Self::Metre => "m",
-            Self::Millimetre => "mm",
-            Self::Micrometre => "um",
-            Self::Nanometre => "nm",
-        }
-    }
-
-    /// Metres in one unit; `None` for [`LengthUnit::Arbitrary`].
-    #[must_use]
-    pub const fn metres(self) -> Option<f64> {
-        match self {
-            Self::Arbitrary => None,
-            Self::Metre => Some(1.0),
-            Self::Millimetre => Some(1e-3),
-            Self::Micrometre => Some(1e-6),
-            Self::Nanometre => Some(1e-9),
-        }
-    }
-}
-
-impl fmt::Display for LengthUnit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.symbol())
-    }
-}
-
-impl FromStr for LengthUnit {
-    type Err = HeightFieldError;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text.trim() {
-            "" | "1" | "arbitrary" => Ok(Self::Arbitrary),
-            "m" => Ok(Self::Metre),
-            "mm" => Ok(Self::Millimetre),
-            "um" | "µm" | "μm" => Ok(Self::Micrometre),
-            "nm" => Ok(Self::Nanometre),
-            other => Err(HeightFieldError::UnknownUnit(other.to_owned())),
-        }
-    }
-}
+pub use self::border::Border;
+pub use self::unit::LengthUnit;
 
 /// Largest magnitude of a height.
 const MAX_HEIGHT: f64 = 1e100;

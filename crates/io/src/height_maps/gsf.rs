@@ -98,28 +98,7 @@ struct Header {
 
 impl Header {
     fn parse(path: &Path, text: &str) -> Result<Self, ReadError> {
-        let mut lines = text.lines();
-        if lines.next() != Some(MAGIC) {
-            return Err(malformed(
-                path,
-                format_args!("its first line is not `{MAGIC}`"),
-            ));
-        }
-        let mut fields = BTreeMap::new();
-        for line in lines.filter(|line| !line.trim().is_empty()) {
-            let (name, value) = line.split_once('=').ok_or_else(|| {
-                malformed(
-                    path,
-                    format_args!("the header line `{line}` is not of the form name = value"),
-                )
-            })?;
-            if fields.insert(name.trim(), value.trim()).is_some() {
-                return Err(malformed(
-                    path,
-                    format_args!("its header has the field {} twice", name.trim()),
-                ));
-            }
-        }
+        let fields = fields(path, text)?;
         let resolution = |name| {
             let value = *fields.get(name).ok_or_else(|| {
                 malformed(path, format_args!("its header lacks the field {name}"))
@@ -204,6 +183,33 @@ impl Header {
         }
         Ok((spacing, unit))
     }
+}
+
+/// The `name = value` lines after the first.
+fn fields<'a>(path: &Path, text: &'a str) -> Result<BTreeMap<&'a str, &'a str>, ReadError> {
+    let mut lines = text.lines();
+    if lines.next() != Some(MAGIC) {
+        return Err(malformed(
+            path,
+            format_args!("its first line is not `{MAGIC}`"),
+        ));
+    }
+    let mut fields = BTreeMap::new();
+    for line in lines.filter(|line| !line.trim().is_empty()) {
+        let (name, value) = line.split_once('=').ok_or_else(|| {
+            malformed(
+                path,
+                format_args!("the header line `{line}` is not of the form name = value"),
+            )
+        })?;
+        if fields.insert(name.trim(), value.trim()).is_some() {
+            return Err(malformed(
+                path,
+                format_args!("its header has the field {} twice", name.trim()),
+            ));
+        }
+    }
+    Ok(fields)
 }
 
 pub(crate) fn write<W: Write>(

@@ -116,6 +116,12 @@ fn header_bytes(path: &Path, reader: &mut impl Read, length: u64) -> Result<Vec<
 
     let text = std::str::from_utf8(&bytes[start..])
         .map_err(|_| malformed(path, "its header is not UTF-8 text"))?;
+    check_header_text(path, text, length)?;
+    Ok(bytes)
+}
+
+/// Checks what the parser of headers does not: depth of brackets, doubled names, and the product of the shape.
+fn check_header_text(path: &Path, text: &str, length: u64) -> Result<(), ReadError> {
     let mut depth = 0_usize;
     for c in text.chars() {
         match c {
@@ -154,7 +160,7 @@ fn header_bytes(path: &Path, reader: &mut impl Read, length: u64) -> Result<Vec<
             ),
         ));
     }
-    Ok(bytes)
+    Ok(())
 }
 
 fn sample_kind(path: &Path, dtype: &DType) -> Result<(SampleKind, bool), ReadError> {

@@ -24,117 +24,109 @@ use asperity_surface::{LengthUnit, RawHeightMap};
 use super::unit::PowerOfMetre;
 use crate::error::ReadError;
 use crate::limits::{check_claim, room};
+use crate::text_lines::{Line, read_line, short};
 
 pub(crate) fn read<R: BufRead>(
     path: &Path,
     mut reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    let mut header = Header::default();
-    let mut heights: Vec<f64> = Vec::new();
-    let mut columns = None;
-    let mut rows = 0;
+    let mut matrix = Matrix::default();
     let mut bytes = Vec::new();
-    let mut line = 0;
-    loop {
-        bytes.clear();
-        if reader
-            .read_until(b'\n', &mut bytes)
-            .map_err(|e| ReadError::io(path, e))?
-            == 0
-        {
-            break;
-        }
-        line += 1;
-        let here = Place { path, line };
-        let mut text = std::str::from_utf8(&bytes).map_err(|e| {
+    let mut number = 0;
+    while read_line(path, &mut reader, &mut bytes)? {
+        number += 1;
+        let line = |text| Line { path, number, text };
+        let text = std::str::from_utf8(&bytes).map_err(|e| {
             let what = "bytes that are not UTF-8 text were found, where numbers are needed";
-            here.refuse(e.valid_up_to(), what)
+            line("").refuse_at(e.valid_up_to(), what)
         })?;
-        if line == 1 {
-            text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        }
-        let trimmed = text.trim();
+        let byte_order_mark = if number == 1 { "\u{feff}" } else { "" };
+        let text = text.strip_prefix(byte_order_mark).unwrap_or(text);
+        matrix.take_line(line(text), length)?;
+    }
+    matrix.finish(path, number)
+}
+
+/// The numbers read so far.
+#[derive(Default)]
+struct Matrix {
+    header: Header,
+    heights: Vec<f64>,
+    /// Known from the header or the first row on.
+    columns: Option<usize>,
+    rows: usize,
+}
+
+impl Matrix {
+    /// Adds a line of a file of `length` bytes.
+    fn take_line(&mut self, line: Line<'_>, length: u64) -> Result<(), ReadError> {
+        let trimmed = line.text.trim();
         if trimmed.is_empty() || trimmed.starts_with('#') {
-            continue;
+            return Ok(());
         }
-        if columns.is_none() && trimmed.contains('=') {
-            header.take_line(here, trimmed)?;
-            continue;
+        if self.columns.is_none() && trimmed.contains('=') {
+            return self.header.take_line(line, trimmed);
         }
-        let before = heights.len();
-        if columns.is_none()
-            && let (Some(nx), Some(ny)) = (header.w, header.h)
+        let before = self.heights.len();
+        if self.columns.is_none()
+            && let (Some(nx), Some(ny)) = (self.header.w, self.header.h)
         {
-            // A digit and a separator are the least that a number takes; the last needs none.
-            check_claim(path, [ny, nx], 2, length + 1)?;
-            heights = room(path, nx, ny)?;
+            // A digit and a separator are the least size of a number; the last has no separator.
+            check_claim(line.path, [ny, nx], 2, length + 1)?;
+            self.heights = room(line.path, nx, ny)?;
         }
-        read_row(here, text, &mut heights)?;
-        let found = heights.len() - before;
-        let expected = *columns.get_or_insert(match header.w {
+        read_row(line, &mut self.heights)?;
+        let found = self.heights.len() - before;
+        let expected = *self.columns.get_or_insert(match self.header.w {
             Some(w) => usize::try_from(w).unwrap_or(usize::MAX),
             None => found,
         });
         if found != expected {
-            return Err(here.refuse(
-                text.trim_end().len(),
+            return Err(line.refuse_at(
+                line.text.trim_end().len(),
                 format_args!("this row has {found} numbers, where {expected} are needed"),
             ));
         }
-        rows += 1;
+        self.rows += 1;
+        Ok(())
     }
-    let Some(columns) = columns else {
-        return Err(ReadError::truncated(path, "it holds no numbers at all"));
-    };
-    if let Some(h) = header.h
-        && h != rows as u64
-    {
-        let what = format!("{h} rows were expected, but {rows} are there");
-        return Err(if (rows as u64) < h {
-            ReadError::truncated(path, what)
-        } else {
-            Place { path, line }.refuse(0, what)
-        });
-    }
-    let (spacing, unit) = header.apply(path, &mut heights)?;
-    let mut map =
-        RawHeightMap::new(heights, [rows, columns], spacing).map_err(ReadError::surface(path))?;
-    map.unit = unit;
-    if unit == LengthUnit::Arbitrary {
-        map = map.with_assumed_spacing();
-    }
-    Ok(map)
-}
 
-/// A line of the file, for messages.
-#[derive(Clone, Copy)]
-struct Place<'a> {
-    path: &'a Path,
-    line: usize,
-}
-
-impl Place<'_> {
-    /// An error at byte `offset` of the line.
-    fn refuse(self, offset: usize, what: impl std::fmt::Display) -> ReadError {
-        ReadError::Text {
-            path: self.path.to_owned(),
-            line: self.line,
-            column: offset + 1,
-            what: what.to_string(),
+    /// The map, after the last line of this number.
+    fn finish(mut self, path: &Path, last: usize) -> Result<RawHeightMap, ReadError> {
+        let rows = self.rows;
+        let Some(columns) = self.columns else {
+            return Err(ReadError::truncated(path, "it holds no numbers at all"));
+        };
+        if let Some(h) = self.header.h
+            && h != rows as u64
+        {
+            let what = format!("{h} rows were expected, but {rows} are there");
+            return Err(if (rows as u64) < h {
+                ReadError::truncated(path, what)
+            } else {
+                let (number, text) = (last, "");
+                Line { path, number, text }.refuse_at(0, what)
+            });
         }
+        let (spacing, unit) = self.header.apply(path, &mut self.heights)?;
+        let mut map = RawHeightMap::new(self.heights, [rows, columns], spacing)
+            .map_err(ReadError::surface(path))?;
+        map.unit = unit;
+        if unit == LengthUnit::Arbitrary {
+            map = map.with_assumed_spacing();
+        }
+        Ok(map)
     }
 }
 
 /// Appends the numbers of one line.
-fn read_row(here: Place<'_>, text: &str, heights: &mut Vec<f64>) -> Result<(), ReadError> {
-    // Fields are slices of the line, so that their addresses give the column.
+fn read_row(line: Line<'_>, heights: &mut Vec<f64>) -> Result<(), ReadError> {
     let mut push = |field: &str| {
-        let offset = field.as_ptr().addr() - text.as_ptr().addr();
         let height = match field.parse::<f64>() {
             Ok(height) if height.is_infinite() => {
-                return Err(here.refuse(
-                    offset,
+                return Err(line.refuse(
+                    field,
                     format_args!(
                         "`{}` is infinite; heights must be finite, or nan where missing",
                         short(field)
@@ -144,8 +136,8 @@ fn read_row(here: Place<'_>, text: &str, heights: &mut Vec<f64>) -> Result<(), R
             Ok(height) => height,
             Err(_) if field.is_empty() || field.eq_ignore_ascii_case("bad") => f64::NAN,
             Err(_) => {
-                return Err(here.refuse(
-                    offset,
+                return Err(line.refuse(
+                    field,
                     format_args!(
                         "`{}` is no number; numbers with a decimal point are needed, or nan or bad for missing points",
                         short(field)
@@ -156,6 +148,7 @@ fn read_row(here: Place<'_>, text: &str, heights: &mut Vec<f64>) -> Result<(), R
         heights.push(height);
         Ok(())
     };
+    let text = line.text;
     if text.contains(',') {
         text.split(',').map(str::trim).try_for_each(&mut push)
     } else {
@@ -163,12 +156,7 @@ fn read_row(here: Place<'_>, text: &str, heights: &mut Vec<f64>) -> Result<(), R
     }
 }
 
-/// At most the first 40 characters, for messages.
-fn short(text: &str) -> String {
-    text.chars().take(40).collect()
-}
-
-/// What the header says, as far as it says it.
+/// Fields of the header, where they are present.
 #[derive(Default)]
 struct Header {
     h: Option<u64>,
@@ -179,7 +167,7 @@ struct Header {
 }
 
 impl Header {
-    fn take_line(&mut self, here: Place<'_>, text: &str) -> Result<(), ReadError> {
+    fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<(), ReadError> {
         let pair = |part: &str| -> Option<(String, String)> {
             let (name, value) = part.rsplit_once('=')?;
             Some((name.trim().to_ascii_lowercase(), value.trim().to_owned()))
@@ -194,14 +182,14 @@ impl Header {
             None => pair(text).into_iter().collect(),
         };
         for (name, value) in pairs {
-            self.take(here, &name, &value)?;
+            self.take(line, &name, &value)?;
         }
         Ok(())
     }
 
-    fn take(&mut self, here: Place<'_>, name: &str, value: &str) -> Result<(), ReadError> {
+    fn take(&mut self, line: Line<'_>, name: &str, value: &str) -> Result<(), ReadError> {
         let refuse = |needed: &str| {
-            here.refuse(
+            line.refuse_at(
                 0,
                 format_args!(
                     "{} is `{}`, where {needed} is needed",
@@ -241,7 +229,7 @@ impl Header {
                 self.conversion.replace(number).is_some()
             }
             _ => {
-                return Err(here.refuse(
+                return Err(line.refuse_at(
                     0,
                     format_args!(
                         "`{}` is an unknown header field; allowed are h, w, pixel size, data unit and height conversion factor (-> m)",
@@ -251,7 +239,9 @@ impl Header {
             }
         };
         if again {
-            return Err(here.refuse(0, format_args!("the header field {name} stands here again")));
+            return Err(
+                line.refuse_at(0, format_args!("the header field {name} stands here again"))
+            );
         }
         Ok(())
     }

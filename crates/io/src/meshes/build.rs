@@ -7,6 +7,7 @@ use std::path::Path;
 use super::MeshData;
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
+use crate::text_lines::{Line, short};
 
 /// A mesh that grows while its file is read.
 pub(super) struct Builder<'a> {
@@ -113,59 +114,27 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A line of a text file, for messages and for its words.
-#[derive(Clone, Copy)]
-pub(super) struct Line<'a> {
-    pub(super) path: &'a Path,
-    /// Counted from one.
-    pub(super) number: usize,
-    pub(super) text: &'a str,
-}
-
-impl<'a> Line<'a> {
-    pub(super) fn words(self) -> impl Iterator<Item = &'a str> {
-        self.text.split_whitespace()
-    }
-
-    /// An error at `word`, a slice of the line.
-    pub(super) fn refuse(self, word: &str, what: impl Display) -> ReadError {
-        let offset = word.as_ptr().addr() - self.text.as_ptr().addr();
-        ReadError::Text {
-            path: self.path.to_owned(),
-            line: self.number,
-            column: offset + 1,
-            what: what.to_string(),
+/// Three coordinates from `words` of a line, of which more may follow.
+pub(super) fn coordinates<'a>(
+    line: Line<'a>,
+    words: &mut impl Iterator<Item = &'a str>,
+) -> Result<[f64; 3], ReadError> {
+    let mut vertex = [0.0_f64; 3];
+    for (i, x) in vertex.iter_mut().enumerate() {
+        let word = words.next().ok_or_else(|| {
+            let what = format_args!("this vertex has {i} coordinates, where 3 are needed");
+            line.refuse(line.text, what)
+        })?;
+        *x = word.parse().map_err(|_| {
+            line.refuse(
+                word,
+                format_args!("`{}` is no number; coordinates are needed", short(word)),
+            )
+        })?;
+        if !x.is_finite() {
+            let what = format_args!("`{}` is not finite; coordinates must be", short(word));
+            return Err(line.refuse(word, what));
         }
     }
-
-    /// Three coordinates from `words`, of which more may follow.
-    pub(super) fn coordinates(
-        self,
-        words: &mut impl Iterator<Item = &'a str>,
-    ) -> Result<[f64; 3], ReadError> {
-        let mut vertex = [0.0_f64; 3];
-        for (i, x) in vertex.iter_mut().enumerate() {
-            let word = words.next().ok_or_else(|| {
-                let what = format_args!("this vertex has {i} coordinates, where 3 are needed");
-                self.refuse(self.text, what)
-            })?;
-            *x = word.parse().map_err(|_| {
-                self.refuse(
-                    word,
-                    format_args!("`{}` is no number; coordinates are needed", short(word)),
-                )
-            })?;
-            if !x.is_finite() {
-                let what = format_args!("`{}` is not finite; coordinates must be", short(word));
-                return Err(self.refuse(word, what));
-            }
-        }
-        Ok(vertex)
-    }
-}
-
-/// At most the first 40 characters, on one line, for messages.
-pub(super) fn short(text: &str) -> String {
-    let visible = |c: char| if c.is_control() { ' ' } else { c };
-    text.trim().chars().map(visible).take(40).collect()
+    Ok(vertex)
 }

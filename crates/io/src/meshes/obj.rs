@@ -5,13 +5,14 @@
 //! coordinates and normals after a slash, and all other statements, are skipped. A backslash at its
 //! end joins a line with the next.
 
-use std::io::BufRead;
+use std::io::{self, BufRead, Write};
 use std::path::Path;
 
-use super::MeshData;
-use super::build::{Builder, Line, short};
+use super::build::{Builder, coordinates};
+use super::{MeshData, MeshView};
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
+use crate::text_lines::{Line, read_line, short};
 
 pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadError> {
     let mut mesh = Builder::new(path, MeshFormat::Obj);
@@ -20,20 +21,7 @@ pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, R
     let mut number = 0;
     loop {
         let first = number + 1;
-        bytes.clear();
-        loop {
-            let read = reader.read_until(b'\n', &mut bytes);
-            if read.map_err(|e| ReadError::io(path, e))? == 0 {
-                break;
-            }
-            number += 1;
-            let end = bytes.trim_ascii_end().len();
-            if !bytes[..end].ends_with(b"\\") {
-                break;
-            }
-            bytes.truncate(end - 1);
-            bytes.push(b' ');
-        }
+        number += read_joined_line(path, &mut reader, &mut bytes)?;
         if bytes.is_empty() {
             return mesh.finish();
         }
@@ -47,7 +35,7 @@ pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, R
         let mut words = line.words();
         match words.next() {
             Some("v") => {
-                let vertex = line.coordinates(&mut words)?;
+                let vertex = coordinates(line, &mut words)?;
                 mesh.vertex(vertex).map_err(|what| {
                     line.refuse(line.text, format_args!("this vertex is {what}"))
                 })?;
@@ -63,6 +51,32 @@ pub(super) fn read<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, R
             _ => {}
         }
     }
+}
+
+/// Reads the next line into `bytes`, joined with those that follow a backslash at its end. Returns the
+/// number of lines read.
+fn read_joined_line(
+    path: &Path,
+    reader: &mut impl BufRead,
+    bytes: &mut Vec<u8>,
+) -> Result<usize, ReadError> {
+    let mut count = 0;
+    let mut line = Vec::new();
+    bytes.clear();
+    while read_line(path, reader, &mut line)? {
+        count += 1;
+        match line.trim_ascii_end().strip_suffix(b"\\") {
+            Some(start) => {
+                bytes.extend_from_slice(start);
+                bytes.push(b' ');
+            }
+            None => {
+                bytes.extend_from_slice(&line);
+                break;
+            }
+        }
+    }
+    Ok(count)
 }
 
 /// The vertex of a corner as in `7`, `7/1`, `7//3`, `7/1/3` or `-1`, counted from zero.
@@ -86,4 +100,16 @@ fn corner(line: Line<'_>, word: &str, vertices: usize) -> Result<i64, ReadError>
             ),
         )),
     }
+}
+
+pub(super) fn write(mesh: &MeshView<'_>, out: &mut impl Write) -> io::Result<()> {
+    for [x, y, z] in mesh.vertices {
+        // Debug gives the shortest digits that are the same double, with an exponent where long.
+        writeln!(out, "v {x:?} {y:?} {z:?}")?;
+    }
+    for triangle in mesh.triangles {
+        let [a, b, c] = triangle.map(|k| u64::from(k) + 1);
+        writeln!(out, "f {a} {b} {c}")?;
+    }
+    Ok(())
 }

@@ -4,7 +4,7 @@
 //! properties `x`, `y` and `z` of any type, faces a list `vertex_indices` or `vertex_index` of whole
 //! numbers; all other properties and elements are skipped.
 
-use std::io::{BufRead, ErrorKind, Read};
+use std::io::{self, BufRead, ErrorKind, Read, Write};
 use std::path::Path;
 
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
@@ -13,10 +13,11 @@ use ply_rs_bw::ply::{
     ScalarType,
 };
 
-use super::MeshData;
-use super::build::{Builder, Line, short};
+use super::build::Builder;
+use super::{MeshData, MeshView};
 use crate::error::ReadError;
 use crate::formats::MeshFormat;
+use crate::text_lines::{Line, read_line, short};
 
 /// Longest header that is read.
 const HEADER_LIMIT: u64 = 1 << 20;
@@ -129,17 +130,13 @@ impl<R: BufRead> Elements<'_, R> {
 
     /// Reads the next line that is not blank; false if there is none.
     fn next_line(&mut self) -> Result<bool, ReadError> {
-        loop {
-            self.bytes.clear();
-            let read = self.reader.read_until(b'\n', &mut self.bytes);
-            if read.map_err(|e| ReadError::io(self.path, e))? == 0 {
-                return Ok(false);
-            }
+        while read_line(self.path, &mut self.reader, &mut self.bytes)? {
             self.line += 1;
             if !self.bytes.trim_ascii().is_empty() {
                 return Ok(true);
             }
         }
+        Ok(false)
     }
 
     fn cut(&self, element: &ElementDef, i: usize) -> ReadError {
@@ -198,6 +195,13 @@ fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Resul
     {
         return Err(mesh.malformed("its faces come before its vertices"));
     }
+    check_vertices(mesh, header)?;
+    check_faces(mesh, header)?;
+    check_size(mesh, path, header, length)
+}
+
+/// Checks that vertices have three coordinates.
+fn check_vertices(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
     let vertex = &header.elements["vertex"];
     for name in ["x", "y", "z"] {
         match vertex.properties.get(name).map(|p| &p.data_type) {
@@ -213,7 +217,11 @@ fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Resul
             }
         }
     }
-    let whole = |kind: &ScalarType| !matches!(kind, ScalarType::Float | ScalarType::Double);
+    Ok(())
+}
+
+/// Checks that faces have one list of corners.
+fn check_faces(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
     let lists = header.elements["face"].properties.values();
     let is_corners = |name: &str| CORNERS.contains(&name);
     match lists.clone().filter(|p| is_corners(&p.name)).count() {
@@ -225,18 +233,28 @@ fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Resul
         _ => return Err(mesh.malformed("its faces have two lists of corners")),
     }
     for p in lists.filter(|p| is_corners(&p.name)) {
-        if !matches!(&p.data_type, PropertyType::List(_, item) if whole(item)) {
+        if !matches!(&p.data_type, PropertyType::List(_, item) if is_whole(item)) {
             let what = format_args!("the {} of its faces are no list of whole numbers", p.name);
             return Err(mesh.malformed(what));
         }
     }
+    Ok(())
+}
+
+/// Checks that the file can hold the elements that its header claims.
+fn check_size(
+    mesh: &Builder<'_>,
+    path: &Path,
+    header: &Header,
+    length: u64,
+) -> Result<(), ReadError> {
     // The least size of the elements: no header may claim more than its file holds.
     let mut least = 0_u64;
     for element in header.elements.values() {
         let mut bytes = 0;
         for p in element.properties.values() {
             if let PropertyType::List(count, _) = &p.data_type
-                && !whole(count)
+                && !is_whole(count)
             {
                 return Err(mesh.malformed(format_args!(
                     "the length of the list `{}` is not of a whole type",
@@ -273,6 +291,11 @@ fn check(mesh: &Builder<'_>, path: &Path, header: &Header, length: u64) -> Resul
         ));
     }
     Ok(())
+}
+
+/// Whether numbers of this type are whole.
+const fn is_whole(kind: &ScalarType) -> bool {
+    !matches!(kind, ScalarType::Float | ScalarType::Double)
 }
 
 /// Names of the list of a face's corners.
@@ -359,4 +382,27 @@ impl PropertyAccess for Skipped {
     fn new() -> Self {
         Self
     }
+}
+
+pub(super) fn write(mesh: &MeshView<'_>, out: &mut impl Write) -> io::Result<()> {
+    write!(
+        out,
+        "ply\nformat binary_little_endian 1.0\n\
+         element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        mesh.vertices.len(),
+        mesh.triangles.len()
+    )?;
+    for vertex in mesh.vertices {
+        for x in vertex {
+            out.write_all(&x.to_le_bytes())?;
+        }
+    }
+    for triangle in mesh.triangles {
+        out.write_all(&[3])?;
+        for k in triangle {
+            out.write_all(&k.to_le_bytes())?;
+        }
+    }
+    Ok(())
 }

@@ -4,13 +4,15 @@
 //! title is: many binary files begin with `solid`, which announces text. Normals are skipped: the
 //! order of the corners says where a triangle faces.
 
-use std::io::{BufRead, Read, Seek};
+use std::io::{BufRead, Read, Seek, Write};
 use std::path::Path;
 
-use super::MeshData;
-use super::build::{Builder, Line, short};
-use crate::error::ReadError;
+use super::build::{Builder, coordinates};
+use super::{MeshData, MeshView};
+use crate::encoding::single;
+use crate::error::{ReadError, WriteError};
 use crate::formats::MeshFormat;
+use crate::text_lines::{Line, read_line, short};
 
 /// Title and count.
 const HEADER: u64 = 84;
@@ -85,12 +87,7 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
     let mut number = 0;
     let mut corners = Vec::new();
     let mut ended = false;
-    loop {
-        bytes.clear();
-        let read = reader.read_until(b'\n', &mut bytes);
-        if read.map_err(|e| ReadError::io(path, e))? == 0 {
-            break;
-        }
+    while read_line(path, &mut reader, &mut bytes)? {
         number += 1;
         // Names may be in any encoding.
         let text = String::from_utf8_lossy(&bytes);
@@ -112,7 +109,7 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
                     let what = "this loop has a fourth vertex, where triangles are needed";
                     return Err(line.refuse(word, what));
                 }
-                corners.push(line.coordinates(&mut words)?);
+                corners.push(coordinates(line, &mut words)?);
             }
             "endloop" => {
                 let triangle = corners.as_slice().try_into().map_err(|_| {
@@ -140,4 +137,59 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
         return Err(ReadError::truncated(path, what));
     }
     mesh.finish()
+}
+
+pub(super) fn write(
+    path: &Path,
+    mesh: &MeshView<'_>,
+    out: &mut impl Write,
+) -> Result<(), WriteError> {
+    let io = WriteError::io(path);
+    // A header must not begin with "solid", which would announce the text form.
+    let mut header = [b' '; 80];
+    let title = b"Binary STL, corners counter-clockwise seen from outside";
+    header[..title.len()].copy_from_slice(title);
+    out.write_all(&header).map_err(&io)?;
+    let count = mesh.triangles.len() as u32;
+    out.write_all(&count.to_le_bytes()).map_err(&io)?;
+    for triangle in mesh.triangles {
+        let corners = triangle.map(|k| mesh.vertices[k as usize]);
+        let normal = unit_normal(corners);
+        for vector in [normal, corners[0], corners[1], corners[2]] {
+            for x in vector {
+                let x = single(path, "a coordinate", x)?;
+                out.write_all(&x.to_le_bytes()).map_err(&io)?;
+            }
+        }
+        out.write_all(&[0, 0]).map_err(&io)?;
+    }
+    Ok(())
+}
+
+/// The unit normal of a triangle by the right-hand rule; zero if it has no area.
+pub(super) fn unit_normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    // Edges are scaled first: their products must neither vanish nor overflow.
+    let (u, v) = (scaled(minus(b, a)), scaled(minus(c, a)));
+    let n = scaled([
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ]);
+    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if length > 0.0 && length.is_finite() {
+        n.map(|x| x / length)
+    } else {
+        [0.0; 3]
+    }
+}
+
+/// The vector with its largest component scaled to 1, or as it is if it has none.
+fn scaled(v: [f64; 3]) -> [f64; 3] {
+    let largest = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if largest > 0.0 {
+        v.map(|x| x / largest)
+    } else {
+        v
+    }
 }

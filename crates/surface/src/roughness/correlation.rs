@@ -40,24 +40,7 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         let first = task * LINES;
         let count = LINES.min(lines - first);
         let mut block = vec![0.0; count * padded];
-        match axis {
-            Axis::X => {
-                for (j, line) in block.chunks_exact_mut(padded).enumerate() {
-                    let row = &field.heights()[(first + j) * nx..][..nx];
-                    for (value, h) in line.iter_mut().zip(row) {
-                        *value = h - mean;
-                    }
-                }
-            }
-            Axis::Y => {
-                for iy in 0..ny {
-                    let row = &field.heights()[iy * nx + first..][..count];
-                    for (j, h) in row.iter().enumerate() {
-                        block[j * padded + iy] = h - mean;
-                    }
-                }
-            }
-        }
+        copy_lines(field, mean, axis, first, &mut block, padded);
         let mut output = forward.make_output_vec();
         let mut scratch = forward.make_scratch_vec();
         let mut power = vec![0.0; output.len()];
@@ -94,6 +77,37 @@ pub(crate) fn axis_autocorrelation(field: &HeightField, mean: f64, axis: Axis) -
         *value /= padded as f64 * pairs as f64 * lines as f64;
     }
     correlation
+}
+
+/// Copies the lines along `axis` from number `first` on, without `mean`, to the beginnings of those of
+/// `block`, which are `padded` long.
+fn copy_lines(
+    field: &HeightField,
+    mean: f64,
+    axis: Axis,
+    first: usize,
+    block: &mut [f64],
+    padded: usize,
+) {
+    let nx = field.nx();
+    match axis {
+        Axis::X => {
+            for (j, line) in block.chunks_exact_mut(padded).enumerate() {
+                let row = &field.heights()[(first + j) * nx..][..nx];
+                for (value, h) in line.iter_mut().zip(row) {
+                    *value = h - mean;
+                }
+            }
+        }
+        Axis::Y => {
+            let count = block.len() / padded;
+            for (iy, row) in field.heights().chunks_exact(nx).enumerate() {
+                for (j, h) in row[first..][..count].iter().enumerate() {
+                    block[j * padded + iy] = h - mean;
+                }
+            }
+        }
+    }
 }
 
 /// Lag, in samples, at which `correlation` first falls to 1/e of its value at lag zero; `None` if

@@ -1,0 +1,54 @@
+//! Lines of text files: reads them one by one and makes errors that name line and column.
+
+use std::fmt::Display;
+use std::io::BufRead;
+use std::path::Path;
+
+use crate::error::ReadError;
+
+/// Reads the next line, with its line feed, into `bytes`; false at the end of the file.
+pub(crate) fn read_line(
+    path: &Path,
+    reader: &mut impl BufRead,
+    bytes: &mut Vec<u8>,
+) -> Result<bool, ReadError> {
+    bytes.clear();
+    let read = reader.read_until(b'\n', bytes);
+    Ok(read.map_err(|e| ReadError::io(path, e))? > 0)
+}
+
+/// A line of a text file, with its place for messages.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    pub(crate) path: &'a Path,
+    /// Counted from one.
+    pub(crate) number: usize,
+    pub(crate) text: &'a str,
+}
+
+impl<'a> Line<'a> {
+    pub(crate) fn words(self) -> impl Iterator<Item = &'a str> {
+        self.text.split_whitespace()
+    }
+
+    /// An error at `word`, a slice of the line.
+    pub(crate) fn refuse(self, word: &str, what: impl Display) -> ReadError {
+        self.refuse_at(word.as_ptr().addr() - self.text.as_ptr().addr(), what)
+    }
+
+    /// An error at the byte `offset` of the line.
+    pub(crate) fn refuse_at(self, offset: usize, what: impl Display) -> ReadError {
+        ReadError::Text {
+            path: self.path.to_owned(),
+            line: self.number,
+            column: offset + 1,
+            what: what.to_string(),
+        }
+    }
+}
+
+/// At most the first 40 characters, on one line, for messages.
+pub(crate) fn short(text: &str) -> String {
+    let visible = |c: char| if c.is_control() { ' ' } else { c };
+    text.trim().chars().map(visible).take(40).collect()
+}

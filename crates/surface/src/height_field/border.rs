@@ -1,0 +1,44 @@
+//! Border: what lies beyond the last samples of a height field.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::HeightFieldError;
+
+/// What lies beyond the border of a height field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Border {
+    /// The tile repeats with period `(nx dx, ny dy)`; the last sample is joined to the first.
+    #[default]
+    Periodic,
+    /// The tile is reflected at its first and last samples: period `(2 (nx-1) dx, 2 (ny-1) dy)`.
+    Mirrored,
+    /// Nothing: the surface ends at its first and last samples.
+    Open,
+}
+
+impl fmt::Display for Border {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Periodic => "periodic",
+            Self::Mirrored => "mirrored",
+            Self::Open => "open",
+        })
+    }
+}
+
+impl FromStr for Border {
+    type Err = HeightFieldError;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        match text {
+            "periodic" => Ok(Self::Periodic),
+            "mirrored" => Ok(Self::Mirrored),
+            "open" => Ok(Self::Open),
+            _ => Err(HeightFieldError::UnknownBorder(text.to_owned())),
+        }
+    }
+}
