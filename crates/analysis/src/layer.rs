@@ -1,9 +1,9 @@
-//! A medium between flat faces: light that was never scattered inside, and light scattered once.
+//! Flat layer: a medium between flat faces, with light that is unscattered inside and light scattered once.
 //!
 //! A face of relative index `eta` on top, a homogeneous medium of optical thickness `tau = sigma_t d` (or
-//! without end), and a bottom that is open, an interface, a mirror or black. Between flat faces light keeps
-//! its angle whatever they reflect, so the inner reflections of one direction are a geometric series, and
-//! light scattered once has a closed form. Two models say which paths count: see [`LayerPaths`].
+//! infinite), and a bottom that is open, an interface, a mirror or black. Reflection at flat faces keeps the
+//! angle of light, so the inner reflections of one direction are a geometric series, and single scattering has a
+//! closed form. Two models differ in the paths that count: see [`LayerPaths`].
 //!
 //! # Equations
 //! Inside the layer `mu_i` and `mu` are the cosines before and after scattering, `R1` and `R2` the
@@ -15,7 +15,7 @@
 //! D = T1 / (1 - R1 R2 a^2),    U = D R2 a
 //! ```
 //!
-//! A share `albedo p(cos) dt / mu_i` of either is scattered, by `cos- = h - mu_i mu` from down to up or back,
+//! The fraction `albedo p(cos) dt / mu_i` of either is scattered, by `cos- = h - mu_i mu` from down to up or back,
 //! `cos+ = h + mu_i mu` from down to down and up to up, `h` the product of the horizontal components. Over
 //! all depths,
 //!
@@ -52,11 +52,10 @@ use faces::Inside;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LayerPaths {
-    /// Those of the paper: no light is reflected at an inner face and goes on. Of light never scattered, what
-    /// the top reflects and what passes both faces; of light scattered once, what passes a face on its way
-    /// in and a face on its way out, and meets none between.
+    /// Paths of the paper, without inner reflection. Unscattered light is reflected at the top or passes both
+    /// faces. Light scattered once passes a face on its way in and a face on its way out, and meets none between.
     HanrahanKrueger,
-    /// All of light never scattered and of light scattered once, with all inner reflections.
+    /// All paths of unscattered light and of light scattered once, with all inner reflections.
     All,
 }
 
@@ -112,14 +111,14 @@ pub struct FlatLayer {
     paths: LayerPaths,
 }
 
-/// Light that was never scattered inside: it leaves along one direction, where a BSDF would be a delta.
+/// Unscattered light: it leaves along one direction, as a delta in the BSDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnscatteredBeam {
-    /// The side that it leaves on.
+    /// Side on which it leaves.
     pub side: Side,
-    /// Where it goes.
+    /// Direction.
     pub wo: DVec3,
-    /// Its share of the incident flux.
+    /// Fraction of the incident flux.
     pub flux: f64,
 }
 
@@ -132,27 +131,27 @@ impl UnscatteredBeam {
     }
 }
 
-/// Why a layer has no such model.
+/// Why a model of a layer cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FlatLayerError {
     /// No model has this name.
-    #[error("there is no model `{name}` of a layer; the models are {}", FlatLayer::NAMES.join(", "))]
+    #[error("unknown model `{name}` of a layer; the models are {}", FlatLayer::NAMES.join(", "))]
     Unknown {
-        /// The name asked for.
+        /// The given name.
         name: String,
     },
-    /// The index of the top face.
+    /// Invalid index of the top face.
     #[error(transparent)]
     Index(#[from] MaterialError),
-    /// A bottom that makes light diffuse.
+    /// A diffuse bottom.
     #[error(
-        "the model {0} is of light that keeps its angle between the faces; a Lambertian bottom sends it into all: take another bottom"
+        "the model {0} requires light to keep its angle between the faces, which a Lambertian bottom does not; use another bottom"
     )]
     DiffuseBottom(&'static str),
-    /// A mirror, in the model that has nothing of what is reflected inside.
+    /// A mirror at the bottom, in the model without inner reflections.
     #[error(
-        "the model hanrahan-krueger has nothing of what a mirror at the bottom sends back; flat-layer has"
+        "the model hanrahan-krueger leaves out the light reflected by a mirror at the bottom; use flat-layer"
     )]
     MirrorBelow,
 }
@@ -179,7 +178,7 @@ impl FlatLayer {
     /// `layer` below a flat face of index `eta`, n_layer / n_above, which may be one.
     ///
     /// # Errors
-    /// [`FlatLayerError`] for an index that is none, a Lambertian bottom, and a mirror under
+    /// [`FlatLayerError`] for an invalid index, a Lambertian bottom, and a mirror under
     /// [`LayerPaths::HanrahanKrueger`].
     pub fn new(eta: f64, layer: &Layer, paths: LayerPaths) -> Result<Self, FlatLayerError> {
         Material::dielectric(eta)?;
@@ -187,7 +186,7 @@ impl FlatLayer {
         let (tau, bottom) = match layer.end() {
             Some(slab) => (medium.extinction() * slab.thickness, slab.bottom),
             None if medium.is_clear() => (0.0, Bottom::Open),
-            // Nothing comes back from infinitely far below.
+            // No light returns from infinite depth.
             None => (f64::INFINITY, Bottom::Absorbing),
         };
         match (bottom, paths) {
@@ -230,8 +229,8 @@ impl FlatLayer {
         }
     }
 
-    /// The BSDF of light scattered once inside, 1/sr, both directions outside; unscattered light, a delta,
-    /// is [`FlatLayer::unscattered`]'s.
+    /// The BSDF of light scattered once inside, 1/sr, for directions outside the layer. Unscattered light is a
+    /// delta: see [`FlatLayer::unscattered`].
     ///
     /// Unit vectors, `wo.z > 0` reflected, `wo.z < 0` transmitted; zero unless `wi.z > 0`. Stable for equal
     /// cosines, at grazing, at and beyond critical angles, and from `tau = 0` to infinity.
@@ -250,7 +249,7 @@ impl FlatLayer {
             .map_or(0.0, |exit| self.scattered(&inside, &exit, wo.truncate()))
     }
 
-    /// Light that was never scattered: reflected at or through the top, and what passes the bottom.
+    /// Unscattered light: reflected by the layer, and transmitted through the bottom.
     #[must_use]
     pub fn unscattered(&self, wi: DVec3) -> Vec<UnscatteredBeam> {
         if wi.z <= 0.0 {
@@ -273,7 +272,7 @@ impl FlatLayer {
         beams
     }
 
-    /// Where light goes that passes both faces, if it may.
+    /// Direction of light that passes both faces, if it can.
     fn straight_on(&self, wi: DVec3, inside: &Inside) -> Option<DVec3> {
         let index = self.index_beyond()?;
         let face = self.bottom_face(inside.mu);
@@ -284,7 +283,7 @@ impl FlatLayer {
         })
     }
 
-    /// n_beyond / n_layer, where light leaves below.
+    /// n_beyond / n_layer, if light leaves below.
     const fn index_beyond(&self) -> Option<f64> {
         match self.bottom {
             Bottom::Open => Some(1.0),
@@ -293,7 +292,7 @@ impl FlatLayer {
         }
     }
 
-    /// What the bottom does with light that meets it at the cosine `mu`; what it takes is "transmitted".
+    /// Fresnel terms of the bottom at the cosine `mu`; absorbed light counts as transmitted.
     fn bottom_face(&self, mu: f64) -> Fresnel {
         match (self.bottom, self.index_beyond()) {
             (_, Some(eta)) => dielectric(mu, eta),

@@ -1,11 +1,11 @@
-//! Statistics of families of tests.
+//! Statistics of several tests taken together.
 
 use std::f64::consts::SQRT_2;
 
 /// The level at which each of `n` tests must reject so that all of them together reject falsely
 /// with probability `level`: `1 - (1 - level)^(1 / n)`.
 ///
-/// Exact for independent tests, on the safe side for positively dependent ones.
+/// Exact for independent tests, conservative for positively dependent ones.
 ///
 /// # Source
 /// Sidak 1967.

@@ -1,6 +1,6 @@
-//! The randomisation test of a model by sign flips of whole surfaces.
+//! Sign-flip test: a randomisation test of a model by sign flips of whole surfaces.
 //!
-//! Bins of one surface are correlated, and their distributions are not known; surfaces are
+//! Bins of one surface are correlated, and their distributions are unknown. Surfaces are
 //! independent. If the model is right, and the residuals `d_r = x_r - m` of a surface are as likely
 //! as their negatives, then giving each surface's residuals a random common sign changes nothing in
 //! distribution, correlations included. The p value is the rank of the observed statistic among
@@ -9,7 +9,7 @@
 //!
 //! The statistic is the largest `|t|` over the bins, recomputed after every flip, with Hall's
 //! correction for skewness: a bin that is mostly dark and bright now and then has a long tail of
-//! negative `t`, which would else dominate the maximum and reject too often. With `S` mean over
+//! negative `t`, which would otherwise dominate the maximum and reject too often. With `S` mean over
 //! standard deviation and `g` the skewness of `R` residuals, both by moments,
 //!
 //! ```text
@@ -19,14 +19,14 @@
 //! A deviation may sit in one bin, or be spread so thinly over many that only their sum shows it.
 //! Residuals are therefore tested on several scales, bins and sums of bins, with the same flips. On
 //! each scale a flip has its rank among all flips; the smallest of its ranks is its statistic, and
-//! the p value is the share of flips whose smallest rank is as small as that of the data. So the
-//! choice of the best scale is paid for, exactly.
+//! the p value is the fraction of flips whose smallest rank is as small as that of the data. This accounts
+//! exactly for the choice of the best scale.
 //!
 //! Any statistic is exact under symmetry. Tried on 8 to 64 surfaces of 30 bins with a skewness of
 //! about one, far more than surfaces of usual size have, it rejects 5 to 6.5 % at level 0.05 and 1 to
 //! 2.6 % at 0.01, the plain `t` 6.7 to 7.8 % and 1.6 to 2.6 %; with a skewness of 0.3 both keep their
-//! level. Flips leave squares alone and treat cubes as the residuals themselves, so two sums a bin
-//! do.
+//! level. Flips leave squares unchanged and flip cubes like the residuals themselves, so two sums per bin
+//! suffice.
 //!
 //! # Source
 //! Fisher 1935; Westfall and Young 1993 for the maximum over correlated tests; Hall 1992, On the
@@ -36,48 +36,48 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
-/// Below this many surfaces no test is made.
+/// Fewest surfaces for a test.
 pub(crate) const MIN_SURFACES: usize = 6;
-/// Up to this many surfaces all `2^(R - 1)` distinct flips are made.
+/// Most surfaces for which all `2^(R - 1)` distinct flips are tried.
 const EXHAUSTIVE_SURFACES: usize = 13;
-/// Random flips for more surfaces, besides the data themselves.
+/// Number of random flips for more surfaces, besides the data themselves.
 const RANDOM_FLIPS: usize = 4095;
-/// The least p value that any number of surfaces can give.
-pub(crate) const LEAST_P: f64 = 1.0 / (RANDOM_FLIPS as f64 + 1.0);
+/// The least p value for any number of surfaces.
+pub(crate) const MIN_P: f64 = 1.0 / (RANDOM_FLIPS as f64 + 1.0);
 
-/// What the test found on one scale.
+/// Result of the test on one scale.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScaleTest {
     /// Name of the scale.
     pub name: String,
-    /// Share of the flips, the data themselves included, whose largest `|t|` on this scale reaches
+    /// Fraction of the flips, the data themselves included, whose largest `|t|` on this scale reaches
     /// the observed one. Not corrected for the number of scales.
     pub p: f64,
     /// The largest `|t|`, corrected for skewness; infinite if all surfaces deviate by the same
     /// amount.
     pub max_t: f64,
-    /// Number of the bin, or of the group of bins, that has it.
+    /// Index of the bin, or of the group of bins, that has it.
     pub member: usize,
 }
 
 /// Result of the sign-flip test of one model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SignFlipTest {
-    /// Share of the flips, the data themselves included, that deviate as much on some scale as the
-    /// data do on the scale where they deviate most.
+    /// Fraction of the flips, the data themselves included, that deviate as much on some scale as the data do on
+    /// the scale where they deviate most.
     pub p: f64,
-    /// The least `p` that this many surfaces and flips can give.
+    /// The least `p` for this number of surfaces and flips.
     pub min_p: f64,
     /// Number of flips, the data themselves included.
     pub flips: usize,
-    /// Whether these are all distinct flips, or a random choice.
+    /// Whether these are all distinct flips; otherwise they are random.
     pub exhaustive: bool,
     /// The scales, single bins first.
     pub scales: Vec<ScaleTest>,
 }
 
 impl SignFlipTest {
-    /// The scale on which the data deviate most significantly; of equals the coarsest.
+    /// The scale on which the data deviate most significantly; of equal ones the coarsest.
     #[must_use]
     pub fn strongest(&self) -> &ScaleTest {
         let better = |a: usize, b: &ScaleTest| -> bool { b.p <= self.scales[a].p };
@@ -87,7 +87,7 @@ impl SignFlipTest {
     }
 }
 
-/// Residuals `[surface][member]` on one scale; `members` are the numbers of those to test.
+/// Residuals `[surface][member]` on one scale; `members` are the indices of those to test.
 pub(crate) struct Scale<'a> {
     pub(crate) name: &'a str,
     pub(crate) residuals: &'a [Vec<f64>],
@@ -98,8 +98,8 @@ pub(crate) struct Scale<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Untested {
-    /// One surface says nothing about the scatter between surfaces.
-    #[error("one surface shows no scatter between surfaces, so its deviation cannot be judged")]
+    /// One surface has no scatter between surfaces.
+    #[error("one surface has no scatter between surfaces, so its deviation cannot be tested")]
     OneSurface,
     /// Too few surfaces for a test.
     #[error("too few surfaces: {found}, at least {needed} are needed")]
@@ -111,7 +111,7 @@ pub enum Untested {
     },
     /// No bin holds enough rays.
     #[error(
-        "no bin holds enough rays to be tested, not counting those that do what is known beforehand"
+        "no bin holds enough rays to be tested, not counting rays that the control variate cancels"
     )]
     NoBins,
 }
@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn looking_on_several_scales_is_paid_for() {
+    fn testing_on_several_scales_is_accounted_for() {
         // On the first scale the data rank first of 32, on the second, whose residuals cancel, last.
         let first: Vec<Vec<f64>> = (1..=6).map(|i| vec![f64::from(i)]).collect();
         let signs = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0];

@@ -1,39 +1,39 @@
-//! Whether a model holds within the error of the explicit result.
+//! Verdict: whether a model holds within the error of the explicit result.
 
 use std::fmt;
 
 use crate::compare::comparison::Comparison;
 use crate::compare::multiple_tests::sidak_level;
-use crate::compare::sign_flip::{LEAST_P, Untested};
+use crate::compare::sign_flip::{MIN_P, Untested};
 
-/// The probability with which at least one model that is right may be said to fail.
+/// The probability with which at least one correct model is reported to fail.
 pub const DEFAULT_LEVEL: f64 = 0.01;
 
-/// What a comparison says of a model.
+/// Result of a comparison for one model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Verdict {
-    /// No deviation beyond the error was found. A smaller error might still find one: the noise of
-    /// the total variation says how large a deviation would have been seen.
+    /// No deviation beyond the error was found. A smaller error might still find one: the noise of the total
+    /// variation says how large a deviation would have been detected.
     Holds,
-    /// The deviation is larger than chance explains.
+    /// The deviation is significant.
     Fails,
-    /// The data cannot tell.
+    /// The data cannot decide.
     NotResolved(Unresolved),
 }
 
-/// Why the data cannot tell whether a model holds.
+/// Why the data cannot decide whether a model holds.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unresolved {
     /// There is no p value.
     #[error(transparent)]
     Untested(#[from] Untested),
-    /// Even the largest deviation could not reach the level.
+    /// The least possible p value is above the level.
     #[error(
-        "the least p value that can come out is {min_p:.2e}, above the level {level:.2e}; {}",
+        "the least p value is {min_p:.2e}, above the level {level:.2e}; {}",
         match needed {
             Some(needed) => format!("{needed} surfaces can decide"),
-            None => "test fewer models, or at a larger alpha".to_owned(),
+            None => "test fewer models, or at a larger level".to_owned(),
         }
     )]
     LevelOutOfReach {
@@ -41,8 +41,8 @@ pub enum Unresolved {
         min_p: f64,
         /// The level of one test.
         level: f64,
-        /// Surfaces whose least p value is below the level; `None` if no number of flips that is tried
-        /// reaches it.
+        /// Number of surfaces whose least p value is below the level; `None` if the number of random flips
+        /// limits it.
         needed: Option<u32>,
     },
 }
@@ -59,10 +59,10 @@ impl fmt::Display for Verdict {
 
 /// One verdict for each of the models compared with the same surfaces.
 ///
-/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that
-/// no model that is right fails with a probability of `1 - level`: exactly so if they are independent. Those
-/// of models on the same surfaces, and of shares of the same light, are not; as far as they depend
-/// positively on each other, which is not proven, this errs towards holding.
+/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that no correct
+/// model fails with a probability of `1 - level`. This is exact for independent comparisons. Comparisons on the
+/// same surfaces, and of components of the same light, are dependent. As far as they depend positively on
+/// each other, which is not proven, the test is conservative.
 #[must_use]
 pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
     let level = sidak_level(level, comparisons.len());
@@ -73,8 +73,8 @@ pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
             Ok(test) if test.min_p >= level => Verdict::NotResolved(Unresolved::LevelOutOfReach {
                 min_p: test.min_p,
                 level,
-                // R surfaces have 2^(R - 1) distinct flips, of which so many are tried at most.
-                needed: (level > LEAST_P).then(|| 2 + (-level.log2()).floor() as u32),
+                // R surfaces have 2^(R - 1) distinct flips, and the number tried is limited.
+                needed: (level > MIN_P).then(|| 2 + (-level.log2()).floor() as u32),
             }),
             Ok(test) if test.p < level => Verdict::Fails,
             Ok(_) => Verdict::Holds,
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn the_words_are_holds_fails_and_not_resolved() {
+    fn verdicts_print_as_holds_and_fails() {
         let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
         let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
         let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
@@ -104,10 +104,10 @@ mod tests {
     }
 
     #[test]
-    fn too_few_surfaces_leave_the_question_open() {
+    fn too_few_surfaces_give_no_verdict() {
         // Seven surfaces reach p = 1/64 at best: no deviation could fail a model at 0.01.
         for (count, text) in [
-            (1, "not resolved: one surface shows"),
+            (1, "not resolved: one surface has"),
             (4, "not resolved: too few surfaces: 4, at least 6"),
             (7, "not resolved: the least p value"),
         ] {
@@ -122,7 +122,7 @@ mod tests {
 
     /// The Sidak level of two comparisons at 0.01 is 0.00501, of three 0.00334.
     #[test]
-    fn comparisons_share_the_level_among_them() {
+    fn comparisons_divide_the_level() {
         let of_p = |p: f64| {
             let mut found =
                 compare(&surfaces(12), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
@@ -146,7 +146,7 @@ mod tests {
 
     /// Eight surfaces reach 1/128 = 0.0078 at best: enough for one model, and for none of two.
     #[test]
-    fn surfaces_that_suffice_for_one_model_may_be_too_few_for_two() {
+    fn two_models_need_more_surfaces_than_one() {
         let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
         assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Fails]);
         let reason = Unresolved::LevelOutOfReach {

@@ -1,9 +1,9 @@
-//! Geometric attenuation by theory: which share of a surface of Gaussian slopes light reaches, and which
-//! share is both lit and seen.
+//! Geometric attenuation by theory: the fraction of a surface with Gaussian slopes that is not shadowed, and the
+//! fraction that is neither shadowed nor masked.
 //!
-//! Shares are of points spread evenly over the mean plane: *lit* counts all of them, those that face away
-//! from the light being dark; `G1` and `G2` count those that face it, or face both directions. All is for
-//! reflection: both directions have `z > 0`.
+//! Fractions are of points uniform over the mean plane. *Lit* fractions count all points, and those that face
+//! away from the light are dark. `G1` and `G2` count the points that face it, or face both directions. All
+//! functions are for reflection: both directions have `z > 0`.
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -14,24 +14,24 @@ use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
-/// Share of the points whose facets face `w`: `1 - erfc(a) / 2`, `a = cot(theta) / (sqrt 2 deviation)`.
+/// Fraction of the points whose facets face `w`: `1 - erfc(a) / 2`, `a = cot(theta) / (sqrt 2 deviation)`.
 #[must_use]
 pub fn facing_fraction(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     Beckmann::new(*slopes).facing_fraction(w)
 }
 
-/// Share of all points that face the light and, by Smith, see it: `(1 - erfc(a) / 2) / (1 + Lambda)`.
+/// Fraction of all points that face the light and, by Smith, are not shadowed: `(1 - erfc(a) / 2) / (1 + Lambda)`.
 ///
 /// # Source
-/// Smith 1967, Eq. 24: the share `S(theta)` of the lit surface.
+/// Smith 1967, Eq. 24: the fraction `S(theta)` of the lit surface.
 #[must_use]
 pub fn smith_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     let distribution = Beckmann::new(*slopes);
     distribution.facing_fraction(w) * distribution.g1(w)
 }
 
-/// Share of the points that face both directions that are, by Smith, both lit and seen, if the one knew
-/// nothing of the other: `G1(wi) G1(wo)`.
+/// Smith's separable `G2 = G1(wi) G1(wo)`: the fraction of the points facing both directions that are neither
+/// shadowed nor masked, if both are independent.
 ///
 /// # Source
 /// Walter et al. 2007, Eq. 23.
@@ -41,9 +41,9 @@ pub fn smith_separable_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64
     distribution.g1(wi) * distribution.g1(wo)
 }
 
-/// The same with what both owe to the height of the point: `1 / (1 + Lambda(wi) + Lambda(wo))`.
+/// Smith's height-correlated `G2 = 1 / (1 + Lambda(wi) + Lambda(wo))`.
 ///
-/// That the azimuths may be near each other, where what lights a point also shows it, is left out.
+/// The correlation of shadowing and masking at nearby azimuths is left out.
 ///
 /// # Source
 /// Ross, Dion and Potvin 2005; Heitz 2014, Eq. 99.
@@ -63,11 +63,11 @@ pub fn smith_visibility(slopes: &SlopeCovariance, w: DVec3, h: f64) -> f64 {
     Beckmann::new(*slopes).visibility(w, below)
 }
 
-/// The lit share as the 2019 paper prints it: `(1 - erfc(mu / (2 sigma)) / 2) / (1 + Lambda)`, `mu` being
+/// The lit fraction as the 2019 paper prints it: `(1 - erfc(mu / (2 sigma)) / 2) / (1 + Lambda)`, `mu` being
 /// `cot(theta)` and `sigma` the root mean square *height*.
 ///
-/// It has lost a root, and takes a length for a slope: in other units of length it is another number.
-/// [`smith_lit`] is what it should be. It is here to show what follows from it.
+/// A square root is missing, and a length stands for a slope, so the result depends on the unit of length.
+/// [`smith_lit`] is the correct form. This one is here to show the consequences.
 ///
 /// # Source
 /// *An algorithm of computing 3D geometric attenuation factor*, 2019, the equation of Sec. 2.1, with
@@ -78,7 +78,7 @@ pub fn smith_lit_as_printed(sigma: f64, w: DVec3) -> f64 {
     facing_fraction_at(a) / (1.0 + smith_lambda(a))
 }
 
-/// Share of all points that face the light and are lit, if every facet were one side of a symmetric
+/// Fraction of all points that face the light and are lit, if every facet is one side of a symmetric
 /// V-cavity.
 ///
 /// A facet that rises by `q` towards the light, `q > -cot(theta)`, is lit for
@@ -92,13 +92,13 @@ pub fn v_cavity_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     Facings::new(slopes, w, w).lit()
 }
 
-/// The same as a share of the points that face `w`.
+/// The same as a fraction of the points that face `w`.
 #[must_use]
 pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
     v_cavity_lit(slopes, w) / facing_fraction(slopes, w)
 }
 
-/// Share of the points that face both directions, both with `z > 0`, that are lit and seen in V-cavities:
+/// Fraction of the points facing both directions, both with `z > 0`, that V-cavities neither shadow nor mask:
 /// the mean of `min(G1(wi, m), G1(wo, m))`. To about 1e-8.
 ///
 /// # Source
@@ -106,17 +106,17 @@ pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 #[must_use]
 pub fn v_cavity_mean_g2(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> f64 {
     let facings = Facings::new(slopes, wi, wo);
-    facings.lit() / facings.share()
+    facings.lit() / facings.fraction()
 }
 
-/// `cot(theta)` at which Smith expects the share `dark` of all points not to be lit; `within_facing`: the
-/// share of all points that face the light and are not lit, leaving out what faces away.
+/// `cot(theta)` at which, by Smith, the fraction `dark` of all points is not lit. With `within_facing`, only
+/// shadowed points that face the light count, as a fraction of all points.
 ///
-/// `None` where no angle is that dark.
+/// `None` if no angle is that dark.
 #[must_use]
 pub fn smith_demarcation(slopes: &SlopeCovariance, dark: f64, within_facing: bool) -> Option<f64> {
     let deviation = slopes.xx().sqrt();
-    let share = |a: f64| {
+    let dark_fraction = |a: f64| {
         let (facing, lambda) = (facing_fraction_at(a), smith_lambda(a));
         if within_facing {
             facing * lambda / (1.0 + lambda)
@@ -124,14 +124,14 @@ pub fn smith_demarcation(slopes: &SlopeCovariance, dark: f64, within_facing: boo
             1.0 - facing / (1.0 + lambda)
         }
     };
-    // From steep to grazing, the share only grows.
+    // The dark fraction grows monotonically from steep to grazing.
     let (mut steep, mut grazing) = (6.0, 1e-9);
-    if share(grazing) < dark || share(steep) > dark {
+    if dark_fraction(grazing) < dark || dark_fraction(steep) > dark {
         return None;
     }
     for _ in 0..80 {
         let middle = 0.5 * (steep + grazing);
-        if share(middle) < dark {
+        if dark_fraction(middle) < dark {
             steep = middle;
         } else {
             grazing = middle;
@@ -140,11 +140,11 @@ pub fn smith_demarcation(slopes: &SlopeCovariance, dark: f64, within_facing: boo
     Some(0.5 * (steep + grazing) * SQRT_2 * deviation)
 }
 
-/// Slopes beyond so many deviations do not count: the density there is `exp(-42)` of its peak.
-const LARGEST: f64 = 9.2;
+/// Largest slope, in deviations: the density there is `exp(-42)` of its peak.
+const MAX_SLOPE: f64 = 9.2;
 
-/// Correlation of the slopes along two directions from which they count as one.
-const ALIKE: f64 = 1.0 - 1e-12;
+/// Correlation of the slopes along two directions above which these count as equal.
+const MAX_CORRELATION: f64 = 1.0 - 1e-12;
 
 /// `cot(theta)`; infinite for a vertical direction.
 fn cotangent(w: DVec3) -> f64 {
@@ -161,7 +161,7 @@ struct Facings {
 
 impl Facings {
     fn new(slopes: &SlopeCovariance, wi: DVec3, wo: DVec3) -> Self {
-        // What faces a vertical direction is everything: its azimuth does not matter.
+        // All facets face a vertical direction, so its azimuth does not matter.
         let along = |w: DVec3| w.truncate().try_normalize().unwrap_or(DVec2::X);
         let (a, b) = (along(wi), along(wo));
         let deviations = [a, b].map(|a| slopes.variance_along(a).sqrt());
@@ -172,18 +172,18 @@ impl Facings {
         }
     }
 
-    /// Share of the points that face both.
-    fn share(&self) -> f64 {
+    /// Fraction of the points that face both.
+    fn fraction(&self) -> f64 {
         self.mean(|_, _| 1.0)
     }
 
-    /// Share of the points that face both and are lit and seen.
+    /// Fraction of the points that face both and are neither shadowed nor masked.
     fn lit(&self) -> f64 {
         let [mu_i, mu_o] = self.mu;
         self.mean(|p, q| cavity(mu_i, p).min(cavity(mu_o, q)))
     }
 
-    /// Mean of `f` of the slopes towards both directions, zero where one of them is not faced.
+    /// Mean of `f` of the slopes towards both directions, zero where the facet faces away from one of them.
     fn mean(&self, f: impl Fn(f64, f64) -> f64) -> f64 {
         let [mu_i, mu_o] = self.mu;
         let tolerance = |relative: f64| Tolerance {
@@ -194,9 +194,9 @@ impl Facings {
         let density = |t: f64| (-0.5 * t * t).exp() / (2.0 * PI).sqrt();
         let rho = self.correlation;
         // Facets that rise by p and q have slopes -p and -q, of the same distribution.
-        if rho.abs() >= ALIKE {
+        if rho.abs() >= MAX_CORRELATION {
             let q = |p: f64| p * rho.signum();
-            let mut outer = Breaks::new((-mu_i).max(-LARGEST), LARGEST);
+            let mut outer = Breaks::new((-mu_i).max(-MAX_SLOPE), MAX_SLOPE);
             for p in [mu_i, -mu_o * rho.signum(), mu_o * rho.signum(), 0.0] {
                 outer.add_smooth(p);
             }
@@ -210,7 +210,7 @@ impl Facings {
             });
         }
         let spread = (1.0 - rho * rho).sqrt();
-        let mut outer = Breaks::new((-mu_i).max(-LARGEST), LARGEST);
+        let mut outer = Breaks::new((-mu_i).max(-MAX_SLOPE), MAX_SLOPE);
         for p in [mu_i, 0.0] {
             outer.add_smooth(p);
         }
@@ -219,11 +219,11 @@ impl Facings {
         integrate(&outer, tolerance(1e-9), &mut Pieces::default(), |p| {
             // Given p, q is normal about rho p; t is its place in that.
             let place = |q: f64| (q - rho * p) / spread;
-            let low = place(-mu_o).max(-LARGEST);
-            if low >= LARGEST {
+            let low = place(-mu_o).max(-MAX_SLOPE);
+            if low >= MAX_SLOPE {
                 return 0.0;
             }
-            inner.reset(low, LARGEST);
+            inner.reset(low, MAX_SLOPE);
             for q in [mu_o, mu_o * p / mu_i] {
                 inner.add_smooth(place(q));
             }
@@ -237,7 +237,7 @@ impl Facings {
     }
 }
 
-/// The lit share of a cavity's side that rises by `q > -mu` towards light of `cot(theta) = mu`.
+/// The lit fraction of a cavity's side that rises by `q > -mu` towards light of `cot(theta) = mu`.
 fn cavity(mu: f64, q: f64) -> f64 {
     if q <= mu { 1.0 } else { 2.0 * mu / (mu + q) }
 }
@@ -257,8 +257,8 @@ mod tests {
     }
 
     #[test]
-    fn smith_is_what_50_digits_say() {
-        // Lit shares for s = 1 and 3, by 50-digit arithmetic.
+    fn smith_agrees_with_50_digit_values() {
+        // Lit fractions for s = 1 and 3, by 50-digit arithmetic.
         for (s, theta, expected) in [
             (1.0, 45.0, 0.633_731_086_365_558_1),
             (3.0, 60.0, 0.852_552_175_628_177_4),
@@ -270,10 +270,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_known_of_one_direction_holds_for_two() {
+    fn g2_has_the_limits_of_g1() {
         let slopes = SlopeCovariance::new(0.6, 0.3, 0.1).unwrap();
         let wi = at(65.0, 40.0);
-        // From straight above, everything is seen.
+        // From straight above, nothing is masked.
         for g2 in [
             smith_separable_g2(&slopes, wi, DVec3::Z),
             smith_correlated_g2(&slopes, wi, DVec3::Z),
@@ -282,7 +282,7 @@ mod tests {
         }
         let both = v_cavity_mean_g2(&slopes, wi, DVec3::Z);
         assert!((both - v_cavity_mean_g1(&slopes, wi)).abs() < 1e-8);
-        // The eye that looks along the light sees what is lit, in a V-cavity.
+        // In a V-cavity, all that is lit is visible along the light.
         let same = v_cavity_mean_g2(&slopes, wi, wi);
         assert!((same - v_cavity_mean_g1(&slopes, wi)).abs() < 1e-10);
         assert_eq!(smith_lit(&slopes, DVec3::Z), 1.0);
@@ -291,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn cavities_hide_what_their_other_side_hides() {
+    fn cavity_g1_agrees_with_the_quadrature_over_both_slopes() {
         // The mean over normals of the G1 of a facet, by the quadrature over both slopes.
         let slopes = SlopeCovariance::new(0.6, 0.3, 0.1).unwrap();
         for theta in [10.0, 45.0, 70.0, 85.0] {
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn cavities_seen_from_two_sides_are_those_of_a_sum() {
+    fn cavity_g2_agrees_with_a_sum_over_slopes() {
         // The mean over a fine grid of slopes, 0.02 deviations wide: edges lie anywhere in its cells, so
         // that each of the two edges is off by a hundredth of a row.
         let slopes = slopes(1.5);
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn shadow_begins_where_a_hundredth_is_dark() {
+    fn demarcation_has_the_given_dark_fraction() {
         for s in [0.5, 5.0] {
             let slopes = slopes(s);
             let cotangent = smith_demarcation(&slopes, 0.01, false).unwrap();
@@ -357,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_decide_what_smith_sees() {
+    fn smith_visibility_depends_on_height() {
         let slopes = slopes(1.0);
         let w = at(45.0, 0.0);
         assert!(
@@ -379,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn the_printed_formula_depends_on_the_unit_of_length() {
+    fn printed_formula_depends_on_the_unit_of_length() {
         // That of a slope of sqrt 2 sigma, in whatever unit sigma is given.
         let w = at(60.0, 0.0);
         let as_slope = SlopeCovariance::new(2.0 * 0.09, 2.0 * 0.09, 0.0).unwrap();

@@ -1,26 +1,24 @@
-//! A bound on what shadow, masking and further interactions can change.
+//! Deviation bound: the largest change that shadowing, masking and multiple scattering can make.
 //!
-//! *Unshadowed* single scattering ([`crate::unshadowed_fluxes`]) lets every facet that faces the light
-//! send it away undisturbed. What light really does differs from that only at points of three kinds,
-//! and in any sum of fluxes by no more than their flux, since both fluxes of a point lie between zero
-//! and the flux that it is given:
+//! *Unshadowed* single scattering ([`crate::unshadowed_fluxes`]) lets every facet that faces the light scatter it
+//! undisturbed. The actual scattering differs from that only at points of three kinds, and in any sum of fluxes by
+//! at most their flux, since both fluxes of a point lie between zero and its incident flux:
 //!
-//! 1. Points in shadow. Seen from the light the surface covers its mean plane exactly once, and the facets
-//!    that face the light cover it `1 + Lambda(wi)` times. So those in shadow have the flux `Lambda(wi)`.
-//! 2. Points whose light first goes to the other side of the horizon: they are integrated.
-//! 3. Points that see less than all of the way out. What of the facets facing a direction `wo` is hidden
-//!    from it covers the mean plane `Lambda(wo)` times, as in 1. That is a mean over all slopes, and
-//!    light goes to `wo` from one slope only; but hidden points are the rarer, the less their facet rises
-//!    towards `wo`. Given the slope, heights ahead are Gaussian with a mean that rises with the slope
-//!    along the way, and with a covariance that does not depend on it: for an autocorrelation
-//!    `exp(-Q(r))`, `Q` quadratic, the mean at distance `x` is `x exp(-Q(x))` times the slope. So the
-//!    probability `H(q)` of being hidden rises with the slope `q` towards `wo`, and from
+//! 1. Shadowed points. Seen from the light the surface covers its mean plane exactly once, and the facets that
+//!    face the light cover it `1 + Lambda(wi)` times. So shadowed points have the flux `Lambda(wi)`.
+//! 2. Points that scatter light to the other side of the horizon: they are integrated.
+//! 3. Masked points. The masked part of the facets facing a direction `wo` covers the mean plane `Lambda(wo)`
+//!    times, as in 1. That is a mean over all slopes, while light is scattered to `wo` from one slope only. But
+//!    masked points are rarer, the less their facet rises towards `wo`. Given the slope, heights ahead are
+//!    Gaussian with a mean proportional to the slope towards `wo`, and with a covariance that does not depend on
+//!    it: for an autocorrelation `exp(-Q(r))`, `Q` quadratic, the mean at distance `x` is `x exp(-Q(x))` times the
+//!    slope. So the probability `H(q)` of being masked rises with the slope `q` towards `wo`, and from
 //!    `int (1 - q / mu) H(q) p(q) dq = Lambda(wo)` over `q < mu = cot theta_o` follows
 //!    `H(q) <= Lambda(wo) / int_q^mu (1 - q' / mu) p(q') dq'`. Below the surface the same holds with
 //!    heights upside down.
 //!
-//! The flux of all three together is the bound. It holds for the infinite continuous surface that models
-//! describe; a mesh has an error of its own beside it.
+//! The bound is the flux of all three together. It holds for the infinite continuous surface that models
+//! describe. A mesh adds an error of its own.
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -30,25 +28,25 @@ use glam::{DVec2, DVec3};
 use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::slopes::SlopeCovariance;
 
-/// Slopes end at so many deviations, beyond which there is a share of 1e-18.
-const REACH: f64 = 9.0;
+/// Largest slope, in deviations; a fraction of 1e-18 lies beyond.
+const MAX_SLOPE: f64 = 9.0;
 
 /// Steps of the quadrature over slopes along each axis: a fifteenth of a deviation each.
 const STEPS: u32 = 270;
 
-/// What the quadrature may have missed, as a factor and as a flux. Its midpoint rule is exact to rounding
-/// where the integrand is smooth; where it bends, at the limits of the bound on `H`, it is right to the
-/// square of a step.
+/// Margin for the error of the quadrature, as a factor and as a flux. Its midpoint rule is exact to rounding
+/// where the integrand is smooth. At kinks, the limits of the bound on `H`, its error is the square of a
+/// step.
 const MARGIN: [f64; 2] = [1.01, 1e-9];
 
-/// The largest difference, as a fraction of the incident flux, between unshadowed single scattering and
-/// all that light does on a surface whose autocorrelation is Gaussian and whose slopes have the covariance
-/// `slopes`: in the flux of any set of directions, or absorbed.
+/// The largest difference, as a fraction of the incident flux, between unshadowed single scattering and the full
+/// scattering of a surface with a Gaussian autocorrelation and the slope covariance `slopes`: in the flux into
+/// any set of directions, or absorbed.
 ///
-/// In a list of bins it bounds what all of them lose together and, once more, what they gain: the root
-/// of the sum of squared differences is at most `sqrt 2` times the bound.
+/// For a list of bins it bounds the sum of all losses, and the sum of all gains. So the root of the sum of
+/// squared differences is at most `sqrt 2` times the bound.
 ///
-/// # Example
+/// # Examples
 /// ```
 /// use asperity_analysis::{SlopeCovariance, deviation_bound};
 /// use asperity_optics::{Incidence, Material};
@@ -65,8 +63,8 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
     let along_x = slopes.xx().sqrt();
     let shared = slopes.xy() / along_x;
     let along_y = (slopes.yy() - shared * shared).max(0.0).sqrt();
-    let step = 2.0 * REACH / f64::from(STEPS);
-    let deviate = |i: u32| (f64::from(i) + 0.5) * step - REACH;
+    let step = 2.0 * MAX_SLOPE / f64::from(STEPS);
+    let deviate = |i: u32| (f64::from(i) + 0.5) * step - MAX_SLOPE;
     let mut hidden = 0.0;
     for i in 0..STEPS {
         for j in 0..STEPS {
@@ -80,14 +78,14 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
             let weight = cos_theta_i / (m.z * wi.z);
             let probability = step * step * (-0.5 * (a * a + b * b)).exp() / TAU;
             let fresnel = material.fresnel(cos_theta_i.min(1.0));
-            let mut flux = fresnel.reflected * hidden_share(slopes, slope, reflect(wi, m));
+            let mut flux = fresnel.reflected * max_masked_fraction(slopes, slope, reflect(wi, m));
             if let Some(eta) = material.transmitting_index()
                 && fresnel.transmitted > 0.0
             {
                 let wo = refract(wi, m, eta, fresnel.cos_theta_t);
-                // Upside down.
+                // Turn the surface upside down
                 let up = DVec3::new(wo.x, wo.y, -wo.z);
-                flux += fresnel.transmitted * hidden_share(slopes, -slope, up);
+                flux += fresnel.transmitted * max_masked_fraction(slopes, -slope, up);
             }
             hidden += probability * weight * flux;
         }
@@ -95,9 +93,8 @@ pub fn deviation_bound(slopes: &SlopeCovariance, material: Material, incidence: 
     MARGIN[0] * (Beckmann::new(*slopes).lambda(wi) + hidden) + MARGIN[1]
 }
 
-/// At most the probability that a point of a facet of the given `slope` does not see all of the way
-/// towards `wo`.
-fn hidden_share(slopes: &SlopeCovariance, slope: DVec2, wo: DVec3) -> f64 {
+/// Upper bound of the probability that a point of a facet of the given `slope` is masked from `wo`.
+fn max_masked_fraction(slopes: &SlopeCovariance, slope: DVec2, wo: DVec3) -> f64 {
     if wo.z <= 0.0 {
         return 1.0;
     }
@@ -108,7 +105,7 @@ fn hidden_share(slopes: &SlopeCovariance, slope: DVec2, wo: DVec3) -> f64 {
     let horizontal = wo.truncate().length();
     let direction = wo.truncate() / horizontal;
     let deviation = slopes.variance_along(direction).sqrt();
-    // In deviations of the slope along the way.
+    // In deviations of the slope towards wo
     let mu = wo.z / (horizontal * deviation);
     let q = slope.dot(direction) / deviation;
     let below = |x: f64| 0.5 * libm::erfc(-x / SQRT_2);
@@ -132,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn rougher_and_flatter_light_deviates_more() {
+    fn bound_grows_with_roughness_and_angle_of_incidence() {
         let glass = Material::dielectric(1.5).unwrap();
         for theta in [0.0, 30.0, 70.0] {
             let bounds = [100.0, 20.0, 6.0, 3.0, 1.0].map(|s| bound(s, theta, glass));
@@ -159,10 +156,10 @@ mod tests {
         ]
     }
 
-    /// What absorbs all light that it meets sends none on that could be hidden: what is left is shadow,
-    /// Lambda(wi), with the margins of a hundredth and 1e-9.
+    /// A black surface scatters no light that could be masked. The bound is the shadowed flux Lambda(wi), with the
+    /// margins of a hundredth and 1e-9.
     #[test]
-    fn where_nothing_goes_on_the_bound_is_the_shadow() {
+    fn bound_of_a_black_surface_is_the_shadowed_flux() {
         let black = Material::conductor(1.0, 0.0).unwrap();
         for (slopes, light) in scenes() {
             let lambda = Beckmann::new(slopes).lambda(light.wi());
@@ -172,15 +169,15 @@ mod tests {
         }
     }
 
-    /// Equal indices send all light on to `-wi` whatever the slope, so that one integral over slopes is
-    /// left of what is hidden. With `T(q) = int_q^mu (1 - q' / mu) p(q') dq'`, which falls from
+    /// Equal indices transmit all light to `-wi` whatever the slope, so the masked flux is one integral over
+    /// slopes. With `T(q) = int_q^mu (1 - q' / mu) p(q') dq'`, which falls from
     /// `1 + Lambda` to 0, and the share `min(1, Lambda / T)` it is
     /// `int (1 - q / mu) min(1, Lambda / T) p dq = int_0^(1 + Lambda) min(1, Lambda / T) dT`, which is
     /// `Lambda (1 + ln(1 + 1 / Lambda))`; at least the `Lambda` that really is hidden. The midpoint rule
     /// misses less than 1e-3 of it where the integrand bends, at facets seen edge on and where the share
     /// reaches one: two kinks in steps of a fifteenth.
     #[test]
-    fn what_goes_straight_on_is_hidden_as_the_integral_says() {
+    fn masked_flux_of_matched_indices_is_the_closed_form() {
         let none = Material::dielectric(1.0).unwrap();
         for (slopes, light) in scenes() {
             let lambda = Beckmann::new(slopes).lambda(light.wi());
@@ -196,7 +193,7 @@ mod tests {
     /// masking hides `1 - G1(wo)` of every facet, whatever its slope, and since `T(q)` is at most
     /// `1 + Lambda(wo)`, no share is below that.
     #[test]
-    fn a_mirror_hides_the_same_over_directions_and_at_least_what_smiths_masking_does() {
+    fn masked_flux_of_a_mirror_agrees_with_directions_and_exceeds_smiths() {
         for (slopes, light) in scenes() {
             let wi = light.wi();
             let steps = 400;
@@ -208,7 +205,7 @@ mod tests {
                 let m = (wi + wo).normalize();
                 let solid_angle = 2.0 * TAU / (steps * steps) as f64;
                 let flux = Beckmann::new(slopes).d(m) / (4.0 * wi.z) * solid_angle;
-                let share = hidden_share(&slopes, -m.truncate() / m.z, wo);
+                let share = max_masked_fraction(&slopes, -m.truncate() / m.z, wo);
                 let least = if z > 0.0 {
                     1.0 - Beckmann::new(slopes).g1(wo)
                 } else {
@@ -227,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_of_light_and_surface_changes_nothing() {
+    fn bound_is_invariant_under_a_common_turn() {
         let [along_x, along_y] = [(0.0, 0.09, 0.01), (90.0, 0.01, 0.09)].map(|(phi, xx, yy)| {
             let slopes = SlopeCovariance::new(xx, yy, 0.0).unwrap();
             let incidence = Incidence::from_degrees(50.0, phi).unwrap();

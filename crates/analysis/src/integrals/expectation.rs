@@ -1,4 +1,4 @@
-//! What a model expects a run to find: a record of the same layout, with errors where it was sampled.
+//! Expectation of a model for a run: a tally of the same layout, with errors where it was sampled.
 
 use asperity_optics::Incidence;
 use asperity_tally::{
@@ -13,38 +13,37 @@ use crate::integrals::flux::{bin_fluxes_of, in_plane_fluxes};
 use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
 use crate::numerics::hash::fnv1a;
 
-/// How much a model that follows rays is given to do.
+/// Number of rays of a random walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SamplingEffort {
-    /// Rays in all.
+    /// Rays in total.
     pub rays: u64,
-    /// Independent batches that they are divided into, two or more; one a surface where a model is
-    /// compared with surfaces.
+    /// Independent batches, two or more; one per surface if the model is compared with surfaces.
     pub batches: u64,
     /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// What a model expects, entry by entry of a layout.
+/// Fluxes that a model expects, entry by entry of a layout.
 #[derive(Clone, Debug)]
 pub struct Expectation {
     layout: Layout,
     scope: Scope,
-    /// One record a batch; one alone if it is exact to the accuracy of quadrature.
+    /// One record per batch, or a single one if it is exact to the accuracy of quadrature.
     records: Vec<Vec<f64>>,
     statistics: BatchStatistics,
     rays: u64,
-    /// Whether light scattered once is known without sampling.
+    /// Whether single scattering comes from quadrature.
     exact_single: bool,
 }
 
-/// What `model` expects of light from `incidence` in a record of `layout`.
+/// Computes what `model` expects of light from `incidence` in a tally of `layout`.
 ///
-/// `azimuth`: what the azimuths of a record are counted from, as in the run that it is compared with.
+/// `azimuth`: the origin of azimuths in the tally, as in the run that it is compared with.
 /// Entries that the model does not describe are zero. Light scattered once comes from quadrature where
 /// the model has a density, to about 1e-12 of the incident flux in a bin; all else from `effort.rays`
-/// rays, divided among batches with random streams of their own: the same on any number of threads. Where
-/// exact single scattering takes the place of sampled one, energies add up to one within errors only.
+/// rays, divided into batches with separate random streams: the same for any number of threads. Where exact
+/// single scattering replaces sampled one, energies add to one within errors only.
 #[must_use]
 pub fn expect(
     model: &dyn ScatteringModel,
@@ -102,31 +101,31 @@ impl Expectation {
         }
     }
 
-    /// Where each entry stands.
+    /// The layout of the entries.
     #[must_use]
     pub const fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// Means and standard errors; an error of zero where the model was not sampled.
+    /// Means and standard errors; the error is zero where the model was not sampled.
     #[must_use]
     pub const fn statistics(&self) -> &BatchStatistics {
         &self.statistics
     }
 
-    /// One record a batch, or a single one that is exact.
+    /// One record per batch, or a single one if it is exact.
     #[must_use]
     pub fn records(&self) -> &[Vec<f64>] {
         &self.records
     }
 
-    /// Whether nothing was sampled.
+    /// Whether no entry was sampled.
     #[must_use]
     pub fn is_exact(&self) -> bool {
         self.rays == 0
     }
 
-    /// Rays that were followed; none if it is exact.
+    /// Number of rays; zero if the expectation is exact.
     #[must_use]
     pub const fn rays(&self) -> u64 {
         self.rays
@@ -150,7 +149,7 @@ impl Expectation {
     }
 }
 
-/// The record of a closed form: light scattered once and nothing else.
+/// The tally of a closed form: single scattering alone.
 fn single_scattering(density: &dyn BsdfModel, incidence: Incidence, layout: &Layout) -> Vec<f64> {
     let wi = incidence.wi();
     let grid = layout.grid();
@@ -185,7 +184,7 @@ fn single_scattering(density: &dyn BsdfModel, incidence: Incidence, layout: &Lay
     record
 }
 
-/// Puts light scattered once from `single` in place of what `record` has of it.
+/// Replaces the single scattering of `record` by that of `single`.
 fn replace_single(layout: &Layout, record: &mut [f64], single: &[f64]) {
     let mut replace = |single_entry: usize, total: usize| {
         let known = single[single_entry];
@@ -244,9 +243,9 @@ fn batch_of(
     record.into_fractions(rays).to_vec()
 }
 
-/// The stream of one batch: the ChaCha key holds a name, the seed and the model, the batch is the
-/// stream number, so that models and batches are independent of each other and of surfaces and rays. Cases
-/// under the same seed share their numbers, as they share surfaces.
+/// The random stream of one batch. The ChaCha key holds a name, the seed and the model, and the batch is the
+/// stream number. So models and batches are independent of each other and of surfaces and rays. Cases with the
+/// same seed share their numbers, as they share surfaces.
 fn walk_stream(seed: u64, model: &str, batch: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..16].copy_from_slice(b"asperity walk v1");
@@ -271,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn seeds_models_and_batches_have_streams_of_their_own() {
+    fn seeds_models_and_batches_have_distinct_streams() {
         let mut draws = Vec::new();
         for seed in [0, 1, 2, 1 << 40] {
             for model in ["heitz", "xu-sun-mc", "xu-sun-mc-smith", ""] {
@@ -286,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn no_two_batches_are_the_same() {
+    fn batches_differ() {
         let grid = HemisphereGrid::new(3, 4).unwrap();
         let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
         let slopes = SlopeCovariance::isotropic(0.5).unwrap();

@@ -1,11 +1,11 @@
-//! Where the lobe of Gaussian facets lies in directions, so that quadrature does not miss it.
+//! Lobe of Gaussian facets: locates it among outgoing directions, so that quadrature does not miss it.
 //!
 //! Light that comes at `theta_i` and leaves at `theta`, `psi` from the forward azimuth, meets a facet
 //! along `h = wi + eta wo` (`eta = 1` for reflection). The density of its slope `h_xy / h_z` falls as
 //! `exp(-E)`, `E = h_xy^T C^-1 h_xy / (2 h_z^2)`. At given `theta`, `E` is a trigonometric polynomial of
 //! degree two in `psi`; at given `psi` it is one in `theta` over a square, whose derivative has the
-//! zeros of another one of degree two. So the valleys of `E` are known exactly along both lines,
-//! however narrow they are: there are at most two.
+//! zeros of another one of degree two. So the minima of `E`, at most two along either line, are found exactly
+//! however narrow they are.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -14,11 +14,11 @@ use glam::{DVec2, DVec3};
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::numerics::quadrature::Breaks;
 
-/// Where `E` exceeds this there is no light: `exp(-80) = 2e-35` outweighs the largest density of
-/// slopes and the largest `chi`, together below 1e20.
+/// `E` above which there is no light: `exp(-80) = 2e-35` outweighs the product of the largest density of slopes
+/// and the largest `chi`, below 1e20.
 pub(crate) const NEGLIGIBLE: f64 = 80.0;
 
-/// `E` above the foot of a valley where pieces of quadrature meet.
+/// Differences of `E` from its minimum at which the quadrature is subdivided.
 const LEVELS: [f64; 2] = [4.0, 36.0];
 
 /// The exponent `E` for one direction of light and one side.
@@ -36,8 +36,7 @@ pub(crate) struct Lobe {
 }
 
 impl Lobe {
-    /// `eta`: the index of refraction, `None` for reflection; `forward`: the azimuth of light that is
-    /// not deviated.
+    /// `eta`: the index of refraction, `None` for reflection; `forward`: the azimuth of undeviated light.
     pub(crate) fn new(
         slopes: &SlopeCovariance,
         wi: DVec3,
@@ -61,7 +60,7 @@ impl Lobe {
         }
     }
 
-    /// `E`; infinite where no facet sends the light.
+    /// `E`; infinite where no facet scatters the light.
     pub(crate) fn exponent(&self, theta: f64, psi: f64) -> f64 {
         let h_z = self.upward * (self.cos_i + self.eta * theta.cos());
         if h_z <= 0.0 {
@@ -73,7 +72,7 @@ impl Lobe {
         0.5 * self.form(q, q) / (h_z * h_z)
     }
 
-    /// Marks the valleys of `E` along `psi` at `theta`. Returns the least `E` there.
+    /// Marks the minima of `E` along `psi` at `theta`. Returns the least `E` there.
     pub(crate) fn mark_azimuths(&self, breaks: &mut Breaks, theta: f64, psi: [f64; 2]) -> f64 {
         let radius = self.eta * theta.sin();
         let slope = TrigonometricPolynomial {
@@ -83,10 +82,10 @@ impl Lobe {
             cos_2: self.mixed * radius,
             sin_2: 0.5 * (self.across - self.forward) * radius,
         };
-        mark_valleys(breaks, psi, &slope, |psi| self.exponent(theta, psi))
+        mark_minima(breaks, psi, &slope, |psi| self.exponent(theta, psi))
     }
 
-    /// Marks the valleys of `E` along `theta` at `psi`.
+    /// Marks the minima of `E` along `theta` at `psi`.
     pub(crate) fn mark_polar_angles(&self, breaks: &mut Breaks, theta: [f64; 2], psi: f64) {
         // h_xy = a + eta sin(theta) u. Where E is stationary,
         // (a + eta sin(theta) u) . (u (cos_i cos(theta) + eta) + a sin(theta)) vanishes.
@@ -101,14 +100,14 @@ impl Lobe {
             cos_2: -0.5 * eta * au,
             sin_2: 0.5 * eta * self.cos_i * uu,
         };
-        // Facets look upward on one side of where h_z vanishes.
+        // Facets face upward on one side of the angle where h_z vanishes.
         let horizontal = (-self.cos_i / eta).max(-1.0).acos();
         let theta = if self.upward > 0.0 {
             [theta[0], theta[1].min(horizontal)]
         } else {
             [theta[0].max(horizontal), theta[1]]
         };
-        mark_valleys(breaks, theta, &slope, |theta| self.exponent(theta, psi));
+        mark_minima(breaks, theta, &slope, |theta| self.exponent(theta, psi));
     }
 
     /// `a^T C^-1 b`, along forward and to the left of it.
@@ -117,9 +116,9 @@ impl Lobe {
     }
 }
 
-/// Marks the feet of the valleys of `exponent` between `lo` and `hi`, and how wide they are; `slope`
-/// vanishes where the exponent is stationary. Returns the least exponent.
-fn mark_valleys(
+/// Marks the minima of `exponent` between `lo` and `hi` and their widths; `slope` vanishes where the exponent is
+/// stationary. Returns the least exponent.
+fn mark_minima(
     breaks: &mut Breaks,
     [lo, hi]: [f64; 2],
     slope: &TrigonometricPolynomial,
@@ -130,61 +129,61 @@ fn mark_valleys(
     }
     let mut least = f64::INFINITY;
     let mut visit = |from: (f64, f64), to: (f64, f64)| {
-        let (foot, top) = if from.1 <= to.1 {
+        let (minimum, top) = if from.1 <= to.1 {
             (from, to)
         } else {
             (to, from)
         };
-        least = least.min(foot.1);
-        if foot.1 > NEGLIGIBLE {
+        least = least.min(minimum.1);
+        if minimum.1 > NEGLIGIBLE {
             return;
         }
-        breaks.add_smooth(foot.0);
+        breaks.add_smooth(minimum.0);
         for level in LEVELS {
-            if foot.1 + level < top.1 {
-                breaks.add_smooth(crossing(foot.0, top.0, foot.1, level, &exponent));
+            if minimum.1 + level < top.1 {
+                breaks.add_smooth(crossing(minimum.0, top.0, minimum.1, level, &exponent));
             }
         }
     };
-    // Tangents of half angles stay small within quarter turns. Their ends are looked at themselves, lest
-    // rounding lose a valley on one.
+    // Tangents of half angles stay small within quarter turns. Their ends are visited themselves, since rounding
+    // might lose a minimum there.
     let quarters = ((hi - lo) / (FRAC_PI_2 + 1e-9)).ceil().max(1.0);
     let end = |i: f64| lo + (hi - lo) * (i / quarters);
     let mut last = (lo, exponent(lo));
     for i in 0..quarters as usize {
         let range = [i, i + 1].map(|i| end(i as f64));
-        let mut go_to = |x: f64| {
+        let mut advance_to = |x: f64| {
             let next = (x, exponent(x));
             visit(last, next);
             last = next;
         };
-        slope.zeros_within_quarter(range, &mut go_to);
-        go_to(range[1]);
+        slope.zeros_within_quarter(range, &mut advance_to);
+        advance_to(range[1]);
     }
     least
 }
 
-/// Where a monotone `exponent` exceeds its value `at_foot` by `level`, to a tenth of it.
+/// The point where a monotone `exponent` exceeds its value `at_minimum` by `level`, to a tenth of it.
 fn crossing(
-    mut foot: f64,
+    mut minimum: f64,
     mut top: f64,
-    at_foot: f64,
+    at_minimum: f64,
     level: f64,
     exponent: impl Fn(f64) -> f64,
 ) -> f64 {
     for _ in 0..60 {
-        let middle = 0.5 * (foot + top);
-        let excess = exponent(middle) - at_foot - level;
+        let middle = 0.5 * (minimum + top);
+        let excess = exponent(middle) - at_minimum - level;
         if excess.abs() < 0.1 * level {
             return middle;
         }
         if excess > 0.0 {
             top = middle;
         } else {
-            foot = middle;
+            minimum = middle;
         }
     }
-    foot
+    minimum
 }
 
 /// `mean + cos cos x + sin sin x + cos_2 cos 2x + sin_2 sin 2x`.
@@ -198,7 +197,7 @@ struct TrigonometricPolynomial {
 }
 
 impl TrigonometricPolynomial {
-    /// Calls `found` with the zeros within a range of a quarter turn at most, ascending.
+    /// Calls `found` with the zeros within a range of at most a quarter turn, ascending.
     fn zeros_within_quarter(&self, [lo, hi]: [f64; 2], mut found: impl FnMut(f64)) {
         let centre = 0.5 * (lo + hi);
         let reach = (0.25 * (hi - lo)).tan();
@@ -265,7 +264,7 @@ impl Zeros {
     }
 }
 
-/// The place between `a` and `b` where `value` changes its sign, to rounding.
+/// The point between `a` and `b` where `value` changes sign, to rounding.
 fn bisect(mut a: f64, mut b: f64, negative_at_a: bool, value: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..52 {
         let middle = 0.5 * (a + b);
@@ -321,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn slopes_of_the_exponent_vanish_where_it_is_stationary() {
+    fn all_minima_of_the_exponent_are_marked() {
         let slopes = SlopeCovariance::new(0.3, 0.05, -0.08).unwrap();
         for (refracted, side) in [(None, 0.0), (Some(1.5), PI), (Some(1.0 / 1.5), PI)] {
             let wi = from_spherical(0.7, 0.4);
@@ -346,7 +345,7 @@ mod tests {
                         lobe.mark_polar_angles(&mut breaks, range, psi);
                         range
                     };
-                    // Every valley that a walk in small steps finds is marked.
+                    // Every minimum found by a search in small steps is marked.
                     let n = ((range[1] - range[0]) / step) as usize;
                     for i in 1..n - 1 {
                         let x = range[0] + step * i as f64;

@@ -1,13 +1,13 @@
 //! Integrals over the depth at which light is scattered.
 
-/// `int exp(-t / x) exp(-t / y) dt / (x y)` over `0 < t < tau`: light that turns round.
+/// `int exp(-t / x) exp(-t / y) dt / (x y)` over `0 < t < tau`: light that reverses its vertical direction.
 ///
 /// `x`, `y` above zero, `tau` from zero to infinity. Equals `(1 - exp(-tau (1/x + 1/y))) / (x + y)`.
 pub(super) fn against(tau: f64, x: f64, y: f64) -> f64 {
     -(-(tau / x + tau / y)).exp_m1() / (x + y)
 }
 
-/// `int exp(-t / x) exp(-(tau - t) / y) dt / (x y)` over the same: light that goes on.
+/// `int exp(-t / x) exp(-(tau - t) / y) dt / (x y)` over the same: light that keeps its vertical direction.
 ///
 /// Equals `(exp(-tau / x) - exp(-tau / y)) / (x - y)`, and `tau exp(-tau / x) / x^2` where both are equal.
 pub(super) fn along(tau: f64, x: f64, y: f64) -> f64 {

@@ -1,4 +1,4 @@
-//! What the faces do with light on its way in and out.
+//! Faces of a layer: light on its way in and out.
 
 use asperity_optics::{Fresnel, dielectric};
 use asperity_tally::Side;
@@ -7,14 +7,14 @@ use glam::{DVec2, DVec3};
 use super::depth::{against, along};
 use super::{FlatLayer, LayerPaths};
 
-/// Light inside the layer that was not scattered yet.
+/// Unscattered light inside the layer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Inside {
     /// Horizontal component of the direction that it travels in.
     pub(super) across: DVec2,
     /// Cosine of its angle to the normal.
     pub(super) mu: f64,
-    /// What the top did to it.
+    /// Fresnel terms of the top face on the way in.
     pub(super) top: Fresnel,
     tau: f64,
     /// Flux that goes down, below the top.
@@ -24,9 +24,9 @@ pub(super) struct Inside {
 }
 
 impl Inside {
-    /// What is left of it from face to face.
+    /// Transmittance from face to face.
     pub(super) fn attenuation(&self) -> f64 {
-        // Light that is reflected whole at the top has no cosine inside, and nothing to lose.
+        // Under total reflection at the top there is no cosine inside, and no light.
         if self.tau == 0.0 {
             return 1.0;
         }
@@ -41,14 +41,14 @@ pub(super) struct Leaving {
     pub(super) ratio: f64,
     /// Cosine inside.
     pub(super) mu: f64,
-    /// What multiplies the phase function from down to up or back.
+    /// Factor of the phase function from down to up and from up to down.
     turned: f64,
-    /// What multiplies it from down to down or up to up.
+    /// Factor of the phase function from down to down and from up to up.
     kept: f64,
 }
 
 impl FlatLayer {
-    /// Light from `wi`, `z > 0`, as it is inside before it is scattered.
+    /// Unscattered light inside the layer, from `wi` with `z > 0`.
     pub(super) fn enter(&self, wi: DVec3) -> Inside {
         let top = dielectric(wi.z.min(1.0), self.eta);
         let mu = top.cos_theta_t;
@@ -69,13 +69,13 @@ impl FlatLayer {
         inside
     }
 
-    /// Light that leaves on `side` at the cosine `c > 0` outside; `None` where none does.
+    /// Light that leaves on `side` at the cosine `c > 0` outside; `None` if there is none.
     pub(super) fn leave(&self, inside: &Inside, side: Side, c: f64) -> Option<Leaving> {
         if self.albedo == 0.0 || inside.top.transmitted == 0.0 {
             return None;
         }
         let c = c.min(1.0);
-        // From without, as the way back.
+        // The reversed path, from outside
         let (ratio, near) = match side {
             Side::Reflected => (1.0 / self.eta, dielectric(c, self.eta)),
             Side::Transmitted => {
@@ -119,12 +119,12 @@ impl FlatLayer {
         self.by_cosine(inside, exit, exit.ratio * across.dot(inside.across))
     }
 
-    /// The same by the product `h` of the horizontal components inside.
+    /// The same, given the product `h` of the horizontal components inside.
     pub(super) fn by_cosine(&self, inside: &Inside, exit: &Leaving, h: f64) -> f64 {
         let z = inside.mu * exit.mu;
         let p = |cos: f64| self.phase.density(cos.clamp(-1.0, 1.0));
         let mut f = 0.0;
-        // What does not come need not be evaluated.
+        // Skip phase functions without light
         if exit.turned > 0.0 {
             f += exit.turned * p(h - z);
         }
@@ -135,8 +135,8 @@ impl FlatLayer {
     }
 }
 
-/// `1 - R R' exp(-2 path)`, one less what is left after both faces and the way between, without
-/// cancellation where that is nearly all; `path` from face to face, in mean free paths.
+/// `1 - R R' exp(-2 path)`, one minus the fraction left after a round trip, without cancellation where that is
+/// nearly one; `path` from face to face, in mean free paths.
 fn one_less_round_trip(near: &Fresnel, far: &Fresnel, path: f64) -> f64 {
     let lost_beyond = far.transmitted - far.reflected * (-2.0 * path).exp_m1();
     near.transmitted + near.reflected * lost_beyond

@@ -16,14 +16,14 @@ const OUTER: Tolerance = Tolerance {
     max_pieces: 400,
 };
 
-/// The same of the integral over azimuth, per unit of polar angle.
+/// Error allowed in the integral over azimuth, per unit of polar angle.
 const INNER: Tolerance = Tolerance {
     absolute: 1e-14,
     relative: 1e-12,
     max_pieces: 200,
 };
 
-/// Distances from the peak of a phase function, in units of its width, at which integrals are divided.
+/// Distances from the peak of a phase function, in units of its width, at which integrals are subdivided.
 const PEAK: [f64; 5] = [-5.0, -1.0, 0.0, 1.0, 5.0];
 
 /// Ranges of directions on one side.
@@ -31,7 +31,7 @@ pub(super) struct Range<'a> {
     layer: &'a FlatLayer,
     inside: Inside,
     side: Side,
-    /// Azimuth that the light travels towards.
+    /// Azimuth of undeviated light.
     forward: f64,
     /// Polar angles at which the density has the root of a critical angle, and a peak.
     roots: Vec<f64>,
@@ -44,7 +44,7 @@ impl<'a> Range<'a> {
     pub(super) fn new(layer: &'a FlatLayer, incidence: Incidence, side: Side) -> Self {
         let inside = layer.enter(incidence.wi());
         let beyond = layer.index_beyond();
-        // Horizontal components outside at which light grazes a face, from within or without.
+        // Horizontal components outside at which light grazes a face, from inside or outside
         let (grazing, ratio) = match side {
             Side::Reflected => (
                 vec![
@@ -71,7 +71,7 @@ impl<'a> Range<'a> {
             side,
             forward: incidence.phi() + PI,
             roots: grazing.into_iter().filter(exists).map(polar).collect(),
-            // As steep inside before and after scattering.
+            // Equal cosines inside before and after scattering
             peaks: Some(inside.across.length() / ratio)
                 .filter(exists)
                 .map(polar)

@@ -1,25 +1,24 @@
-//! Where a density of light has kinks, so that quadrature divides there.
+//! Kinks of a BSDF: the curves at which quadrature subdivides.
 //!
 //! With `A = wi . m / m.z = cos(theta_i) + p sin(theta_i)`, `N = 1 / m.z^2 = 1 + p^2 + q^2` for the facet
-//! `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`, and `c = cos(theta_i)`, the share of a groove's side
-//! that is lit is `min(1, 2 c / A)`. All curves on which shares begin to fall are quadratic in `wi . wo` at
+//! `m ~ (p, q, 1)`, `p` along the horizontal part of `wi`, and `c = cos(theta_i)`, the lit fraction of a groove's
+//! side is `min(1, 2 c / A)`. All curves on which such fractions begin to fall are quadratic in `wi . wo` at
 //! given cosines, and in `N` at given `p`.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3};
 
 use crate::numerics::quadrature::quadratic_roots;
 
-/// Curves on which a density has a kink, beside those where refraction ends and total reflection
-/// sets in.
+/// Curves on which a BSDF has a kink, besides those where refraction ends and total reflection sets in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Kinks {
     /// None.
     #[default]
     None,
-    /// Where light is reflected as steeply as it comes, `wo.z = wi.z`.
+    /// Where the polar angles of incidence and reflection are equal, `wo.z = wi.z`.
     EqualAngles,
-    /// Where the sides of V-shaped grooves begin to be shadowed and masked, and at equal angles.
+    /// Where shadowing and masking of the sides of V-shaped grooves set in, and at equal angles.
     Grooves,
 }
 
@@ -45,16 +44,16 @@ impl Kinks {
             }
             (Self::Grooves, Some(eta)) => {
                 let h_z = cos_i + eta * cos_o;
-                let lit = (2.0 * cos_i * h_z - 1.0) / eta;
-                let seen = 2.0 * cos_o * h_z - eta;
-                // No part both lit and seen: 2 h_z (cos_i / wi . h + cos_o / wo . h) = 1.
+                let shadowing = (2.0 * cos_i * h_z - 1.0) / eta;
+                let masking = 2.0 * cos_o * h_z - eta;
+                // No part is both lit and visible: 2 h_z (cos_i / wi . h + cos_o / wo . h) = 1.
                 let mut both = quadratic_roots(
                     eta,
                     0.5 * (1.0 + eta * eta) - h_z * h_z,
                     eta - 2.0 * h_z * (eta * cos_i + cos_o),
                 );
                 let first = both.next().unwrap_or(none);
-                [lit, seen, first, both.next().unwrap_or(none)]
+                [shadowing, masking, first, both.next().unwrap_or(none)]
             }
             _ => [none; 4],
         };
@@ -99,7 +98,7 @@ impl Kinks {
         let mut n = [none; 4];
         match (self, refracted) {
             (Self::Grooves, Some(eta)) => {
-                // With R^2 = A^2 + (eta^2 - 1) N = (eta cos(theta_t) / m.z)^2 the share that is seen is
+                // With R^2 = A^2 + (eta^2 - 1) N = (eta cos(theta_t) / m.z)^2 the visible fraction is
                 // 2 (c N - A + R) / (N R). It equals g where R (g N - 2) = 2 (c N - A); N = 0 is a root of
                 // the square of that.
                 let delta = (eta - 1.0) * (eta + 1.0);
@@ -140,15 +139,15 @@ mod tests {
 
     /// Changes sign where the kinks of the model of grooves are.
     fn conditions(wi: DVec3, wo: DVec3, m: DVec3) -> [f64; 3] {
-        let share = |w: DVec3| 2.0 * m.z * w.z / w.dot(m);
+        let fraction = |w: DVec3| 2.0 * m.z * w.z / w.dot(m);
         [
-            share(wi) - 1.0,
-            share(wo) - 1.0,
-            share(wi).min(1.0) + share(wo).min(1.0) - 1.0,
+            fraction(wi) - 1.0,
+            fraction(wo) - 1.0,
+            fraction(wi).min(1.0) + fraction(wo).min(1.0) - 1.0,
         ]
     }
 
-    /// Kinks that matter on a side: what is both lit and seen is their smaller part in reflection.
+    /// Kinks that matter on a side: in reflection, the smaller of the lit and the visible part.
     fn relevant(wi: DVec3, wo: DVec3, refracted: Option<f64>, i: usize) -> bool {
         match refracted {
             Some(_) => true,
@@ -157,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn every_change_of_attenuation_along_azimuth_is_known() {
+    fn every_kink_along_azimuth_is_listed() {
         let steps = 20_000;
         let mut changes = [0; 3];
         for refracted in [None, Some(1.5), Some(1.0 / 1.5), Some(1.1)] {
@@ -186,12 +185,12 @@ mod tests {
                                 if a[i] * b[i] < 0.0 && relevant(wi, wo, refracted, i) {
                                     changes[i] += 1;
                                     let range = [wi.dot(before), wi.dot(wo)];
-                                    let known =
+                                    let listed =
                                         Kinks::Grooves.products(wi.z, wo.z, refracted).any(|x| {
                                             x >= range[0].min(range[1]) - 1e-12
                                                 && x <= range[0].max(range[1]) + 1e-12
                                         });
-                                    assert!(known, "{i} {refracted:?} {theta_i} {t} {range:?}");
+                                    assert!(listed, "{i} {refracted:?} {theta_i} {t} {range:?}");
                                 }
                             }
                         }
@@ -205,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn every_change_of_attenuation_along_slopes_is_known() {
+    fn every_kink_along_slopes_is_listed() {
         let steps = 20_000;
         let mut changes = [0; 3];
         for refracted in [None, Some(1.5), Some(1.0 / 1.5), Some(1.1)] {
@@ -222,10 +221,10 @@ mod tests {
                             for i in 0..3 {
                                 if a[i] * b[i] < 0.0 && relevant(wi, wo, refracted, i) {
                                     changes[i] += 1;
-                                    let known = Kinks::Grooves
+                                    let listed = Kinks::Grooves
                                         .across(p, wi.x, wi.z, refracted)
                                         .any(|x| x >= q0 * q0 - 1e-9 && x <= q * q + 1e-9);
-                                    assert!(known, "{i} {refracted:?} {theta_i} {p} {q}");
+                                    assert!(listed, "{i} {refracted:?} {theta_i} {p} {q}");
                                 }
                             }
                         }
@@ -234,7 +233,7 @@ mod tests {
                 }
             }
         }
-        // At given p all q are lit alike.
+        // At given p the lit fraction does not depend on q.
         println!("changes {changes:?}");
         assert!(changes[1] >= 3 && changes[2] >= 3, "{changes:?}");
     }

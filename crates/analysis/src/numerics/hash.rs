@@ -1,7 +1,7 @@
-//! A hash for names and checksums.
+//! Hash of names and of checksums.
 
-/// FNV-1a of 64 bits: names of random streams are few and need not be kept from anybody, and a checksum is
-/// to notice what was changed by accident.
+/// FNV-1a of 64 bits, for names of random streams and for checksums against accidental changes. It is not
+/// cryptographic.
 ///
 /// ```
 /// // The test vectors of Fowler, Noll and Vo.
