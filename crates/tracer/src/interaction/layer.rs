@@ -100,7 +100,7 @@ const DEEPEST: f64 = 1e6;
 
 /// One of the two surfaces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Face {
+pub(crate) enum Interface {
     Top,
     Bottom,
 }
@@ -122,7 +122,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         top.prepare_nearby();
         let unit = top.unit();
         let medium = layer.medium();
-        let mut substrate = Self {
+        let mut traced = Self {
             shape,
             bottom: None,
             bottom_z: f64::NEG_INFINITY,
@@ -134,7 +134,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         };
         let extent = top.extent().into_iter().fold(0.0, f64::max);
         let [low, high] = top.z_range();
-        let own = matches!(&substrate.shape, BottomShape::Surface { .. }) && layer.end().is_some();
+        let own = matches!(&traced.shape, BottomShape::Surface { .. }) && layer.end().is_some();
         let flat = low == high && !own;
         let within = |what, value: f64, least: f64, most: f64| {
             let most = if flat { f64::MAX } else { most };
@@ -149,21 +149,21 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
                 most: most * unit,
             })
         };
-        if substrate.mean_free_path.is_finite() {
+        if traced.mean_free_path.is_finite() {
             let least = SHORTEST * extent.max(high);
             let most = LONGEST * extent;
-            within("the mean free path", substrate.mean_free_path, least, most)?;
+            within("the mean free path", traced.mean_free_path, least, most)?;
         }
         let Some(slab) = layer.end() else {
-            substrate.shape = BottomShape::Flat;
-            return Ok(substrate);
+            traced.shape = BottomShape::Flat;
+            return Ok(traced);
         };
         let most = if own { DEEPEST } else { LONGEST } * extent;
         within("the thickness", slab.thickness / unit, 0.0, most)?;
-        substrate.bottom = Some(slab.bottom);
-        substrate.bottom_z = top.mean_plane() - slab.thickness / unit;
+        traced.bottom = Some(slab.bottom);
+        traced.bottom_z = top.mean_plane() - slab.thickness / unit;
         let mut height = 0.0;
-        if let BottomShape::Surface { geometry, .. } = &substrate.shape {
+        if let BottomShape::Surface { geometry, .. } = &traced.shape {
             if slab.bottom == Bottom::Open {
                 return Err(TracedLayerError::OpenShape);
             }
@@ -183,7 +183,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
                 });
             }
             geometry.prepare_nearby();
-            substrate.shift = geometry.mean_plane() - substrate.bottom_z;
+            traced.shift = geometry.mean_plane() - traced.bottom_z;
             height = geometry.z_range()[1] - geometry.mean_plane();
         }
         let depth = top.mean_plane() - top.z_range()[0];
@@ -194,7 +194,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
                 height: height * unit,
             });
         }
-        Ok(substrate)
+        Ok(traced)
     }
 
     /// What the layer ends on, if it ends.
@@ -262,8 +262,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
 
     /// A heading between the coordinates of the upper surface and those of `face`.
     #[inline]
-    pub(crate) fn to_face(&self, face: Face, mut heading: Heading) -> Heading {
-        if face == Face::Bottom {
+    pub(crate) fn to_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
+        if interface == Interface::Bottom {
             heading.origin.z += self.shift;
         }
         heading
@@ -271,8 +271,8 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
 
     /// The same way back.
     #[inline]
-    pub(crate) fn back_from(&self, face: Face, mut heading: Heading) -> Heading {
-        if face == Face::Bottom {
+    pub(crate) fn from_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
+        if interface == Interface::Bottom {
             heading.origin.z -= self.shift;
         }
         heading
@@ -280,18 +280,18 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
 
     /// The faces in the order in which light inside comes to them.
     #[inline]
-    pub(crate) fn faces_ahead(direction: DVec3) -> [Face; 2] {
+    pub(crate) fn interfaces_ahead(direction: DVec3) -> [Interface; 2] {
         if direction.z > 0.0 {
-            [Face::Bottom, Face::Top]
+            [Interface::Bottom, Interface::Top]
         } else {
-            [Face::Top, Face::Bottom]
+            [Interface::Top, Interface::Bottom]
         }
     }
 }
 
-impl Face {
+impl Interface {
     /// The half space of this face in which the layer lies.
-    pub(crate) const fn inside(self) -> HalfSpace {
+    pub(crate) const fn inner_side(self) -> HalfSpace {
         match self {
             Self::Top => HalfSpace::Below,
             Self::Bottom => HalfSpace::Above,

@@ -17,7 +17,7 @@ use rand::{Rng, RngExt};
 use crate::accelerators::Accelerator;
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::facet::{Scattered, scatter};
-use crate::interaction::layer::{Face, TracedLayer};
+use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
 use crate::ray::HalfSpace;
 use crate::settings::PathSettings;
@@ -35,7 +35,7 @@ pub struct PathIntegrator<'a, G: Geometry> {
     accelerator: &'a dyn Accelerator<G>,
     material: Material,
     settings: PathSettings,
-    substrate: Option<TracedLayer<'a, G>>,
+    layer: Option<TracedLayer<'a, G>>,
     search: FlightSearch,
 }
 
@@ -51,7 +51,7 @@ pub enum FlightSearch {
 /// What comes next on a straight line.
 enum Next<F> {
     /// A facet of one of the faces, after so far a flight.
-    Facet(Face, F, Heading, f64),
+    Facet(Interface, F, Heading, f64),
     FlatBottom(f64),
     Collision(f64),
     End(PathEnd),
@@ -68,10 +68,10 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         accelerator: &'a dyn Accelerator<G>,
         material: Material,
         settings: PathSettings,
-        substrate: Option<TracedLayer<'a, G>>,
+        layer: Option<TracedLayer<'a, G>>,
     ) -> Self {
         assert!(
-            substrate.is_none() || material.transmitting_index().is_some(),
+            layer.is_none() || material.transmitting_index().is_some(),
             "a half_space lies below a dielectric"
         );
         Self {
@@ -79,7 +79,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             accelerator,
             material,
             settings,
-            substrate,
+            layer,
             search: FlightSearch::Full,
         }
     }
@@ -124,20 +124,20 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         let beams = beams.filter(|_| denser && self.geometry.border() != Border::Mirrored);
         let mut path = Path::new(origin, direction);
         let (facet, at, t) = match self.next(&path, rng) {
-            Next::Facet(Face::Top, facet, at, t) => (facet, at, t),
+            Next::Facet(Interface::Top, facet, at, t) => (facet, at, t),
             Next::End(end) => return each(CameraContribution::Path(path.ended(end))),
             _ => return each(CameraContribution::Path(path.ended(PathEnd::Lost))),
         };
         self.advance(&mut path, t);
         path.heading = at;
-        let scattered = self.scattered(Face::Top, facet, &path, rng);
+        let scattered = self.scattered(Interface::Top, facet, &path, rng);
         let mut absorbed = scattered.absorbed;
         for branch in scattered.branches {
             if branch.share > 0.0 {
                 let mut path = path;
                 path.flux = branch.share;
                 path.absorbed = std::mem::take(&mut absorbed);
-                path.go_on(Face::Top, &branch);
+                path.go_on(Interface::Top, &branch);
                 let end = loop {
                     if let Some(end) = self.step(&mut path, beams, rng, &mut each) {
                         break end;
@@ -165,23 +165,23 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     ) -> Option<PathEnd> {
         match self.next(path, rng) {
             Next::End(end) => Some(end),
-            Next::Facet(face, facet, at, t) => {
+            Next::Facet(interface, facet, at, t) => {
                 self.advance(path, t);
                 path.heading = at;
                 path.flight = t;
                 if path.events.order() >= self.settings.max_order {
                     return Some(PathEnd::Truncated);
                 }
-                let scattered = self.scattered(face, facet, path, rng);
-                self.pick(face, &scattered, path, rng)
+                let scattered = self.scattered(interface, facet, path, rng);
+                self.pick(interface, &scattered, path, rng)
             }
             Next::FlatBottom(t) => {
-                let substrate = self.substrate.as_ref()?;
+                let layer = self.layer.as_ref()?;
                 if !self.fly(path, t) {
                     return Some(PathEnd::LeftPatch);
                 }
-                substrate.put_onto_bottom(&mut path.heading.origin);
-                let bottom = substrate.bottom()?;
+                layer.put_onto_bottom(&mut path.heading.origin);
+                let bottom = layer.bottom()?;
                 if bottom == Bottom::Open {
                     return Some(PathEnd::Below);
                 }
@@ -190,30 +190,30 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 }
                 let wi = -path.heading.direction;
                 let scattered = at_bottom(bottom, Space::Inside, wi, DVec3::Z, rng);
-                let end = self.pick(Face::Bottom, &scattered, path, rng);
+                let end = self.pick(Interface::Bottom, &scattered, path, rng);
                 // Nothing lies beyond a plane.
                 end.or((path.space == Space::Beyond).then_some(PathEnd::Below))
             }
             Next::Collision(t) => {
-                let substrate = self.substrate.as_ref()?;
+                let layer = self.layer.as_ref()?;
                 if !self.fly(path, t) {
                     return Some(PathEnd::LeftPatch);
                 }
-                let scattered = path.flux * substrate.albedo();
+                let scattered = path.flux * layer.albedo();
                 path.absorbed += path.flux - scattered;
                 path.flux = scattered;
                 if scattered == 0.0 {
                     return Some(PathEnd::Absorbed);
                 }
-                if path.scatterings == substrate.max_scatterings() {
+                if path.scatterings == layer.max_scatterings() {
                     return Some(PathEnd::Truncated);
                 }
                 path.scatterings += 1;
                 path.events_since = 0;
                 if let Some(beams) = beams {
-                    self.find_sun(substrate, path, beams, rng, each);
+                    self.find_sun(layer, path, beams, rng, each);
                 }
-                path.heading.direction = substrate.scattered(path.heading.direction, rng);
+                path.heading.direction = layer.scattered(path.heading.direction, rng);
                 self.roulette(path, rng)
             }
         }
@@ -225,13 +225,13 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// decides, and nothing may stand in its way inside and above.
     fn find_sun<R: Rng>(
         &self,
-        substrate: &TracedLayer<'_, G>,
+        layer: &TracedLayer<'_, G>,
         path: &Path,
         beams: &LightBeams<G>,
         rng: &mut R,
         each: &mut impl FnMut(CameraContribution),
     ) {
-        let reach = substrate.free_flight(rng);
+        let reach = layer.free_flight(rng);
         let goes_on = self.geometry.border() != Border::Open;
         let x = path.heading.origin;
         beams.holding(self.geometry, x, reach, goes_on, |beam| {
@@ -241,7 +241,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             };
             let near = beam.t * (1.0 + 1e-9) + 1e-9;
             let Ok(Next::Facet(_, facet, at, t)) =
-                self.meet(Face::Top, &back, HalfSpace::Below, near)
+                self.meet(Interface::Top, &back, HalfSpace::Below, near)
             else {
                 return;
             };
@@ -249,7 +249,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 return;
             }
             if let Ok(Next::Facet(_, _, _, t)) =
-                self.meet(Face::Bottom, &back, HalfSpace::Above, near)
+                self.meet(Interface::Bottom, &back, HalfSpace::Above, near)
                 && t <= near
             {
                 return;
@@ -266,7 +266,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 return;
             }
             let d = beam.direction;
-            let phase = substrate.phase_density(path.heading.direction.dot(-d));
+            let phase = layer.phase_density(path.heading.direction.dot(-d));
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
             each(CameraContribution::Beam(BeamContribution {
                 share: path.flux * phase * beam.share,
@@ -278,29 +278,33 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// What a path comes to next on its straight line.
     fn next<R: Rng>(&self, path: &Path, rng: &mut R) -> Next<G::Facet> {
         let infinite = f64::INFINITY;
-        let outside = |face, half_space, end| {
-            let met = self.meet(face, &path.heading, half_space, infinite);
+        let outside = |interface, half_space, end| {
+            let met = self.meet(interface, &path.heading, half_space, infinite);
             met.unwrap_or_else(|other| Next::End(other.unwrap_or(end)))
         };
-        let substrate = match (path.space, &self.substrate) {
-            (Space::Above, _) => return outside(Face::Top, HalfSpace::Above, PathEnd::Above),
-            (Space::Inside, None) => return outside(Face::Top, HalfSpace::Below, PathEnd::Below),
-            (Space::Beyond, _) => return outside(Face::Bottom, HalfSpace::Below, PathEnd::Below),
-            (Space::Inside, Some(substrate)) => substrate,
+        let layer = match (path.space, &self.layer) {
+            (Space::Above, _) => return outside(Interface::Top, HalfSpace::Above, PathEnd::Above),
+            (Space::Inside, None) => {
+                return outside(Interface::Top, HalfSpace::Below, PathEnd::Below);
+            }
+            (Space::Beyond, _) => {
+                return outside(Interface::Bottom, HalfSpace::Below, PathEnd::Below);
+            }
+            (Space::Inside, Some(layer)) => layer,
         };
-        let mut reach = substrate.free_flight(rng);
+        let mut reach = layer.free_flight(rng);
         let mut next = Next::Collision(reach);
-        let flat = substrate.to_flat_bottom(&path.heading);
+        let flat = layer.to_flat_bottom(&path.heading);
         if flat <= reach {
             reach = flat;
             next = Next::FlatBottom(flat);
         }
         let mut failed = None;
-        for face in TracedLayer::<G>::faces_ahead(path.heading.direction) {
-            match self.meet(face, &path.heading, face.inside(), reach) {
-                Ok(Next::Facet(face, facet, at, t)) if t <= reach => {
+        for interface in TracedLayer::<G>::interfaces_ahead(path.heading.direction) {
+            match self.meet(interface, &path.heading, interface.inner_side(), reach) {
+                Ok(Next::Facet(interface, facet, at, t)) if t <= reach => {
                     reach = t;
-                    next = Next::Facet(face, facet, at, t);
+                    next = Next::Facet(interface, facet, at, t);
                 }
                 Ok(_) => {}
                 Err(end) => failed = failed.or(end),
@@ -317,29 +321,29 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// unless it escapes from that face.
     fn meet(
         &self,
-        face: Face,
+        interface: Interface,
         heading: &Heading,
         half_space: HalfSpace,
         reach: f64,
     ) -> Result<Next<G::Facet>, Option<PathEnd>> {
         let (mut heading, mut geometry, mut accelerator) =
             (*heading, self.geometry, self.accelerator);
-        if face == Face::Bottom {
-            let Some((substrate, bottom)) = self
-                .substrate
+        if interface == Interface::Bottom {
+            let Some((layer, bottom)) = self
+                .layer
                 .as_ref()
                 .and_then(|s| s.surface().map(|b| (s, b)))
             else {
                 return Err(None);
             };
-            heading = substrate.to_face(face, heading);
+            heading = layer.to_interface(interface, heading);
             (geometry, accelerator) = bottom;
         }
-        let at = |heading| match &self.substrate {
-            Some(substrate) => substrate.back_from(face, heading),
+        let at = |heading| match &self.layer {
+            Some(layer) => layer.from_interface(interface, heading),
             None => heading,
         };
-        let inside = self.substrate.is_some() && half_space == face.inside();
+        let inside = self.layer.is_some() && half_space == interface.inner_side();
         let gone = if self.search == FlightSearch::Nearby && inside {
             approach(geometry, &mut heading, half_space, reach)
         } else {
@@ -353,14 +357,14 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                 Nearby::Met(hit) => {
                     let origin = geometry.snap(hit.facet, query.ray.at(hit.t));
                     let heading = Heading { origin, ..heading };
-                    return Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t));
+                    return Ok(Next::Facet(interface, hit.facet, at(heading), gone + hit.t));
                 }
                 Nearby::Unknown => {}
             }
         }
         match traverse(geometry, accelerator, heading, half_space) {
             TraversalResult::Hit(hit, heading) => {
-                Ok(Next::Facet(face, hit.facet, at(heading), gone + hit.t))
+                Ok(Next::Facet(interface, hit.facet, at(heading), gone + hit.t))
             }
             TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
                 Err(None)
@@ -387,18 +391,22 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// What a facet does with the light that has come to it.
     fn scattered<R: Rng>(
         &self,
-        face: Face,
+        interface: Interface,
         facet: G::Facet,
         path: &Path,
         rng: &mut R,
     ) -> Scattered {
         let wi = -path.heading.direction;
-        let Some(substrate) = self.substrate.as_ref().filter(|_| face == Face::Bottom) else {
+        let Some(layer) = self
+            .layer
+            .as_ref()
+            .filter(|_| interface == Interface::Bottom)
+        else {
             let above = path.space == Space::Above;
             let side = if above { 1.0 } else { -1.0 };
             return scatter(self.material, above, wi, side * self.geometry.normal(facet));
         };
-        let (Some((geometry, _)), Some(bottom)) = (substrate.surface(), substrate.bottom()) else {
+        let (Some((geometry, _)), Some(bottom)) = (layer.surface(), layer.bottom()) else {
             return Scattered {
                 absorbed: 1.0,
                 ..nothing()
@@ -416,7 +424,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// Goes on along one branch, picked by its share.
     fn pick<R: Rng>(
         &self,
-        face: Face,
+        interface: Interface,
         scattered: &Scattered,
         path: &mut Path,
         rng: &mut R,
@@ -433,7 +441,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         } else {
             transmitted
         };
-        path.go_on(face, branch);
+        path.go_on(interface, branch);
         self.roulette(path, rng)
     }
 

@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 
 use super::seen::{PathEnd, PathResult};
 use crate::interaction::facet::Branch;
-use crate::interaction::layer::Face;
+use crate::interaction::layer::Interface;
 use crate::periodic::Heading;
 
 /// The three spaces that the surface and the bottom divide.
@@ -56,15 +56,17 @@ impl Path {
     }
 
     /// Takes a way on from a face.
-    pub(super) fn go_on(&mut self, face: Face, branch: &Branch) {
+    pub(super) fn go_on(&mut self, interface: Interface, branch: &Branch) {
         self.heading.direction = branch.direction;
         self.events = self.events.then(branch.event);
         self.events_since += 1;
         if branch.event == Event::Transmission {
-            self.space = match (face, self.space) {
-                (Face::Top, Space::Above) | (Face::Bottom, Space::Beyond) => Space::Inside,
-                (Face::Top, _) => Space::Above,
-                (Face::Bottom, _) => Space::Beyond,
+            self.space = match (interface, self.space) {
+                (Interface::Top, Space::Above) | (Interface::Bottom, Space::Beyond) => {
+                    Space::Inside
+                }
+                (Interface::Top, _) => Space::Above,
+                (Interface::Bottom, _) => Space::Beyond,
             };
         }
     }

@@ -1,0 +1,375 @@
+//! Flights inside the layer below a surface: free flights, scattering, and a flat bottom.
+//!
+//! A flight is searched for facets only where the heights nearby cannot tell what it meets; most flights are not
+//! searched, and are traced at once, one after the other. Where one ends at a facet and light is divided, what
+//! stays inside waits in [`Batch::inside`], so that paths go on without limit in constant memory.
+
+use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_surface::Border;
+use asperity_tally::{Event, Loss};
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+use super::Tracer;
+use super::batch::Batch;
+use super::state::{Arrival, Departure, PathSegment, PathState, RayKind, Region};
+use crate::geometry::{Geometry, Nearby};
+use crate::interaction::facet::{Branch, Scattered, scatter};
+use crate::interaction::layer::{Interface, TracedLayer};
+use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
+use crate::ray::{HalfSpace, Hit, Query};
+
+/// Inside, roulette begins at so many times the flux at which it begins elsewhere.
+///
+/// A path that is scattered goes on for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
+/// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
+const ROULETTE_FACTOR: f64 = 30.0;
+
+/// A ray that begins inside the layer, in the coordinates of the upper surface.
+pub(super) struct LayerRay {
+    pub(super) heading: Heading,
+    pub(super) state: PathState,
+}
+
+/// A straight flight through the layer, in the coordinates of the upper surface.
+struct Flight {
+    heading: Heading,
+    state: PathState,
+    /// How far it goes before it interacts with the medium.
+    length: f64,
+    /// How many of the interfaces ahead it is known not to meet.
+    clear_of: usize,
+}
+
+/// What is known of a flight and one of the interfaces.
+enum Ahead<F> {
+    Clear,
+    Met(Arrival<F>),
+    /// A search must tell, which begins here.
+    Unknown(Heading),
+    Lost,
+}
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Traces all rays that wait inside the layer, until each has left, ended or needs a search.
+    pub(super) fn trace_flights<R: Rng>(&self, batch: &mut Batch<'_, G::Facet, R>) {
+        let Some(layer) = &self.layer else {
+            return;
+        };
+        while let Some(LayerRay { heading, state }) = batch.inside.pop() {
+            let flight = Flight {
+                heading,
+                state,
+                length: layer.free_flight(batch.rng),
+                clear_of: 0,
+            };
+            self.fly(layer, flight, batch);
+        }
+    }
+
+    /// Follows a path from flight to flight.
+    fn fly<R: Rng>(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        mut flight: Flight,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        loop {
+            // Look for the interfaces ahead, up to the end of the flight
+            let to_bottom = layer.to_flat_bottom(&flight.heading);
+            let mut reach = flight.length.min(to_bottom);
+            if self.meets_interface(layer, &mut flight, &mut reach, batch) {
+                return;
+            }
+            if flight.clear_of == 0 {
+                batch.work.segments_skipped += 1;
+            } else {
+                batch.work.segments += 1;
+                flight.clear_of = 0;
+            }
+
+            // Go to the end of the flight, or leave a clear medium that has none
+            if reach.is_infinite() {
+                return self.leave_clear_medium(layer, &flight, batch);
+            }
+            let ray = flight.heading.query(self.geometry, HalfSpace::Below).ray;
+            flight.heading.origin += reach * ray.direction;
+            if !wrap(self.geometry, &mut flight.heading) {
+                batch.tally.add_loss(Loss::LeftPatch, flight.state.flux);
+                return;
+            }
+            if to_bottom <= flight.length {
+                layer.put_onto_bottom(&mut flight.heading.origin);
+                return self.interact_at_flat_bottom(flight.heading, &flight.state, batch);
+            }
+
+            // Scatter in the medium
+            if !self.collide(layer, &mut flight.state, batch) {
+                return;
+            }
+            flight.heading.direction = layer.scattered(flight.heading.direction, batch.rng);
+            flight.length = layer.free_flight(batch.rng);
+        }
+    }
+
+    /// Whether a flight ends at one of the interfaces ahead before `reach`, or has to be searched: then another one
+    /// follows it. Both the flight and its reach begin anew where it comes between the heights of an interface.
+    #[inline]
+    fn meets_interface<R: Rng>(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        flight: &mut Flight,
+        reach: &mut f64,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) -> bool {
+        let interfaces = TracedLayer::<G>::interfaces_ahead(flight.heading.direction);
+        for &interface in &interfaces[flight.clear_of..] {
+            let Some(geometry) = self.geometry_of(interface) else {
+                continue;
+            };
+            let region = Region::inside(interface);
+            let mut heading = layer.to_interface(interface, flight.heading);
+            let gone = approach(geometry, &mut heading, region.half_space, *reach);
+            if gone > 0.0 {
+                flight.heading = layer.from_interface(interface, heading);
+                flight.length -= gone;
+                *reach -= gone;
+            }
+            match ahead(geometry, region, heading, *reach) {
+                Ahead::Clear => {}
+                Ahead::Met(at) => {
+                    batch.work.segments_skipped += 1;
+                    self.interact(at, &flight.state, batch);
+                    return true;
+                }
+                Ahead::Unknown(heading) => {
+                    let query = heading.query(geometry, region.half_space);
+                    let segment = PathSegment {
+                        traversal: Traversal::begin(&heading),
+                        state: flight.state,
+                        kind: RayKind::Path,
+                        flight: flight.length,
+                    };
+                    self.push(interface, segment, query, batch);
+                    return true;
+                }
+                Ahead::Lost => {
+                    batch.work.segments += 1;
+                    batch.tally.add_loss(Loss::Lost, flight.state.flux);
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
+    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    fn leave_clear_medium<R>(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        flight: &Flight,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        if flight.heading.direction.z < 0.0 && layer.bottom().is_none() {
+            let departure = below_the_bottom(&flight.heading, flight.state);
+            batch.tally.add_exit(&self.exit(&departure));
+        } else {
+            let loss = match self.geometry.border() {
+                Border::Open => Loss::LeftPatch,
+                Border::Periodic | Border::Mirrored => Loss::Lost,
+            };
+            batch.tally.add_loss(loss, flight.state.flux);
+        }
+    }
+
+    /// Absorbs the share of an interaction with the medium that does not scatter; false if the path ends.
+    #[inline]
+    fn collide<R: Rng>(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        state: &mut PathState,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) -> bool {
+        let kept = state.flux * layer.albedo();
+        batch.tally.add_loss(Loss::Absorbed, state.flux - kept);
+        if kept == 0.0 {
+            return false;
+        }
+        if state.scatterings == layer.max_scatterings() {
+            batch.tally.add_loss(Loss::Truncated, kept);
+            return false;
+        }
+        state.flux = kept;
+        state.scatterings += 1;
+        batch.work.scatterings += 1;
+        batch.work.max_scatterings = batch.work.max_scatterings.max(state.scatterings);
+        let threshold = (ROULETTE_FACTOR * self.settings.roulette_below).min(1.0);
+        self.survives_roulette_below(threshold, state, batch)
+    }
+
+    /// Continues a segment inside the layer after the search in its current tile.
+    pub(super) fn advance_inside<R: Rng>(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        interface: Interface,
+        mut segment: PathSegment<G::Facet>,
+        query: &mut Query,
+        hit: &Option<Hit<G::Facet>>,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(geometry) = self.geometry_of(interface) else {
+            return;
+        };
+        let beginning = segment.traversal.beginning(query);
+        let from = layer.from_interface(interface, beginning);
+        let reach = segment.flight.min(layer.to_flat_bottom(&from));
+        let end = match hit {
+            Some(hit) if hit.t <= reach => {
+                batch.work.segments += 1;
+                let at = Arrival {
+                    region: Region::inside(interface),
+                    heading: segment.traversal.arrival(geometry, query, hit),
+                    facet: hit.facet,
+                };
+                self.interact(at, &segment.state, batch);
+                return;
+            }
+            // It meets the interface only after its flight has ended.
+            Some(_) => None,
+            None => match segment.traversal.step(geometry, query) {
+                Some(end) => Some(end),
+                None if segment.traversal.entered() <= reach => {
+                    return self.push(interface, segment, *query, batch);
+                }
+                None => None,
+            },
+        };
+        if end == Some(TraversalEnd::Lost) && segment.traversal.entered() <= reach {
+            batch.work.segments += 1;
+            batch.tally.add_loss(Loss::Lost, segment.state.flux);
+            return;
+        }
+        let ahead = TracedLayer::<G>::interfaces_ahead(from.direction);
+        let place = ahead.iter().position(|other| *other == interface);
+        let flight = Flight {
+            heading: from,
+            state: segment.state,
+            length: segment.flight,
+            clear_of: 1 + place.unwrap_or(0),
+        };
+        self.fly(layer, flight, batch);
+    }
+
+    /// Lets a path interact with a flat bottom.
+    fn interact_at_flat_bottom<R: Rng>(
+        &self,
+        mut heading: Heading,
+        state: &PathState,
+        batch: &mut Batch<'_, G::Facet, R>,
+    ) {
+        let Some(bottom) = self.layer.as_ref().and_then(TracedLayer::bottom) else {
+            return;
+        };
+        if bottom == Bottom::Open {
+            let departure = below_the_bottom(&heading, *state);
+            batch.tally.add_exit(&self.exit(&departure));
+            return;
+        }
+        if state.events.order() >= self.settings.max_order {
+            batch.tally.add_loss(Loss::Truncated, state.flux);
+            return;
+        }
+        let wi = -heading.direction;
+        let scattered = scatter_at_bottom(bottom, HalfSpace::Above, wi, DVec3::Z, batch.rng);
+        batch
+            .tally
+            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
+        let divides = matches!(bottom, Bottom::Interface { .. });
+        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
+            let mut state = state.after(&branch, share);
+            if !self.survives_roulette(&mut state, batch) {
+                continue;
+            }
+            heading.direction = branch.direction;
+            match branch.event {
+                Event::Reflection => batch.inside.push(LayerRay { heading, state }),
+                Event::Transmission => {
+                    let departure = below_the_bottom(&heading, state);
+                    batch.tally.add_exit(&self.exit(&departure));
+                }
+            }
+        }
+    }
+}
+
+/// A ray that goes down below the bottom of the layer for ever.
+fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
+    Departure {
+        region: Region::inside(Interface::Bottom).behind(),
+        direction: heading.world_direction(),
+        state,
+    }
+}
+
+/// What is known of a flight up to `reach` and the interface of `region`, in the coordinates of which `heading` is.
+#[inline]
+fn ahead<G: Geometry>(
+    geometry: &G,
+    region: Region,
+    mut heading: Heading,
+    reach: f64,
+) -> Ahead<G::Facet> {
+    let query = heading.query(geometry, region.half_space);
+    match geometry.nearby(&query.ray, query.half_space, reach) {
+        Nearby::Clear => Ahead::Clear,
+        Nearby::Met(hit) => Ahead::Met(Arrival {
+            region,
+            heading: Traversal::begin(&heading).arrival(geometry, &query, &hit),
+            facet: hit.facet,
+        }),
+        Nearby::Unknown => match begin(geometry, &mut heading, region.half_space) {
+            None => Ahead::Unknown(heading),
+            Some(TraversalEnd::Lost) => Ahead::Lost,
+            Some(_) => Ahead::Clear,
+        },
+    }
+}
+
+/// What a bottom does with light that comes through `half_space` from `wi` to a place of normal `m`, on the
+/// side of `wi`.
+pub(super) fn scatter_at_bottom<R: Rng>(
+    bottom: Bottom,
+    half_space: HalfSpace,
+    wi: DVec3,
+    m: DVec3,
+    rng: &mut R,
+) -> Scattered {
+    let reflected = |share, direction| {
+        let branch = |event, share| Branch {
+            event,
+            direction,
+            share,
+        };
+        Scattered {
+            branches: [
+                branch(Event::Transmission, 0.0),
+                branch(Event::Reflection, share),
+            ],
+            absorbed: 1.0 - share,
+        }
+    };
+    match bottom {
+        Bottom::Interface { eta } => {
+            let material = Material::Dielectric { eta };
+            scatter(material, half_space == HalfSpace::Above, wi, m)
+        }
+        Bottom::Mirror => reflected(1.0, reflect(wi, m)),
+        Bottom::Lambertian { reflectance } => {
+            // Lambert: the squared sine of the angle to the normal is evenly distributed.
+            let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
+            reflected(reflectance, around(m, (1.0 - u).sqrt(), v))
+        }
+        _ => reflected(0.0, DVec3::ZERO),
+    }
+}

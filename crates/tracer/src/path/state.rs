@@ -1,0 +1,138 @@
+//! Path state and path segments: what a path carries, where its rays are, and what they are traced for.
+
+use asperity_tally::{Event, EventPath};
+use glam::{DVec2, DVec3};
+
+use crate::interaction::facet::Branch;
+use crate::interaction::layer::Interface;
+use crate::periodic::{Heading, Traversal};
+use crate::ray::{HalfSpace, Query};
+
+/// What a path carries from one interaction to the next.
+#[derive(Clone, Copy)]
+pub(super) struct PathState {
+    /// Flux, as a fraction of that of the incident ray: the throughput of the path.
+    pub(super) flux: f64,
+    /// Its interactions with interfaces.
+    pub(super) events: EventPath,
+    /// How often it was scattered inside the layer.
+    pub(super) scatterings: u32,
+    /// Cosine and sine of the angle by which exit directions are turned about the vertical.
+    pub(super) turn: DVec2,
+}
+
+impl PathState {
+    /// The state after an interaction, along `branch`, with a `share` of the flux.
+    #[inline(always)]
+    pub(super) fn after(&self, branch: &Branch, share: f64) -> Self {
+        Self {
+            flux: self.flux * share,
+            events: self.events.then(branch.event),
+            ..*self
+        }
+    }
+}
+
+/// Where a ray is: at which interface, and on which side of it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Region {
+    pub(super) interface: Interface,
+    pub(super) half_space: HalfSpace,
+}
+
+impl Region {
+    /// The part of the layer at an interface.
+    #[inline]
+    pub(super) const fn inside(interface: Interface) -> Self {
+        Self {
+            interface,
+            half_space: interface.inner_side(),
+        }
+    }
+
+    /// The region behind the interface.
+    #[inline]
+    pub(super) const fn behind(self) -> Self {
+        Self {
+            interface: self.interface,
+            half_space: self.half_space.other(),
+        }
+    }
+}
+
+/// A ray of a path: where it begins, and the state that it carries.
+pub(super) struct PathRay {
+    pub(super) region: Region,
+    /// In the coordinates of the interface.
+    pub(super) heading: Heading,
+    pub(super) state: PathState,
+}
+
+/// A ray at the facet that it has met.
+pub(super) struct Arrival<F> {
+    pub(super) region: Region,
+    /// At the facet, in the direction of the ray.
+    pub(super) heading: Heading,
+    pub(super) facet: F,
+}
+
+impl<F> Arrival<F> {
+    /// The ray that leaves the facet along `branch`, with a `share` of the flux of `state`.
+    #[inline(always)]
+    pub(super) fn leave(&self, branch: &Branch, share: f64, state: &PathState) -> PathRay {
+        PathRay {
+            region: match branch.event {
+                Event::Reflection => self.region,
+                Event::Transmission => self.region.behind(),
+            },
+            heading: Heading {
+                direction: branch.direction,
+                ..self.heading
+            },
+            state: state.after(branch, share),
+        }
+    }
+}
+
+/// A ray that leaves its region without meeting the surface, or would if nothing stood in its way.
+pub(super) struct Departure {
+    pub(super) region: Region,
+    /// Unit direction in the world.
+    pub(super) direction: DVec3,
+    pub(super) state: PathState,
+}
+
+/// What a ray is traced for.
+pub(super) enum RayKind<F> {
+    /// The light of a path.
+    Path,
+    /// The straight line of incident light behind the first facet that it has met: facets further on that face
+    /// the light are shadowed by the first.
+    BehindFirstFacet,
+    /// A ray from a facet towards the light, which tells whether the facet is lit.
+    Visibility(Box<Arrival<F>>),
+}
+
+/// One segment of a path, on its way from tile to tile.
+pub(super) struct PathSegment<F> {
+    pub(super) traversal: Traversal,
+    pub(super) state: PathState,
+    pub(super) kind: RayKind<F>,
+    /// Free flight: how far it goes before it interacts with a medium; infinite outside of the layer.
+    pub(super) flight: f64,
+}
+
+/// Segments that are searched together, and the query of each.
+pub(super) struct SegmentQueue<F> {
+    pub(super) queries: Vec<Query>,
+    pub(super) segments: Vec<PathSegment<F>>,
+}
+
+impl<F> SegmentQueue<F> {
+    pub(super) const fn new() -> Self {
+        Self {
+            queries: Vec::new(),
+            segments: Vec::new(),
+        }
+    }
+}
