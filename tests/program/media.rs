@@ -158,13 +158,10 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         (format!("{medium} --g 1"), "g is 1"),
         (format!("{medium} --g -1.5"), "g is -1.5"),
         (format!("{medium} --thickness 0"), "thickness is 0"),
-        (
-            format!("{medium} --thickness 5"),
-            "too small for the relief",
-        ),
+        (format!("{medium} --thickness 5"), "invalid thickness"),
         (
             format!("{medium} --thickness 14 --bottom-surface same"),
-            "too small for the relief",
+            "invalid thickness",
         ),
         (
             format!("{medium} --bottom mirror"),

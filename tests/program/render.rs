@@ -83,7 +83,7 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         ("-o p.png --albedo 0.9", "needs a mean free path"),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 0.1",
-            "too small for the relief",
+            "invalid thickness",
         ),
         (
             "-o p.png --mean-free-path 1 --albedo 0.9 --thickness 99 --bottom-surface independent",

@@ -26,14 +26,14 @@ pub(crate) struct Branch {
 /// relative.
 #[inline(always)]
 pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -> Scattered {
-    let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
+    let cos_theta_i = wi.dot(m).clamp(0.0, 1.0);
     let index = material.transmitting_index();
     let (fresnel, eta) = match index {
         Some(eta) => {
             let eta = if entering { eta } else { 1.0 / eta };
-            (dielectric(cos_alpha, eta), eta)
+            (dielectric(cos_theta_i, eta), eta)
         }
-        None => (material.fresnel(cos_alpha), 1.0),
+        None => (material.fresnel(cos_theta_i), 1.0),
     };
     let transmitted = if index.is_some() {
         fresnel.transmitted

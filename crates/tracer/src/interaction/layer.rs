@@ -42,7 +42,7 @@ pub struct TracedLayer<'a, G: Geometry> {
 pub enum TracedLayerError {
     /// The surfaces would touch.
     #[error(
-        "the thickness {thickness} is too small for the relief: the surface goes {depth:.6e} below its mean plane and the bottom rises {height:.6e} above its own, so more than {:.6e} is needed",
+        "invalid thickness {thickness}: must exceed {:.6e}, since the surface goes {depth:.6e} below its mean plane and the bottom rises {height:.6e} above its own",
         depth + height
     )]
     TooThin {
@@ -112,7 +112,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     /// A layer below `top`; light that is scattered inside `max_scatterings` times is truncated.
     ///
     /// # Errors
-    /// [`TracedLayerError`] if the layer is thinner than the relief, or its bottom another tile.
+    /// [`TracedLayerError`] if the layer is too thin for the heights of its surfaces, or its bottom another tile.
     pub fn new(
         top: &G,
         layer: &Layer,

@@ -3,6 +3,10 @@
 use super::*;
 use crate::{BruteForce, Surface};
 use asperity_surface::HeightField;
+use glam::DVec3;
+
+use crate::geometry::Escape;
+use crate::ray::HalfSpace;
 
 /// 3 x 4 samples without symmetry.
 fn bumpy(border: Border) -> HeightField {

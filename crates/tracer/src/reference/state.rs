@@ -1,9 +1,9 @@
-//! A path on its way: where it is, and what it carries.
+//! Path state: where a path is, and what it carries.
 
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 
-use super::seen::{PathEnd, PathResult};
+use super::result::{PathEnd, PathResult};
 use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
 use crate::periodic::Heading;
@@ -11,14 +11,17 @@ use crate::periodic::Heading;
 /// The three spaces that the surface and the bottom divide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Space {
+    /// Above the surface.
     Above,
+    /// Below the surface, in the layer if there is one.
     Inside,
+    /// Below the bottom of the layer.
     Beyond,
 }
 
-/// A path on its way.
+/// Where a path is, and what it carries.
 #[derive(Clone, Copy)]
-pub(super) struct Path {
+pub(super) struct PathState {
     pub(super) space: Space,
     /// In the tile, and in the coordinates of the upper surface.
     pub(super) heading: Heading,
@@ -35,7 +38,7 @@ pub(super) struct Path {
     pub(super) flight: f64,
 }
 
-impl Path {
+impl PathState {
     pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
         Self {
             space: Space::Above,
@@ -55,8 +58,8 @@ impl Path {
         }
     }
 
-    /// Takes a way on from a face.
-    pub(super) fn go_on(&mut self, interface: Interface, branch: &Branch) {
+    /// Leaves an interface along `branch`.
+    pub(super) fn leave_interface(&mut self, interface: Interface, branch: &Branch) {
         self.heading.direction = branch.direction;
         self.events = self.events.then(branch.event);
         self.events_since += 1;
@@ -71,6 +74,7 @@ impl Path {
         }
     }
 
+    /// The result of a path that ends here.
     pub(super) fn ended(&self, end: PathEnd) -> PathResult {
         PathResult {
             end,

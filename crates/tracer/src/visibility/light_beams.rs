@@ -228,16 +228,16 @@ impl<G: Geometry> LightBeams<G> {
     fn refracted(&self, geometry: &G, facet: G::Facet) -> Option<(DVec3, f64)> {
         let eta = self.material.transmitting_index()?;
         let m = geometry.normal(facet);
-        let cos_alpha = self.towards.dot(m);
-        if cos_alpha <= 0.0 || !self.is_up {
+        let cos_theta_i = self.towards.dot(m);
+        if cos_theta_i <= 0.0 || !self.is_up {
             return None;
         }
         let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
         if transmitted.share <= 0.0 {
             return None;
         }
-        let cos_beta = -transmitted.direction.dot(m);
-        let share = transmitted.share * cos_alpha / (eta * eta * cos_beta);
+        let cos_theta_t = -transmitted.direction.dot(m);
+        let share = transmitted.share * cos_theta_i / (eta * eta * cos_theta_t);
         Some((transmitted.direction, share))
     }
 

@@ -5,7 +5,7 @@ use asperity_tracer::{Accelerator, AcceleratorKind, Facet, Hit, Query, Surface};
 use asperity_tracer::{TraversalResult, traverse};
 use glam::DVec3;
 
-use crate::paths::{Leg, Scheme};
+use crate::paths::{Scheme, Segment};
 use crate::textbook::moeller_trumbore;
 
 /// Every facet from either side, but for one.
@@ -46,12 +46,12 @@ pub(crate) struct Offset {
 }
 
 impl Scheme for Offset {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
+    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
         traverse(
             surface,
             &TwoSided { skipped: None },
-            leg.heading,
-            leg.half_space,
+            segment.heading,
+            segment.half_space,
         )
     }
 
@@ -64,12 +64,14 @@ impl Scheme for Offset {
 pub(crate) struct SkipLast;
 
 impl Scheme for SkipLast {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
+    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
         traverse(
             surface,
-            &TwoSided { skipped: leg.last },
-            leg.heading,
-            leg.half_space,
+            &TwoSided {
+                skipped: segment.last,
+            },
+            segment.heading,
+            segment.half_space,
         )
     }
 }

@@ -17,7 +17,7 @@ const WATCHED: f64 = 2000.0;
 
 /// A stretch of a path that is still to be followed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Leg {
+pub(crate) struct Segment {
     pub(crate) heading: Heading,
     pub(crate) half_space: HalfSpace,
     /// The facet that it has just left.
@@ -29,8 +29,8 @@ pub(crate) struct Leg {
 
 /// How segments are traced.
 pub(crate) trait Scheme: Sync {
-    /// Follows a leg to where it meets the surface or leaves it.
-    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet>;
+    /// Follows a segment to where it meets the surface or leaves it.
+    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet>;
 
     /// Where light that goes on from `origin` on a facet with the unit normal `away`, on the side
     /// that it goes to, sets off.
@@ -43,8 +43,8 @@ pub(crate) trait Scheme: Sync {
 pub(crate) struct BySide<'a>(pub(crate) &'a dyn Accelerator<Surface>);
 
 impl Scheme for BySide<'_> {
-    fn follow(&self, surface: &Surface, leg: &Leg) -> TraversalResult<Facet> {
-        traverse(surface, self.0, leg.heading, leg.half_space)
+    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
+        traverse(surface, self.0, segment.heading, segment.half_space)
     }
 }
 
@@ -116,10 +116,10 @@ impl Account {
         orders[order] += flux;
     }
 
-    fn fault(&mut self, leg: &Leg, what: &str) {
+    fn fault(&mut self, segment: &Segment, what: &str) {
         self.wrong_sides += 1;
         self.first_fault
-            .get_or_insert_with(|| format!("{what}: {leg:?}"));
+            .get_or_insert_with(|| format!("{what}: {segment:?}"));
     }
 }
 
@@ -176,7 +176,7 @@ pub(crate) fn walk(
         ..Account::default()
     };
     let ground = Ground::new(surface);
-    let mut legs = vec![Leg {
+    let mut segments = vec![Segment {
         heading,
         half_space: light.incident,
         last: None,
@@ -184,31 +184,31 @@ pub(crate) fn walk(
         order: 0,
         transmissions: 0,
     }];
-    while let Some(leg) = legs.pop() {
+    while let Some(segment) = segments.pop() {
         account.segments += 1;
-        let end = scheme.follow(surface, &leg);
-        watch(surface, &ground, light, &leg, &end, &mut account);
+        let end = scheme.follow(surface, &segment);
+        watch(surface, &ground, light, &segment, &end, &mut account);
         match end {
             TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
-                let side = usize::from(leg.half_space != light.incident);
-                account.leave(side, leg.order, leg.flux);
+                let side = usize::from(segment.half_space != light.incident);
+                account.leave(side, segment.order, segment.flux);
             }
-            TraversalResult::Ended(TraversalEnd::LeftPatch) => account.left_patch += leg.flux,
+            TraversalResult::Ended(TraversalEnd::LeftPatch) => account.left_patch += segment.flux,
             TraversalResult::Ended(TraversalEnd::Lost) => {
-                account.lost += leg.flux;
+                account.lost += segment.flux;
                 account.lost_segments += 1;
                 account
                     .first_fault
-                    .get_or_insert_with(|| format!("lost: {leg:?}"));
+                    .get_or_insert_with(|| format!("lost: {segment:?}"));
             }
-            TraversalResult::Hit(..) if leg.order >= light.max_order => {
-                account.truncated += leg.flux
+            TraversalResult::Hit(..) if segment.order >= light.max_order => {
+                account.truncated += segment.flux
             }
             TraversalResult::Hit(hit, met) => {
-                let arrived = Leg {
+                let arrived = Segment {
                     heading: met,
                     last: Some(hit.facet),
-                    ..leg
+                    ..segment
                 };
                 interact(
                     surface,
@@ -216,7 +216,7 @@ pub(crate) fn walk(
                     light,
                     &arrived,
                     rng,
-                    &mut legs,
+                    &mut segments,
                     &mut account,
                 );
             }
@@ -231,27 +231,27 @@ fn grazing(height_range: f64) -> f64 {
     16.0 * f64::EPSILON * (1.0 + height_range)
 }
 
-/// Reflects, transmits or absorbs light that has arrived at the facet `leg.last`.
+/// Reflects, transmits or absorbs light that has arrived at the facet `segment.last`.
 fn interact(
     surface: &Surface,
     scheme: &dyn Scheme,
     light: &Light,
-    leg: &Leg,
+    segment: &Segment,
     rng: &mut ChaCha8Rng,
-    legs: &mut Vec<Leg>,
+    segments: &mut Vec<Segment>,
     account: &mut Account,
 ) {
-    let Some(facet) = leg.last else { return };
-    let wi = -leg.heading.direction;
-    let mut m = leg.half_space.sign() * surface.normal(facet);
+    let Some(facet) = segment.last else { return };
+    let wi = -segment.heading.direction;
+    let mut m = segment.half_space.sign() * surface.normal(facet);
     let [low, high] = surface.z_range();
     if wi.dot(m) < -grazing(high - low) {
-        account.fault(leg, "hit from the wrong side");
+        account.fault(segment, "hit from the wrong side");
         m = -m;
     }
     let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
     let index = light.material.transmitting_index().map(|eta| {
-        if leg.half_space == light.incident {
+        if segment.half_space == light.incident {
             eta
         } else {
             1.0 / eta
@@ -263,24 +263,24 @@ fn interact(
     };
 
     let mut push = |direction: DVec3, half_space, share: f64, transmissions| {
-        let flux = leg.flux * share;
+        let flux = segment.flux * share;
         if flux < light.weakest && light.branching == Branching::Split {
             account.truncated += flux;
             account.weak += u64::from(flux > 0.0);
             return;
         }
         let away = m * direction.dot(m).signum();
-        legs.push(Leg {
+        segments.push(Segment {
             heading: Heading {
-                origin: scheme.depart(leg.heading.origin, away),
+                origin: scheme.depart(segment.heading.origin, away),
                 direction,
-                mirrored: leg.heading.mirrored,
+                mirrored: segment.heading.mirrored,
             },
             half_space,
             flux,
-            order: leg.order + 1,
+            order: segment.order + 1,
             transmissions,
-            ..*leg
+            ..*segment
         });
     };
     let [reflected, transmitted] = match (index, light.branching) {
@@ -293,47 +293,55 @@ fn interact(
             let direction = refract(wi, m, eta, fresnel.cos_theta_t);
             push(
                 direction,
-                leg.half_space.other(),
+                segment.half_space.other(),
                 transmitted,
-                leg.transmissions + 1,
+                segment.transmissions + 1,
             );
         }
         _ => {}
     }
     if reflected > 0.0 {
-        push(reflect(wi, m), leg.half_space, reflected, leg.transmissions);
+        push(
+            reflect(wi, m),
+            segment.half_space,
+            reflected,
+            segment.transmissions,
+        );
     }
     if index.is_none() {
-        account.absorbed += leg.flux * transmitted;
+        account.absorbed += segment.flux * transmitted;
     }
 }
 
-/// Notes where a leg is not in the half space that it claims.
+/// Notes where a segment is not in the half space that it claims.
 fn watch(
     surface: &Surface,
     ground: &Ground<'_>,
     light: &Light,
-    leg: &Leg,
+    segment: &Segment,
     end: &TraversalResult<Facet>,
     account: &mut Account,
 ) {
-    let d = leg.heading.direction;
+    let d = segment.heading.direction;
     let ray = TileRay {
-        origin: leg.heading.origin,
+        origin: segment.heading.origin,
         direction: DVec3::new(d.x, d.y * surface.aspect(), d.z),
     };
-    let q = leg.half_space.sign();
+    let q = segment.half_space.sign();
     let to = match end {
         TraversalResult::Hit(hit, met) => {
             if let Some(depth) = ground.beside(&ray, hit.t) {
-                account.fault(leg, &format!("hit {depth:e} beside the surface at {met:?}"));
+                account.fault(
+                    segment,
+                    &format!("hit {depth:e} beside the surface at {met:?}"),
+                );
             }
             hit.t
         }
         TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
-            let up = leg.heading.world_direction().z * light.incident.sign() > 0.0;
-            if up != leg.transmissions.is_multiple_of(2) || q * d.z <= 0.0 {
-                account.fault(leg, "exit to the wrong side");
+            let up = segment.heading.world_direction().z * light.incident.sign() > 0.0;
+            if up != segment.transmissions.is_multiple_of(2) || q * d.z <= 0.0 {
+                account.fault(segment, "exit to the wrong side");
                 return;
             }
             ((q * surface.z_range()[1] - ray.origin.z) / d.z).max(0.0)
@@ -349,8 +357,8 @@ fn watch(
         vec![[0.0, watched], [to - watched, to]]
     };
     for stretch in stretches {
-        if let Some(breach) = ground.breach(&ray, leg.half_space, stretch) {
-            account.fault(leg, &format!("{breach:?} on the way to {end:?}"));
+        if let Some(breach) = ground.breach(&ray, segment.half_space, stretch) {
+            account.fault(segment, &format!("{breach:?} on the way to {end:?}"));
             return;
         }
     }

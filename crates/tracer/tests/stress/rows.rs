@@ -48,11 +48,11 @@ impl Row {
         self.first_fault.get_or_insert_with(what);
     }
 
-    /// `residual` of a budget into which `segments` legs of light went.
+    /// `residual` of a budget into which `segments` segments of light went.
     ///
-    /// A leg's flux is that of the leg before times a share; the shares of an interaction add to one
+    /// A segment's flux is that of the segment before times a share; the shares of an interaction add to one
     /// exactly but for half an eps each, and each product and each addition to a sum of at most the
-    /// whole rounds by half an eps. So each leg adds at most 2 eps of the whole.
+    /// whole rounds by half an eps. So each segment adds at most 2 eps of the whole.
     pub(super) fn book(&mut self, residual: f64, segments: u64) {
         let bound = 2.0 * f64::EPSILON * (segments + 1) as f64;
         self.residual = self.residual.max(residual);

@@ -119,7 +119,7 @@ fn z_curve(side: u32) -> Vec<[u32; 2]> {
 /// Asserts that `Tracer::batch` gave what paths one by one gave.
 fn assert_same(values: &TallyValues, spec: TallySpec, account: &Account) {
     let rays = account.rays as f64;
-    // Each leg adds at most 2 eps of the whole, here and there; see `Row::book`.
+    // Each segment adds at most 2 eps of the whole, here and there; see `Row::book`.
     let bound = 4.0 * f64::EPSILON * (account.segments + 1) as f64;
     let assert_near = |entry: Entry, expected: f64, what: &str| {
         let difference = (values[entry] - expected / rays).abs();

@@ -11,7 +11,7 @@ const SMALLEST: usize = 4;
 
 /// Lowest and highest point over blocks of 4, 8, 16, ... cells a side, down to one block.
 #[derive(Clone, Debug)]
-pub(crate) struct Relief {
+pub(crate) struct HeightBounds {
     levels: Vec<Level>,
 }
 
@@ -26,7 +26,7 @@ struct Level {
 /// A rectangle of cells: first and last column, first and last row.
 pub(crate) type Cells = [[u32; 2]; 2];
 
-impl Relief {
+impl HeightBounds {
     /// Bounds over `[columns, rows]` cells; `z(ix, iy)` are the heights of the grid points, also those one
     /// beyond the last cells.
     pub(crate) fn new([cx, cy]: [usize; 2], z: impl Fn(usize, usize) -> f64) -> Self {
@@ -112,7 +112,7 @@ mod tests {
             0.1 * (x * x + y * y) + if (ix, iy) == (13, 9) { 50.0 } else { 0.0 }
         };
         let [cx, cy] = [19, 13];
-        let relief = Relief::new([cx, cy], z);
+        let height_bounds = HeightBounds::new([cx, cy], z);
         for y0 in 0..cy {
             for y1 in y0..cy {
                 for x0 in 0..cx {
@@ -125,16 +125,16 @@ mod tests {
                             }
                         }
                         // Never clear of what lies there, and clear of all that is.
-                        assert!(!relief.is_clear(cells, HalfSpace::Below, low));
-                        assert!(!relief.is_clear(cells, HalfSpace::Above, high));
-                        assert!(relief.is_clear(cells, HalfSpace::Below, -1e-5));
-                        assert!(relief.is_clear(cells, HalfSpace::Above, 100.0));
+                        assert!(!height_bounds.is_clear(cells, HalfSpace::Below, low));
+                        assert!(!height_bounds.is_clear(cells, HalfSpace::Above, high));
+                        assert!(height_bounds.is_clear(cells, HalfSpace::Below, -1e-5));
+                        assert!(height_bounds.is_clear(cells, HalfSpace::Above, 100.0));
                     }
                 }
             }
         }
         // Away from the peak the bound is that of the blocks around.
         let valley = [[5, 6], [4, 5]];
-        assert!(relief.is_clear(valley, HalfSpace::Above, 4.0));
+        assert!(height_bounds.is_clear(valley, HalfSpace::Above, 4.0));
     }
 }

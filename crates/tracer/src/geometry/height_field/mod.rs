@@ -13,8 +13,8 @@ use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
 use self::cell::{Cell, Size};
-use self::height_bounds::Relief;
-use self::slope_bounds::Steepness;
+use self::height_bounds::HeightBounds;
+use self::slope_bounds::SlopeBounds;
 
 use crate::geometry::{Escape, Geometry, Nearby};
 use crate::ray::{HalfSpace, Hit, TileRay};
@@ -36,9 +36,9 @@ pub struct Surface {
     extent: [f64; 2],
     /// `dx / dy`.
     aspect: f64,
-    steepness: Steepness,
+    slope_bounds: SlopeBounds,
     /// Made for surfaces with a medium below.
-    relief: OnceLock<Relief>,
+    height_bounds: OnceLock<HeightBounds>,
 }
 
 /// From heights to z in tile coordinates.
@@ -74,7 +74,7 @@ impl Surface {
         let half_range = (0.5 * high - 0.5 * low) * scale.per_column;
         // Differences of heights are rounded by a few 2^-53 of their range.
         let margin = 1e-14 * half_range;
-        let steepness = Steepness::new(field.cells(), field.border(), margin, |iy, row| {
+        let slope_bounds = SlopeBounds::new(field.cells(), field.border(), margin, |iy, row| {
             row.clear();
             row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
             row.push(scale.z(field.height(field.cells()[0], iy)));
@@ -87,11 +87,11 @@ impl Surface {
             scale,
             size: Size {
                 reach: half_range,
-                steepest: steepness.steepest(),
+                steepest: slope_bounds.steepest(),
             },
             mean: scale.z(mean),
-            steepness,
-            relief: OnceLock::new(),
+            slope_bounds,
+            height_bounds: OnceLock::new(),
         }
     }
 
@@ -316,8 +316,8 @@ impl Geometry for Surface {
     }
 
     fn prepare_nearby(&self) {
-        let relief = || Relief::new(self.cells(), |ix, iy| self.z(ix, iy));
-        self.relief.get_or_init(relief);
+        let height_bounds = || HeightBounds::new(self.cells(), |ix, iy| self.z(ix, iy));
+        self.height_bounds.get_or_init(height_bounds);
     }
 
     #[inline]
@@ -337,7 +337,7 @@ impl Geometry for Surface {
         if rise <= 0.0 {
             return None;
         }
-        if self.steepness.is_below_all(u, rise) {
+        if self.slope_bounds.is_below_all(u, rise) {
             return Some(Escape::SteeperThanAll);
         }
         // Until it is above the highest point (below the lowest one).
@@ -345,7 +345,7 @@ impl Geometry for Surface {
         let place = ray.origin.truncate();
         let [cx, cy] = self.extent();
         let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
-        (within && self.steepness.is_below_near(place, u, rise, t))
+        (within && self.slope_bounds.is_below_near(place, u, rise, t))
             .then_some(Escape::SteeperThanNear)
     }
 }

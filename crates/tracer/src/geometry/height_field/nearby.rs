@@ -5,7 +5,7 @@ use crate::ray::{HalfSpace, Hit, TileRay};
 
 use super::Surface;
 use super::cell::Facet;
-use super::height_bounds::{Cells, Relief};
+use super::height_bounds::{Cells, HeightBounds};
 
 /// Columns or rows of cells that are looked at one by one.
 const FEW: u32 = 2;
@@ -26,11 +26,13 @@ impl Surface {
         if is_beside(self.z_range(), ray, half_space, reach) {
             return Nearby::Clear;
         }
-        let (Some(relief), Some(cells)) = (self.relief.get(), self.cells_under(ray, [0.0, reach]))
-        else {
+        let (Some(height_bounds), Some(cells)) = (
+            self.height_bounds.get(),
+            self.cells_under(ray, [0.0, reach]),
+        ) else {
             return Nearby::Unknown;
         };
-        if relief.is_clear(cells, half_space, nearest(ray, half_space, [0.0, reach]))
+        if height_bounds.is_clear(cells, half_space, nearest(ray, half_space, [0.0, reach]))
             || self.escapes(ray, half_space).is_some()
         {
             return Nearby::Clear;
@@ -39,7 +41,7 @@ impl Surface {
         if x1 - x0 > FAR || y1 - y0 > FAR {
             return Nearby::Unknown;
         }
-        self.nearby_by_halves(relief, ray, half_space, reach)
+        self.nearby_by_halves(height_bounds, ray, half_space, reach)
     }
 
     /// The cells under a stretch of a ray, and what rounding may add; `None` if it is not over the tile.
@@ -62,7 +64,7 @@ impl Surface {
     /// The first facet that a ray passes before `t` exceeds `reach`, on a stretch that is over the tile.
     fn nearby_by_halves(
         &self,
-        relief: &Relief,
+        height_bounds: &HeightBounds,
         ray: &TileRay,
         half_space: HalfSpace,
         reach: f64,
@@ -83,7 +85,7 @@ impl Surface {
                 return Nearby::Unknown;
             };
             let z = nearest(ray, half_space, stretch);
-            if relief.is_clear(cells, half_space, z) {
+            if height_bounds.is_clear(cells, half_space, z) {
                 continue;
             }
             let [[x0, x1], [y0, y1]] = cells;

@@ -75,7 +75,7 @@ impl Support {
 
 /// Bounds for the whole tile, and for the neighbourhood of every block of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Steepness {
+pub(crate) struct SlopeBounds {
     all: Support,
     /// From the smallest blocks to the largest: blocks twice as long each time.
     levels: Vec<Level>,
@@ -90,7 +90,7 @@ struct Level {
     around: Vec<Support>,
 }
 
-impl Steepness {
+impl SlopeBounds {
     /// Bounds for a tile of `[columns, rows]` cells; `row(i)` are the heights of the grid points of
     /// row i, one more than there are columns.
     pub(crate) fn new(
@@ -340,14 +340,14 @@ mod tests {
     #[test]
     fn the_bound_holds_for_every_facet_and_is_met_in_the_eight_directions() {
         let cells = [37, 50];
-        let steepness = Steepness::new(cells, Border::Periodic, 0.0, row(cells));
+        let slope_bounds = SlopeBounds::new(cells, Border::Periodic, 0.0, row(cells));
         for k in 0..64 {
             let u = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / 64.0);
             let steepest = gradients(cells)
                 .iter()
                 .map(|(_, [x, y])| x * u.x + y * u.y)
                 .fold(f64::NEG_INFINITY, f64::max);
-            let bound = steepness.all.rise(u);
+            let bound = slope_bounds.all.rise(u);
             assert!(bound >= steepest - 1e-12, "{k}: {bound} {steepest}");
             if k % 8 == 0 {
                 assert!((bound - steepest).abs() < 1e-12, "{k}: {bound} {steepest}");
@@ -362,7 +362,7 @@ mod tests {
         let borders = [Border::Periodic, Border::Mirrored, Border::Open];
         for (cells, border) in tiles.iter().flat_map(|&c| borders.map(|b| (c, b))) {
             let [nx, ny] = cells.map(|n| n as f64);
-            let steepness = Steepness::new(cells, border, 0.0, row(cells));
+            let slope_bounds = SlopeBounds::new(cells, border, 0.0, row(cells));
             let all = gradients(cells);
             for i in 0..300 {
                 let i = f64::from(i);
@@ -394,13 +394,13 @@ mod tests {
                 if steepest.is_finite() {
                     let rise = steepest - 1e-9;
                     assert!(
-                        !steepness.is_below_near(place, u, rise, t),
+                        !slope_bounds.is_below_near(place, u, rise, t),
                         "{border:?} {place} {u} {t} {steepest}"
                     );
                 }
             }
             // And it excludes something: a ray steeper than all facets escapes.
-            assert!(steepness.is_below_near(DVec2::ONE, DVec2::X, 10.0, 5.0));
+            assert!(slope_bounds.is_below_near(DVec2::ONE, DVec2::X, 10.0, 5.0));
         }
     }
 }

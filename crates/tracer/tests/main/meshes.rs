@@ -1,16 +1,9 @@
 //! Meshes that are no height field, and one that is.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
-mod common;
-
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
+use crate::common::{Run, rugged, waves};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{MAX_LISTED_ORDER, Side, TallySpec, TallyStatistics};
@@ -19,7 +12,6 @@ use asperity_tracer::{
     MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
 };
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
-use common::{Run, rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

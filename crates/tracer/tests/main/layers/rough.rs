@@ -5,8 +5,8 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::{TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Surface, Tracer};
 
+use super::{Scene, medium, slab, z_between};
 use crate::common::waves;
-use crate::{Scene, medium, slab, z_between};
 
 /// A tile of 16 x 16 columns whose waves are 8 to 16 columns long, as steep as `amplitude`.
 fn rough(amplitude: f64) -> Surface {
@@ -93,7 +93,7 @@ fn lengths_that_rounding_would_blur_are_refused() {
     assert_eq!(deep(1e11, flat()), None);
     assert_eq!(deep(1e7, own()), None);
     // A plane is alike everywhere.
-    let plane = crate::flat();
+    let plane = super::flat();
     let layer = Layer::half_space(medium(1e100, 0.5));
     assert!(asperity_tracer::TracedLayer::new(&plane, &layer, flat(), 10).is_ok());
 }
@@ -186,7 +186,7 @@ fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let layer = Layer::half_space(medium(1.0, 0.5));
     let shape = asperity_tracer::BottomShape::Flat;
-    let substrate = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10).unwrap();
+    let layer = asperity_tracer::TracedLayer::new(&surface, &layer, shape, 10).unwrap();
     let glass = asperity_optics::Material::dielectric(1.5).unwrap();
     let _ = Tracer::new(
         &surface,
@@ -195,5 +195,5 @@ fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
         HalfSpace::Below,
         Default::default(),
     )
-    .over(substrate);
+    .over(layer);
 }

@@ -5,8 +5,8 @@ use asperity_surface::Border;
 use asperity_tally::{Entry, Side, Sides, TallySpec};
 use asperity_tracer::{Branching, HalfSpace, MeshBvh, PathSettings, Surface};
 
+use super::{budget, glass};
 use crate::common::{Run, rugged, waves, z_score};
-use crate::{budget, glass};
 
 #[test]
 fn split_and_picked_branches_agree_and_so_does_roulette() {

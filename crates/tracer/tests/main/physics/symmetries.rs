@@ -12,8 +12,8 @@ use asperity_tracer::{
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use super::{GLASS, glass};
 use crate::common::{Run, waves, z_score};
-use crate::{GLASS, glass};
 
 #[test]
 fn light_from_below_equals_light_from_above_on_the_inverted_surface() {

@@ -4,8 +4,8 @@ use asperity_optics::{Bottom, dielectric};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::{BottomShape, PathSettings, TracedLayer, TracedLayerError};
 
+use super::{Scene, budget, clear, flat, medium, slab};
 use crate::common::{rugged, z_score};
-use crate::{Scene, budget, clear, flat, medium, slab};
 use asperity_surface::Border;
 
 #[test]
@@ -118,14 +118,14 @@ fn a_bottom_that_lets_light_through_unbent_is_no_bottom() {
         TallySpec::BUDGET.transmitted,
         TallySpec::BUDGET.absorbed,
     ] {
-        let z = crate::z_between(&open, &matched, entry);
+        let z = super::z_between(&open, &matched, entry);
         println!("entry {entry}: z {z:.2}");
         assert!(z.abs() < 3.5);
     }
 }
 
 #[test]
-fn layers_thinner_than_the_relief_and_bottoms_of_another_tile_are_refused() {
+fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() {
     let top = rugged(9, 10, 1.0, 2, Border::Periodic);
     let refusal = |thickness, bottom, shape: BottomShape<'_, asperity_tracer::Surface>| {
         let layer = slab(medium(1.0, 0.5), thickness, bottom);

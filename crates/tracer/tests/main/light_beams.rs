@@ -1,13 +1,5 @@
 //! A sun looked for through the facets of the surface is the sun that chance finds.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
-mod common;
-
 use std::f64::consts::TAU;
 
 use asperity_optics::{
@@ -27,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 #[derive(Clone, Copy)]
 struct Case {
     border: Border,
-    /// Of the relief.
+    /// Amplitude of the heights.
     height: f64,
     /// Columns and rows.
     cells: [usize; 2],
@@ -62,7 +54,7 @@ fn compare(name: &str, case: Case) {
     let Case { border, height, .. } = case;
     let surface = |seed: u64| {
         let [nx, ny] = case.cells;
-        let field = common::rugged(nx, ny, height, seed, border);
+        let field = crate::common::rugged(nx, ny, height, seed, border);
         let heights = field.field().heights().to_vec();
         let field = HeightField::new(heights, [ny, nx], [1.0, 0.8]).unwrap();
         Surface::new(field.with_border(border))
@@ -82,10 +74,10 @@ fn compare(name: &str, case: Case) {
     } else {
         BottomShape::Flat
     };
-    let substrate = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
+    let layer = TracedLayer::new(&top, &layer, shape, 1000).unwrap();
     let glass = Material::dielectric(1.5).unwrap();
     let settings = PathSettings::default();
-    let integrator = PathIntegrator::new(&top, &*top_hits, glass, settings, Some(substrate));
+    let integrator = PathIntegrator::new(&top, &*top_hits, glass, settings, Some(layer));
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let sun = from_spherical(0.9, 2.0);
     let solid_angle = TAU * (1.0 - COS_RADIUS);
@@ -126,7 +118,7 @@ fn compare(name: &str, case: Case) {
         sums.push(&found);
     }
     let [by_beams, by_chance] = [0, 1].map(|i| sums.estimate(i));
-    let z = common::z_score(by_beams, by_chance.mean, by_chance.se.unwrap());
+    let z = crate::common::z_score(by_beams, by_chance.mean, by_chance.se.unwrap());
     println!(
         "{name}: {:.5} +- {:.5} by beams, {:.5} +- {:.5} by {told_apart} chances, z = {z:.2}",
         by_beams.mean,

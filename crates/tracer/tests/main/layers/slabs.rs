@@ -3,7 +3,7 @@
 use asperity_optics::{Bottom, Layer, dielectric};
 use asperity_tally::{TallyResult, TallySpec};
 
-use crate::{Scene, budget, flat, medium, slab, z_between};
+use super::{Scene, budget, flat, medium, slab, z_between};
 
 #[test]
 fn a_slab_far_thinner_than_the_mean_free_path_is_two_interfaces() {

@@ -10,8 +10,8 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::{GLASS, glass};
 use crate::common::{Run, rugged};
-use crate::{GLASS, glass};
 
 #[test]
 fn flat_surface_gives_exact_fresnel_and_snell() {

@@ -6,8 +6,8 @@ use asperity_tracer::{HalfSpace, Illumination, MeshBvh, PathSettings, Sampling, 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::{exhaustive, glass};
 use crate::common::{waves, z_score};
-use crate::{exhaustive, glass};
 
 /// However rays are spread, light goes the same ways; the more evenly, the less what is found scatters.
 /// Variances over 400 batches are known to 7 %; here, where a facet sees one ray, the one is lower by a

@@ -1,4 +1,4 @@
-//! What is found along a path, and at its end.
+//! Result: the end of a path, and what it contributes to a camera.
 
 use asperity_tally::EventPath;
 use glam::DVec3;
@@ -20,7 +20,7 @@ pub struct PathResult {
     /// How often it was scattered inside the layer.
     pub scatterings: u32,
     /// Whether [`CameraContribution::Beam`] stands for where it has come from: it left above through one facet, straight
-    /// after it was scattered inside no farther away than sunbeams go, and they were asked for.
+    /// after it was scattered inside no farther away than beams reach, and beams were given.
     pub sampled_by_beams: bool,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,
@@ -29,12 +29,12 @@ pub struct PathResult {
     pub origin: DVec3,
 }
 
-/// What is seen along a path that is followed from the eye.
+/// What a camera ray finds along its paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraContribution {
-    /// Its end.
+    /// The end of a path.
     Path(PathResult),
-    /// A place in the layer that light from the direction of sunbeams has come to, through one facet.
+    /// A place in the layer that light of beams has come to, through one facet.
     Beam(BeamContribution),
 }
 

@@ -1,15 +1,7 @@
-//! The layer below a surface, followed by many paths together and by one path at a time.
+//! Layers below a surface: the path engine against the reference, which follows one path at a time.
 //!
 //! [`Tracer`] divides light, waits for searches, and passes over most of them; [`PathIntegrator`] does none of it.
 //! Both draw random numbers of their own, so what they find must agree within the noise of both.
-
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
-mod common;
 
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::{Border, HeightField};
@@ -110,7 +102,7 @@ impl Scene {
             None => Layer::half_space(self.medium),
             Some((bottom, thickness)) => Layer::slab(self.medium, thickness, bottom).unwrap(),
         };
-        let substrate = || {
+        let traced_layer = || {
             let shape = match (&bottom, &bottom_hits) {
                 (Some(geometry), Some(hits)) => BottomShape::Surface {
                     geometry,
@@ -126,7 +118,7 @@ impl Scene {
         let spec = TallySpec::new(grid, 0.1).unwrap().with_medium();
 
         let tracer = Tracer::new(&top, &*top_hits, glass, HalfSpace::Above, self.settings);
-        let tracer = tracer.over(substrate());
+        let tracer = tracer.over(traced_layer());
         let mut together = TallyStatistics::new(spec);
         let mut alone = TallyStatistics::new(spec);
         for block in 0..BATCHES {
@@ -137,7 +129,7 @@ impl Scene {
             together.push(&record);
         }
         let integrator =
-            PathIntegrator::new(&top, &*top_hits, glass, self.settings, Some(substrate()));
+            PathIntegrator::new(&top, &*top_hits, glass, self.settings, Some(traced_layer()));
         let integrator = integrator.with_flight_search(self.search);
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(2);
@@ -241,7 +233,7 @@ fn assert_agreement(
             continue;
         }
         compared += 1;
-        let z = common::z_score(a, b.mean, b.se.unwrap());
+        let z = crate::common::z_score(a, b.mean, b.se.unwrap());
         if z.abs() > 3.0 {
             println!("{name}: {entry}: {} against {}, z = {z:.2}", a.mean, b.mean);
         }

@@ -5,8 +5,8 @@ use asperity_surface::Border;
 use asperity_tally::TallySpec;
 use asperity_tracer::{Branching, MeshBvh, PathSettings, Surface};
 
+use super::{GLASS, budget, exhaustive, glass};
 use crate::common::{Run, rugged, waves};
-use crate::{GLASS, budget, exhaustive, glass};
 
 #[test]
 fn white_furnace_loses_nothing() {

@@ -3,14 +3,8 @@
 //! Both must have the same mean whatever is assumed to be visible; here it is assumed badly on purpose.
 //! Broken as a trial, each of these was seen to fail: the weight without its cosine, the sum without it,
 //! the shadow behind the first facet left out, a share that is subtracted but not added.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
 
-mod common;
-
+use crate::common::{rugged, waves};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{
@@ -21,7 +15,6 @@ use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
     Starts, Surface, Tracer, sum_over_facets, unshadowed_fluxes,
 };
-use common::{rugged, waves};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 

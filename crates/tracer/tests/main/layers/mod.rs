@@ -1,14 +1,6 @@
 //! Light on surfaces with a medium below: exact answers, limits and symmetries.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 mod bottoms;
-#[path = "../common/mod.rs"]
-mod common;
 mod half_space;
 mod nearby;
 mod rough;
@@ -70,7 +62,7 @@ impl Scene {
                 accelerator: &**accelerator,
             },
         };
-        let substrate =
+        let layer =
             TracedLayer::new(&self.surface, &self.layer, shape, self.max_scatterings).unwrap();
         let tracer = Tracer::new(
             &self.surface,
@@ -79,7 +71,7 @@ impl Scene {
             HalfSpace::Above,
             self.settings,
         )
-        .over(substrate);
+        .over(layer);
         let light = Illumination::new(
             Incidence::from_degrees(self.theta_deg, 20.0).unwrap(),
             false,
@@ -121,5 +113,5 @@ fn budget(statistics: &TallyStatistics) -> f64 {
 /// Difference of one entry between two runs over its standard error.
 fn z_between(a: &TallyStatistics, b: &TallyStatistics, entry: Entry) -> f64 {
     let (a, b) = (a.estimate(entry), b.estimate(entry));
-    common::z_score(a, b.mean, b.se.unwrap())
+    crate::common::z_score(a, b.mean, b.se.unwrap())
 }

@@ -1,14 +1,6 @@
 //! Light on surfaces whose answer is known exactly.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 mod branches;
-#[path = "../common/mod.rs"]
-mod common;
 mod energy;
 mod known;
 mod starts;

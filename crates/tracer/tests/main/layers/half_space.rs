@@ -3,8 +3,8 @@
 use asperity_optics::{Layer, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
+use super::{Scene, budget, flat, medium};
 use crate::common::z_score;
-use crate::{Scene, budget, flat, medium};
 
 /// Flux that leaves in the 18 bins of 5 deg of polar angle, of light that was scattered inside; vertical
 /// light, n = 1.5, albedo .9, isotropic. From a quadrature of the integral equation of transfer with Fresnel's
@@ -166,7 +166,7 @@ fn roulette_changes_no_mean() {
         (with(0.01, Branching::Pick, 3), 3),
     ] {
         for entry in [TallySpec::BUDGET.reflected, TallySpec::BUDGET.absorbed] {
-            let z = crate::z_between(&found, &exhaustive, entry);
+            let z = super::z_between(&found, &exhaustive, entry);
             println!("seed {seed}, entry {entry}: z {z:.2}");
             assert!(z.abs() < 3.5);
         }

@@ -1,19 +1,11 @@
 //! Every accelerator against brute force, and brute force against a textbook intersection.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
-mod common;
-
+use crate::common::{rugged, waves};
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, BuildError, Facet, Geometry,
     HalfSpace, Hit, Instructions, Pyramid, Query, Surface, TileRay,
 };
-use common::{rugged, waves};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

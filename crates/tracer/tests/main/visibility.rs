@@ -1,10 +1,5 @@
 //! Whether points see the sky: rays and horizons against each other, against brute force, and on surfaces
 //! whose shadows are known.
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
 
 use asperity_surface::{Border, HeightField, Psd, Synthesis, Triangle};
 use asperity_tracer::{
@@ -144,7 +139,7 @@ fn horizons_are_those_of_brute_force() {
 
 #[test]
 fn rays_and_horizons_agree_point_by_point() {
-    let (mut asked, mut blocked, mut differ) = (0, 0, 0);
+    let (mut traced, mut blocked, mut differ) = (0, 0, 0);
     for (seed, border) in [(1, Border::Periodic), (2, Border::Open)] {
         for (sigma, spacing) in [(6.0, [1.0, 1.0]), (1.5, [1.0, 1.3])] {
             let field = rough(sigma, [64, 48], spacing, seed).with_border(border);
@@ -161,7 +156,7 @@ fn rays_and_horizons_agree_point_by_point() {
                             assert!(horizon.own > cotangent * (1.0 - 1e-12));
                             continue;
                         };
-                        asked += 1;
+                        traced += 1;
                         let hidden = horizon.beyond > cotangent;
                         blocked += usize::from(hidden);
                         if hidden != (seen == Visibility::Blocked) {
@@ -176,8 +171,8 @@ fn rays_and_horizons_agree_point_by_point() {
             }
         }
     }
-    println!("{asked} looks, {blocked} blocked, {differ} in grazing contact differ");
-    assert!(blocked > asked / 10 && differ == 0);
+    println!("{traced} visibility rays, {blocked} blocked, {differ} in grazing contact differ");
+    assert!(blocked > traced / 10 && differ == 0);
 }
 
 #[test]

@@ -1,0 +1,97 @@
+//! Interface: moves a path to an interface, and says what the interface does with its light.
+
+use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_tally::Event;
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+use super::PathIntegrator;
+use super::next_event::InterfaceHit;
+use super::result::PathEnd;
+use super::state::{PathState, Space};
+use crate::geometry::Geometry;
+use crate::interaction::facet::{Branch, Scattered, scatter};
+use crate::interaction::layer::{Interface, TracedLayer};
+
+impl<G: Geometry> PathIntegrator<'_, G> {
+    /// Moves a path to the interface that it meets, or ends it there if nothing can scatter it.
+    pub(super) fn move_to_interface(
+        &self,
+        path: &mut PathState,
+        hit: &InterfaceHit<G::Facet>,
+    ) -> Option<PathEnd> {
+        if let Some((_, heading)) = hit.at {
+            self.advance(path, hit.t);
+            path.heading = heading;
+            path.flight = hit.t;
+            return None;
+        }
+        let layer = self.layer.as_ref()?;
+        if !self.move_inside(path, hit.t) {
+            return Some(PathEnd::LeftPatch);
+        }
+        layer.put_onto_bottom(&mut path.heading.origin);
+        (layer.bottom() == Some(Bottom::Open)).then_some(PathEnd::Below)
+    }
+
+    /// Normal of the interface where a path meets it, on the side of the path.
+    pub(super) fn normal(&self, hit: &InterfaceHit<G::Facet>, space: Space) -> DVec3 {
+        let bottom = self.layer.as_ref().and_then(TracedLayer::surface);
+        let geometry = match (hit.interface, bottom) {
+            (Interface::Bottom, Some((bottom, _))) => bottom,
+            _ => self.geometry,
+        };
+        let is_above = match hit.interface {
+            Interface::Top => space == Space::Above,
+            Interface::Bottom => space == Space::Inside,
+        };
+        let side = if is_above { 1.0 } else { -1.0 };
+        hit.at
+            .map_or(DVec3::Z, |(facet, _)| side * geometry.normal(facet))
+    }
+
+    /// What an interface does with light from `wi` that comes through `space`, at a place of normal `m`.
+    pub(super) fn scattered<R: Rng>(
+        &self,
+        interface: Interface,
+        space: Space,
+        wi: DVec3,
+        m: DVec3,
+        rng: &mut R,
+    ) -> Scattered {
+        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
+        match (interface, bottom) {
+            (Interface::Bottom, Some(bottom)) => at_bottom(bottom, space, wi, m, rng),
+            _ => scatter(self.material, space == Space::Above, wi, m),
+        }
+    }
+}
+
+/// What a bottom does with light that comes through a space from `wi`, to a place of normal `m` on the side
+/// of `wi`.
+fn at_bottom<R: Rng>(bottom: Bottom, space: Space, wi: DVec3, m: DVec3, rng: &mut R) -> Scattered {
+    let (reflectance, wo) = match bottom {
+        Bottom::Interface { eta } => {
+            return scatter(Material::Dielectric { eta }, space == Space::Inside, wi, m);
+        }
+        Bottom::Mirror => (1.0, reflect(wi, m)),
+        // Lambert: the squared cosine to the normal is evenly distributed.
+        Bottom::Lambertian { reflectance } => {
+            let cos_theta_o = rng.random::<f64>().sqrt();
+            (reflectance, around(m, cos_theta_o, rng.random()))
+        }
+        _ => (0.0, DVec3::ZERO),
+    };
+    let branch = |event, share, direction| Branch {
+        event,
+        direction,
+        share,
+    };
+    Scattered {
+        branches: [
+            branch(Event::Transmission, 0.0, DVec3::ZERO),
+            branch(Event::Reflection, reflectance, wo),
+        ],
+        absorbed: 1.0 - reflectance,
+    }
+}

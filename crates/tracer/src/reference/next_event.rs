@@ -1,0 +1,177 @@
+//! Next event: what a path comes to on its straight line.
+
+use glam::{DVec2, DVec3};
+use rand::Rng;
+
+use super::PathIntegrator;
+use super::result::PathEnd;
+use super::state::{PathState, Space};
+use crate::geometry::{Geometry, Nearby};
+use crate::interaction::layer::{Interface, TracedLayer};
+use crate::periodic::{Heading, TraversalEnd, TraversalResult, approach, traverse, wrap};
+use crate::ray::HalfSpace;
+
+/// How a free flight inside a layer is searched for facets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FlightSearch {
+    /// Along all of its straight line.
+    Full,
+    /// By the heights nearby, where they can tell; the same facets are found.
+    Nearby,
+}
+
+/// What a path comes to next.
+pub(super) enum NextEvent<'s, 'a, G: Geometry> {
+    /// An interface.
+    Interface(InterfaceHit<G::Facet>),
+    /// An interaction with the medium of a layer, after so far a flight.
+    Medium(&'s TracedLayer<'a, G>, f64),
+    /// The end of the path.
+    End(PathEnd),
+}
+
+/// Where a path meets an interface.
+pub(super) struct InterfaceHit<F> {
+    pub(super) interface: Interface,
+    /// The facet, and the heading with its origin there; `None` on a flat bottom.
+    pub(super) at: Option<(F, Heading)>,
+    /// Length of the flight.
+    pub(super) t: f64,
+}
+
+impl<'a, G: Geometry> PathIntegrator<'a, G> {
+    /// Finds what a path comes to next: the nearest of the interfaces ahead and, inside a layer, the end of a free
+    /// flight.
+    pub(super) fn next_event<R: Rng>(&self, path: &PathState, rng: &mut R) -> NextEvent<'_, 'a, G> {
+        let outside = |interface, half_space, end| match self.intersect(
+            interface,
+            &path.heading,
+            half_space,
+            f64::INFINITY,
+        ) {
+            Ok(hit) => NextEvent::Interface(hit),
+            Err(failed) => NextEvent::End(failed.unwrap_or(end)),
+        };
+        let layer = match (path.space, &self.layer) {
+            (Space::Above, _) => return outside(Interface::Top, HalfSpace::Above, PathEnd::Above),
+            (Space::Inside, None) => {
+                return outside(Interface::Top, HalfSpace::Below, PathEnd::Below);
+            }
+            (Space::Beyond, _) => {
+                return outside(Interface::Bottom, HalfSpace::Below, PathEnd::Below);
+            }
+            (Space::Inside, Some(layer)) => layer,
+        };
+
+        // Sample a free flight
+        let mut reach = layer.free_flight(rng);
+        let mut next = NextEvent::Medium(layer, reach);
+
+        // Let it end at an interface that comes first
+        let to_bottom = layer.to_flat_bottom(&path.heading);
+        if to_bottom <= reach {
+            reach = to_bottom;
+            next = NextEvent::Interface(InterfaceHit {
+                interface: Interface::Bottom,
+                at: None,
+                t: to_bottom,
+            });
+        }
+        let mut failed = None;
+        for interface in TracedLayer::<G>::interfaces_ahead(path.heading.direction) {
+            match self.intersect(interface, &path.heading, interface.inner_side(), reach) {
+                Ok(hit) if hit.t <= reach => {
+                    reach = hit.t;
+                    next = NextEvent::Interface(hit);
+                }
+                Ok(_) => {}
+                Err(end) => failed = failed.or(end),
+            }
+        }
+        if reach.is_infinite() {
+            // Nothing ends a clear medium.
+            return NextEvent::End(failed.unwrap_or(PathEnd::Below));
+        }
+        next
+    }
+
+    /// The facet of an interface that a straight line comes to, which matters up to `reach`; or how the path ends
+    /// there, unless it escapes from that interface.
+    pub(super) fn intersect(
+        &self,
+        interface: Interface,
+        heading: &Heading,
+        half_space: HalfSpace,
+        reach: f64,
+    ) -> Result<InterfaceHit<G::Facet>, Option<PathEnd>> {
+        let (mut heading, mut geometry, mut accelerator) =
+            (*heading, self.geometry, self.accelerator);
+        if interface == Interface::Bottom {
+            let Some((layer, bottom)) = self
+                .layer
+                .as_ref()
+                .and_then(|layer| layer.surface().map(|bottom| (layer, bottom)))
+            else {
+                return Err(None);
+            };
+            heading = layer.to_interface(interface, heading);
+            (geometry, accelerator) = bottom;
+        }
+        let found = |facet, heading, t| {
+            let heading = match &self.layer {
+                Some(layer) => layer.from_interface(interface, heading),
+                None => heading,
+            };
+            Ok(InterfaceHit {
+                interface,
+                at: Some((facet, heading)),
+                t,
+            })
+        };
+
+        // Look at the heights nearby, if that can tell
+        let is_inside = self.layer.is_some() && half_space == interface.inner_side();
+        let looks_nearby = self.search == FlightSearch::Nearby;
+        let gone = if looks_nearby && is_inside {
+            approach(geometry, &mut heading, half_space, reach)
+        } else {
+            0.0
+        };
+        let reach = reach - gone;
+        if looks_nearby && reach.is_finite() {
+            let query = heading.query(geometry, half_space);
+            match geometry.nearby(&query.ray, half_space, reach) {
+                Nearby::Clear => return Err(None),
+                Nearby::Met(hit) => {
+                    let origin = geometry.snap(hit.facet, query.ray.at(hit.t));
+                    return found(hit.facet, Heading { origin, ..heading }, gone + hit.t);
+                }
+                Nearby::Unknown => {}
+            }
+        }
+
+        // Search from tile to tile
+        match traverse(geometry, accelerator, heading, half_space) {
+            TraversalResult::Hit(hit, heading) => found(hit.facet, heading, gone + hit.t),
+            TraversalResult::Ended(TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
+                Err(None)
+            }
+            TraversalResult::Ended(TraversalEnd::LeftPatch) => Err(Some(PathEnd::LeftPatch)),
+            TraversalResult::Ended(TraversalEnd::Lost) => Err(Some(PathEnd::Lost)),
+        }
+    }
+
+    /// Moves the place of a path on by `t`, in the plane continued without end.
+    pub(super) fn advance(&self, path: &mut PathState, t: f64) {
+        let world = path.heading.world_direction();
+        path.place += t * DVec2::new(world.x, world.y * self.geometry.aspect());
+    }
+
+    /// Moves a path on by `t` inside the layer; false if it leaves an open patch.
+    pub(super) fn move_inside(&self, path: &mut PathState, t: f64) -> bool {
+        self.advance(path, t);
+        let d = path.heading.direction;
+        path.heading.origin += t * DVec3::new(d.x, d.y * self.geometry.aspect(), d.z);
+        wrap(self.geometry, &mut path.heading)
+    }
+}

@@ -1,0 +1,17 @@
+//! Integration tests of the crate, in one binary; the stress harness has its own.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "helpers of tests fail and report as tests do"
+)]
+
+mod accelerators;
+mod common;
+mod control_variates;
+mod layers;
+mod layers_against_reference;
+mod light_beams;
+mod meshes;
+mod physics;
+mod visibility;
