@@ -1,9 +1,9 @@
 //! Statistical scattering models of rough surfaces and their comparison with explicit results.
 //!
-//! The models know nothing of ray tracing: they are the independent side of every comparison.
+//! The models do not depend on the ray tracer, so every comparison is between independent results.
 //!
 //! # Modules, from the bottom up
-//! - `numerics`: quadrature and hashing.
+//! - `numerics`: quadrature, special functions and hashing.
 //! - `microfacet`: Gaussian slopes, the distribution of facet normals, half vectors, sampling.
 //! - `models`: one scattering model per file, and the registry of their names.
 //! - `integrals`: models integrated over bins, hemispheres and all slopes.
@@ -15,11 +15,16 @@
 //! `z < 0` transmitted). `eta` is the index behind the surface relative to that before it.
 //! Smoothness `s = tau / sigma` is the 1/e correlation length over the root mean square height of
 //! a surface with autocorrelation `sigma^2 exp(-r^2 / tau^2)`; its facet slopes have variance
-//! `2 / s^2` per axis. A BSDF is outgoing radiance over incident irradiance, in 1/sr, so that the
-//! solid angle `dOmega` about `wo` receives the share `f |cos theta_o| dOmega` of the flux that
-//! falls on the mean plane. Fluxes here are such shares.
+//! `2 / s^2` per axis. A BSDF is outgoing radiance over incident irradiance, in 1/sr, so the solid
+//! angle `dOmega` about `wo` receives the fraction `f |cos theta_o| dOmega` of the flux incident on the mean
+//! plane. Fluxes here are such fractions. `theta_i` and `theta_t` are angles to the facet normal `m` in the names
+//! of variables (`cos_theta_i = wi . m`), and `wi.z` is the cosine of the polar angle of incidence.
 //!
-//! # Example
+//! # Adding a model
+//! Write one file in `models/` that implements [`ScatteringModel`], with [`BsdfModel`] for a closed form,
+//! [`RandomWalk`] for a random walk, or both. Then add one line to the registry, `models/registry.rs`.
+//!
+//! # Examples
 //! ```
 //! use asperity_analysis::{Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy};
 //! use asperity_optics::{Incidence, Material};

@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn contradictory_input_is_refused() {
+    fn inconsistent_input_is_refused() {
         assert_eq!(
             compare(&[], Expected::Exact(&[]), &[], &[], 0),
             Err(ComparisonError::NoSurfaces)

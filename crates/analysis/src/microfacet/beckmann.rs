@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn isotropic_slopes_are_beckmanns() {
+    fn isotropic_slopes_give_beckmanns_formulas() {
         // The formulae in s. The exponent, up to 60 here, and 2 a^2 carry the roundings of the matrix.
         for s in [0.25, 1.0, 3.0, 100.0] {
             let beckmann = isotropic(s);
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_covariance_is_the_same_one_for_turned_directions() {
+    fn d_and_lambda_are_invariant_under_a_common_turn() {
         let turned = |angle: f64| {
             let (s, c) = angle.sin_cos();
             let (long, short) = (0.5, 0.02);

@@ -93,7 +93,7 @@ fn distance_from_uniform(mut p: Vec<f64>) -> f64 {
 }
 
 #[test]
-fn p_values_are_uniform_where_the_model_is_right_and_a_chi_squared_is_not() {
+fn p_values_of_a_correct_model_are_uniform_unlike_chi_squared() {
     const REPETITIONS: usize = 500;
     const SURFACES: usize = 12;
     let mut ensemble = Ensemble::new(20);
@@ -136,7 +136,7 @@ fn p_values_are_uniform_where_the_model_is_right_and_a_chi_squared_is_not() {
 }
 
 #[test]
-fn a_shift_of_five_standard_errors_in_one_bin_is_seen() {
+fn a_shift_of_five_standard_errors_in_one_bin_is_detected() {
     // Among 30 bins, p < 0.01 needs |t| > 3.8 with 63 degrees of freedom; t of the shifted bin
     // scatters by 1.1 about 5.1, so it is seen in 87 % of cases: in 13 or more of 20 with
     // probability 0.999.
@@ -161,7 +161,7 @@ fn a_shift_of_five_standard_errors_in_one_bin_is_seen() {
 }
 
 #[test]
-fn a_shift_spread_over_all_bins_is_seen_in_their_sum() {
+fn a_shift_spread_over_all_bins_is_detected_in_their_sum() {
     // Independent bins that each deviate by one standard error, too little to be seen among 30; their
     // sum deviates by sqrt(30) = 5.5.
     let mut ensemble = Ensemble::new(26);
@@ -192,7 +192,7 @@ fn a_shift_spread_over_all_bins_is_seen_in_their_sum() {
 }
 
 #[test]
-fn total_variation_of_a_right_model_is_that_of_noise() {
+fn total_variation_of_a_correct_model_is_that_of_noise() {
     let mut ensemble = Ensemble::new(22);
     let (mut inside, mut ratio) = (0, 0.0);
     for seed in 0..100 {
@@ -218,7 +218,7 @@ fn total_variation_of_a_right_model_is_that_of_noise() {
 }
 
 #[test]
-fn results_do_not_depend_on_anything_but_data_and_seed() {
+fn results_depend_on_data_and_seed_alone() {
     let mut ensemble = Ensemble::new(23);
     let surfaces = ensemble.surfaces(20);
     let once = compare(
@@ -243,7 +243,7 @@ fn results_do_not_depend_on_anything_but_data_and_seed() {
 }
 
 #[test]
-fn bins_that_are_copies_of_each_other_change_no_judgement() {
+fn duplicate_bins_change_no_p_value() {
     // What vertical light does: a ring's flux is spread evenly over its bins.
     let copies = 36;
     let mut ensemble = Ensemble::new(11);
@@ -308,7 +308,7 @@ fn bins_that_are_copies_of_each_other_change_no_judgement() {
 }
 
 #[test]
-fn a_wrong_model_fails_beside_a_right_one_that_holds() {
+fn a_wrong_model_fails_and_a_correct_one_holds() {
     let mut ensemble = Ensemble::new(24);
     let surfaces = ensemble.surfaces(24);
     let right = ensemble.expected.clone();

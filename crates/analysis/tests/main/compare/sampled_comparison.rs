@@ -28,7 +28,7 @@ fn slices(batches: &[Vec<f64>]) -> Vec<&[f64]> {
 }
 
 #[test]
-fn a_right_model_fails_as_often_as_the_level_says_only_if_its_noise_counts() {
+fn a_correct_model_keeps_its_level_only_if_its_noise_counts() {
     // The model's mean is as uncertain as that of the surfaces.
     const REPETITIONS: usize = 400;
     let mut rng = ChaCha8Rng::seed_from_u64(31);
@@ -80,7 +80,7 @@ fn errors_are_those_of_the_difference() {
 }
 
 #[test]
-fn there_are_as_many_batches_as_surfaces() {
+fn batches_and_surfaces_must_be_equal_in_number() {
     let surfaces = vec![vec![0.5]; 8];
     let model: &[f64] = &[0.5];
     let error = compare(&surfaces, Expected::Batches(&[model; 7]), &[true], &[], 1).unwrap_err();

@@ -52,7 +52,7 @@ fn bins_add_up_to_the_integral_over_facets() {
 }
 
 #[test]
-fn a_bin_holds_the_sum_of_its_parts() {
+fn a_bin_is_the_sum_of_its_subdivisions() {
     // The azimuth of the light is that of no bin edge. Sums of six bins, each to about 1e-12.
     for s in [0.5, 3.0, 100.0] {
         for eta in [1.5, 1.0 / 1.5] {
@@ -158,7 +158,7 @@ fn a_nearly_smooth_surface_reflects_like_a_flat_one() {
 }
 
 #[test]
-fn facets_beyond_the_critical_angle_send_nothing_through() {
+fn facets_beyond_the_critical_angle_transmit_nothing() {
     let model = closed_form("smith", 100.0, Material::dielectric(1.0 / 1.5).unwrap());
     let energy = hemispherical_energy(model.as_ref(), light(60.0, 0.0));
     assert!(
@@ -168,7 +168,7 @@ fn facets_beyond_the_critical_angle_send_nothing_through() {
 }
 
 #[test]
-fn no_model_makes_energy() {
+fn no_model_creates_energy() {
     for material in materials() {
         for s in [0.25, 1.0, 4.0] {
             for theta in [0.0, 45.0, 85.0] {
@@ -198,7 +198,7 @@ fn smith_keeps_the_single_transmission_that_xu_sun_loses() {
 }
 
 #[test]
-fn in_plane_fluxes_are_those_of_the_density_on_both_sides_of_the_normal() {
+fn in_plane_fluxes_agree_with_the_bsdf_on_both_sides_of_the_normal() {
     let light = Incidence::from_degrees(25.0, 70.0).unwrap();
     let half_width = f64::to_radians(5.0);
     let model = closed_form("smith", 1.0, Material::dielectric(1.4).unwrap());

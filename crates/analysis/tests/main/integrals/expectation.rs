@@ -60,7 +60,7 @@ fn every_view_of_a_closed_form_agrees() {
 }
 
 #[test]
-fn a_side_that_is_not_asked_for_stays_empty() {
+fn an_unrecorded_side_stays_empty() {
     let light = Incidence::from_degrees(40.0, 20.0).unwrap();
     let model = closed_form("smith", 2.0, Material::dielectric(1.5).unwrap());
     let layout = layout().with_sides(Sides::Reflected);

@@ -97,7 +97,7 @@ fn every_view_of_an_expectation_agrees() {
 }
 
 #[test]
-fn light_scattered_once_is_that_of_the_closed_form_without_error() {
+fn single_scattering_is_the_exact_closed_form() {
     let layout = layout();
     let found = found(layout, EFFORT);
     let model = rough_glass();
@@ -138,7 +138,7 @@ fn energies_add_up_within_their_errors() {
 }
 
 #[test]
-fn thread_count_changes_no_byte_and_the_seed_does() {
+fn results_depend_on_the_seed_and_not_on_the_thread_count() {
     let run = |threads, seed| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
@@ -153,7 +153,7 @@ fn thread_count_changes_no_byte_and_the_seed_does() {
 }
 
 #[test]
-fn a_side_that_is_not_asked_for_stays_empty_and_changes_nothing() {
+fn an_unrecorded_side_stays_empty_and_changes_nothing() {
     let both = found(layout(), EFFORT);
     let layout = layout().with_sides(Sides::Reflected);
     let asked = found(layout, EFFORT);

@@ -192,7 +192,7 @@ fn flat(fluxes: &UnshadowedFluxes, facing: f64) -> Vec<f64> {
 }
 
 #[test]
-fn fluxes_are_those_of_facets_drawn_at_random() {
+fn fluxes_agree_with_randomly_sampled_facets() {
     let layout = layout(9, 12);
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let cases = [
@@ -291,7 +291,7 @@ fn sides_add_up_to_the_integral_over_facets() {
 }
 
 #[test]
-fn a_bin_holds_the_sum_of_its_parts() {
+fn a_bin_is_the_sum_of_its_subdivisions() {
     // The six parts of a bin and the bin itself, each to about 1e-12 or 1e-11 of itself.
     let (coarse, fine) = (layout(3, 4), layout(6, 12));
     for slopes in all_slopes() {
@@ -324,7 +324,7 @@ fn a_bin_holds_the_sum_of_its_parts() {
 }
 
 #[test]
-fn all_light_that_facets_meet_goes_somewhere() {
+fn components_add_to_one_plus_lambda() {
     // Slopes of deviation 0.08 at most, eight deviations from reflecting light from 20 deg downwards
     // and more from turning away from it: 1e-15 is left out. 162 bins a side to 1e-12, and what
     // conductors absorb.
@@ -388,7 +388,7 @@ fn isotropic_fluxes_are_those_of_a_model_without_masking() {
 }
 
 #[test]
-fn shares_are_the_ratio_of_smiths_fluxes_to_unshadowed_ones() {
+fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
     let layout = layout(18, 12);
     let mut between = 0;
     for s in [0.5, 1.0, 3.0] {
@@ -431,7 +431,7 @@ fn shares_are_the_ratio_of_smiths_fluxes_to_unshadowed_ones() {
 }
 
 #[test]
-fn isotropic_shares_do_not_depend_on_the_way_they_are_integrated() {
+fn isotropic_visible_fractions_do_not_depend_on_the_quadrature() {
     // A hair of anisotropy takes the general way. Both to three digits.
     let layout = Layout::default();
     for material in [glass(1.5), glass(1.0 / 1.5)] {
@@ -446,7 +446,7 @@ fn isotropic_shares_do_not_depend_on_the_way_they_are_integrated() {
 }
 
 #[test]
-fn a_control_is_its_shares_of_the_fluxes() {
+fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     let layout = Layout::default();
     let slopes = grooved(0.9, 0.3, 25.0);
     let gold = Material::conductor(0.21, 3.272).unwrap();
@@ -472,7 +472,7 @@ fn a_control_is_its_shares_of_the_fluxes() {
 }
 
 #[test]
-fn what_has_no_density_is_refused() {
+fn matched_indices_are_refused() {
     let layout = Layout::default();
     for eta in [1.0, 1.0 + 1e-6] {
         let refused = unshadowed_fluxes(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout);

@@ -52,7 +52,7 @@ fn of_history(model: &FlatLayer, theta: f64, history: History) -> [f64; 2] {
 }
 
 #[test]
-fn the_letter_is_the_papers() {
+fn hanrahan_krueger_agrees_with_the_equations_of_the_paper() {
     // Eqs. 20 and 21 and the first-order transmitted radiance, computed apart in angles within the layer.
     let layer = slab(0.9, 0.3, 0.1, Bottom::Interface { eta: 1.0 / 1.5 });
     let model = model(1.5, &layer, LayerPaths::HanrahanKrueger);
@@ -76,7 +76,7 @@ fn the_letter_is_the_papers() {
 }
 
 #[test]
-fn a_matched_half_space_is_lommel_and_seeliger() {
+fn a_matched_half_space_gives_lommel_and_seeliger() {
     let layer = Layer::half_space(medium(0.7, 0.0));
     for paths in BOTH {
         let model = model(1.0, &layer, paths);
@@ -90,7 +90,7 @@ fn a_matched_half_space_is_lommel_and_seeliger() {
 }
 
 #[test]
-fn thick_slabs_are_half_spaces_whatever_is_below() {
+fn thick_slabs_agree_with_half_spaces_for_any_bottom() {
     let endless = Layer::half_space(medium(0.8, 0.4));
     for bottom in [
         Bottom::Open,
@@ -110,7 +110,7 @@ fn thick_slabs_are_half_spaces_whatever_is_below() {
 }
 
 #[test]
-fn both_models_agree_where_nothing_comes_back_from_below() {
+fn both_models_agree_without_inner_reflection() {
     for layer in [
         Layer::half_space(medium(0.8, 0.4)),
         slab(0.8, 0.4, 0.3, Bottom::Absorbing),
@@ -127,7 +127,7 @@ fn both_models_agree_where_nothing_comes_back_from_below() {
 }
 
 #[test]
-fn the_way_back_is_the_way_there() {
+fn the_layer_is_reciprocal() {
     // Upside down: the top becomes the bottom.
     for (eta, beyond) in [(1.5, 1.0 / 1.5), (1.5, 0.9), (0.8, 1.3), (1.2, 1.0)] {
         let there = slab(0.9, 0.6, 0.5, Bottom::Interface { eta: beyond });
@@ -155,7 +155,7 @@ fn the_way_back_is_the_way_there() {
 }
 
 #[test]
-fn a_clear_plate_passes_what_a_stack_of_two_faces_does() {
+fn a_clear_plate_transmits_like_two_faces() {
     // Without a medium the reflectances of two equal faces sum to 2 R / (1 + R): Stokes 1862.
     let phase = PhaseFunction::Isotropic;
     let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, phase).unwrap();
@@ -203,7 +203,7 @@ fn a_clear_plate_passes_what_a_stack_of_two_faces_does() {
 }
 
 #[test]
-fn light_that_returns_from_a_mirror_is_the_sum_of_its_bounces() {
+fn light_returned_by_a_mirror_is_the_sum_over_its_reflections() {
     let (eta, tau): (f64, f64) = (1.5, 0.4);
     let model = model(eta, &slab(0.5, 0.0, tau, Bottom::Mirror), LayerPaths::All);
     for theta in [20.0, 85.0] {
@@ -221,7 +221,7 @@ fn light_that_returns_from_a_mirror_is_the_sum_of_its_bounces() {
 }
 
 #[test]
-fn thin_plates_scatter_what_they_meet_and_let_go_what_is_within_the_escape_cone() {
+fn thin_plates_release_scattered_light_within_the_escape_cone() {
     // To first order in tau, light crosses the medium on 1 / mu_i free paths (1 + R + R^2 ...) T = 1 times,
     // and of what is scattered evenly the share 1 - sqrt(1 - 1/eta^2) lies in the two cones that the faces let
     // through sooner or later; the rest is caught. The next order is tau / mu, mu > 0.74 all over.
@@ -254,7 +254,7 @@ fn thin_plates_scatter_what_they_meet_and_let_go_what_is_within_the_escape_cone(
 }
 
 #[test]
-fn nothing_is_undefined_at_critical_angles_at_grazing_or_without_thickness() {
+fn values_are_finite_at_critical_angles_at_grazing_and_without_thickness() {
     let bottoms = [
         Bottom::Open,
         Bottom::Absorbing,
@@ -320,7 +320,7 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
 }
 
 #[test]
-fn a_record_is_the_same_on_every_grid_and_its_parts_add_up() {
+fn tallies_of_different_grids_agree_and_components_add_up() {
     let cases = [
         (1.5, 0.99, 0.2, Bottom::Interface { eta: 1.0 / 1.5 }),
         (1.5, -0.9, 0.2, Bottom::Mirror),
@@ -363,7 +363,7 @@ fn a_record_is_the_same_on_every_grid_and_its_parts_add_up() {
 }
 
 #[test]
-fn sides_and_azimuths_that_are_not_asked_for_are_not_filled() {
+fn unrecorded_sides_and_azimuths_stay_empty() {
     let model = model(1.5, &slab(0.9, 0.5, 0.3, Bottom::Open), LayerPaths::All);
     let reflected = layout(3, 4, 0.1).with_sides(Sides::Reflected);
     let record = record(&model, 30.0, &reflected);
@@ -388,7 +388,7 @@ fn sides_and_azimuths_that_are_not_asked_for_are_not_filled() {
 }
 
 #[test]
-fn layers_without_such_a_model_are_refused() {
+fn layers_without_a_model_are_refused() {
     let refusal = |name: &str, eta: f64, bottom| {
         let error = FlatLayer::by_name(name, eta, &slab(0.5, 0.0, 1.0, bottom)).unwrap_err();
         error.to_string()

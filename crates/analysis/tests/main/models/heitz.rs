@@ -64,7 +64,7 @@ fn z_score(statistics: &BatchStatistics, i: usize, expected: f64) -> f64 {
 }
 
 #[test]
-fn all_light_is_accounted_for_ray_by_ray() {
+fn the_budget_of_each_ray_closes() {
     let layout = layout(3, 4);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let conductor = Material::conductor(0.2, 3.0).unwrap();
@@ -95,7 +95,7 @@ fn all_light_is_accounted_for_ray_by_ray() {
 }
 
 #[test]
-fn white_furnace_loses_nothing_and_a_metal_absorbs_more_when_rough() {
+fn white_furnace_conserves_energy_and_a_rough_metal_absorbs_more() {
     let layout = layout(3, 4);
     let mut z_values = Vec::new();
     let mut absorbed = Vec::new();
@@ -126,7 +126,7 @@ fn white_furnace_loses_nothing_and_a_metal_absorbs_more_when_rough() {
 }
 
 #[test]
-fn light_scattered_once_has_the_closed_form() {
+fn single_scattering_agrees_with_the_closed_form() {
     let layout = layout(9, 12);
     let grid = layout.grid();
     let cases = [
@@ -249,7 +249,7 @@ fn reflected_twice(s: f64, n: u32) -> f64 {
 }
 
 #[test]
-fn light_reflected_twice_is_what_integration_over_two_facets_gives() {
+fn double_reflection_agrees_with_the_integral_over_two_facets() {
     let layout = layout(3, 4);
     let twice = EventPath::default()
         .then(Event::Reflection)
@@ -377,7 +377,7 @@ fn turning_surface_and_light_turns_the_result() {
 }
 
 #[test]
-fn nearly_equal_variances_are_as_equal_ones() {
+fn nearly_equal_variances_agree_with_equal_ones() {
     let layout = layout(3, 4);
     let run = |slopes| {
         let model = Heitz::new(slopes, glass(1.5)).unwrap();
@@ -399,7 +399,7 @@ fn nearly_equal_variances_are_as_equal_ones() {
 }
 
 #[test]
-fn bad_materials_are_refused_and_the_range_is_stated() {
+fn invalid_materials_are_refused_and_the_valid_range_is_stated() {
     let refused = |material| {
         create_model("heitz", isotropic(2.0), material)
             .err()
@@ -430,7 +430,7 @@ fn bad_materials_are_refused_and_the_range_is_stated() {
 }
 
 #[test]
-fn extreme_light_and_surfaces_are_followed() {
+fn extreme_light_and_surfaces_give_finite_results() {
     let layout = layout(3, 4);
     let steep = SlopeCovariance::new(1e8, 1e8, 0.0).unwrap();
     let flat = SlopeCovariance::new(1e-12, 1e-12, 0.0).unwrap();

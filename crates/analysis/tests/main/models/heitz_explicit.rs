@@ -34,7 +34,7 @@ const EXPLICIT: [Explicit; 6] = [
 const BAND: [f64; 2] = [0.33, 1.7];
 
 #[test]
-fn multiple_scattering_is_of_the_size_found_on_surfaces() {
+fn multiple_scattering_is_within_the_band_of_explicit_surfaces() {
     let grid = HemisphereGrid::new(3, 4).unwrap();
     let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
     for case in &EXPLICIT {

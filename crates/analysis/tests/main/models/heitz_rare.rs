@@ -39,7 +39,7 @@ fn sampled(model: &Heitz, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
 /// A mirror absorbs nothing, so that what does not leave after one reflection leaves after several: one
 /// less the closed form of light scattered once, which quadrature knows to 1e-10.
 #[test]
-fn second_reflections_of_a_smooth_mirror_are_what_the_first_leave() {
+fn second_order_of_a_smooth_mirror_is_the_rest_of_the_first() {
     let mut z_values = Vec::new();
     for (seed, (s, theta)) in [(8.0, 40.0), (8.0, 60.0), (12.0, 50.0), (12.0, 70.0)]
         .into_iter()
@@ -62,7 +62,7 @@ fn second_reflections_of_a_smooth_mirror_are_what_the_first_leave() {
 /// Most rays leave a smooth mirror but for some 1e-8 of their light, and that must leave as well: what
 /// later reflections send away is in the mean what the first has left, however little. Rays that leave between 1e-11, well above rounding, and 1e-6 are added up.
 #[test]
-fn the_least_rest_of_a_ray_is_followed() {
+fn rare_multiple_scattering_is_followed() {
     for (seed, (s, theta)) in [(8.0, 20.0), (10.0, 30.0), (12.0, 30.0)]
         .into_iter()
         .enumerate()

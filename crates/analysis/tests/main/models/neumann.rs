@@ -22,7 +22,7 @@ fn reflected(model: &dyn BsdfModel, theta_deg: f64) -> f64 {
 }
 
 #[test]
-fn the_smaller_cosine_is_all_that_sets_it_apart() {
+fn neumann_differs_by_the_smaller_cosine() {
     // f max(ci, co) = f' ci co: a few roundings.
     for material in [Material::Mirror, Material::dielectric(1.0 / 1.5).unwrap()] {
         for (name, other) in NEUMANN.into_iter().zip(BOTH_COSINES) {
@@ -48,7 +48,7 @@ fn the_smaller_cosine_is_all_that_sets_it_apart() {
 }
 
 #[test]
-fn it_reflects_and_does_nothing_else() {
+fn neumann_describes_reflection_alone() {
     for name in NEUMANN {
         let model = closed_form(name, 1.0, Material::dielectric(1.5).unwrap());
         assert_eq!(model.sides(), Sides::Reflected);
@@ -67,7 +67,7 @@ fn it_reflects_and_does_nothing_else() {
 }
 
 #[test]
-fn it_is_reciprocal() {
+fn neumann_is_reciprocal() {
     for name in NEUMANN {
         for material in [Material::Mirror, Material::conductor(0.21, 3.272).unwrap()] {
             let model = correlated(name, 0.3, material);

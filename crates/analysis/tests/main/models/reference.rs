@@ -151,7 +151,7 @@ fn check_same_facets(spot: &Spot, wi: DVec3, [up, down]: [DVec3; 2]) -> f64 {
 }
 
 #[test]
-fn models_have_their_values_at_chosen_directions() {
+fn models_agree_with_50_digit_values() {
     for spot in &SPOTS {
         // Exponents of the slope density stay below 40, so rounding stays below 1e-13.
         let error = check_spot(spot);
@@ -160,7 +160,7 @@ fn models_have_their_values_at_chosen_directions() {
 }
 
 #[test]
-fn hemispherical_energies_are_those_of_the_reference() {
+fn hemispherical_energies_agree_with_the_reference() {
     let glass = Material::dielectric(1.4).unwrap();
     for row in &ENERGIES {
         for (i, name) in MODELS.iter().enumerate() {
@@ -185,7 +185,7 @@ fn hemispherical_energies_are_those_of_the_reference() {
 }
 
 #[test]
-fn lit_facets_are_counted_once_by_smith_and_not_by_xu_sun() {
+fn smith_conserves_facing_area_and_xu_sun_does_not() {
     for row in &ENERGIES {
         let wi = light(30.0);
         let slopes = SlopeCovariance::isotropic(row.s).unwrap();

@@ -82,7 +82,7 @@ fn traced(
 }
 
 #[test]
-fn light_traced_through_grooves_falls_where_the_density_says() {
+fn rays_traced_through_grooves_agree_with_the_bsdf() {
     let grid = HemisphereGrid::new(6, 8).unwrap();
     let rays = 150_000;
     let turned = SlopeCovariance::new(0.8, 0.3, 0.3).unwrap();
@@ -111,7 +111,7 @@ fn light_traced_through_grooves_falls_where_the_density_says() {
 }
 
 #[test]
-fn a_mirror_keeps_what_does_not_meet_the_other_side() {
+fn mirror_energy_is_the_light_that_misses_the_other_side() {
     // One less what is lost, by midpoints over 600 x 600 slopes and closed thresholds: the share of a side that is
     // lit, less the part of it from which light goes down or meets the other side. Edges cross cells: 1e-4.
     for s in [0.7, 2.0] {

@@ -259,7 +259,7 @@ fn at_facet(v: DVec3, above: bool, m: DVec3, eta: f64) -> [Leaving; 2] {
 }
 
 #[test]
-fn light_scattered_twice_met_two_independent_facets() {
+fn double_scattering_is_by_two_independent_facets() {
     // The four paths of two events, with the choices of the model written out another way: normals of the second
     // facet are drawn from all and weighted by 1 / P(facing), P the normal distribution at cot / deviation, and the
     // last visibility is its mean over heights, 1 / (1 + exponent).
@@ -356,7 +356,7 @@ fn a_conductor_absorbs_what_it_does_not_reflect() {
 }
 
 #[test]
-fn a_mirror_sends_everything_back() {
+fn a_mirror_reflects_all_light() {
     let model = create_model("xu-sun-mc-smith", isotropic(1.0), Material::Mirror).unwrap();
     let walked = followed(model.as_ref(), 30.0, 50_000, 3);
     let [reflected, transmitted, absorbed, truncated, lost] = fluxes(&walked);
@@ -385,7 +385,7 @@ fn a_nearly_smooth_surface_is_flat() {
 }
 
 #[test]
-fn the_threshold_ends_little() {
+fn the_threshold_truncates_little() {
     // A ray that ends has less than 1e-5; what ends is then below that times the rays that split off.
     for name in BOTH {
         for (s, eta) in [
@@ -407,7 +407,7 @@ fn the_threshold_ends_little() {
 }
 
 #[test]
-fn turning_the_surface_turns_the_light() {
+fn turning_the_surface_turns_the_scattered_light() {
     // Slopes of (xx, yy, xy) turned by 90 deg are (yy, xx, -xy); two independent runs, bin by bin.
     let here = SlopeCovariance::new(0.5, 0.1, 0.1).unwrap();
     let there = SlopeCovariance::new(0.1, 0.5, -0.1).unwrap();
@@ -449,7 +449,7 @@ fn turning_the_surface_turns_the_light() {
 }
 
 #[test]
-fn only_smiths_visibility_knows_anisotropic_slopes() {
+fn only_smiths_visibility_accepts_anisotropic_slopes() {
     let slopes = SlopeCovariance::new(0.5, 0.1, 0.1).unwrap();
     let error = create_model("xu-sun-mc", slopes, glass())
         .map(|model| model.name())
@@ -464,7 +464,7 @@ fn only_smiths_visibility_knows_anisotropic_slopes() {
 }
 
 #[test]
-fn thread_count_changes_no_byte() {
+fn results_do_not_depend_on_the_thread_count() {
     for name in BOTH {
         let model = create_model(name, isotropic(0.7), glass()).unwrap();
         let [one, two] = [1, 2].map(|threads| {
@@ -482,7 +482,7 @@ fn thread_count_changes_no_byte() {
 }
 
 #[test]
-fn eq_23_is_far_from_the_mean_that_it_stands_for() {
+fn eq_23_differs_from_the_mean_that_it_approximates() {
     // Transmitted and reflected single scattering at 30 deg, n = 1.4: with the mean of Eq. 22 over heights, and
     // with the product at height zero of Eq. 23 in its place, which is Eq. 25. Heights oppose each other in
     // transmission, so that Eq. 23 is too high there, and agree in reflection, where it is too low.
@@ -510,7 +510,7 @@ fn eq_23_is_far_from_the_mean_that_it_stands_for() {
 }
 
 #[test]
-fn rays_end_on_any_surface() {
+fn rays_terminate_on_any_surface() {
     // Nearly upright facets, nearly none, and slopes at the ends of what numbers hold.
     for s in [1e-150, 1e-3, 0.05, 1e9] {
         for material in [
