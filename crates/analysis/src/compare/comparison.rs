@@ -189,7 +189,7 @@ fn test_on_all_scales(
 
 /// Residuals of all surfaces, with the columns that are no larger than rounding set to zero; each column is a
 /// sum of `bins` bins. Where all surfaces have the same flux, as mirrors have in total, the residual is the
-/// error of quadrature, and has no scatter to be judged by.
+/// error of quadrature, and has no scatter to test it against.
 fn without_rounding(mut residuals: Vec<Vec<f64>>, bins: impl Fn(usize) -> usize) -> Vec<Vec<f64>> {
     let columns = residuals.first().map_or(0, Vec::len);
     for column in 0..columns {

@@ -131,14 +131,14 @@ impl Expectation {
         self.rays
     }
 
-    /// Whether this share of the light was sampled, all of it or in part.
+    /// Whether this component of the light was sampled, at least in part.
     #[must_use]
     pub fn samples(&self, share: Share) -> bool {
         let known = share == Share::Single && self.exact_single;
         !(self.is_exact() || known)
     }
 
-    /// Whether the model says anything of this share of the light, as the surface scatters it.
+    /// Whether the model describes this component of the light scattered by the surface.
     #[must_use]
     pub fn describes(&self, share: Share) -> bool {
         match self.scope {

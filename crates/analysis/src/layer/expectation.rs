@@ -25,7 +25,7 @@ impl FlatLayer {
         Expectation::of(*layout, Scope::ScatteredInside, vec![record], 0)
     }
 
-    /// What light from `incidence` is expected to leave in a record of `layout`, as shares of its flux.
+    /// Expected tally of `layout` for light from `incidence`, as fractions of its flux.
     ///
     /// Unscattered light stands in the bin of its direction, on an edge evenly in the bins on either side, since
     /// on a surface that is hardly rough it spreads to both; or evenly in its ring where the azimuth is free.
@@ -58,7 +58,7 @@ impl FlatLayer {
         record
     }
 
-    /// The part of a record that holds light never scattered.
+    /// The unscattered light of a tally.
     fn unscattered_record(
         &self,
         incidence: Incidence,
