@@ -57,8 +57,8 @@ pub use compare::multiple_tests::{
 pub use compare::sign_flip::{ScaleTest, SignFlipTest, Untested};
 pub use compare::verdict::{DEFAULT_LEVEL, Unresolved, Verdict, verdicts};
 pub use integrals::attenuation::{
-    facing_fraction, smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed,
-    smith_separable_g2, smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
+    smith_correlated_g2, smith_demarcation, smith_lit, smith_lit_as_printed, smith_separable_g2,
+    smith_visibility, v_cavity_lit, v_cavity_mean_g1, v_cavity_mean_g2,
 };
 pub use integrals::control_variate::{
     control_variate, unshadowed_control_variate, visible_fractions,
@@ -71,7 +71,6 @@ pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
-pub use microfacet::lambda::smith_lambda;
 pub use microfacet::slopes::{SlopeCovariance, SlopeError};
 pub use models::heitz::Heitz;
 pub use models::kinks::Kinks;

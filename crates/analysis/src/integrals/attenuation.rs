@@ -14,12 +14,6 @@ use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::numerics::quadrature::{Breaks, Pieces, Tolerance, integrate};
 
-/// Fraction of the points whose facets face `w`: `1 - erfc(a) / 2`, `a = cot(theta) / (sqrt 2 deviation)`.
-#[must_use]
-pub fn facing_fraction(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    Beckmann::new(*slopes).facing_fraction(w)
-}
-
 /// Fraction of all points that face the light and, by Smith, are not shadowed: `(1 - erfc(a) / 2) / (1 + Lambda)`.
 ///
 /// # Source
@@ -95,7 +89,7 @@ pub fn v_cavity_lit(slopes: &SlopeCovariance, w: DVec3) -> f64 {
 /// The same as a fraction of the points that face `w`.
 #[must_use]
 pub fn v_cavity_mean_g1(slopes: &SlopeCovariance, w: DVec3) -> f64 {
-    v_cavity_lit(slopes, w) / facing_fraction(slopes, w)
+    v_cavity_lit(slopes, w) / Beckmann::new(*slopes).facing_fraction(w)
 }
 
 /// Fraction of the points facing both directions, both with `z > 0`, that V-cavities neither shadow nor mask:
@@ -350,7 +344,7 @@ mod tests {
             assert!((smith_lit(&slopes, w) - 0.99).abs() < 1e-12);
             let cotangent = smith_demarcation(&slopes, 0.01, true).unwrap();
             let w = from_spherical(cotangent.recip().atan(), 0.0);
-            let hidden = facing_fraction(&slopes, w) - smith_lit(&slopes, w);
+            let hidden = Beckmann::new(slopes).facing_fraction(w) - smith_lit(&slopes, w);
             assert!((hidden - 0.01).abs() < 1e-12);
         }
         assert_eq!(smith_demarcation(&slopes(1.0), 1.5, false), None);

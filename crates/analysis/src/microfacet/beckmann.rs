@@ -83,7 +83,11 @@ impl Beckmann {
         self.slopes.peak() * (-exponent).exp() / (cos2 * cos2)
     }
 
-    /// Smith's Lambda of direction `w`, up or down: [`smith_lambda`] of the slopes along its azimuth.
+    /// Smith's Lambda of direction `w`, up or down: `(exp(-a^2) / (a sqrt pi) - erfc(a)) / 2`, see
+    /// [`Beckmann::a`].
+    ///
+    /// # Source
+    /// Smith 1967; Walter et al. 2007, Sec. 5.2, without their rational fit.
     #[must_use]
     pub fn lambda(&self, w: DVec3) -> f64 {
         smith_lambda(self.a(w).abs())

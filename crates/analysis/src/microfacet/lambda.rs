@@ -10,8 +10,7 @@ const SQRT_PI: f64 = 1.772_453_850_905_516;
 ///
 /// # Source
 /// Smith 1967; Walter et al. 2007, Sec. 5.2, without their rational fit.
-#[must_use]
-pub fn smith_lambda(a: f64) -> f64 {
+pub(crate) fn smith_lambda(a: f64) -> f64 {
     let a2 = a * a;
     if a2 > 745.0 {
         return 0.0;
