@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let settings = RaySettings {
         rays: 100_000,
         seed: 1,
-        layout: spec,
+        spec: spec,
         paths: PathSettings::default(),
         accelerator: AcceleratorKind::Auto,
         estimator: Estimator::Auto,

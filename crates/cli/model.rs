@@ -12,7 +12,7 @@ use asperity_io::{CsvField as Field, write_csv};
 use asperity_optics::{Incidence, Material, from_spherical};
 use asperity_studies::{energy_table, expectation_json, write_expectation};
 use asperity_surface::Psd;
-use asperity_tally::{Azimuth, Layout, Side};
+use asperity_tally::{Azimuth, Side, TallyResult, TallySpec};
 
 use crate::args::{Common, Model};
 use crate::failure::Failure;
@@ -118,7 +118,7 @@ fn bins(
     incidence: Incidence,
 ) -> Result<(), Failure> {
     let grid = command.bins.unwrap_or_default();
-    let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH)
+    let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH)
         .map_err(Failure::usage)?
         .with_sides(model.sides());
     let azimuth = if incidence.is_vertical() && model.slopes().is_isotropic() {
@@ -131,7 +131,7 @@ fn bins(
         batches: BATCHES,
         seed: command.seed.unwrap_or(1),
     };
-    let expectation = expect(model, incidence, &layout, azimuth, effort);
+    let expectation = expect(model, incidence, &spec, azimuth, effort);
     if let Some(path) = &command.output {
         write_expectation(path, &expectation).map_err(Failure::failed)?;
     }
@@ -152,9 +152,9 @@ fn bins(
     let mut out = format!(
         "{}\n{effort}\n{}",
         model.description(),
-        energy_table(&layout, expectation.statistics())
+        energy_table(&spec, expectation.statistics())
     );
-    let accounted: f64 = expectation.statistics().means()[..5].iter().sum();
+    let accounted: f64 = expectation.statistics().means().budget().total();
     if model.scope() == Scope::AllOrders && (1.0 - accounted).abs() > UNACCOUNTED {
         out.push_str(&format!(
             "  {:.3} of the flux is not accounted for by this model\n",
@@ -165,7 +165,7 @@ fn bins(
         out.push_str(&format!(
             "{}: {} bins\n",
             path.display(),
-            layout.asked_bins().len()
+            spec.recorded_bins().len()
         ));
     }
     print(&out)

@@ -14,7 +14,7 @@ use asperity_studies::{
     lost_warning, trace_report, work_line,
 };
 use asperity_surface::{Border, HeightField, RefinementError, Roughness};
-use asperity_tally::Layout;
+use asperity_tally::TallySpec;
 use asperity_tracer::{BuildError, Geometry, HalfSpace, MeshSurface, PathSettings};
 use serde_json::{Value, json};
 
@@ -36,19 +36,19 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         check_light(incident_side, command.estimator).map_err(Failure::usage)?;
     }
     check_sides(command.side, material, layer.as_ref()).map_err(Failure::usage)?;
-    let layout = Layout::new(command.bins, half_width)
+    let spec = TallySpec::new(command.bins, half_width)
         .map_err(Failure::usage)?
         .with_sides(command.side);
-    let layout = if layer.is_some() {
-        layout.with_histories()
+    let spec = if layer.is_some() {
+        spec.with_medium()
     } else {
-        layout
+        spec
     };
     let branching = command.branching.into();
     let settings = RaySettings {
         rays: command.rays,
         seed: command.seed,
-        layout,
+        spec,
         paths: PathSettings::new(branching, command.roulette, command.max_order)
             .map_err(Failure::usage)?,
         accelerator: command.accelerator,
@@ -71,7 +71,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     }
     if let Some(target) = settings.target {
         target
-            .check(&layout, material, layer.as_ref())
+            .check(&spec, material, layer.as_ref())
             .map_err(Failure::usage)?;
     }
     let subject = Subject::of(command, common)?;
@@ -138,10 +138,10 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         config,
         command.seed,
         "ray blocks",
-        (&layout, statistics),
+        statistics,
         outcome.work.clone(),
     )
-    .with_errors(outcome.errors.to_json(&layout))
+    .with_errors(outcome.errors.to_json())
     .with_warnings(warnings.clone())
     .with_stopping(outcome.stopping.clone());
     if let Some(folder) = &command.output {
@@ -158,7 +158,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             name: name.clone(),
             light: &light,
         });
-        trace_report(folder, &outcome, &layout, &summary, surroundings.as_ref())
+        trace_report(folder, &outcome, &spec, &summary, surroundings.as_ref())
             .map_err(Failure::failed)?;
     }
     common.say(|| {
@@ -178,8 +178,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         "{name}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
         light_line(&scene, command),
         statistics.batches(),
-        energy_table(&layout, statistics),
-        errors_table(&layout, &outcome.errors),
+        energy_table(&spec, statistics),
+        errors_table(&spec, &outcome.errors),
         work_line(&outcome.work),
     );
     if let Some(line) = outcome.stopping.as_ref().and_then(Stopping::line) {

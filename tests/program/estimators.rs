@@ -15,7 +15,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{ControlMean, Estimator, RaySettings, Scene, Silent, trace};
 use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
 use asperity_surface::{Border, Psd, Synthesis};
-use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
+use asperity_tally::{Component, Entry, Estimate, Side, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
 
 /// What is done for each case.
@@ -42,12 +42,16 @@ fn outcome(text: &str, effort: Effort, estimator: Estimator, seed: u64) -> Verif
 }
 
 /// Energies, those of order one and of higher orders, and rings.
-fn entries(layout: &Layout) -> Vec<usize> {
-    let mut entries = vec![Layout::ABSORBED];
+fn entries(spec: &TallySpec) -> Vec<Entry> {
+    let mut entries = vec![TallySpec::BUDGET.absorbed];
     for side in Side::BOTH {
-        entries.extend([side.index(), layout.order(side, 1), layout.multiple(side)]);
-        entries.extend(layout.rings(side, OrderClass::First));
-        entries.extend(layout.rings(side, OrderClass::All));
+        entries.extend([
+            spec.flux_entry(side, Component::All),
+            spec.order_entry(side, 1),
+            spec.flux_entry(side, Component::Multiple),
+        ]);
+        entries.extend(spec.ring_entries(side, Component::Single));
+        entries.extend(spec.ring_entries(side, Component::All));
     }
     entries
 }
@@ -62,8 +66,8 @@ struct Scores(Vec<f64>);
 impl Scores {
     /// Of the `entries` that more than a few rays reach: those are far from normally distributed. What must
     /// be the same, as all that a mirror reflects, differs by rounding alone.
-    fn new(entries: &[usize], plain: &BatchStatistics, controlled: &BatchStatistics) -> Self {
-        let score = |&i: &usize| {
+    fn new(entries: &[Entry], plain: &TallyStatistics, controlled: &TallyStatistics) -> Self {
+        let score = |&i: &Entry| {
             let [p, c] = [plain, controlled].map(|statistics| statistics.estimate(i));
             let difference = c.mean - p.mean;
             let told = p.mean.max(c.mean) >= 1e-4 && difference.abs() >= 1e-13;
@@ -98,7 +102,7 @@ fn compare(text: &str, rays: u64) {
     };
     let plain = outcome(text, effort, Estimator::Plain, 1);
     let controlled = outcome(text, effort, Estimator::Controlled, 2);
-    let entries = entries(&plain.layout);
+    let entries = entries(&plain.spec);
     let mut all = Scores(Vec::new());
     for (a, b) in plain.cases.iter().zip(&controlled.cases) {
         let scores = Scores::new(&entries, &a.statistics, &b.statistics);
@@ -171,7 +175,7 @@ fn estimators_agree_on_a_given_surface() {
         rays: Count(80_000),
         ..RunConfig::default()
     };
-    let layout = run.ray_settings().unwrap().layout;
+    let spec = run.ray_settings().unwrap().spec;
     let [glass, water] = [1.5, 1.0 / 1.33].map(|eta| Material::dielectric(eta).unwrap());
     let gold = Material::conductor(0.2, 3.4).unwrap();
     for (border, material, incident, theta) in [
@@ -203,7 +207,7 @@ fn estimators_agree_on_a_given_surface() {
         assert_eq!(controlled.work.estimator, Estimator::Controlled);
         let mean = controlled.work.control;
         assert_eq!(mean, Some(ControlMean::FacetsOfSurface));
-        Scores::new(&entries(&layout), &plain.statistics, &controlled.statistics).check();
+        Scores::new(&entries(&spec), &plain.statistics, &controlled.statistics).check();
     }
 }
 
@@ -223,8 +227,9 @@ fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
     for (number, least) in [500.0, 100.0].into_iter().enumerate() {
         let [plain, controlled] = runs.each_ref().map(|run| {
             let statistics = &run.cases[number].statistics;
-            let bins = run.layout.bins(asperity_tally::Share::Total);
-            bins.map(|i| squared_error(statistics.estimate(i)))
+            let bins = run.spec.grid_entries(asperity_tally::Component::All);
+            bins.iter()
+                .map(|i| squared_error(statistics.estimate(i)))
                 .sum::<f64>()
         });
         let ratio = plain / controlled;
@@ -266,8 +271,9 @@ fn bins_below_zero_are_reported_as_they_are() {
     };
     let run = outcome(text, effort, Estimator::Controlled, 3);
     let statistics = &run.cases[0].statistics;
-    let bins = run.layout.bins(asperity_tally::Share::Total);
+    let bins = run.spec.grid_entries(asperity_tally::Component::All);
     let negative = bins
+        .iter()
         .map(|i| statistics.estimate(i))
         .filter(|e| e.mean < 0.0);
     let scores: Vec<f64> = negative.map(|e| e.mean / e.se.unwrap()).collect();

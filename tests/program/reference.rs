@@ -16,7 +16,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
 use asperity_studies::{VerifyConfig, verify};
 use asperity_surface::{Border, MissingPolicy};
-use asperity_tally::{BatchStatistics, Estimate, Layout, OrderClass, Side};
+use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 use serde_json::Value;
 
@@ -91,8 +91,8 @@ impl Family {
 fn compare_bins(
     family: &mut Family,
     what: &str,
-    statistics: &BatchStatistics,
-    entries: impl DoubleEndedIterator<Item = usize> + ExactSizeIterator,
+    statistics: &TallyStatistics,
+    entries: impl DoubleEndedIterator<Item = Entry> + ExactSizeIterator,
     (values, errors): (&Value, &Value),
 ) {
     let (values, errors) = (numbers(values), numbers(errors));
@@ -126,11 +126,11 @@ fn one_surface_agrees_with_an_independent_tracer() {
             .iter()
             .find(|c| c["theta_i_deg"].as_f64() == Some(theta))
             .unwrap();
-        let layout = Layout::default();
+        let spec = TallySpec::default();
         let settings = RaySettings {
             rays: 1_000_000,
             seed,
-            layout,
+            spec,
             paths: PathSettings::default(),
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Plain,
@@ -152,14 +152,14 @@ fn one_surface_agrees_with_an_independent_tracer() {
         )
         .unwrap();
         let statistics = &outcome.statistics;
-        let budget: f64 = statistics.means()[..5].iter().sum();
+        let budget: f64 = statistics.means().budget().total();
         assert!((budget - 1.0).abs() < 1e-12);
-        assert_eq!(statistics.means()[Layout::LOST], 0.0);
+        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
 
         let mut family = Family::default();
         for (side, letter) in [(Side::Reflected, "R"), (Side::Transmitted, "T")] {
             let number = |key: &str| config[key].as_f64().unwrap();
-            let total = statistics.estimate(side.index());
+            let total = statistics.flux(side, Component::All);
             family.compare(
                 letter,
                 total,
@@ -169,14 +169,14 @@ fn one_surface_agrees_with_an_independent_tracer() {
             let orders = numbers(&config[format!("{letter}_by_exact_order_1_to_11_then_12plus")]);
             let errors = numbers(&config[format!("{letter}_by_exact_order_se")]);
             for order in 1..=11 {
-                let found = statistics.estimate(layout.order(side, order));
+                let found = statistics.estimate(spec.order_entry(side, order));
                 let what = format!("{letter} order {order} at {theta} deg");
                 family.compare(&what, found, orders[order - 1], errors[order - 1]);
             }
-            for (class, k) in OrderClass::ALL.into_iter().zip(0..) {
+            for (class, k) in Component::RINGS.into_iter().zip(0..) {
                 let pick = |histogram: &str| {
                     let histogram = &config[format!("{letter}_{histogram}")];
-                    if class == OrderClass::All {
+                    if class == Component::All {
                         (histogram["total"].clone(), histogram["total_se"].clone())
                     } else {
                         (
@@ -186,7 +186,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
                     }
                 };
                 // Reference rings of transmission count from -z, ours from +z.
-                let rings = layout.rings(side, class);
+                let rings = spec.ring_entries(side, class).iter();
                 let (values, errors) = pick("theta_hist");
                 let what = format!("{letter} {class:?} theta at {theta} deg");
                 match side {
@@ -200,7 +200,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
                 }
                 let (values, errors) = pick("inplane");
                 let what = format!("{letter} {class:?} in plane at {theta} deg");
-                let entries = layout.in_plane(side, class);
+                let entries = spec.in_plane_entries(side, class).iter();
                 compare_bins(&mut family, &what, statistics, entries, (&values, &errors));
             }
         }
@@ -275,7 +275,7 @@ fn fresh_surfaces_agree_with_an_independent_ensemble() {
     )
     .unwrap();
     let outcome = verify(&config, &Silent).unwrap();
-    let layout = outcome.layout;
+    let spec = outcome.spec;
     let in_plane = json("ensemble_s3.json");
     let mut family = Family::default();
     for case in &outcome.cases {
@@ -288,12 +288,12 @@ fn fresh_surfaces_agree_with_an_independent_ensemble() {
             .find(|(e, t, _)| (e - eta).abs() < 1e-6 && *t == theta)
             .unwrap();
         let statistics = &case.statistics;
-        assert_eq!(statistics.means()[Layout::LOST], 0.0);
+        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
         let [r, t, r1, t1] = *row;
-        let single = |side| statistics.estimate(layout.order(side, 1));
+        let single = |side| statistics.estimate(spec.order_entry(side, 1));
         for (what, found, [reference, se]) in [
-            ("R", statistics.estimate(Layout::REFLECTED), r),
-            ("T", statistics.estimate(Layout::TRANSMITTED), t),
+            ("R", statistics.budget().reflected, r),
+            ("T", statistics.budget().transmitted, t),
             ("R1", single(Side::Reflected), r1),
             ("T1", single(Side::Transmitted), t1),
         ] {
@@ -311,12 +311,9 @@ fn fresh_surfaces_agree_with_an_independent_ensemble() {
             .unwrap();
         let values = numbers(&reference["inplane_rho_cos_order1"]);
         let errors = numbers(&reference["inplane_rho_cos_order1_se"]);
-        for (i, entry) in layout
-            .in_plane(Side::Transmitted, OrderClass::First)
-            .enumerate()
-        {
-            let per_sr = 1.0 / layout.in_plane_solid_angle(i);
-            let found = statistics.estimate(entry);
+        let view = statistics.in_plane(Side::Transmitted, Component::Single);
+        for (i, found) in view.iter().enumerate() {
+            let per_sr = 1.0 / view.filter().solid_angle(i);
             let found = Estimate {
                 mean: found.mean * per_sr,
                 se: found.se.map(|se| se * per_sr),

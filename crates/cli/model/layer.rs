@@ -7,7 +7,7 @@ use asperity_optics::{Incidence, Layer, Material, from_spherical};
 use asperity_studies::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
 };
-use asperity_tally::{Azimuth, Layout};
+use asperity_tally::{Azimuth, TallySpec};
 
 use super::directions;
 use crate::args::{Common, Model};
@@ -65,20 +65,23 @@ fn bins(
     (model, layer): (&FlatLayer, &Layer),
     incidence: Incidence,
 ) -> Result<(), Failure> {
-    let layout = Layout::new(command.bins.unwrap_or_default(), Layout::DEFAULT_HALF_WIDTH)
-        .map_err(Failure::usage)?
-        .with_histories();
+    let spec = TallySpec::new(
+        command.bins.unwrap_or_default(),
+        TallySpec::DEFAULT_HALF_WIDTH,
+    )
+    .map_err(Failure::usage)?
+    .with_medium();
     let azimuth = if incidence.is_vertical() {
         Azimuth::Free
     } else {
         Azimuth::From(incidence.phi() + PI)
     };
-    let record = model.record(incidence, &layout, azimuth);
+    let expected = model.tally(incidence, &spec, azimuth);
     if let Some(path) = &command.output {
-        write_layer_expectation(path, &layout, &record).map_err(Failure::failed)?;
+        write_layer_expectation(path, &expected).map_err(Failure::failed)?;
     }
     if command.json {
-        let energies = layer_expectation_json((model, layer), incidence, &layout, &record);
+        let energies = layer_expectation_json((model, layer), incidence, &expected);
         return print_json(&energies);
     }
     if common.quiet {
@@ -88,9 +91,9 @@ fn bins(
     for note in unscattered_notes(model, incidence) {
         out.push_str(&format!("{note}\n"));
     }
-    out.push_str(&layer_energy_table(&layout, &record));
+    out.push_str(&layer_energy_table(&expected));
     if let Some(path) = &command.output {
-        let bins = layout.asked_bins().len();
+        let bins = spec.recorded_bins().len();
         out.push_str(&format!("{}: {bins} bins\n", path.display()));
     }
     print(&out)

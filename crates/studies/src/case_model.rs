@@ -6,10 +6,9 @@ use asperity_analysis::{
 };
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::Case;
-use asperity_tally::{Azimuth, History, Layout, Share, Sides};
+use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::ConfigError;
-use crate::part::Part;
 use asperity_simulate::slopes;
 
 /// A model beside a case.
@@ -84,42 +83,38 @@ impl CaseModel {
     }
 
     /// The parts of the light that it claims to describe.
-    pub(crate) fn claims(&self) -> Vec<Part> {
+    pub(crate) fn claims(&self) -> Vec<Component> {
         match self {
-            Self::Surface(model) if model.scope() == Scope::AllOrders => {
-                Share::ALL.map(Part::Orders).to_vec()
-            }
-            Self::Surface(_) => vec![Part::Orders(Share::Single)],
+            Self::Surface(model) if model.scope() == Scope::AllOrders => Component::BINS.to_vec(),
+            Self::Surface(_) => vec![Component::Single],
             Self::Layer(model) => match model.paths() {
                 // The paper is about what the medium scatters.
-                LayerPaths::HanrahanKrueger => vec![Part::Inside(History::Once)],
-                LayerPaths::All => [History::Unscattered, History::Once]
-                    .map(Part::Inside)
-                    .to_vec(),
+                LayerPaths::HanrahanKrueger => vec![Component::ScatteredOnce],
+                LayerPaths::All => [Component::Unscattered, Component::ScatteredOnce].to_vec(),
             },
         }
     }
 
     /// The part by which it is judged.
-    pub(crate) fn judged_part(&self) -> Part {
+    pub(crate) fn judged_part(&self) -> Component {
         match self.scope() {
-            Scope::AllOrders => Part::Orders(Share::Total),
-            Scope::ScatteredInside => Part::Inside(History::Once),
-            _ => Part::Orders(Share::Single),
+            Scope::AllOrders => Component::All,
+            Scope::ScatteredInside => Component::ScatteredOnce,
+            _ => Component::Single,
         }
     }
 
-    /// What it expects in a record of `layout`.
+    /// What it expects in a record of `spec`.
     pub(crate) fn expect(
         &self,
         incidence: Incidence,
-        layout: &Layout,
+        spec: &TallySpec,
         azimuth: Azimuth,
         effort: SamplingEffort,
     ) -> Expectation {
         match self {
-            Self::Surface(model) => expect(model.as_ref(), incidence, layout, azimuth, effort),
-            Self::Layer(model) => model.expect(incidence, layout, azimuth),
+            Self::Surface(model) => expect(model.as_ref(), incidence, spec, azimuth, effort),
+            Self::Layer(model) => model.expect(incidence, spec, azimuth),
         }
     }
 }

@@ -1,20 +1,19 @@
 //! The comparison of explicit results with models as text: report.txt of a verification.
 
+use std::borrow::Cow;
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, SignFlipTest};
 use asperity_simulate::{Stopping, short};
-use asperity_tally::{Estimate, History, Layout, Share, Side};
+use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
+use crate::compared::{COMPARED, key};
 use crate::conclusion::{conclusion, strongest_deviation, verdict_word};
-use crate::energies::{
-    SINGLE_SCATTERING, endings, errors_table, flux_with_error, history_name, lost_warning,
-    recorded_orders,
-};
-use crate::models::{ComparedShare, ModelOutcome};
+use crate::energies::{endings, errors_table, flux_with_error, lost_warning, recorded_orders};
+use crate::models::{ComparedComponent, ModelOutcome};
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
-use crate::part::Part;
+
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// What a reader must know of the results of a case.
@@ -85,13 +84,13 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
 
     out.push_str(&flux_table(outcome, case));
     out.push('\n');
-    out.push_str(&errors_table(&outcome.layout, &case.errors));
+    out.push_str(&errors_table(&outcome.spec, &case.errors));
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
     if !case.models.is_empty() {
-        for part in Part::COMPARED {
-            let table = distribution_table(&outcome.layout, case, part, &orders);
+        for part in COMPARED {
+            let table = distribution_table(&outcome.spec, case, part, &orders);
             if !table.is_empty() {
                 let _ = write!(out, "\n{table}");
             }
@@ -99,7 +98,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         if let Some(line) = sampled_models(case) {
             let _ = writeln!(out, "  {line}");
         }
-        let _ = writeln!(out, "\n{}", conclusion(&outcome.layout, case));
+        let _ = writeln!(out, "\n{}", conclusion(&outcome.spec, case));
     }
     out
 }
@@ -109,23 +108,23 @@ struct FluxRow {
     name: String,
     explicit: Estimate,
     /// The part of the light that models may describe; `None` for light that does not leave.
-    part: Option<(Side, Part)>,
+    part: Option<(Side, Component)>,
 }
 
 /// The fluxes by side and part of the light, beside those that the models expect.
 fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     let of_side = |side: Side| {
-        let row = move |(name, part): (&str, Part)| FluxRow {
+        let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),
-            explicit: case.statistics.estimate(part.on_side(layout, side)),
-            part: Some((side, part)),
+            explicit: case.statistics.flux(side, component),
+            part: Some((side, component)),
         };
-        parts(layout).into_iter().map(row)
+        components(spec).map(row)
     };
-    let endings = endings(layout).map(|(name, i)| FluxRow {
+    let endings = endings(spec).map(|(name, i)| FluxRow {
         name: name.to_owned(),
-        explicit: case.statistics.estimate(i),
+        explicit: case.statistics.at(i),
         part: None,
     });
     let models = case.models.iter().map(|model| {
@@ -141,20 +140,18 @@ fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
         .column(Column::new("explicit", "", |row: &FluxRow| {
             match row.part {
                 Some(_) => with_error(row.explicit),
-                None => flux_with_error(layout, row.explicit),
+                None => flux_with_error(spec, row.explicit),
             }
         }))
         .columns(models)
-        .text(layout.sides().flat_map(of_side).chain(endings))
+        .text(spec.sides().flat_map(of_side).chain(endings))
 }
 
-/// What a part of the light is called; `orders` names all light that was recorded.
-fn part_name(part: Part, orders: &str) -> String {
-    match part {
-        Part::Orders(Share::Single) => SINGLE_SCATTERING.to_owned(),
-        Part::Orders(Share::Multiple) => "multiple scattering".to_owned(),
-        Part::Orders(Share::Total) => orders.to_owned(),
-        Part::Inside(history) => inside(history).to_owned(),
+/// What a component of the light is called; `orders` names all light that was recorded.
+fn component_name(component: Component, orders: &str) -> Cow<'static, str> {
+    match component {
+        Component::All => orders.to_owned().into(),
+        _ => component.label(),
     }
 }
 
@@ -174,36 +171,22 @@ fn sampled_models(case: &CaseOutcome) -> Option<String> {
     ))
 }
 
-/// The parts of the light of one side: by how often the surface scattered it, or what is inside; and all.
-fn parts(layout: &Layout) -> Vec<(&'static str, Part)> {
-    let of_medium = History::ALL.map(|history| (inside(history), Part::Inside(history)));
-    let of_surface = [Share::Single, Share::Multiple]
-        .map(Part::Orders)
-        .map(|part| (part.key(), part));
-    let mut parts = if layout.has_histories() {
-        of_medium.to_vec()
-    } else {
-        of_surface.to_vec()
+/// The components of the light of one side, with their names: those that it is split into, and all.
+fn components(spec: &TallySpec) -> impl Iterator<Item = (Cow<'static, str>, Component)> {
+    let name = |component: Component| match component.is_of_medium() {
+        true => component.label(),
+        false => key(component),
     };
-    parts.push(("total", Part::Orders(Share::Total)));
-    parts
-}
-
-/// What light is called that was scattered inside a medium so often, without more words about it.
-const fn inside(history: History) -> &'static str {
-    match history {
-        History::Unscattered => "never scattered inside",
-        History::Once => "scattered inside once",
-        History::More => "scattered inside more often",
-    }
+    let all = spec.split().iter().copied().chain([Component::All]);
+    all.map(move |component| (name(component), component))
 }
 
 /// The flux that a model expects, and its distance from the explicit one in standard errors of the difference.
-fn model_flux(model: &ModelOutcome, side: Side, part: Part, explicit: Estimate) -> String {
+fn model_flux(model: &ModelOutcome, side: Side, part: Component, explicit: Estimate) -> String {
     let Some(energy) = model.energy(part, side) else {
         return "-".to_owned();
     };
-    if !model.model.sides().ask(side) {
+    if !model.model.sides().includes(side) {
         return "-".to_owned();
     }
     let se = explicit.se.map(|se| se.hypot(energy.se.unwrap_or(0.0)));
@@ -220,7 +203,7 @@ fn model_flux(model: &ModelOutcome, side: Side, part: Part, explicit: Estimate) 
 /// A part of the light beside a model that describes it.
 struct Described<'a> {
     model: &'a ModelOutcome,
-    compared: &'a ComparedShare,
+    compared: &'a ComparedComponent,
 }
 
 impl Described<'_> {
@@ -235,7 +218,12 @@ impl Described<'_> {
 
 /// Total variation, p value and verdict of every model that describes a part of the light; `orders`
 /// names all light that was recorded. Empty if none does.
-fn distribution_table(layout: &Layout, case: &CaseOutcome, part: Part, orders: &str) -> String {
+fn distribution_table(
+    spec: &TallySpec,
+    case: &CaseOutcome,
+    part: Component,
+    orders: &str,
+) -> String {
     type Row<'a> = Described<'a>;
     let models: Vec<Row<'_>> = case
         .models
@@ -253,9 +241,11 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, part: Part, orders: &
         Column::new(heading, "", move |row: &Row<'_>| value(row))
     };
     let mut table = Table::new()
-        .column(Column::new(part_name(part, orders), "", |row: &Row<'_>| {
-            row.model.model.name()
-        }))
+        .column(Column::new(
+            component_name(part, orders),
+            "",
+            |row: &Row<'_>| row.model.model.name(),
+        ))
         .column(column(tested_bins(case), |row| {
             let tested = row.comparison().bins.iter().filter(|bin| bin.tested);
             Some(tested.count().to_string())
@@ -277,7 +267,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, part: Part, orders: &
         .column(Column::new(
             "most significant deviation",
             "",
-            |row: &Row<'_>| strongest_deviation(row.comparison(), layout),
+            |row: &Row<'_>| strongest_deviation(row.comparison(), spec),
         ))
         .column(column("verdict", |row| {
             row.compared
@@ -285,7 +275,7 @@ fn distribution_table(layout: &Layout, case: &CaseOutcome, part: Part, orders: &
                 .as_ref()
                 .map(|verdict| verdict_word(verdict).to_owned())
         }));
-    if part != Part::Orders(Share::Total) && case.models.iter().any(|m| m.judged_part() == part) {
+    if part != Component::All && case.models.iter().any(|m| m.judged_part() == part) {
         let heading = format!("total variation from {orders}");
         table = table.column(Column::new(heading, "", |row: &Row<'_>| {
             distance(row.model.total.comparison.total_variation.observed)
@@ -309,8 +299,8 @@ const fn tested_bins(case: &CaseOutcome) -> &'static str {
 struct Judged<'a> {
     case: &'a CaseOutcome,
     model: &'a ModelOutcome,
-    part: Part,
-    compared: &'a ComparedShare,
+    part: Component,
+    compared: &'a ComparedComponent,
 }
 
 /// A line per case and model, for runs of many cases.
@@ -325,14 +315,15 @@ fn overview(outcome: &VerifyOutcome) -> String {
                 compared,
             };
             // What the medium scattered and what it did not are judged apart.
-            let unscattered = Part::Inside(History::Unscattered);
+            let unscattered = Component::Unscattered;
             let apart = model.compared(unscattered);
             std::iter::once(judged(model.judged_part(), model.judged()))
                 .chain(apart.map(|compared| judged(unscattered, compared)))
         })
     });
     let multiple = |row: &Row<'_>| {
-        let of = |side| row.case.statistics.means()[outcome.layout.multiple(side)];
+        let of =
+            |side| row.case.statistics.means()[outcome.spec.flux_entry(side, Component::Multiple)];
         of(Side::Reflected) + of(Side::Transmitted)
     };
     Table::new()
@@ -342,10 +333,8 @@ fn overview(outcome: &VerifyOutcome) -> String {
         .column(Column::new("model", "", |row: &Row<'_>| {
             row.model.model.name()
         }))
-        .column(Column::new("light", "", |row: &Row<'_>| match row.part {
-            Part::Orders(Share::Total) => "all",
-            Part::Inside(history) => history_name(history),
-            Part::Orders(_) => "single",
+        .column(Column::new("light", "", |row: &Row<'_>| {
+            row.part.short_label().into_owned()
         }))
         .column(Column::new(
             "total variation (noise)",

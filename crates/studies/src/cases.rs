@@ -159,14 +159,14 @@ impl VerifyConfig {
             }
             check_sides(self.run.side, case.material, case.layer.as_ref())?;
             if let Some(target) = settings.target {
-                target.check(&settings.layout, case.material, case.layer.as_ref())?;
+                target.check(&settings.spec, case.material, case.layer.as_ref())?;
             }
             for name in &self.compare.models {
                 let model = CaseModel::of(name, case)?;
                 let transmits = case.material.transmitting_index().is_some();
                 let beyond = Side::BOTH.into_iter().any(|side| {
                     let leaves = transmits || side == Side::Reflected;
-                    leaves && self.run.side.ask(side) && !model.sides().ask(side)
+                    leaves && self.run.side.ask(side) && !model.sides().includes(side)
                 });
                 if beyond {
                     return Err(ModelError::ReflectionAlone(model.name()).into());

@@ -4,17 +4,16 @@ use asperity_simulate::short;
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, Verdict};
-use asperity_tally::{History, Layout, Share};
+use asperity_tally::{Component, TallySpec};
 
 use crate::output::{distance, wrapped};
-use crate::part::Part;
 use crate::verify::CaseOutcome;
 
 /// Where light deviates most significantly from a model, and by how much of the model.
-pub(crate) fn strongest_deviation(comparison: &Comparison, layout: &Layout) -> Option<String> {
+pub(crate) fn strongest_deviation(comparison: &Comparison, spec: &TallySpec) -> Option<String> {
     let test = comparison.test.as_ref().ok()?;
     let strongest = test.strongest();
-    let grid = layout.grid();
+    let grid = spec.grid();
     let width = match strongest.name.as_str() {
         "sides" => grid.bins_per_side(),
         "rings" => grid.n_phi(),
@@ -26,7 +25,7 @@ pub(crate) fn strongest_deviation(comparison: &Comparison, layout: &Layout) -> O
         bins.iter().map(|b| b.mean).sum::<f64>(),
         bins.iter().map(|b| b.model).sum::<f64>(),
     ];
-    let bin = grid.bin(layout.asked_bins().start + first);
+    let bin = grid.bin(spec.recorded_bins().start + first);
     let degrees = |range: [f64; 2]| {
         let [from, to] = range.map(|angle| short(round_degrees(angle.to_degrees())));
         format!("{from}-{to}")
@@ -66,21 +65,18 @@ pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
 
 /// The sentences that say which models hold within the error: one for each share of the light that a
 /// model claims.
-pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
+pub(crate) fn conclusion(spec: &TallySpec, case: &CaseOutcome) -> String {
     let level = short(round_to(case.level, 2));
     let sentences: Vec<String> = [
-        (Part::Orders(Share::Single), "Single scattering"),
-        (Part::Orders(Share::Multiple), "Multiple scattering"),
-        (
-            Part::Inside(History::Unscattered),
-            "Light never scattered inside",
-        ),
-        (Part::Inside(History::Once), "Light scattered inside once"),
-        (Part::Orders(Share::Total), "All orders together"),
+        (Component::Single, "Single scattering"),
+        (Component::Multiple, "Multiple scattering"),
+        (Component::Unscattered, "Light never scattered inside"),
+        (Component::ScatteredOnce, "Light scattered inside once"),
+        (Component::All, "All orders together"),
     ]
     .into_iter()
     .filter_map(|(part, name)| {
-        let clauses = clauses(layout, case, part)?;
+        let clauses = clauses(spec, case, part)?;
         Some(wrapped(&format!(
             "{name}, tested at level {level}: {clauses}."
         )))
@@ -90,7 +86,7 @@ pub(crate) fn conclusion(layout: &Layout, case: &CaseOutcome) -> String {
 }
 
 /// What is said of the models that claim a part of the light; `None` if none does.
-fn clauses(layout: &Layout, case: &CaseOutcome, part: Part) -> Option<String> {
+fn clauses(spec: &TallySpec, case: &CaseOutcome, part: Component) -> Option<String> {
     let claims: Vec<(&str, &Comparison, &Verdict)> = case
         .models
         .iter()
@@ -129,7 +125,7 @@ fn clauses(layout: &Layout, case: &CaseOutcome, part: Part) -> Option<String> {
     for (name, comparison, _) in &fails {
         let found = &comparison.total_variation;
         let noise = found.noise.unwrap_or(0.0);
-        let place = strongest_deviation(comparison, layout).unwrap_or_default();
+        let place = strongest_deviation(comparison, spec).unwrap_or_default();
         clauses.push(format!(
             "{name} fails, most clearly in {place} (total variation {}, noise alone {})",
             distance(found.observed),

@@ -4,7 +4,7 @@ use asperity_analysis::{DEFAULT_LEVEL, Heitz, LayerPaths, ModelError, Smith, XuS
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_simulate::{Estimator, Quantity, RaySettings, Target};
 use asperity_surface::PsdError;
-use asperity_tally::{HemisphereGrid, Layout, LayoutError, Sides};
+use asperity_tally::{HemisphereGrid, Sides, SpecError, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, Branching, HalfSpace, PathSettings, PathSettingsError, Sampling,
 };
@@ -39,7 +39,7 @@ pub enum ConfigError {
     Psd(#[from] PsdError),
     /// The in-plane wedge is out of range.
     #[error(transparent)]
-    Layout(#[from] LayoutError),
+    TallySpec(#[from] SpecError),
     /// The path settings are out of range.
     #[error(transparent)]
     Paths(#[from] PathSettingsError),
@@ -295,7 +295,7 @@ impl RunConfig {
         Ok(RaySettings {
             rays: self.rays.0,
             seed: self.seed,
-            layout: Layout::new(self.bins, self.in_plane_half_width.0.to_radians())?
+            spec: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
                 .with_sides(self.side),
             paths: PathSettings::new(self.branching, self.roulette.0, self.max_order)?,
             accelerator: self.accelerator,
@@ -406,7 +406,7 @@ impl VerifyConfig {
             return Ok(settings);
         };
         Ok(RaySettings {
-            layout: settings.layout.with_histories(),
+            spec: settings.spec.with_medium(),
             bottom: medium.bottom_surface,
             most_scatterings: medium.most_scatterings()?,
             ..settings

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use asperity_simulate::{ControlMean, ErrorBudget, SummaryWork, short};
-use asperity_tally::{BatchStatistics, Estimate, History, Layout, MAX_LISTED_ORDER, Side};
+use asperity_tally::{
+    Component, Entry, Estimate, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
+};
 use asperity_tracer::PathSettings;
 
 use crate::output::{Column, Table, aligned, listed, two_digits, with_error, wrapped};
@@ -21,59 +23,50 @@ pub(crate) fn recorded_orders(max_order: u32) -> String {
     }
 }
 
-/// What light is called by how often it was scattered inside a medium.
-pub(crate) const fn history_name(history: History) -> &'static str {
-    match history {
-        History::Unscattered => "never scattered inside",
-        History::Once => "once",
-        History::More => "more often",
-    }
-}
-
 /// A flux fraction with its error. Inside a medium zero only means that no ray was found.
-pub(crate) fn flux_with_error(layout: &Layout, flux: Estimate) -> String {
-    if layout.has_histories() && flux.mean == 0.0 && flux.se == Some(0.0) {
+pub(crate) fn flux_with_error(spec: &TallySpec, flux: Estimate) -> String {
+    if spec.has_medium() && flux.mean == 0.0 && flux.se == Some(0.0) {
         return "0 (none seen)".to_owned();
     }
     with_error(flux)
 }
 
-/// The parts of the light of one side by how often it was scattered inside a medium.
-fn by_history(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
-    if !layout.has_histories() || statistics.means()[side.index()] == 0.0 {
+/// The light of one side by the components of a medium.
+fn by_medium(spec: &TallySpec, statistics: &TallyStatistics, side: Side) -> Option<String> {
+    if !spec.has_medium() || statistics.means().flux(side, Component::All) == 0.0 {
         return None;
     }
-    let parts = History::ALL.map(|history| {
-        let flux = statistics.estimate(layout.history(side, history));
-        format!(
-            "{}: {}",
-            history_name(history),
-            flux_with_error(layout, flux)
-        )
+    let parts = spec.components().iter().map(|&component| {
+        let flux = flux_with_error(spec, statistics.flux(side, component));
+        format!("{}: {flux}", component.short_label())
     });
+    let parts: Vec<String> = parts.collect();
     Some(listed(&side.to_string(), &parts))
 }
 
 /// The energies of one run, by side, order of scattering and number of scatterings inside a medium.
 #[must_use]
-pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
-    let energies = layout.sides().map(|side| (side.to_string(), side.index()));
-    let endings = endings(layout).map(|(name, i)| (name.to_owned(), i));
+pub fn energy_table(spec: &TallySpec, statistics: &TallyStatistics) -> String {
+    let energies = spec.sides().map(|side| {
+        let all = spec.flux_entry(side, Component::All);
+        (side.to_string(), all)
+    });
+    let endings = endings(spec).map(|(name, i)| (name.to_owned(), i));
     let fluxes = energies.chain(endings).map(|(name, i)| {
-        let flux = flux_with_error(layout, statistics.estimate(i));
+        let flux = flux_with_error(spec, statistics.at(i));
         (name, flux)
     });
-    let residual = statistics.means()[..5].iter().sum::<f64>() - 1.0;
+    let residual = statistics.means().budget().total() - 1.0;
     let residual = ("sum - 1".to_owned(), format!("{residual:.1e}"));
     let rows: Vec<Vec<String>> = fluxes
         .chain([residual])
         .map(|(name, flux)| vec![name, flux])
         .collect();
     let mut out = aligned(&rows, 1);
-    for side in layout.sides() {
-        let orders = by_order(layout, statistics, side);
-        let histories = by_history(layout, statistics, side);
-        for line in orders.into_iter().chain(histories) {
+    for side in spec.sides() {
+        let orders = by_order(statistics, side);
+        let of_medium = by_medium(spec, statistics, side);
+        for line in orders.into_iter().chain(of_medium) {
             let _ = writeln!(out, "{line}");
         }
     }
@@ -81,14 +74,14 @@ pub fn energy_table(layout: &Layout, statistics: &BatchStatistics) -> String {
 }
 
 /// The light of one side by its order of scattering at the surface; `None` if there is none.
-fn by_order(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option<String> {
+fn by_order(statistics: &TallyStatistics, side: Side) -> Option<String> {
     let mut fluxes: Vec<String> = (1..=4)
-        .map(|order| (order, statistics.estimate(layout.order(side, order))))
+        .map(|order| (order, statistics.order(side, order)))
         .filter(|(_, flux)| flux.mean != 0.0)
         .map(|(order, flux)| format!("{order}: {}", with_error(flux)))
         .collect();
     let above: f64 = (5..=MAX_LISTED_ORDER)
-        .map(|order| statistics.means()[layout.order(side, order)])
+        .map(|order| statistics.means().order(side, order))
         .sum();
     if above != 0.0 {
         fluxes.push(format!("above: {}", short(above)));
@@ -98,8 +91,8 @@ fn by_order(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Option
 
 /// The errors of the energies by their source.
 #[must_use]
-pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
-    let errors = |side: &Side| budget.errors(side.index());
+pub fn errors_table(spec: &TallySpec, budget: &ErrorBudget) -> String {
+    let errors = |side: &Side| budget.flux(*side, Component::All);
     let table = Table::new()
         .column(Column::new("errors", "", |side: &Side| side.to_string()))
         .column(Column::new("rays", "", move |side| {
@@ -119,8 +112,8 @@ pub fn errors_table(layout: &Layout, budget: &ErrorBudget) -> String {
             }
             mesh
         }));
-    let mut out = table.text(layout.sides());
-    if layout.sides().any(|side| errors(&side).mesh.is_none()) {
+    let mut out = table.text(spec.sides());
+    if spec.sides().any(|side| errors(&side).mesh.is_none()) {
         let _ = writeln!(out, "mesh {}", budget.way_of_mesh());
     }
     out
@@ -137,22 +130,22 @@ fn with_sign(shift: f64) -> String {
 
 /// Names and entries of the budget, energies aside. What left on a side that is not recorded is a part of truncated,
 /// and set in beneath it.
-pub(crate) fn endings(layout: &Layout) -> impl Iterator<Item = (&'static str, usize)> {
-    let not_asked = layout.sides().count() < Side::BOTH.len();
+pub(crate) fn endings(spec: &TallySpec) -> impl Iterator<Item = (&'static str, Entry)> {
+    let one_side = spec.sides().count() < Side::BOTH.len();
     [
-        ("absorbed", Layout::ABSORBED),
-        ("truncated", Layout::TRUNCATED),
-        ("  not asked", Layout::NOT_ASKED),
-        ("lost", Layout::LOST),
+        ("absorbed", TallySpec::BUDGET.absorbed),
+        ("truncated", TallySpec::BUDGET.truncated),
+        ("  not asked", TallySpec::BUDGET.not_recorded),
+        ("lost", TallySpec::BUDGET.lost),
     ]
     .into_iter()
-    .filter(move |&(_, i)| i != Layout::NOT_ASKED || not_asked)
+    .filter(move |&(_, i)| i != TallySpec::BUDGET.not_recorded || one_side)
 }
 
 /// What a reader must know if light was lost.
 #[must_use]
-pub fn lost_warning(statistics: &BatchStatistics) -> Option<String> {
-    let lost = statistics.means()[Layout::LOST];
+pub fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
+    let lost = statistics.budget().lost.mean;
     (lost != 0.0).then(|| {
         format!("{lost:.3e} of the flux was lost to numerical failure: do not trust these results")
     })

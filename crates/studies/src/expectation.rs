@@ -4,7 +4,7 @@ use std::path::Path;
 
 use asperity_analysis::{Expectation, ScatteringModel};
 use asperity_io::WriteError;
-use asperity_tally::{BatchStatistics, Layout, Share, Side};
+use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
 use serde_json::{Value, json};
 
 use crate::output::{Column, Table, bin_columns, over, projected_solid_angle, solid_angle_column};
@@ -16,15 +16,18 @@ use crate::summary::orders;
 /// # Errors
 /// [`WriteError`] if the file cannot be written.
 pub fn write_expectation(path: &Path, expectation: &Expectation) -> Result<(), WriteError> {
-    let layout = expectation.layout();
-    table(layout, expectation.statistics()).write_csv(path, layout.asked_bins())
+    let spec = expectation.spec();
+    table(expectation.statistics()).write_csv(path, spec.recorded_bins())
 }
 
-fn table<'a>(layout: &'a Layout, statistics: &'a BatchStatistics) -> Table<'a, usize> {
-    let grid = layout.grid();
-    let of =
-        move |share| move |bin: &usize| Some(statistics.estimate(layout.bins(share).start + bin));
-    let total = of(Share::Total);
+fn table(statistics: &TallyStatistics) -> Table<'_, usize> {
+    let spec = statistics.spec();
+    let grid = spec.grid();
+    let of = move |component| {
+        let bins = spec.grid_entries(component);
+        move |bin: &usize| Some(statistics.at(bins.get(*bin)))
+    };
+    let total = of(Component::All);
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
@@ -42,21 +45,21 @@ fn table<'a>(layout: &'a Layout, statistics: &'a BatchStatistics) -> Table<'a, u
         .column(Column::estimate(
             "flux_single",
             "flux of light that met the surface once",
-            of(Share::Single),
+            of(Component::Single),
         ))
         .column(Column::estimate(
             "flux_multiple",
             "flux of light that met the surface more often",
-            of(Share::Multiple),
+            of(Component::Multiple),
         ))
 }
 
 /// The energies that a model expects, in all and by order of scattering.
 #[must_use]
 pub fn expectation_json(model: &dyn ScatteringModel, expectation: &Expectation) -> Value {
-    let layout = expectation.layout();
     let statistics = expectation.statistics();
-    let orders = |side| json!(orders(layout, statistics, side));
+    let budget = statistics.budget();
+    let orders = |side| json!(orders(statistics, side));
     json!({
         "schema": 1,
         "command": "model",
@@ -67,10 +70,10 @@ pub fn expectation_json(model: &dyn ScatteringModel, expectation: &Expectation) 
         "scope": model.scope(),
         "rays": expectation.rays(),
         "energy": {
-            "reflected": statistics.estimate(Layout::REFLECTED),
-            "transmitted": statistics.estimate(Layout::TRANSMITTED),
-            "absorbed": statistics.estimate(Layout::ABSORBED),
-            "truncated": statistics.estimate(Layout::TRUNCATED),
+            "reflected": budget.reflected,
+            "transmitted": budget.transmitted,
+            "absorbed": budget.absorbed,
+            "truncated": budget.truncated,
         },
         "orders": {
             "reflected": orders(Side::Reflected),

@@ -1,7 +1,6 @@
 //! The plots of a run, as SVG and PNG.
 
 use asperity_simulate::{Case, short};
-use std::ops::Range;
 use std::path::Path;
 
 use asperity_analysis::{BsdfModel, in_plane_flux};
@@ -12,14 +11,13 @@ use asperity_plot::{
     Sides as PlotSides,
 };
 use asperity_surface::HeightField;
-use asperity_tally::{BatchStatistics, History, Layout, OrderClass, Share, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
 use crate::case_model::CaseModel;
 use crate::config::{Incident, VerifyConfig};
-use crate::energies::{SINGLE_SCATTERING, history_name, recorded_orders};
+use crate::energies::recorded_orders;
 use crate::models::ModelOutcome;
-use crate::part::Part;
 use crate::report::ReportError;
 use asperity_simulate::layer_name;
 
@@ -168,8 +166,8 @@ pub(crate) fn height_map(
 pub(crate) fn lobes_and_curves(
     folder: &Path,
     light: &Light,
-    layout: &Layout,
-    statistics: &BatchStatistics,
+    spec: &TallySpec,
+    statistics: &TallyStatistics,
     models: &[ModelOutcome],
 ) -> Result<(), ReportError> {
     let transmits = match &light.layer {
@@ -177,16 +175,16 @@ pub(crate) fn lobes_and_curves(
         None => light.material.transmitting_index().is_some(),
     };
     let leaves = |side| side == Side::Reflected || transmits;
-    let sides: Vec<Side> = layout.sides().filter(|&side| leaves(side)).collect();
+    let sides: Vec<Side> = spec.sides().filter(|&side| leaves(side)).collect();
     let mut subtitle = light.subtitle();
     for side in Side::BOTH {
-        if leaves(side) && !layout.asks(side) {
+        if leaves(side) && !spec.records(side) {
             subtitle.push_str(&format!("; {side} light not asked for"));
         }
     }
     let series: Vec<Series> = sides
         .iter()
-        .flat_map(|&side| series_of(light, layout, statistics, models, side))
+        .flat_map(|&side| series_of(light, spec, statistics, models, side))
         .collect();
     let lobes = PolarLobes {
         title: "Scattered intensity in the plane of incidence".to_owned(),
@@ -231,81 +229,60 @@ const fn plot_side(side: Side) -> PlotSide {
 /// inside a medium, and the models' lines, in 1/sr.
 fn series_of(
     light: &Light,
-    layout: &Layout,
-    statistics: &BatchStatistics,
+    spec: &TallySpec,
+    statistics: &TallyStatistics,
     models: &[ModelOutcome],
     side: Side,
 ) -> Vec<Series> {
-    let width = 90.0 / layout.grid().n_theta() as f64;
-    let explicit = |orders: &str, entries: Range<usize>| {
-        let samples = (0..layout.in_plane_len())
-            .map(|i| {
-                let flux = statistics.estimate(entries.start + i);
-                let solid_angle = layout.in_plane_solid_angle(i);
-                let [from, to] = layout.in_plane_edges_deg(i);
-                Sample {
-                    theta_deg: 0.5 * (from + to),
-                    value: flux.mean / solid_angle,
-                    se: flux.se.map(|se| se / solid_angle),
-                }
-            })
-            .collect();
-        let name = format!("explicit, {orders}");
+    let width = 90.0 / spec.grid().n_theta() as f64;
+    let explicit = |name: &str, component: Component| {
+        let samples = in_plane_samples(statistics, side, component);
+        let name = format!("explicit, {name}");
         Series::explicit(name, plot_side(side), samples).with_bin_width(width)
     };
-    let of = |class| layout.in_plane(side, class);
-    let mut series = vec![explicit(
-        &recorded_orders(light.max_order),
-        of(OrderClass::All),
-    )];
-    if layout.has_histories() {
-        for history in History::ALL {
-            if statistics.means()[layout.history(side, history)] != 0.0 {
-                let entries = layout.history_in_plane(side, history);
-                let name = match history {
-                    History::Unscattered => history_name(history).to_owned(),
-                    _ => format!("scattered inside {}", history_name(history)),
-                };
-                series.push(explicit(&name, entries).of_part(history.name()));
-            }
+    let seen = |component| statistics.means().flux(side, component) != 0.0;
+    let mut series = vec![explicit(&recorded_orders(light.max_order), Component::All)];
+    for &component in spec.components() {
+        if seen(component) {
+            let line = explicit(&component.label(), component);
+            series.push(line.of_part(component.name()));
         }
-    } else
-    // Without multiple scattering both are the same, and one would hide the other.
-    if statistics.means()[layout.multiple(side)] != 0.0 {
-        series.push(explicit(SINGLE_SCATTERING, of(OrderClass::First)));
     }
-    for model in models.iter().filter(|m| m.model.sides().ask(side)) {
+    // Without multiple scattering both are the same, and one would hide the other.
+    if spec.components().is_empty() && seen(Component::Multiple) {
+        series.push(explicit(&Component::Single.label(), Component::Single));
+    }
+    for model in models.iter().filter(|m| m.model.sides().includes(side)) {
         let all = match model.model {
-            CaseModel::Surface(_) => Part::Orders(Share::Total),
+            CaseModel::Surface(_) => Component::All,
             CaseModel::Layer(_) => model.judged_part(),
         };
-        let mut samples = sampled_line(model, layout, all.in_plane(layout, side));
+        let mut samples = in_plane_samples(model.expectation.statistics(), side, all);
         if let Some(density) = model.model.density() {
-            let multiple = multiple_line(model, layout, side);
-            samples = density_line(density, light.incidence, layout, side);
-            if model.judged_part() == Part::Orders(Share::Total) {
+            let multiple = multiple_line(model, side);
+            samples = density_line(density, light.incidence, spec, side);
+            if model.judged_part() == Component::All {
                 for sample in &mut samples {
                     sample.value += between(&multiple, sample.theta_deg);
                 }
             }
         }
-        let name = match model.judged_part() {
-            Part::Inside(history) => format!("{}, {}", model.model.name(), history_name(history)),
-            Part::Orders(_) => model.model.name().to_owned(),
-        };
-        let line = Series::model(name, plot_side(side), samples);
-        series.push(match model.judged_part() {
-            Part::Inside(history) => line.of_part(history.name()),
-            Part::Orders(_) => line,
+        let judged = model.judged_part();
+        let name = model.model.name();
+        series.push(if judged.is_of_medium() {
+            let name = format!("{name}, {}", judged.short_label());
+            Series::model(name, plot_side(side), samples).of_part(judged.name())
+        } else {
+            Series::model(name.to_owned(), plot_side(side), samples)
         });
     }
     series
 }
 
 /// What a model expects of light scattered more often than once, bin by bin.
-fn multiple_line(model: &ModelOutcome, layout: &Layout, side: Side) -> Vec<Sample> {
-    let [mut all, single] = [Share::Total, Share::Single]
-        .map(|share| sampled_line(model, layout, Part::Orders(share).in_plane(layout, side)));
+fn multiple_line(model: &ModelOutcome, side: Side) -> Vec<Sample> {
+    let [mut all, single] = [Component::All, Component::Single]
+        .map(|component| in_plane_samples(model.expectation.statistics(), side, component));
     for (all, single) in all.iter_mut().zip(&single) {
         all.value -= single.value;
     }
@@ -325,16 +302,16 @@ fn between(samples: &[Sample], theta_deg: f64) -> f64 {
     }
 }
 
-/// A model bin by bin.
-fn sampled_line(model: &ModelOutcome, layout: &Layout, profile: Range<usize>) -> Vec<Sample> {
-    let start = profile.start;
-    (0..layout.in_plane_len())
-        .map(|i| {
-            let flux = model.expectation.statistics().estimate(start + i);
-            let solid_angle = layout.in_plane_solid_angle(i);
-            let [from, to] = layout.in_plane_edges_deg(i);
+/// In-plane intensities of a component, bin by bin.
+fn in_plane_samples(statistics: &TallyStatistics, side: Side, component: Component) -> Vec<Sample> {
+    let view = statistics.in_plane(side, component);
+    let filter = view.filter();
+    view.iter()
+        .enumerate()
+        .map(|(i, flux)| {
+            let solid_angle = filter.solid_angle(i);
             Sample {
-                theta_deg: 0.5 * (from + to),
+                theta_deg: filter.centre_deg(i),
                 value: flux.mean / solid_angle,
                 se: flux.se.map(|se| se / solid_angle),
             }
@@ -346,10 +323,10 @@ fn sampled_line(model: &ModelOutcome, layout: &Layout, profile: Range<usize>) ->
 fn density_line(
     model: &dyn BsdfModel,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     side: Side,
 ) -> Vec<Sample> {
-    let width = 90.0 / layout.grid().n_theta() as f64;
+    let width = 90.0 / spec.grid().n_theta() as f64;
     let steps = (90.0 / LINE_STEP_DEG) as i32;
     (-steps..=steps)
         .into_par_iter()
@@ -357,11 +334,11 @@ fn density_line(
             let theta_deg = f64::from(i) * LINE_STEP_DEG;
             let from = (theta_deg - 0.5 * width).max(-90.0).to_radians();
             let to = (theta_deg + 0.5 * width).min(90.0).to_radians();
-            let half_width = layout.in_plane_half_width();
+            let half_width = spec.in_plane_half_width();
             let flux = in_plane_flux(model, incidence, half_width, side, [from, to]);
-            // The wedge's solid angle on both sides of the normal.
+            // The slice's solid angle on both sides of the normal.
             let cap = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2) * angle.signum();
-            let solid_angle = 2.0 * layout.in_plane_half_width() * (cap(to) - cap(from));
+            let solid_angle = 2.0 * spec.in_plane_half_width() * (cap(to) - cap(from));
             Sample::exact(theta_deg, flux / solid_angle)
         })
         .collect()

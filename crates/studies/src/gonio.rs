@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use asperity_io::{ReadError, WriteError, create_output_folder};
 use asperity_optics::Incidence;
-use asperity_tally::Layout;
+use asperity_tally::TallySpec;
 
 use crate::config::ConfigError;
 use crate::energies::lost_warning;
@@ -104,7 +104,7 @@ pub struct GonioOutcome {
     /// The given surface without its shape: name, description and warnings.
     pub sample: Option<(String, serde_json::Value, Vec<String>)>,
     /// Where quantities stand in records, and the bins.
-    pub layout: Layout,
+    pub spec: TallySpec,
     /// What is measured.
     pub settings: Vec<Setting>,
     /// Polar angles of the light, degrees, as in the configuration.
@@ -156,15 +156,14 @@ pub fn gonio(
     progress: &dyn Observer,
 ) -> Result<GonioOutcome, GonioError> {
     let (settings, plans) = config.plans(sample)?;
-    let layout = config.ray_settings()?.layout;
+    let spec = config.ray_settings()?.spec;
     let path_of = |plan: &Plan| folder.join(FOLDER).join(format!("{}.json", plan.name));
     // All files are looked at before the first is written.
     files::refuse_unplanned(folder, &plans)?;
     let pieces = plans
         .into_iter()
         .map(|plan| {
-            let doubt =
-                |results: &DirectionResults| (!results.is_sound(&layout)).then_some(CHANGED);
+            let doubt = |results: &DirectionResults| (!results.is_sound(&spec)).then_some(CHANGED);
             match store::read(&path_of(&plan), &plan.identity, doubt) {
                 Ok(stored) => Ok((plan, stored)),
                 Err(StoreError::Read(error)) => Err(GonioError::Read(error)),
@@ -192,7 +191,7 @@ pub fn gonio(
             let setting = &settings[plan.setting];
             let results = measure(config, plan, setting, sample, progress)?;
             if let Some(results) = &results {
-                files::write_direction(folder, &plan.name, &layout, results)?;
+                files::write_direction(folder, &plan.name, &spec, results)?;
                 store::write(&path_of(plan), &plan.name, plan.identity.clone(), results)?;
             }
             Ok::<_, GonioError>(results)
@@ -205,7 +204,7 @@ pub fn gonio(
     let outcome = GonioOutcome {
         config: config.clone(),
         sample: sample.map(|s| (s.name.clone(), s.description.clone(), s.warnings.clone())),
-        layout,
+        spec,
         settings,
         thetas,
         phis,
@@ -240,7 +239,6 @@ fn measure(
                 let case = outcome.cases.into_iter().next()?;
                 let warnings: Vec<String> = lost_warning(&case.statistics).into_iter().collect();
                 Some(DirectionResults::of(
-                    &outcome.layout,
                     &case.statistics,
                     (case.work.realisations, case.work.rays),
                     case.errors_from,
@@ -280,7 +278,6 @@ fn on_sample(
     let outcome = outcome?;
     let warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
     Ok(DirectionResults::of(
-        &rays.layout,
         &outcome.statistics,
         (1, outcome.work.rays),
         "ray blocks",

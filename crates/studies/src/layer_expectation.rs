@@ -6,36 +6,33 @@ use std::path::Path;
 use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
 use asperity_io::WriteError;
 use asperity_optics::{Incidence, Layer};
-use asperity_tally::{History, Layout, Side};
+use asperity_tally::{Component, Side, TallyResult, TallyValues};
 use serde_json::{Value, json};
 
 use crate::output::{Column, Table, bin_columns, projected_solid_angle, solid_angle_column};
 
-/// The histories that such a model describes.
-const HISTORIES: [History; 2] = [History::Unscattered, History::Once];
+/// The components that such a model describes.
+const DESCRIBED: [Component; 2] = [Component::Unscattered, Component::ScatteredOnce];
 
 /// Writes a row per bin: its place, solid angle, flux and BSDF, and the fluxes never scattered and scattered
 /// once apart. Unscattered light goes one way and fills one bin, whose BSDF it dominates.
 ///
-/// `record`: what [`FlatLayer::record`] makes of `layout`, which has histories.
+/// `expected`: what [`FlatLayer::tally`] gives for a spec with a medium.
 ///
 /// # Errors
 /// [`WriteError`] if the file cannot be written.
-pub fn write_layer_expectation(
-    path: &Path,
-    layout: &Layout,
-    record: &[f64],
-) -> Result<(), WriteError> {
-    table(layout, record).write_csv(path, layout.asked_bins())
+pub fn write_layer_expectation(path: &Path, expected: &TallyValues) -> Result<(), WriteError> {
+    table(expected).write_csv(path, expected.spec().recorded_bins())
 }
 
-fn table<'a>(layout: &'a Layout, record: &'a [f64]) -> Table<'a, usize> {
-    let grid = layout.grid();
-    let of = move |history| {
-        let start = layout.history_bins(history).start;
-        move |bin: &usize| record[start + bin]
+fn table(expected: &TallyValues) -> Table<'_, usize> {
+    let spec = expected.spec();
+    let grid = spec.grid();
+    let of = move |component| {
+        let bins = spec.grid_entries(component);
+        move |bin: &usize| expected[bins.get(*bin)]
     };
-    let [unscattered, once] = HISTORIES.map(of);
+    let [unscattered, once] = DESCRIBED.map(of);
     let both = move |bin: &usize| unscattered(bin) + once(bin);
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
@@ -61,21 +58,27 @@ fn table<'a>(layout: &'a Layout, record: &'a [f64]) -> Table<'a, usize> {
 
 /// The fluxes never scattered and scattered once that leave on each side, and what neither is.
 #[must_use]
-pub fn layer_energy_table(layout: &Layout, record: &[f64]) -> String {
-    let flux = |side, history| record[layout.history(side, history)];
-    let both = |side| -> f64 { HISTORIES.map(|history| flux(side, history)).iter().sum() };
+pub fn layer_energy_table(expected: &TallyValues) -> String {
+    let spec = expected.spec();
+    let flux = |side, component| expected.flux(side, component);
+    let both = |side| -> f64 {
+        DESCRIBED
+            .map(|component| flux(side, component))
+            .iter()
+            .sum()
+    };
     let column =
-        |heading, history| Column::new(heading, "", move |side: &Side| flux(*side, history));
+        |heading, component| Column::new(heading, "", move |side: &Side| flux(*side, component));
     let table = Table::new()
         .column(Column::new("side", "", |side: &Side| side.to_string()))
-        .column(column("never scattered", History::Unscattered))
-        .column(column("scattered once", History::Once))
+        .column(column("never scattered", Component::Unscattered))
+        .column(column("scattered once", Component::ScatteredOnce))
         .column(Column::new("both", "", |side: &Side| both(*side)));
-    let accounted: f64 = layout.sides().map(both).sum();
+    let accounted: f64 = spec.sides().map(both).sum();
     let rest = short((1.0 - accounted).max(0.0));
     format!(
         "{}  {rest} of the flux is absorbed, scattered more often, or on paths that the model leaves out\n",
-        table.text(layout.sides())
+        table.text(spec.sides())
     )
 }
 
@@ -100,8 +103,7 @@ pub fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String>
 pub fn layer_expectation_json(
     (model, layer): (&FlatLayer, &Layer),
     incidence: Incidence,
-    layout: &Layout,
-    record: &[f64],
+    expected: &TallyValues,
 ) -> Value {
     let paths: LayerPaths = model.paths();
     let beams: Vec<Value> = model
@@ -112,8 +114,8 @@ pub fn layer_expectation_json(
             json!({"side": beam.side, "theta_deg": theta, "phi_deg": phi, "flux": beam.flux})
         })
         .collect();
-    let energy = |history| {
-        let of = |side| record[layout.history(side, history)];
+    let energy = |component| {
+        let of = |side| expected.flux(side, component);
         json!({"reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted)})
     };
     json!({
@@ -126,8 +128,8 @@ pub fn layer_expectation_json(
         "layer": layer,
         "optical_thickness": model.optical_thickness(),
         "energy": {
-            "unscattered": energy(History::Unscattered),
-            "once": energy(History::Once),
+            "unscattered": energy(Component::Unscattered),
+            "once": energy(Component::ScatteredOnce),
         },
         "unscattered": beams,
     })

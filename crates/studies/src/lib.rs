@@ -10,6 +10,7 @@ mod attenuation;
 mod case_model;
 mod case_report;
 mod cases;
+mod compared;
 mod conclusion;
 mod config;
 mod converge;
@@ -24,7 +25,6 @@ mod medium;
 mod models;
 mod number;
 mod output;
-mod part;
 mod peak;
 mod report;
 pub mod settings;
@@ -69,9 +69,8 @@ pub use map::{
     map_report, map_summary, map_table, summarise,
 };
 pub use medium::{BottomKind, MediumConfig, PhaseKind};
-pub use models::{ComparedShare, ModelOutcome};
+pub use models::{ComparedComponent, ModelOutcome};
 pub use number::{parse_count, parse_number, parse_order, parse_seconds};
-pub use part::Part;
 pub use peak::PeakDifference;
 pub use report::{ReportError, trace_report, verify_report, verify_summary};
 pub use side_difference::SideDifference;

@@ -6,12 +6,11 @@ use std::f64::consts::PI;
 use asperity_analysis::{
     Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, verdicts,
 };
-use asperity_tally::{Azimuth, BatchStatistics, Estimate, Layout, Share, Side};
+use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
 use crate::case_model::CaseModel;
 use crate::config::VerifyConfig;
-use crate::part::Part;
 use crate::side_difference::{SideDifference, side_differences};
 use crate::verify::VerifyError;
 
@@ -23,11 +22,11 @@ const ENOUGH_RAYS: f64 = 20.0;
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
 
 /// What every model is compared with, whatever it describes.
-const ALL_LIGHT: Part = Part::Orders(Share::Total);
+const ALL_LIGHT: Component = Component::All;
 
-/// A share of the light beside a model.
+/// A component of the light beside a model.
 #[derive(Clone, Debug)]
-pub struct ComparedShare {
+pub struct ComparedComponent {
     /// Over the bins of the sides asked for.
     pub comparison: Comparison,
     /// What follows from it; `None` where the model makes no claim.
@@ -42,16 +41,16 @@ pub struct ModelOutcome {
     pub model: CaseModel,
     /// What it expects.
     pub expectation: Expectation,
-    /// The parts of the light that it is compared with, without all light.
-    pub parts: Vec<(Part, ComparedShare)>,
+    /// The components of the light that it is compared with, without all light.
+    pub parts: Vec<(Component, ComparedComponent)>,
     /// All light, whether or not the model describes it.
-    pub total: ComparedShare,
+    pub total: ComparedComponent,
 }
 
 impl ModelOutcome {
-    /// A part of the light; `None` where it is not compared.
+    /// A component of the light; `None` where it is not compared.
     #[must_use]
-    pub fn compared(&self, part: Part) -> Option<&ComparedShare> {
+    pub fn compared(&self, part: Component) -> Option<&ComparedComponent> {
         if part == ALL_LIGHT {
             return Some(&self.total);
         }
@@ -59,38 +58,38 @@ impl ModelOutcome {
         found.map(|(_, compared)| compared)
     }
 
-    /// The part by which the model is judged: all that it describes.
+    /// The component by which the model is judged: all that it describes.
     #[must_use]
-    pub fn judged_part(&self) -> Part {
+    pub fn judged_part(&self) -> Component {
         self.model.judged_part()
     }
 
     /// The comparison with all light that the model describes.
     #[must_use]
-    pub fn judged(&self) -> &ComparedShare {
+    pub fn judged(&self) -> &ComparedComponent {
         self.compared(self.judged_part()).unwrap_or(&self.total)
     }
 
-    /// Whether the model says anything of a part of the light.
+    /// Whether the model says anything of a component of the light.
     #[must_use]
-    pub fn describes(&self, part: Part) -> bool {
-        match part {
-            Part::Orders(share) => self.expectation.describes(share),
-            Part::Inside(_) => self.compared(part).is_some(),
+    pub fn describes(&self, component: Component) -> bool {
+        if component.is_of_medium() {
+            self.compared(component).is_some()
+        } else {
+            self.expectation.describes(component)
         }
     }
 
-    /// The flux that the model expects on `side`, if it describes that part.
+    /// The flux that the model expects on `side`, if it describes that component.
     #[must_use]
-    pub fn energy(&self, part: Part, side: Side) -> Option<Estimate> {
-        let entry = part.on_side(self.expectation.layout(), side);
-        self.describes(part)
-            .then(|| self.expectation.statistics().estimate(entry))
+    pub fn energy(&self, component: Component, side: Side) -> Option<Estimate> {
+        self.describes(component)
+            .then(|| self.expectation.statistics().flux(side, component))
     }
 
-    fn claimed(&mut self) -> impl Iterator<Item = &mut ComparedShare> {
+    fn claimed(&mut self) -> impl Iterator<Item = &mut ComparedComponent> {
         let claims = self.model.claims();
-        let claimed = move |part: &Part| claims.contains(part);
+        let claimed = move |part: &Component| claims.contains(part);
         self.parts
             .iter_mut()
             .map(|(part, compared)| (*part, compared))
@@ -102,14 +101,14 @@ impl ModelOutcome {
 
 /// Compares every model of the configuration with the surfaces of a case.
 ///
-/// Each share that a model claims is a test of its own; the level is shared among all tests of the
+/// Each component that a model claims is a test of its own; the level is shared among all tests of the
 /// case. Returns the models and the number of tests.
 pub(crate) fn compare_models(
     config: &VerifyConfig,
-    layout: &Layout,
+    spec: &TallySpec,
     (case, method): (&Case, &Method),
     ensemble: &Ensemble,
-    statistics: &BatchStatistics,
+    statistics: &TallyStatistics,
 ) -> Result<(Vec<ModelOutcome>, usize), VerifyError> {
     let mut models = config
         .compare
@@ -119,7 +118,7 @@ pub(crate) fn compare_models(
             let model = CaseModel::of(name, case)?;
             let beside = Beside {
                 config,
-                layout,
+                spec,
                 case,
                 method,
                 ensemble,
@@ -128,7 +127,7 @@ pub(crate) fn compare_models(
             beside.compare(model)
         })
         .collect::<Result<Vec<_>, VerifyError>>()?;
-    let mut claims: Vec<&mut ComparedShare> =
+    let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
     let found = verdicts(&comparisons, config.compare.alpha);
@@ -142,16 +141,16 @@ pub(crate) fn compare_models(
 /// What a model stands beside.
 struct Beside<'a> {
     config: &'a VerifyConfig,
-    layout: &'a Layout,
+    spec: &'a TallySpec,
     case: &'a Case,
     method: &'a Method,
     ensemble: &'a Ensemble,
-    statistics: &'a BatchStatistics,
+    statistics: &'a TallyStatistics,
 }
 
 impl Beside<'_> {
     fn compare(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
-        let surfaces = self.ensemble.records.len() as u64;
+        let surfaces = self.ensemble.tallies.len() as u64;
         let effort = SamplingEffort {
             rays: self.config.compare.model_rays.0,
             batches: match surfaces {
@@ -165,7 +164,7 @@ impl Beside<'_> {
         } else {
             Azimuth::From(self.case.incidence.phi() + PI)
         };
-        let expectation = model.expect(self.case.incidence, self.layout, azimuth, effort);
+        let expectation = model.expect(self.case.incidence, self.spec, azimuth, effort);
         let claims = model.claims();
         let apart = claims.into_par_iter().filter(|&part| part != ALL_LIGHT);
         let against = |part| self.against(&expectation, part);
@@ -184,25 +183,19 @@ impl Beside<'_> {
         })
     }
 
-    /// One part of the light beside what the model expects of it.
-    fn against(&self, expectation: &Expectation, part: Part) -> Result<ComparedShare, VerifyError> {
-        let layout = self.layout;
-        let asked = layout.asked_bins();
-        fn of_record<'a>(layout: &Layout, part: Part, record: &'a [f64]) -> &'a [f64] {
-            &record[part.bins(layout)][layout.asked_bins()]
-        }
-        let surfaces: Vec<Vec<f64>> = self
-            .ensemble
-            .records
-            .iter()
-            .map(|record| of_record(layout, part, record).to_vec())
-            .collect();
-        let mean = of_record(layout, part, expectation.statistics().means());
-        let batches: Vec<&[f64]> = expectation
-            .records()
-            .iter()
-            .map(|record| of_record(layout, part, record))
-            .collect();
+    /// One component of the light beside what the model expects of it.
+    fn against(
+        &self,
+        expectation: &Expectation,
+        component: Component,
+    ) -> Result<ComparedComponent, VerifyError> {
+        let spec = self.spec;
+        let bins = spec.recorded_entries(component);
+        let tallies = self.ensemble.tallies.iter();
+        let surfaces: Vec<Vec<f64>> = tallies.map(|tally| tally[bins].to_vec()).collect();
+        let of_model = expectation.statistics().means();
+        let mean = &of_model[bins];
+        let batches: Vec<&[f64]> = expectation.tallies().iter().map(|t| &t[bins]).collect();
         let expected = if batches.len() == surfaces.len() && !expectation.is_exact() {
             Expected::Batches(&batches)
         } else {
@@ -210,23 +203,21 @@ impl Beside<'_> {
         };
         let rays = self.ensemble.work.rays as f64;
         let bins_of_a_value = if self.config.free_azimuth(self.case) {
-            layout.grid().n_phi() as f64
+            spec.grid().n_phi() as f64
         } else {
             1.0
         };
         // Few rays are far from symmetric about their mean, be they the surfaces' or the model's.
-        let of_model = expectation.statistics().means();
+        let first = spec.recorded_bins().start;
         let model_counts = |i: usize| {
-            let sampled = match part {
-                Part::Orders(share) => expectation.samples(share),
-                Part::Inside(_) => !expectation.is_exact(),
-            };
-            let found = part.hits(layout, of_model, asked.start + i);
+            let sampled = expectation.samples(component);
+            let found = of_model.grid_hits(component, first + i);
             !sampled || found * expectation.rays() as f64 * bins_of_a_value >= ENOUGH_RAYS
         };
         let enough: Vec<bool> = (0..mean.len())
             .map(|i| {
-                let found = part.hits(layout, self.statistics.means(), asked.start + i);
+                let means = self.statistics.means();
+                let found = means.grid_hits(component, first + i);
                 // Under a control a ray counts only if it deviates from what is expected.
                 let counted = match self.method.control {
                     Some(_) => found,
@@ -239,20 +230,20 @@ impl Beside<'_> {
             &surfaces,
             expected,
             &enough,
-            &rings_and_sides(layout),
+            &rings_and_sides(spec),
             self.config.run.seed,
         )?;
-        let sides = match part {
-            Part::Orders(Share::Multiple) => Vec::new(),
+        let sides = match component {
+            Component::Multiple => Vec::new(),
             _ => side_differences(
-                layout,
-                part,
-                &self.ensemble.records,
+                spec,
+                component,
+                &self.ensemble.tallies,
                 expectation,
                 self.config.free_azimuth(self.case),
             ),
         };
-        Ok(ComparedShare {
+        Ok(ComparedComponent {
             comparison,
             verdict: None,
             sides,
@@ -262,10 +253,10 @@ impl Beside<'_> {
 
 /// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
 /// sides, which are the energies. Bins count from the first that is asked for.
-fn rings_and_sides(layout: &Layout) -> [Grouping; 2] {
-    let grid = layout.grid();
+fn rings_and_sides(spec: &TallySpec) -> [Grouping; 2] {
+    let grid = spec.grid();
     let groups = |of_each: usize| -> Vec<Vec<usize>> {
-        (0..layout.asked_bins().len())
+        (0..spec.recorded_bins().len())
             .step_by(of_each)
             .map(|i| (i..i + of_each).collect())
             .collect()

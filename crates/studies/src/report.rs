@@ -5,17 +5,17 @@ use std::path::{Path, PathBuf};
 
 use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
 use asperity_plot::PlotError;
-use asperity_tally::{Layout, Share, Side};
+use asperity_tally::{Component, Side, TallySpec};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::case_model::CaseModel;
 use crate::case_report::{case_table, verify_table, warnings};
+use crate::compared::{COMPARED, key};
 use crate::conclusion::{conclusion, verdict_word};
 use crate::figures::{self, Light};
 use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
-use crate::models::ComparedShare;
-use crate::part::Part;
+use crate::models::ComparedComponent;
 use crate::summary::Summary;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
@@ -83,7 +83,7 @@ pub enum ReportError {
 pub fn trace_report(
     folder: &Path,
     outcome: &TraceOutcome,
-    layout: &Layout,
+    spec: &TallySpec,
     summary: &Summary,
     plots: Option<&figures::Surroundings<'_>>,
 ) -> Result<(), ReportError> {
@@ -91,7 +91,7 @@ pub fn trace_report(
     remove_files(folder, FILES)?;
     let tables = || {
         let fluxes = Fluxes {
-            layout,
+            spec,
             statistics: &outcome.statistics,
             errors: &outcome.errors,
             rays: outcome.work.rays,
@@ -105,7 +105,7 @@ pub fn trace_report(
             })
         };
         let lobes =
-            || figures::lobes_and_curves(folder, plots.light, layout, &outcome.statistics, &[]);
+            || figures::lobes_and_curves(folder, plots.light, spec, &outcome.statistics, &[]);
         let (map, lobes) = rayon::join(map, lobes);
         map.and(lobes)
     };
@@ -194,16 +194,16 @@ fn write_case(
     outcome: &VerifyOutcome,
     case: &CaseOutcome,
 ) -> Result<(), ReportError> {
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     let tables = || {
         let fluxes = Fluxes {
-            layout,
+            spec,
             statistics: &case.statistics,
             errors: &case.errors,
             rays: case.work.rays,
         };
         write_fluxes(place, fluxes, &case.models)?;
-        write_comparison(place, layout, case)?;
+        write_comparison(place, spec, case)?;
         write_bytes(
             place.join("report.txt"),
             case_table(outcome, case).as_bytes(),
@@ -211,7 +211,7 @@ fn write_case(
     };
     let plots = || {
         let light = Light::of_case(&case.case, &outcome.config);
-        figures::lobes_and_curves(place, &light, layout, &case.statistics, &case.models)
+        figures::lobes_and_curves(place, &light, spec, &case.statistics, &case.models)
     };
     let plots = || {
         if outcome.config.output.plots {
@@ -257,11 +257,11 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
         config,
         outcome.config.run.seed,
         case.errors_from,
-        (&outcome.layout, &case.statistics),
+        &case.statistics,
         case.work.clone(),
     )
-    .with_errors(case.errors.to_json(&outcome.layout))
-    .with_comparison(comparison_json(&outcome.layout, case))
+    .with_errors(case.errors.to_json())
+    .with_comparison(comparison_json(&outcome.spec, case))
     .with_warnings(warnings(outcome, case))
     .with_stopping(case.stopping.clone())
     .with_deviation_bound(case.deviation_bound)
@@ -280,12 +280,12 @@ fn config_json(outcome: &VerifyOutcome) -> Value {
 }
 
 /// Verdicts, p values and distances of one case.
-fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
+fn comparison_json(spec: &TallySpec, case: &CaseOutcome) -> Value {
     let models: Vec<Value> = case
         .models
         .iter()
         .map(|model| {
-            let against = |part: &ComparedShare| {
+            let against = |part: &ComparedComponent| {
                 let distance = &part.comparison.total_variation;
                 let test = part.comparison.test.as_ref().ok();
                 json!({
@@ -301,13 +301,13 @@ fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
                 })
             };
             let energy = |part| {
-                let of = |side| model.energy(part, side).filter(|_| layout.asks(side));
+                let of = |side| model.energy(part, side).filter(|_| spec.records(side));
                 json!({ "reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted) })
             };
             let judged = |side| {
                 let energy = model.energy(model.judged_part(), side);
                 energy
-                    .filter(|_| layout.asks(side))
+                    .filter(|_| spec.records(side))
                     .map(|energy| energy.mean)
             };
             let mut found = json!({
@@ -319,20 +319,19 @@ fn comparison_json(layout: &Layout, case: &CaseOutcome) -> Value {
                 "verdict": model.judged().verdict.as_ref().map(verdict_word),
             });
             let of_layer = matches!(model.model, CaseModel::Layer(_));
-            let parts = Part::COMPARED.into_iter().filter(|part| match part {
-                Part::Orders(share) => *share == Share::Total || !of_layer,
-                Part::Inside(_) => of_layer,
-            });
+            let parts = COMPARED
+                .into_iter()
+                .filter(|c| *c == Component::All || c.is_of_medium() == of_layer);
             let mut energies = Map::new();
             for part in parts {
-                let key = part.key().to_owned();
+                let name = key(part).into_owned();
                 let described = model.describes(part).then(|| energy(part));
-                energies.insert(key.clone(), json!(described));
-                found[key] = json!(model.compared(part).map(against));
+                energies.insert(name.clone(), json!(described));
+                found[name] = json!(model.compared(part).map(against));
             }
             found["energy"] = json!(energies);
             found
         })
         .collect();
-    json!({ "level": case.level, "models": models, "conclusion": conclusion(layout, case).replace('\n', " ") })
+    json!({ "level": case.level, "models": models, "conclusion": conclusion(spec, case).replace('\n', " ") })
 }

@@ -1,9 +1,10 @@
 //! What leaves on one side in all, and where it is brightest, beside a model.
 
 use asperity_analysis::Expectation;
-use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
+use asperity_tally::{
+    BatchStatistics, Component, Estimate, Side, TallyResult, TallySpec, TallyValues,
+};
 
-use crate::part::Part;
 use crate::peak::{PeakDifference, Span, peak_difference};
 
 /// Flux fraction below which a side has too little light for a peak that matters.
@@ -25,30 +26,28 @@ pub struct SideDifference {
     pub peak: Option<PeakDifference>,
 }
 
-/// Compares the sides that are asked for. `part`: any but multiple scattering alone.
+/// Compares the sides that are recorded. `component`: any that in-plane bins keep.
 ///
-/// `records`: one a surface, by `layout`. `free_azimuth`: whether light is spread evenly over azimuth.
+/// `tallies`: one per surface. `free_azimuth`: whether light is spread evenly over azimuth.
 pub(crate) fn side_differences(
-    layout: &Layout,
-    part: Part,
-    records: &[Vec<f64>],
+    spec: &TallySpec,
+    component: Component,
+    tallies: &[TallyValues],
     expectation: &Expectation,
     free_azimuth: bool,
 ) -> Vec<SideDifference> {
-    layout
-        .sides()
+    spec.sides()
         .map(|side| {
-            let entry = part.on_side(layout, side);
-            let profile = part.in_plane(layout, side);
-            let expected = expectation.records();
-            let paired = expected.len() == records.len() && !expectation.is_exact();
+            let entry = spec.flux_entry(side, component);
+            let expected = expectation.tallies();
+            let paired = expected.len() == tallies.len() && !expectation.is_exact();
             let mean_of_model = expectation.statistics().means();
-            let residuals: Vec<f64> = records
+            let residuals: Vec<f64> = tallies
                 .iter()
                 .enumerate()
-                .map(|(r, record)| {
+                .map(|(r, tally)| {
                     let model = if paired { &expected[r] } else { mean_of_model };
-                    record[entry] - model[entry]
+                    tally[entry] - model[entry]
                 })
                 .collect();
             let mut scatter = BatchStatistics::new(1);
@@ -56,10 +55,9 @@ pub(crate) fn side_differences(
             let difference = scatter.estimate(0);
             let model = mean_of_model[entry];
             let explicit = model + difference.mean;
-            let profiles = |records: &[Vec<f64>]| -> Vec<Vec<f64>> {
-                let of =
-                    |record: &Vec<f64>| intensities(layout, &record[profile.clone()], free_azimuth);
-                records.iter().map(of).collect()
+            let profiles = |tallies: &[TallyValues]| -> Vec<Vec<f64>> {
+                let of = |tally| intensities(tally, side, component, free_azimuth);
+                tallies.iter().map(of).collect()
             };
             let span = if free_azimuth {
                 Span::Forward
@@ -71,9 +69,9 @@ pub(crate) fn side_differences(
                 let of_model = if paired {
                     profiles(expected)
                 } else {
-                    profiles(&[mean_of_model.to_vec()])
+                    profiles(std::slice::from_ref(mean_of_model))
                 };
-                peak_difference(span, &profiles(records), &of_model)
+                peak_difference(span, &profiles(tallies), &of_model)
             });
             SideDifference {
                 side,
@@ -87,14 +85,16 @@ pub(crate) fn side_differences(
 }
 
 /// In-plane intensities, 1/sr.
-fn intensities(layout: &Layout, profile: &[f64], forward_alone: bool) -> Vec<f64> {
-    let first = if forward_alone {
-        layout.in_plane_len() / 2
-    } else {
-        0
-    };
-    (first..layout.in_plane_len())
-        .map(|i| profile[i] / layout.in_plane_solid_angle(i))
+fn intensities(
+    tally: &TallyValues,
+    side: Side,
+    component: Component,
+    forward_alone: bool,
+) -> Vec<f64> {
+    let view = tally.in_plane(side, component);
+    let first = if forward_alone { view.len() / 2 } else { 0 };
+    (first..view.len())
+        .map(|i| view.get(i) / view.filter().solid_angle(i))
         .collect()
 }
 
@@ -103,7 +103,6 @@ mod tests {
     use super::*;
     use asperity_analysis::{SamplingEffort, SlopeCovariance, create_model, expect};
     use asperity_optics::{Incidence, Material};
-    use asperity_tally::Share;
     use asperity_tally::{Azimuth, HemisphereGrid};
 
     /// Surfaces that deviate by 0, 1, 2 and 3 hundredths from the batch of a sampled model that each stands
@@ -112,13 +111,13 @@ mod tests {
     #[test]
     fn every_surface_stands_beside_a_batch_of_its_own() {
         let grid = HemisphereGrid::new(4, 6).unwrap();
-        let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
+        let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap();
         let slopes = SlopeCovariance::isotropic(0.5).unwrap();
         let model = create_model("heitz", slopes, Material::dielectric(1.5).unwrap()).unwrap();
         let expectation = expect(
             model.as_ref(),
             Incidence::from_degrees(50.0, 0.0).unwrap(),
-            &layout,
+            &spec,
             Azimuth::From(std::f64::consts::PI),
             SamplingEffort {
                 rays: 400,
@@ -126,41 +125,38 @@ mod tests {
                 seed: 7,
             },
         );
-        let mut records = expectation.records().to_vec();
-        let scatter = expectation.statistics().estimate(Layout::REFLECTED);
+        let mut tallies = expectation.tallies().to_vec();
+        let scatter = expectation.statistics().budget().reflected;
         println!("batches {scatter:?}");
         assert!(scatter.se.unwrap() > 1e-4);
-        for (r, record) in records.iter_mut().enumerate() {
-            record.iter_mut().for_each(|x| *x += 0.01 * r as f64);
+        for (r, tally) in tallies.iter_mut().enumerate() {
+            tally.iter_mut().for_each(|x| *x += 0.01 * r as f64);
         }
-        let of = |records: &[Vec<f64>]| {
-            side_differences(
-                &layout,
-                Part::Orders(Share::Total),
-                records,
-                &expectation,
-                false,
-            )
+        let of = |tallies: &[TallyValues]| {
+            side_differences(&spec, Component::All, tallies, &expectation, false)
         };
-        for side in of(&records) {
+        for side in of(&tallies) {
             let Estimate { mean, se } = side.difference;
             let expected = (5e-4_f64 / 12.0).sqrt();
             println!("{:?} {mean} {se:?} of {expected}", side.side);
             assert!((mean - 0.015).abs() < 1e-14);
             assert!((se.unwrap() / expected - 1.0).abs() < 1e-12);
-            let model = expectation.statistics().means()[side.side.index()];
+            let model = expectation
+                .statistics()
+                .means()
+                .flux(side.side, Component::All);
             assert_eq!(side.model, model);
             assert!((side.explicit - model - 0.015).abs() < 1e-14);
         }
         // Three surfaces have no batches of their own and are compared with the mean of all.
-        let mean = expectation.statistics().means()[Layout::REFLECTED];
-        let three = of(&records[..3])[0].difference;
-        let expected = records[..3]
+        let mean = expectation.statistics().means().budget().reflected;
+        let three = of(&tallies[..3])[0].difference;
+        let expected = tallies[..3]
             .iter()
-            .map(|r| r[Layout::REFLECTED] - mean)
+            .map(|r| r.budget().reflected - mean)
             .sum::<f64>()
             / 3.0;
         assert!((three.mean - expected).abs() < 1e-14);
-        assert_eq!(of(&records[..1])[0].difference.se, None);
+        assert_eq!(of(&tallies[..1])[0].difference.se, None);
     }
 }

@@ -2,7 +2,7 @@
 
 use asperity_simulate::{Stopping, SummaryWork};
 use asperity_tally::{
-    BatchStatistics, Estimate, EventPath, History, Layout, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side,
+    Component, Estimate, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side, TallyResult, TallyStatistics,
 };
 use serde::Serialize;
 
@@ -46,7 +46,7 @@ struct Path {
 
 #[derive(Clone, Debug, Serialize)]
 struct Inside {
-    scatterings: History,
+    scatterings: Component,
     side: Side,
     #[serde(flatten)]
     flux: Estimate,
@@ -90,12 +90,16 @@ impl Summary {
         config: serde_json::Value,
         seed: u64,
         errors_from: &'static str,
-        (layout, statistics): (&Layout, &BatchStatistics),
+        statistics: &TallyStatistics,
         work: SummaryWork,
     ) -> Self {
-        let at = |i| statistics.estimate(i);
-        let energy = |side: Side| layout.asks(side).then(|| at(side.index()));
-        let orders = |side| layout.asks(side).then(|| orders(layout, statistics, side));
+        let spec = statistics.spec();
+        let energy = |side| {
+            let recorded = spec.records(side);
+            recorded.then(|| statistics.flux(side, Component::All))
+        };
+        let orders = |side| spec.records(side).then(|| orders(statistics, side));
+        let budget = statistics.budget();
         Self {
             schema: 1,
             command,
@@ -107,21 +111,19 @@ impl Summary {
             energy: Energy {
                 reflected: energy(Side::Reflected),
                 transmitted: energy(Side::Transmitted),
-                absorbed: at(Layout::ABSORBED),
-                truncated: at(Layout::TRUNCATED),
-                lost: at(Layout::LOST),
-                left_patch: at(Layout::LEFT_PATCH),
-                not_asked: at(Layout::NOT_ASKED),
+                absorbed: budget.absorbed,
+                truncated: budget.truncated,
+                lost: budget.lost,
+                left_patch: budget.left_patch,
+                not_asked: budget.not_recorded,
             },
             error_budget: None,
             orders: Orders {
                 reflected: orders(Side::Reflected),
                 transmitted: orders(Side::Transmitted),
             },
-            paths: paths(layout, statistics),
-            histories: layout
-                .has_histories()
-                .then(|| histories(layout, statistics)),
+            paths: paths(statistics),
+            histories: spec.has_medium().then(|| of_components(statistics)),
             comparison: None,
             warnings: Vec::new(),
             stopping: None,
@@ -167,44 +169,44 @@ impl Summary {
 }
 
 /// Fluxes by order of scattering, up to the last one that was seen.
-pub(crate) fn orders(layout: &Layout, statistics: &BatchStatistics, side: Side) -> Vec<Order> {
-    let last = (1..=MAX_LISTED_ORDER)
-        .rev()
-        .find(|&order| statistics.means()[layout.order(side, order)] != 0.0)
-        .unwrap_or(0);
-    (1..=last)
-        .map(|order| Order {
+pub(crate) fn orders(statistics: &TallyStatistics, side: Side) -> Vec<Order> {
+    let mut orders: Vec<Order> = (1..)
+        .zip(statistics.orders(side))
+        .map(|(order, flux)| Order {
             order,
             and_above: order == MAX_LISTED_ORDER,
-            flux: statistics.estimate(layout.order(side, order)),
+            flux,
         })
-        .collect()
+        .collect();
+    let seen = orders.iter().rposition(|order| order.flux.mean != 0.0);
+    orders.truncate(seen.map_or(0, |last| last + 1));
+    orders
 }
 
-/// Fluxes by how often light was scattered inside.
-fn histories(layout: &Layout, statistics: &BatchStatistics) -> Vec<Inside> {
-    layout
-        .sides()
-        .flat_map(|side| {
-            History::ALL.map(|history| Inside {
-                scatterings: history,
-                side,
-                flux: statistics.estimate(layout.history(side, history)),
-            })
+/// Fluxes of the components that are recorded beside the orders.
+fn of_components(statistics: &TallyStatistics) -> Vec<Inside> {
+    let spec = statistics.spec();
+    let of_side = |side| {
+        let components = spec.components().iter();
+        components.map(move |&component| Inside {
+            scatterings: component,
+            side,
+            flux: statistics.flux(side, component),
         })
-        .collect()
+    };
+    spec.sides().flat_map(of_side).collect()
 }
 
 /// Fluxes by event path, those that were seen, the strongest first.
-fn paths(layout: &Layout, statistics: &BatchStatistics) -> Vec<Path> {
+fn paths(statistics: &TallyStatistics) -> Vec<Path> {
+    let spec = statistics.spec();
     let mut found: Vec<Path> = Vec::new();
-    for side in layout.sides() {
-        let listed = layout
+    for side in spec.sides() {
+        let listed = spec
             .listed_paths()
-            .map(|path: EventPath| (path.to_string(), layout.path(side, path)));
+            .map(|path| (path.to_string(), statistics.event_path(side, path)));
         let longer = format!("longer than {MAX_LISTED_PATH}");
-        for (events, i) in listed.chain([(longer, layout.longer_paths(side))]) {
-            let flux = statistics.estimate(i);
+        for (events, flux) in listed.chain([(longer, statistics.longer_paths(side))]) {
             if flux.mean != 0.0 {
                 found.push(Path { events, side, flux });
             }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use asperity_analysis::{ComparisonError, ModelError, SlopeError, sidak_level};
 use asperity_surface::{CoarseningError, HeightField, Synthesis, SynthesisError};
-use asperity_tally::{BatchStatistics, Layout};
+use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
 use rayon::prelude::*;
 
 use crate::config::{ConfigError, VerifyConfig};
@@ -62,8 +62,8 @@ impl From<SimulateError> for VerifyError {
 pub struct CaseOutcome {
     /// The case.
     pub case: Case,
-    /// Flux fractions by the layout of the run; a batch is a surface.
-    pub statistics: BatchStatistics,
+    /// Flux fractions by the spec of the run; a batch is a surface.
+    pub statistics: TallyStatistics,
     /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
     pub errors_from: &'static str,
     /// The errors of the fluxes by where they come from.
@@ -91,7 +91,7 @@ pub struct VerifyOutcome {
     /// The configuration that was run.
     pub config: VerifyConfig,
     /// Where each quantity stands in the statistics.
-    pub layout: Layout,
+    pub spec: TallySpec,
     /// The cases, in the order of [`VerifyConfig::cases`].
     pub cases: Vec<CaseOutcome>,
     /// Those that an interrupt came before.
@@ -195,7 +195,7 @@ pub fn verify(
     }
     let realisations = sharings.iter().map(|s| s.realisations).max();
     check_results(
-        &settings.layout,
+        &settings.spec,
         realisations.unwrap_or(0),
         all_cases,
         settings.refine,
@@ -225,7 +225,7 @@ pub fn verify(
     progress.end();
     Ok(VerifyOutcome {
         config: config.clone(),
-        layout: settings.layout,
+        spec: settings.spec,
         cases,
         left_out,
         seconds: began.elapsed().as_secs_f64(),
@@ -238,7 +238,7 @@ fn judge(
     settings: &RaySettings,
     traced: Traced,
 ) -> Result<CaseOutcome, VerifyError> {
-    let layout = &settings.layout;
+    let spec = &settings.spec;
     let Traced {
         case,
         method,
@@ -254,14 +254,14 @@ fn judge(
     let batches = ensemble.statistics();
     let batches = match traced.deviation_bound {
         Some(_) => batches,
-        None => with_least_errors(method, layout, batches, ensemble.work.rays),
+        None => with_least_errors(method, batches, ensemble.work.rays),
     };
     let errors = errors(config, settings, &traced, &batches)?;
-    let (models, tests) = compare_models(config, layout, (case, method), ensemble, &batches)?;
+    let (models, tests) = compare_models(config, spec, (case, method), ensemble, &batches)?;
     let level = sidak_level(config.compare.alpha, tests.max(1));
     let realisations = match traced.deviation_bound {
         Some(_) => 0,
-        None => ensemble.records.len() as u64,
+        None => ensemble.tallies.len() as u64,
     };
     Ok(CaseOutcome {
         case: *case,
@@ -296,20 +296,19 @@ fn errors(
     config: &VerifyConfig,
     settings: &RaySettings,
     traced: &Traced,
-    statistics: &BatchStatistics,
+    statistics: &TallyStatistics,
 ) -> Result<ErrorBudget, VerifyError> {
-    let layout = &settings.layout;
+    let spec = &settings.spec;
     let Traced {
         case,
         method,
         ensemble,
         ..
     } = traced;
-    let method_and_rays = (method, layout, ensemble.work.rays);
+    let rays = ensemble.work.rays;
     if traced.deviation_bound.is_some() {
-        let bounds = (0..layout.len())
-            .map(|i| statistics.estimate(i).se.unwrap_or(0.0))
-            .collect();
+        let bound = |entry| statistics.at(entry).se.unwrap_or(0.0);
+        let bounds = TallyValues::from_fn(*spec, bound);
         return Ok(ErrorBudget::of_bounds(bounds));
     }
     let [nx, ny] = traced.size;
@@ -317,13 +316,13 @@ fn errors(
     let mesh = MeshErrors::of_case(
         &synthesis,
         (case, method),
-        layout,
+        spec,
         config.any_azimuth(),
-        Refinement::of_surfaces(synthesis.spacing(), layout.len(), &ensemble.shifts),
+        Refinement::of_surfaces(synthesis.spacing(), &ensemble.shifts),
     );
     Ok(match ensemble.blocks_of_one {
-        Some(_) => ErrorBudget::of_one(statistics, method_and_rays, mesh),
-        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method_and_rays, mesh),
+        Some(_) => ErrorBudget::of_one(statistics, method, rays, mesh),
+        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method, rays, mesh),
     })
 }
 

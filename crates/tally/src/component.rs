@@ -63,6 +63,8 @@ pub struct ComponentFilter {
     pub name: &'static str,
     /// Name in tables and legends.
     pub label: &'static str,
+    /// What light belongs to it, as a noun phrase.
+    pub description: &'static str,
     /// Whether an exit belongs to the component.
     pub accepts: fn(&Exit) -> bool,
 }
@@ -72,6 +74,7 @@ struct Text {
     name: &'static str,
     label: &'static str,
     short_label: &'static str,
+    description: &'static str,
 }
 
 impl Component {
@@ -167,6 +170,16 @@ impl Component {
         }
     }
 
+    /// What light belongs to the component, as a noun phrase.
+    #[must_use]
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Order(_) => "light that met the surface as often",
+            Self::OrderAndAbove(_) => "light that met the surface as often or more often",
+            _ => self.text().description,
+        }
+    }
+
     /// Whether this is one of [`Component::MEDIUM`].
     #[must_use]
     pub const fn is_of_medium(self) -> bool {
@@ -189,23 +202,47 @@ impl Component {
 
     /// Names of all but lists of orders.
     const fn text(self) -> Text {
-        let [name, label, short_label] = match self {
-            Self::All | Self::OrderAndAbove(_) => ["all", "all orders", "all"],
-            Self::Single | Self::Order(_) => ["single", "single scattering", "single"],
-            Self::Multiple => ["multiple", "multiple scattering", "multiple"],
+        let [name, label, short_label, description] = match self {
+            Self::All | Self::OrderAndAbove(_) => {
+                ["all", "all orders", "all", "all light that leaves"]
+            }
+            Self::Single | Self::Order(_) => [
+                "single",
+                "single scattering",
+                "single",
+                "light that met the surface once",
+            ],
+            Self::Multiple => [
+                "multiple",
+                "multiple scattering",
+                "multiple",
+                "light that met the surface more often",
+            ],
             Self::Unscattered => [
                 "unscattered",
                 "never scattered inside",
                 "never scattered inside",
+                "light that was never scattered inside the medium",
             ],
-            Self::ScatteredOnce => ["once", "scattered inside once", "once"],
-            Self::ScatteredMore => ["more", "scattered inside more often", "more often"],
-            Self::Custom(filter) => [filter.name, filter.label, filter.label],
+            Self::ScatteredOnce => [
+                "once",
+                "scattered inside once",
+                "once",
+                "light that was scattered inside the medium once",
+            ],
+            Self::ScatteredMore => [
+                "more",
+                "scattered inside more often",
+                "more often",
+                "light that was scattered inside the medium more often",
+            ],
+            Self::Custom(filter) => [filter.name, filter.label, filter.label, filter.description],
         };
         Text {
             name,
             label,
             short_label,
+            description,
         }
     }
 }

@@ -54,7 +54,9 @@ impl Entries {
     }
 
     /// All entries in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = Entry> + Clone + use<> {
+    pub fn iter(
+        &self,
+    ) -> impl ExactSizeIterator<Item = Entry> + DoubleEndedIterator + Clone + use<> {
         (self.start..self.start + self.len).map(Entry)
     }
 
@@ -74,7 +76,7 @@ impl IntoIterator for Entries {
 
 /// What the number of an entry is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum Score {
     /// Flux that left on a side.
     Flux,
     /// Flux of one event path, by the place of the path among those listed; the last for longer paths.
@@ -99,11 +101,11 @@ pub enum Quantity {
     NotRecorded,
 }
 
-/// What an entry counts: a quantity, filtered by side and component.
+/// What an entry counts: a score, filtered by side and component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EntryDescription {
-    /// The quantity.
-    pub quantity: Quantity,
+    /// The score.
+    pub score: Score,
     /// The side on which the light left; `None` for light that did not leave.
     pub side: Option<Side>,
     /// The component of the light.

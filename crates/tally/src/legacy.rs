@@ -263,3 +263,9 @@ impl crate::ControlVariate {
         record.copy_from_slice(values.as_slice());
     }
 }
+
+impl From<Share> for Component {
+    fn from(share: Share) -> Self {
+        Self::BINS[share as usize]
+    }
+}

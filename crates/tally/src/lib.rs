@@ -46,7 +46,7 @@ mod values;
 pub use budget::Budget;
 pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
 pub use control::{ControlVariate, UnshadowedFluxes, VisibleShares};
-pub use entry::{Entries, Entry, EntryDescription, Quantity};
+pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};

@@ -5,7 +5,7 @@
 use std::ops::Range;
 
 use crate::component::MAX_LISTED_ORDER;
-use crate::entry::{Entries, Entry, EntryDescription, Quantity};
+use crate::entry::{Entries, Entry, EntryDescription, Score};
 use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
 use crate::{Budget, Component, EventPath, HemisphereGrid, Side, Sides};
 
@@ -36,7 +36,7 @@ pub enum SpecError {
 
 /// What a tally keeps: quantities, filtered by side, component and direction.
 ///
-/// | quantity | filters |
+/// | score | filters |
 /// |---|---|
 /// | budget: [`Budget`] | - |
 /// | flux | side; all, multiple, and each order up to [`MAX_LISTED_ORDER`], the last for that and above |
@@ -214,16 +214,16 @@ impl TallySpec {
         Entries::new(0, self.len()).iter()
     }
 
-    /// Whether `quantity` is kept for `component`.
+    /// Whether `score` is kept for `component`.
     #[must_use]
-    pub fn keeps(&self, quantity: Quantity, component: Component) -> bool {
+    pub fn keeps(&self, score: Score, component: Component) -> bool {
         let side = Side::Reflected;
-        match quantity {
-            Quantity::Flux => self.find_flux(side, component).is_some(),
-            Quantity::BinFlux => self.find_bins(side, component).is_some(),
-            Quantity::BinHits => self.find_hits(side, component).is_some(),
-            Quantity::RingFlux => self.find_rings(side, component).is_some(),
-            Quantity::InPlaneFlux => self.find_in_plane(side, component).is_some(),
+        match score {
+            Score::Flux => self.find_flux(side, component).is_some(),
+            Score::BinFlux => self.find_bins(side, component).is_some(),
+            Score::BinHits => self.find_hits(side, component).is_some(),
+            Score::RingFlux => self.find_rings(side, component).is_some(),
+            Score::InPlaneFlux => self.find_in_plane(side, component).is_some(),
             _ => component == Component::All,
         }
     }
@@ -389,9 +389,9 @@ impl TallySpec {
     /// Entries that are alike, each with the description of its first.
     fn sections(&self) -> Vec<(Entries, EntryDescription)> {
         let mut sections = Vec::new();
-        let mut add = |entries: Entries, quantity, side, component| {
+        let mut add = |entries: Entries, score, side, component| {
             let description = EntryDescription {
-                quantity,
+                score,
                 side,
                 component,
                 index: 0,
@@ -399,14 +399,14 @@ impl TallySpec {
             sections.push((entries, description));
         };
         let budget = Self::BUDGET;
-        for (entry, quantity) in [
-            (budget.absorbed, Quantity::Absorbed),
-            (budget.truncated, Quantity::Truncated),
-            (budget.lost, Quantity::Lost),
-            (budget.left_patch, Quantity::LeftPatch),
-            (budget.not_recorded, Quantity::NotRecorded),
+        for (entry, score) in [
+            (budget.absorbed, Score::Absorbed),
+            (budget.truncated, Score::Truncated),
+            (budget.lost, Score::Lost),
+            (budget.left_patch, Score::LeftPatch),
+            (budget.not_recorded, Score::NotRecorded),
         ] {
-            add(Entries::new(entry.0, 1), quantity, None, Component::All);
+            add(Entries::new(entry.0, 1), score, None, Component::All);
         }
         let surface = [Component::All, Component::Multiple].into_iter();
         let orders = (1..MAX_LISTED_ORDER as u8).map(Component::Order);
@@ -423,31 +423,27 @@ impl TallySpec {
             listed.push(component);
             for side in Side::BOTH {
                 let n_theta = self.grid.n_theta();
-                for (start, len, quantity) in [
-                    (self.find_flux(side, component), 1, Quantity::Flux),
+                for (start, len, score) in [
+                    (self.find_flux(side, component), 1, Score::Flux),
                     (
                         self.find_bins(side, component),
                         self.grid.bins_per_side(),
-                        Quantity::BinFlux,
+                        Score::BinFlux,
                     ),
                     (
                         self.find_hits(side, component),
                         self.grid.bins_per_side(),
-                        Quantity::BinHits,
+                        Score::BinHits,
                     ),
-                    (
-                        self.find_rings(side, component),
-                        n_theta,
-                        Quantity::RingFlux,
-                    ),
+                    (self.find_rings(side, component), n_theta, Score::RingFlux),
                     (
                         self.find_in_plane(side, component),
                         2 * n_theta,
-                        Quantity::InPlaneFlux,
+                        Score::InPlaneFlux,
                     ),
                 ] {
                     if let Some(start) = start {
-                        add(Entries::new(start, len), quantity, Some(side), component);
+                        add(Entries::new(start, len), score, Some(side), component);
                     }
                 }
             }
@@ -455,7 +451,7 @@ impl TallySpec {
         for side in Side::BOTH {
             let start = PATHS_START + side.index() * PATH_ENTRIES;
             let paths = Entries::new(start, PATH_ENTRIES);
-            add(paths, Quantity::EventPathFlux, Some(side), Component::All);
+            add(paths, Score::EventPathFlux, Some(side), Component::All);
         }
         sections
     }
@@ -603,8 +599,8 @@ fn order_place(component: Component) -> Option<usize> {
     Component::ORDERS.iter().position(|c| *c == component)
 }
 
-fn not_kept(quantity: &str, component: Component) -> usize {
-    panic!("the tally keeps no {quantity} of the component {component}")
+fn not_kept(score: &str, component: Component) -> usize {
+    panic!("the tally keeps no {score} of the component {component}")
 }
 
 impl Default for TallySpec {
@@ -642,7 +638,7 @@ mod tests {
             .with_medium();
         for entry in spec.entries() {
             let EntryDescription {
-                quantity,
+                score,
                 side,
                 component,
                 index,
@@ -651,12 +647,12 @@ mod tests {
                 assert!(TallySpec::BUDGET.parts().contains(&entry) || entry.0 < MULTIPLE_START);
                 continue;
             };
-            let entries = match quantity {
-                Quantity::BinFlux => spec.bin_entries(side, component),
-                Quantity::BinHits => spec.hit_entries(side, component),
-                Quantity::RingFlux => spec.ring_entries(side, component),
-                Quantity::InPlaneFlux => spec.in_plane_entries(side, component),
-                Quantity::Flux => Entries::new(spec.flux_entry(side, component).0, 1),
+            let entries = match score {
+                Score::BinFlux => spec.bin_entries(side, component),
+                Score::BinHits => spec.hit_entries(side, component),
+                Score::RingFlux => spec.ring_entries(side, component),
+                Score::InPlaneFlux => spec.in_plane_entries(side, component),
+                Score::Flux => Entries::new(spec.flux_entry(side, component).0, 1),
                 _ => continue,
             };
             assert_eq!(entries.get(index), entry);
@@ -702,22 +698,18 @@ mod tests {
     fn a_component_is_kept_where_the_table_says() {
         let plain = TallySpec::default();
         let [first, .., fourth] = Component::ORDERS;
-        assert!(plain.keeps(Quantity::RingFlux, fourth) && !plain.keeps(Quantity::BinFlux, fourth));
-        assert!(plain.keeps(Quantity::BinFlux, first));
-        assert!(!plain.keeps(Quantity::InPlaneFlux, Component::Multiple));
-        for quantity in [
-            Quantity::Flux,
-            Quantity::BinFlux,
-            Quantity::BinHits,
-            Quantity::RingFlux,
-            Quantity::InPlaneFlux,
+        assert!(plain.keeps(Score::RingFlux, fourth) && !plain.keeps(Score::BinFlux, fourth));
+        assert!(plain.keeps(Score::BinFlux, first));
+        assert!(!plain.keeps(Score::InPlaneFlux, Component::Multiple));
+        for score in [
+            Score::Flux,
+            Score::BinFlux,
+            Score::BinHits,
+            Score::RingFlux,
+            Score::InPlaneFlux,
         ] {
-            assert!(!plain.keeps(quantity, Component::ScatteredOnce));
-            assert!(
-                plain
-                    .with_medium()
-                    .keeps(quantity, Component::ScatteredOnce)
-            );
+            assert!(!plain.keeps(score, Component::ScatteredOnce));
+            assert!(plain.with_medium().keeps(score, Component::ScatteredOnce));
         }
     }
 }

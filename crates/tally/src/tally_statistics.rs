@@ -62,6 +62,12 @@ impl TallyStatistics {
         .with_least_errors(errors)
     }
 
+    /// The spec.
+    #[must_use]
+    pub const fn spec(&self) -> &TallySpec {
+        self.means.spec()
+    }
+
     /// Adds one batch.
     ///
     /// # Panics

@@ -192,6 +192,29 @@ impl SideFluxes {
             in_plane,
         }
     }
+
+    /// Zero in as many bins.
+    #[must_use]
+    pub fn zeros_like(&self) -> Self {
+        Self {
+            total: 0.0,
+            bins: vec![0.0; self.bins.len()],
+            rings: vec![0.0; self.rings.len()],
+            in_plane: vec![0.0; self.in_plane.len()],
+        }
+    }
+
+    /// These fluxes less those of `part`, bin by bin.
+    #[must_use]
+    pub fn without(&self, part: &Self) -> Self {
+        let less = |all: &[f64], part: &[f64]| all.iter().zip(part).map(|(a, b)| a - b).collect();
+        Self {
+            total: self.total - part.total,
+            bins: less(&self.bins, &part.bins),
+            rings: less(&self.rings, &part.rings),
+            in_plane: less(&self.in_plane, &part.in_plane),
+        }
+    }
 }
 
 impl TallyValues {
@@ -212,6 +235,13 @@ impl TallyValues {
         } else {
             of(component)
         }
+    }
+
+    /// The same by the number of the bin among those of both sides.
+    #[must_use]
+    pub fn grid_hits(&self, component: Component, bin: usize) -> f64 {
+        let of_a_side = self.spec.grid().bins_per_side();
+        self.hits(Side::BOTH[bin / of_a_side], component, bin % of_a_side)
     }
 
     /// Sets the rays in all bins to zero: in what nothing was traced for.

@@ -1,10 +1,10 @@
-//! Control variate of an estimate: unshadowed single scattering, weighted with the fraction of it that is
+//! ControlVariate variate of an estimate: unshadowed single scattering, weighted with the fraction of it that is
 //! expected to be visible.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Control, Layout, Side, VisibleShares};
+use asperity_tally::{ControlVariate, Side, TallySpec, VisibleShares};
 use rayon::prelude::*;
 
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
@@ -33,7 +33,7 @@ const ROUGH: AllowedError = AllowedError {
     relative: 1e-3,
 };
 
-/// The control variate of tallies of `layout` for light from `incidence` on a surface of these slopes: its
+/// The control variate of tallies of `spec` for light from `incidence` on a surface of these slopes: its
 /// unshadowed single scattering, reduced by Smith's masking.
 ///
 /// # Errors
@@ -42,11 +42,11 @@ pub fn control_variate(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
-    layout: &Layout,
-) -> Result<Control, ModelError> {
-    let shares = visible_fractions(slopes, material, incidence, layout)?;
-    let fluxes = unshadowed_fluxes(slopes, material, incidence, layout)?;
-    Ok(Control::new(*layout, shares, &fluxes))
+    spec: &TallySpec,
+) -> Result<ControlVariate, ModelError> {
+    let shares = visible_fractions(slopes, material, incidence, spec)?;
+    let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
+    Ok(ControlVariate::new(*spec, shares, &fluxes))
 }
 
 /// Unshadowed single scattering itself as a control variate, without masking.
@@ -57,19 +57,19 @@ pub fn unshadowed_control_variate(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
-    layout: &Layout,
-) -> Result<Control, ModelError> {
-    let fluxes = unshadowed_fluxes(slopes, material, incidence, layout)?;
-    let all = vec![1.0; layout.grid().n_theta()];
+    spec: &TallySpec,
+) -> Result<ControlVariate, ModelError> {
+    let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
+    let all = vec![1.0; spec.grid().n_theta()];
     let shares = VisibleShares {
         rings: [all.clone(), all],
         absorbed: 1.0,
     };
-    Ok(Control::new(*layout, shares, &fluxes))
+    Ok(ControlVariate::new(*spec, shares, &fluxes))
 }
 
 /// The fractions of unshadowed single scattering that Smith's height-correlated masking leaves, for every
-/// ring of `layout` on both sides, and the fraction `G1` of the facets facing the light that is not shadowed.
+/// ring of `spec` on both sides, and the fraction `G1` of the facets facing the light that is not shadowed.
 ///
 /// They are accurate to about three digits, and the same for any number of threads. Fractions above 0.97 are
 /// set to one and those below 0.05 to zero. Rings without light have one.
@@ -83,7 +83,7 @@ pub fn visible_fractions(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
 ) -> Result<VisibleShares, ModelError> {
     let interface = valid_interface(*slopes, material)?;
     let distribution = &interface.distribution;
@@ -104,7 +104,7 @@ pub fn visible_fractions(
         bsdf: &masked,
         ..scattering
     };
-    let n = layout.grid().n_theta();
+    let n = spec.grid().n_theta();
     let rings = Side::BOTH.map(|side| {
         (0..n)
             .into_par_iter()

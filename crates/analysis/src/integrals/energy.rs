@@ -58,7 +58,7 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
     let transmitted = model
         .material()
         .transmitting_index()
-        .filter(|_| model.sides().ask(Side::Transmitted))
+        .filter(|_| model.sides().includes(Side::Transmitted))
         .map_or(0.0, |eta| over_slopes(model, wi, Some(eta)));
     HemisphericalEnergy {
         reflected,

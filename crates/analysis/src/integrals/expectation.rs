@@ -1,8 +1,8 @@
-//! Expectation of a model for a run: a tally of the same layout, with errors where it was sampled.
+//! Expectation of a model for a run: a tally of the same spec, with errors where it was sampled.
 
 use asperity_optics::Incidence;
 use asperity_tally::{
-    Azimuth, BatchStatistics, Event, EventPath, Layout, OrderClass, Record, Share, Side,
+    Azimuth, Component, Side, SideFluxes, Tally, TallySpec, TallyStatistics, TallyValues,
 };
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -24,22 +24,21 @@ pub struct SamplingEffort {
     pub seed: u64,
 }
 
-/// Fluxes that a model expects, entry by entry of a layout.
+/// Fluxes that a model expects, entry by entry of a spec.
 #[derive(Clone, Debug)]
 pub struct Expectation {
-    layout: Layout,
     scope: Scope,
-    /// One record per batch, or a single one if it is exact to the accuracy of quadrature.
-    records: Vec<Vec<f64>>,
-    statistics: BatchStatistics,
+    /// One tally per batch; one alone if it is exact to the accuracy of quadrature.
+    tallies: Vec<TallyValues>,
+    statistics: TallyStatistics,
     rays: u64,
-    /// Whether single scattering comes from quadrature.
+    /// Whether single scattering has an analytic result.
     exact_single: bool,
 }
 
-/// Computes what `model` expects of light from `incidence` in a tally of `layout`.
+/// What `model` expects of light from `incidence` in a tally of `spec`.
 ///
-/// `azimuth`: the origin of azimuths in the tally, as in the run that it is compared with.
+/// `azimuth`: what the azimuths of a tally are counted from, as in the run that it is compared with.
 /// Entries that the model does not describe are zero. Light scattered once comes from quadrature where
 /// the model has a density, to about 1e-12 of the incident flux in a bin; all else from `effort.rays`
 /// rays, divided into batches with separate random streams: the same for any number of threads. Where exact
@@ -48,75 +47,74 @@ pub struct Expectation {
 pub fn expect(
     model: &dyn ScatteringModel,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     azimuth: Azimuth,
     effort: SamplingEffort,
 ) -> Expectation {
     let single = model
         .density()
-        .map(|density| single_scattering(density, incidence, layout));
+        .map(|density| single_scattering(density, incidence, spec));
     let exact_single = single.is_some();
-    let (records, rays) = match (model.random_walk(), single) {
-        (None, single) => (vec![single.unwrap_or_else(|| vec![0.0; layout.len()])], 0),
+    let (tallies, rays) = match (model.random_walk(), single) {
+        (None, single) => (vec![single.unwrap_or_else(|| TallyValues::zeros(*spec))], 0),
         (Some(walk), single) => {
             let batches = effort.batches.max(2);
             let rays = effort.rays.div_ceil(batches).max(1);
-            let records = (0..batches)
+            let tallies = (0..batches)
                 .into_par_iter()
                 .map(|batch| {
                     let rng = walk_stream(effort.seed, model.name(), batch);
-                    let mut record = batch_of(walk, incidence, layout, azimuth, rays, rng);
+                    let mut tally = batch_of(walk, incidence, spec, azimuth, rays, rng);
                     if let Some(single) = &single {
-                        replace_single(layout, &mut record, single);
+                        tally.replace_single_scattering(single);
                     }
-                    record
+                    tally
                 })
                 .collect();
-            (records, rays * batches)
+            (tallies, rays * batches)
         }
     };
     Expectation {
         exact_single,
-        ..Expectation::of(*layout, model.scope(), records, rays)
+        ..Expectation::of(*spec, model.scope(), tallies, rays)
     }
 }
 
 impl Expectation {
-    pub(crate) fn of(layout: Layout, scope: Scope, records: Vec<Vec<f64>>, rays: u64) -> Self {
-        let statistics = match records.as_slice() {
-            [exact] => BatchStatistics::known(exact.clone(), vec![0.0; exact.len()]),
+    pub(crate) fn of(spec: TallySpec, scope: Scope, tallies: Vec<TallyValues>, rays: u64) -> Self {
+        let statistics = match tallies.as_slice() {
+            [exact] => TallyStatistics::analytic(exact.clone(), TallyValues::zeros(spec)),
             batches => {
-                let mut statistics = BatchStatistics::new(layout.len());
+                let mut statistics = TallyStatistics::new(spec);
                 batches.iter().for_each(|batch| statistics.push(batch));
                 statistics
             }
         };
         Self {
-            layout,
             scope,
-            records,
+            tallies,
             statistics,
             rays,
             exact_single: false,
         }
     }
 
-    /// The layout of the entries.
+    /// The spec of the entries.
     #[must_use]
-    pub const fn layout(&self) -> &Layout {
-        &self.layout
+    pub fn spec(&self) -> &TallySpec {
+        self.statistics.spec()
     }
 
     /// Means and standard errors; the error is zero where the model was not sampled.
     #[must_use]
-    pub const fn statistics(&self) -> &BatchStatistics {
+    pub const fn statistics(&self) -> &TallyStatistics {
         &self.statistics
     }
 
-    /// One record per batch, or a single one if it is exact.
+    /// One tally per batch, or a single one if it is exact.
     #[must_use]
-    pub fn records(&self) -> &[Vec<f64>] {
-        &self.records
+    pub fn tallies(&self) -> &[TallyValues] {
+        &self.tallies
     }
 
     /// Whether no entry was sampled.
@@ -133,114 +131,61 @@ impl Expectation {
 
     /// Whether this component of the light was sampled, at least in part.
     #[must_use]
-    pub fn samples(&self, share: Share) -> bool {
-        let known = share == Share::Single && self.exact_single;
-        !(self.is_exact() || known)
+    pub fn samples(&self, component: Component) -> bool {
+        let analytic = component == Component::Single && self.exact_single;
+        !(self.is_exact() || analytic)
     }
 
     /// Whether the model describes this component of the light scattered by the surface.
     #[must_use]
-    pub fn describes(&self, share: Share) -> bool {
+    pub fn describes(&self, component: Component) -> bool {
         match self.scope {
-            Scope::SingleScattering => share == Share::Single,
-            Scope::AllOrders => true,
+            Scope::SingleScattering => component == Component::Single,
+            Scope::AllOrders => !component.is_of_medium(),
             Scope::ScatteredInside => false,
         }
     }
 }
 
-/// The tally of a closed form: single scattering alone.
-fn single_scattering(density: &dyn BsdfModel, incidence: Incidence, layout: &Layout) -> Vec<f64> {
+/// What a closed form expects: light scattered once and nothing else.
+fn single_scattering(
+    density: &dyn BsdfModel,
+    incidence: Incidence,
+    spec: &TallySpec,
+) -> TallyValues {
     let wi = incidence.wi();
-    let grid = layout.grid();
-    let mut record = vec![0.0; layout.len()];
-    let sides = layout.sides().filter(|&side| density.sides().ask(side));
-    let bins = bin_fluxes_of(density, wi, &grid, density.sides());
+    let mut expected = TallyValues::zeros(*spec);
+    let bins = bin_fluxes_of(density, wi, &spec.grid(), density.sides());
     let energy = hemispherical_energy(density, wi);
-    for side in sides {
-        let of_side = side.index() * grid.bins_per_side();
-        for (i, &flux) in bins[of_side..][..grid.bins_per_side()].iter().enumerate() {
-            for share in [Share::Single, Share::Total] {
-                record[layout.bins(share).start + of_side + i] = flux;
-            }
-        }
-        let rings: Vec<f64> = bins[of_side..][..grid.bins_per_side()]
-            .chunks_exact(grid.n_phi())
-            .map(|ring| ring.iter().sum())
-            .collect();
-        let in_plane = in_plane_fluxes(density, incidence, layout, side);
-        for class in [OrderClass::First, OrderClass::All] {
-            record[layout.rings(side, class)].copy_from_slice(&rings);
-            record[layout.in_plane(side, class)].copy_from_slice(&in_plane);
-        }
-        let total = match side {
-            Side::Reflected => energy.reflected,
-            Side::Transmitted => energy.transmitted,
+    for side in spec.sides().filter(|&side| density.sides().includes(side)) {
+        let filter = spec.bin_filter(side);
+        let of_side = bins[side.index() * filter.len()..][..filter.len()].to_vec();
+        let in_plane = in_plane_fluxes(density, incidence, spec, side);
+        let fluxes = SideFluxes {
+            total: match side {
+                Side::Reflected => energy.reflected,
+                Side::Transmitted => energy.transmitted,
+            },
+            ..SideFluxes::from_bins(&filter, of_side, in_plane)
         };
-        record[layout.order(side, 1)] = total;
-        record[single_path(layout, side)] = total;
-        record[side.index()] = total;
+        expected.set_single_scattering(side, &fluxes);
     }
-    record
-}
-
-/// Replaces the single scattering of `record` by that of `single`.
-fn replace_single(layout: &Layout, record: &mut [f64], single: &[f64]) {
-    let mut replace = |single_entry: usize, total: usize| {
-        let known = single[single_entry];
-        record[total] += known - record[single_entry];
-        record[single_entry] = known;
-    };
-    let grid = layout.grid();
-    for i in 0..grid.len() {
-        replace(
-            layout.bins(Share::Single).start + i,
-            layout.bins(Share::Total).start + i,
-        );
-    }
-    for side in Side::BOTH {
-        for i in 0..grid.n_theta() {
-            replace(
-                layout.rings(side, OrderClass::First).start + i,
-                layout.rings(side, OrderClass::All).start + i,
-            );
-        }
-        for i in 0..layout.in_plane_len() {
-            replace(
-                layout.in_plane(side, OrderClass::First).start + i,
-                layout.in_plane(side, OrderClass::All).start + i,
-            );
-        }
-        replace(layout.order(side, 1), side.index());
-    }
-    for side in Side::BOTH {
-        let path = single_path(layout, side);
-        record[path] = single[path];
-    }
-}
-
-/// Entry of light that left on `side` after one interaction.
-fn single_path(layout: &Layout, side: Side) -> usize {
-    let event = match side {
-        Side::Reflected => Event::Reflection,
-        Side::Transmitted => Event::Transmission,
-    };
-    layout.path(side, EventPath::default().then(event))
+    expected
 }
 
 fn batch_of(
     walk: &dyn RandomWalk,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     azimuth: Azimuth,
     rays: u64,
     mut rng: ChaCha8Rng,
-) -> Vec<f64> {
-    let mut record = Record::new(*layout, azimuth);
+) -> TallyValues {
+    let mut tally = Tally::new(*spec, azimuth);
     for _ in 0..rays {
-        walk.follow(incidence.wi(), &mut rng, &mut record);
+        walk.follow(incidence.wi(), &mut rng, &mut tally);
     }
-    record.into_fractions(rays).to_vec()
+    tally.into_fractions(rays)
 }
 
 /// The random stream of one batch. The ChaCha key holds a name, the seed and the model, and the batch is the
@@ -287,7 +232,7 @@ mod tests {
     #[test]
     fn batches_differ() {
         let grid = HemisphereGrid::new(3, 4).unwrap();
-        let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
+        let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap();
         let slopes = SlopeCovariance::isotropic(0.5).unwrap();
         let glass = Material::dielectric(1.5).unwrap();
         let of = |visibility| {
@@ -298,8 +243,8 @@ mod tests {
                 batches: 8,
                 seed: 5,
             };
-            let found = expect(&model, light, &layout, Azimuth::From(0.0), effort);
-            found.records().to_vec()
+            let found = expect(&model, light, &spec, Azimuth::From(0.0), effort);
+            found.tallies().to_vec()
         };
         let records = [of(RayVisibility::XuSun), of(RayVisibility::Smith)].concat();
         assert_eq!(records.len(), 16);

@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use asperity_optics::Incidence;
-use asperity_tally::{HemisphereGrid, Layout, Side, Sides};
+use asperity_tally::{HemisphereGrid, Side, Sides, TallySpec};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -148,21 +148,21 @@ pub(crate) fn in_plane_flux_of(
 pub(crate) fn in_plane_fluxes(
     model: &dyn BsdfModel,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     side: Side,
 ) -> Vec<f64> {
     let bsdf = |wi, wo| model.bsdf(wi, wo);
-    in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, layout, side)
+    in_plane_fluxes_of(&Scattering::of(model, &bsdf), incidence, spec, side)
 }
 
 /// [`in_plane_fluxes`] of any scattering.
 pub(crate) fn in_plane_fluxes_of(
     scattering: &Scattering<'_>,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     side: Side,
 ) -> Vec<f64> {
-    let last = layout.in_plane_len() - 1;
+    let last = spec.in_plane_filter(side).len() - 1;
     (0..=last)
         .into_par_iter()
         .map(|i| {
@@ -172,8 +172,8 @@ pub(crate) fn in_plane_fluxes_of(
             } else {
                 i
             };
-            let angles = layout.in_plane_edges_deg(i).map(f64::to_radians);
-            let half_width = layout.in_plane_half_width();
+            let angles = spec.in_plane_filter(side).theta_deg(i).map(f64::to_radians);
+            let half_width = spec.in_plane_half_width();
             in_plane_flux_of(scattering, incidence, half_width, side, angles)
         })
         .collect()

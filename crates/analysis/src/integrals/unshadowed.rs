@@ -7,7 +7,7 @@
 //! `1 + Lambda` minus what is left out.
 
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Layout, Side, Sides, UnshadowedFluxes};
+use asperity_tally::{Side, Sides, TallySpec, UnshadowedFluxes};
 
 use crate::integrals::energy::{Edges, over_facing_normals};
 use crate::integrals::flux::{fluxes_into_bins, in_plane_fluxes_of};
@@ -18,7 +18,7 @@ use crate::models::kinks::Kinks;
 use crate::models::model::{ModelError, valid_interface};
 
 /// The mean fluxes of unshadowed single scattering by facets of Gaussian `slopes`, as fractions of the
-/// flux that falls on the mean plane: into all bins, rings and in-plane bins of `layout`, on both
+/// flux that falls on the mean plane: into all bins, rings and in-plane bins of `spec`, on both
 /// sides whichever are recorded, and absorbed.
 ///
 /// In-plane bins lie about the azimuth of `incidence`, also for vertical light. The error of
@@ -34,7 +34,7 @@ pub fn unshadowed_fluxes(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
 ) -> Result<UnshadowedFluxes, ModelError> {
     let interface = valid_interface(*slopes, material)?;
     let bsdf = |wi, wo| interface.unshadowed_bsdf(wi, wo);
@@ -45,7 +45,7 @@ pub fn unshadowed_fluxes(
         bsdf: &bsdf,
         error: Scattering::EXACT,
     };
-    let grid = layout.grid();
+    let grid = spec.grid();
     let bins = fluxes_into_bins(&scattering, incidence.wi(), &grid, Sides::Both);
     let rings = Side::BOTH.map(|side| {
         bins[side.index() * grid.bins_per_side()..][..grid.bins_per_side()]
@@ -55,7 +55,7 @@ pub fn unshadowed_fluxes(
     });
     Ok(UnshadowedFluxes {
         rings,
-        in_plane: Side::BOTH.map(|side| in_plane_fluxes_of(&scattering, incidence, layout, side)),
+        in_plane: Side::BOTH.map(|side| in_plane_fluxes_of(&scattering, incidence, spec, side)),
         absorbed: absorbed(slopes, material, incidence),
         bins,
     })

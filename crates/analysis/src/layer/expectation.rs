@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use asperity_optics::{Bottom, Incidence, azimuth, from_spherical, polar_angle};
 use asperity_tally::{
-    Azimuth, Event, EventPath, Exit, History, Layout, MAX_LISTED_ORDER, OrderClass, Record, Share,
-    Side,
+    Azimuth, Component, Event, EventPath, Exit, MAX_LISTED_ORDER, Side, SideFluxes, Tally,
+    TallySpec, TallyValues,
 };
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,14 +18,14 @@ use super::range::Range;
 use super::{FlatLayer, LayerPaths};
 
 impl FlatLayer {
-    /// [`FlatLayer::record`] as the expectation of a model; exact.
+    /// [`FlatLayer::tally`] as the expectation of a model; exact.
     #[must_use]
-    pub fn expect(&self, incidence: Incidence, layout: &Layout, azimuth: Azimuth) -> Expectation {
-        let record = self.record(incidence, layout, azimuth);
-        Expectation::of(*layout, Scope::ScatteredInside, vec![record], 0)
+    pub fn expect(&self, incidence: Incidence, spec: &TallySpec, azimuth: Azimuth) -> Expectation {
+        let tally = self.tally(incidence, spec, azimuth);
+        Expectation::of(*spec, Scope::ScatteredInside, vec![tally], 0)
     }
 
-    /// Expected tally of `layout` for light from `incidence`, as fractions of its flux.
+    /// Expected tally of `spec` for light from `incidence`, as fractions of its flux.
     ///
     /// Unscattered light stands in the bin of its direction, on an edge evenly in the bins on either side, since
     /// on a surface that is hardly rough it spreads to both; or evenly in its ring where the azimuth is free.
@@ -33,45 +33,56 @@ impl FlatLayer {
     ///
     /// Totals, rings and profiles of all orders, and the bins' total, hold both. So do order one and what is
     /// above it. Higher orders, by number and by path, hold unscattered light; and that scattered once by the
-    /// paths of Hanrahan and Krueger, which has one order. Entries of [`History`] are filled where `layout`
-    /// has them. What is scattered more often, and all that is absorbed, stays zero.
+    /// paths of Hanrahan and Krueger, which has one order. [`Component::MEDIUM`] is filled where `spec`
+    /// keeps it. What is scattered more often, and all that is absorbed, stays zero.
     #[must_use]
-    pub fn record(&self, incidence: Incidence, layout: &Layout, azimuth: Azimuth) -> Vec<f64> {
-        let mut record = self.unscattered_record(incidence, layout, azimuth);
-        for side in layout.sides().filter(|&side| self.sides().ask(side)) {
-            let all = OnSide::of(self, incidence, layout, side);
+    pub fn tally(&self, incidence: Incidence, spec: &TallySpec, azimuth: Azimuth) -> TallyValues {
+        let mut expected = self.unscattered_tally(incidence, spec, azimuth);
+        for side in spec.sides().filter(|&side| self.sides().includes(side)) {
+            let all = self.scattered_once(incidence, spec, side);
             // Alone where the way out is no interface, the way in is the only one.
             let first = if side == Side::Transmitted && self.bottom == Bottom::Open {
                 let direct = Self {
                     paths: LayerPaths::HanrahanKrueger,
                     ..*self
                 };
-                OnSide::of(&direct, incidence, layout, side)
+                direct.scattered_once(incidence, spec, side)
             } else {
-                all.nothing()
+                all.zeros_like()
             };
-            add_once(&mut record, layout, side, &all, &first);
+            let later = all.without(&first);
+            for (component, fluxes) in [
+                (Component::All, &all),
+                (Component::Single, &first),
+                (Component::Multiple, &later),
+                (Component::ScatteredOnce, &all),
+            ] {
+                expected.add_component(side, component, fluxes);
+            }
+            expected[spec.event_path_entry(side, passing(1))] += first.total;
             if self.paths == LayerPaths::HanrahanKrueger {
-                add_second_order(&mut record, layout, side, &all, &first);
+                // No path is longer.
+                expected.add_component(side, Component::Order(2), &later);
+                expected[spec.event_path_entry(side, passing(2))] += later.total;
             }
         }
-        record
+        expected
     }
 
     /// The unscattered light of a tally.
-    fn unscattered_record(
+    fn unscattered_tally(
         &self,
         incidence: Incidence,
-        layout: &Layout,
+        spec: &TallySpec,
         azimuth: Azimuth,
-    ) -> Vec<f64> {
-        let mut record = Record::new(*layout, azimuth);
+    ) -> TallyValues {
+        let mut tally = Tally::new(*spec, azimuth);
         let inside = self.enter(incidence.wi());
         for beam in self.unscattered(incidence.wi()) {
             for (path, flux) in self.by_path(&inside, beam.side, beam.flux) {
                 let ways = beside(beam.wo);
                 for &wo in &ways {
-                    record.add_exit(&Exit {
+                    tally.add_exit(&Exit {
                         side: beam.side,
                         wo,
                         flux: flux / ways.len() as f64,
@@ -81,15 +92,10 @@ impl FlatLayer {
                 }
             }
         }
-        let mut values = record.into_fractions(1).to_vec();
+        let mut expected = tally.into_fractions(1);
         // Nothing is traced: there are no rays to count.
-        for share in [Share::Single, Share::Multiple] {
-            values[layout.hits(share)].fill(0.0);
-        }
-        for history in History::ALL.into_iter().filter(|_| layout.has_histories()) {
-            values[layout.history_hits(history)].fill(0.0);
-        }
-        values
+        expected.clear_hits();
+        expected
     }
 
     /// Unscattered light on `side`, `total` in all, by what happened to it at the faces.
@@ -161,30 +167,24 @@ fn passing(order: u32) -> EventPath {
     EventPath::from_code(order, 1 | last)
 }
 
-/// Fluxes of light scattered once that leaves on one side.
-struct OnSide {
-    /// Into its bins, in their order.
-    bins: Vec<f64>,
-    in_plane: Vec<f64>,
-}
-
-impl OnSide {
-    fn of(layer: &FlatLayer, incidence: Incidence, layout: &Layout, side: Side) -> Self {
-        let grid = layout.grid();
-        let first = side.index() * grid.bins_per_side();
-        let range = Range::new(layer, incidence, side);
-        let bins = (first..first + grid.bins_per_side())
+impl FlatLayer {
+    /// Fluxes of light scattered once that leaves on one side.
+    fn scattered_once(&self, incidence: Incidence, spec: &TallySpec, side: Side) -> SideFluxes {
+        let range = Range::new(self, incidence, side);
+        let filter = spec.bin_filter(side);
+        let bins = (0..filter.len())
             .into_par_iter()
             .map(|i| {
-                let bin = grid.bin(i);
+                let bin = filter.bin(i);
                 range.flux(bin.theta, bin.phi)
             })
             .collect();
-        let half_width = layout.in_plane_half_width();
-        let in_plane = (0..layout.in_plane_len())
+        let slice = spec.in_plane_filter(side);
+        let half_width = slice.half_width();
+        let in_plane = (0..slice.len())
             .into_par_iter()
             .map(|i| {
-                let [from, to] = layout.in_plane_edges_deg(i).map(f64::to_radians);
+                let [from, to] = slice.theta_deg(i).map(f64::to_radians);
                 // Bins do not straddle the normal.
                 let (azimuth, near, far) = if to > 0.0 {
                     (incidence.phi() + PI, from, to)
@@ -198,85 +198,6 @@ impl OnSide {
                 range.flux(theta, [azimuth - half_width, azimuth + half_width])
             })
             .collect();
-        Self { bins, in_plane }
-    }
-
-    /// As much of nothing.
-    fn nothing(&self) -> Self {
-        Self {
-            bins: vec![0.0; self.bins.len()],
-            in_plane: vec![0.0; self.in_plane.len()],
-        }
-    }
-
-    fn rings(&self, layout: &Layout) -> Vec<f64> {
-        let rings = self.bins.chunks_exact(layout.grid().n_phi());
-        rings.map(|ring| ring.iter().sum()).collect()
-    }
-
-    fn total(&self) -> f64 {
-        self.bins.iter().sum()
-    }
-}
-
-/// Adds light scattered once, `first` of which met one face.
-fn add_once(record: &mut [f64], layout: &Layout, side: Side, all: &OnSide, first: &OnSide) {
-    let mut add = |start: usize, fluxes: &[f64]| {
-        for (entry, flux) in record[start..].iter_mut().zip(fluxes) {
-            *entry += flux;
-        }
-    };
-    let of_side = side.index() * layout.grid().bins_per_side();
-    let later: Vec<f64> = all
-        .bins
-        .iter()
-        .zip(&first.bins)
-        .map(|(all, first)| all - first)
-        .collect();
-    for (share, fluxes) in [
-        (Share::Single, &first.bins),
-        (Share::Multiple, &later),
-        (Share::Total, &all.bins),
-    ] {
-        add(layout.bins(share).start + of_side, fluxes);
-    }
-    for (class, fluxes) in [(OrderClass::First, first), (OrderClass::All, all)] {
-        add(layout.rings(side, class).start, &fluxes.rings(layout));
-        add(layout.in_plane(side, class).start, &fluxes.in_plane);
-    }
-    add(side.index(), &[all.total()]);
-    add(layout.order(side, 1), &[first.total()]);
-    add(layout.path(side, passing(1)), &[first.total()]);
-    add(layout.multiple(side), &[all.total() - first.total()]);
-    if layout.has_histories() {
-        let once = History::Once;
-        add(layout.history(side, once), &[all.total()]);
-        add(layout.history_bins(once).start + of_side, &all.bins);
-        add(layout.history_rings(side, once).start, &all.rings(layout));
-        add(layout.history_in_plane(side, once).start, &all.in_plane);
-    }
-}
-
-/// Adds what of it met two faces, where no path is longer.
-fn add_second_order(record: &mut [f64], layout: &Layout, side: Side, all: &OnSide, first: &OnSide) {
-    let mut add = |start: usize, all: &[f64], first: &[f64]| {
-        let fluxes = all.iter().zip(first).map(|(all, first)| all - first);
-        for (entry, flux) in record[start..].iter_mut().zip(fluxes) {
-            *entry += flux;
-        }
-    };
-    let class = OrderClass::Second;
-    add(
-        layout.rings(side, class).start,
-        &all.rings(layout),
-        &first.rings(layout),
-    );
-    add(
-        layout.in_plane(side, class).start,
-        &all.in_plane,
-        &first.in_plane,
-    );
-    for entry in [layout.order(side, 2), layout.path(side, passing(2))] {
-        add(entry, &[all.total()], &[first.total()]);
+        SideFluxes::from_bins(&filter, bins, in_plane)
     }
 }

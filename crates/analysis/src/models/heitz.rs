@@ -32,7 +32,7 @@ mod branch;
 mod height;
 
 use asperity_optics::Material;
-use asperity_tally::{EventPath, Exit, Loss, Record, Side, Sides};
+use asperity_tally::{EventPath, Exit, Loss, Side, Sides, Tally};
 use glam::DVec3;
 use rand::RngExt;
 use rand::distr::Open01;
@@ -121,7 +121,7 @@ impl ScatteringModel for Heitz {
 }
 
 impl RandomWalk for Heitz {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
         let lambda = self.distribution.lambda(wi);
         let first = FacetHit {
             side: Side::Reflected,
@@ -142,12 +142,7 @@ impl RandomWalk for Heitz {
 impl Heitz {
     /// Samples the facet at a hit, and tallies what it absorbs and what escapes from it. The remaining light has
     /// escaped neither by reflection nor by transmission.
-    fn scatter(
-        &self,
-        hit: &FacetHit,
-        rng: &mut ChaCha8Rng,
-        record: &mut Record<'_>,
-    ) -> [Branch; 2] {
+    fn scatter(&self, hit: &FacetHit, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) -> [Branch; 2] {
         let m = self.distribution.sample_visible(hit.w, rng);
         let (branches, absorbed) = branch::branches(&self.distribution, self.material, hit, m);
         if absorbed > 0.0 {
@@ -174,7 +169,7 @@ impl Heitz {
         mut branch: Branch,
         threshold: f64,
         rng: &mut ChaCha8Rng,
-        record: &mut Record<'_>,
+        record: &mut Tally<'_>,
     ) {
         let mut weight = branch.remaining;
         let mut path = EventPath::default();

@@ -1,7 +1,7 @@
 //! Model interface: what every scattering model offers.
 
 use asperity_optics::{Material, MaterialError};
-use asperity_tally::{Record, Sides};
+use asperity_tally::{Sides, Tally};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
@@ -112,7 +112,7 @@ pub trait RandomWalk: Send + Sync {
     /// `record`.
     ///
     /// The result is an unbiased estimate of the model's fluxes. It depends on `rng` alone.
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>);
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>);
 }
 
 /// Why a model cannot be made.

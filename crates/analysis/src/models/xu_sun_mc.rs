@@ -48,7 +48,7 @@ use std::collections::VecDeque;
 use std::f64::consts::LN_2;
 
 use asperity_optics::{Material, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side, Sides};
+use asperity_tally::{Event, EventPath, Exit, Loss, Side, Sides, Tally};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -159,7 +159,7 @@ impl XuSunMonteCarlo {
     }
 
     /// The rays into which `ray` splits at a facet of normal `m`, facing up; absorbed flux is tallied.
-    fn split(&self, ray: Ray, m: DVec3, record: &mut Record<'_>) -> [Option<Ray>; 2] {
+    fn split(&self, ray: Ray, m: DVec3, record: &mut Tally<'_>) -> [Option<Ray>; 2] {
         let v = -ray.direction;
         let (m, material) = match ray.side {
             Side::Reflected => (m, self.interface.material),
@@ -238,7 +238,7 @@ impl ScatteringModel for XuSunMonteCarlo {
 }
 
 impl RandomWalk for XuSunMonteCarlo {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
         // Shoot a ray: Eqs. 26 and 28
         let height = rng.random::<f64>();
         let m = self.interface.distribution.sample(rng);

@@ -1,6 +1,6 @@
 //! How rays are divided into blocks, and how the blocks of one surface are run.
 
-use asperity_tally::{Control, Layout};
+use asperity_tally::{ControlVariate, TallySpec, TallyValues};
 use asperity_tracer::{
     AcceleratorKind, Geometry, Illumination, PathSettings, Sampling, Tracer, Work,
 };
@@ -20,7 +20,7 @@ pub struct RaySettings {
     /// Seed of surfaces and rays.
     pub seed: u64,
     /// What is recorded.
-    pub layout: Layout,
+    pub spec: TallySpec,
     /// How paths are followed.
     pub paths: PathSettings,
     /// How hits are found.
@@ -41,12 +41,12 @@ pub struct RaySettings {
 }
 
 impl Default for RaySettings {
-    /// A million stratified rays with the default layout and paths.
+    /// A million stratified rays with the default spec and paths.
     fn default() -> Self {
         Self {
             rays: 1_000_000,
             seed: 1,
-            layout: Layout::default(),
+            spec: TallySpec::default(),
             paths: PathSettings::default(),
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Auto,
@@ -63,7 +63,7 @@ impl Default for RaySettings {
 pub struct LitMesh<'a, G: Geometry> {
     pub tracer: Tracer<'a, G>,
     pub light: Illumination,
-    pub control: Option<&'a Control>,
+    pub control: Option<&'a ControlVariate>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
@@ -128,10 +128,10 @@ impl Blocks {
     }
 }
 
-/// Runs the blocks of one surface in parallel and hands each record to `each`, in order.
+/// Runs the blocks of one surface in parallel and hands the tallies of each block to `each`, in order.
 ///
 /// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
-/// and the records follow one another; the work counted is that of the first.
+/// and has a tally of each; the work counted is that of the first.
 ///
 /// If the run is to stop, those that are under way are finished, and the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
@@ -140,18 +140,17 @@ pub(crate) fn run_blocks<G: Geometry>(
     realisation: u64,
     blocks: Blocks,
     progress: &dyn Observer,
-    mut each: impl FnMut(&[f64]) + Send,
+    mut each: impl FnMut(&[TallyValues]) + Send,
 ) -> Work {
     let mut work = Work::default();
-    let mut take = |records: Vec<Option<(Vec<f64>, Work)>>| {
-        for (mut values, done) in records.into_iter().flatten() {
-            let records = values.chunks_exact_mut(settings.layout.len());
-            for (record, mesh) in records.zip(meshes) {
+    let mut take = |finished: Vec<Option<(Vec<TallyValues>, Work)>>| {
+        for (mut tallies, done) in finished.into_iter().flatten() {
+            for (tally, mesh) in tallies.iter_mut().zip(meshes) {
                 if let Some(control) = mesh.control {
-                    control.complete_slice(record);
+                    control.complete(tally);
                 }
             }
-            each(&values);
+            each(&tallies);
             work += done;
         }
     };
@@ -159,26 +158,22 @@ pub(crate) fn run_blocks<G: Geometry>(
         if block >= BLOCKS_IN_ANY_CASE && progress.stop().is_some() {
             return None;
         }
-        let mut of_first = Work::default();
-        let mut records = Vec::new();
+        let mut work_of_first = None;
+        let mut tallies = Vec::new();
         for mesh in meshes {
             let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
-            let layout = settings.layout;
-            let (record, work) =
+            let spec = settings.spec;
+            let (tally, work) =
                 mesh.tracer
-                    .batch(&mesh.light, blocks.strata, layout, mesh.control, &mut rng);
-            let record = record.to_vec();
-            if records.is_empty() {
-                (records, of_first) = (record, work);
-            } else {
-                records.extend(record);
-            }
+                    .batch(&mesh.light, blocks.strata, spec, mesh.control, &mut rng);
+            tallies.push(tally);
+            work_of_first.get_or_insert(work);
         }
         progress.advance(u64::from(blocks.strata).pow(2));
-        Some((records, of_first))
+        Some((tallies, work_of_first.unwrap_or_default()))
     };
-    // Waves bound how many records are held at once; those of one are taken while the next is traced.
-    let values = meshes.len() * settings.layout.len();
+    // Waves bound how many tallies are held at once; those of one are taken while the next is traced.
+    let values = meshes.len() * settings.spec.len();
     let records = RECORD_BUDGET / (2 * values * size_of::<f64>());
     let wave = records.clamp(1, BLOCKS_OF_THREAD * rayon::current_num_threads());
     let count = blocks.count as usize;
@@ -203,7 +198,7 @@ mod tests {
 
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
-    use asperity_tally::{BatchStatistics, Layout};
+    use asperity_tally::TallyStatistics;
     use asperity_tracer::{BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
@@ -263,15 +258,15 @@ mod tests {
                 asked: AtomicU64::new(0),
                 advanced: AtomicU64::new(0),
             };
-            let mut statistics = BatchStatistics::new(settings.layout.len());
+            let mut statistics = TallyStatistics::new(settings.spec);
             let meshes = std::slice::from_ref(&mesh);
-            let work = run_blocks(meshes, &settings, 0, blocks, &progress, |record| {
-                statistics.push(record);
+            let work = run_blocks(meshes, &settings, 0, blocks, &progress, |tallies| {
+                statistics.push(&tallies[0]);
             });
             assert_eq!(statistics.batches(), expected);
             assert_eq!(work.rays, 9 * expected);
             assert_eq!(progress.advanced.into_inner(), 9 * expected);
-            assert_eq!(statistics.means()[Layout::REFLECTED], 1.0);
+            assert_eq!(statistics.means()[TallySpec::BUDGET.reflected], 1.0);
         }
     }
 

@@ -7,12 +7,12 @@ use std::time::Instant;
 
 use asperity_io::available_memory;
 use asperity_surface::{HeightField, Synthesis};
-use asperity_tally::BatchStatistics;
+use asperity_tally::{BatchStatistics, TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::{HalfSpace, Tracer, Work};
 use rayon::prelude::*;
 
 use crate::engine::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
-use crate::errors::mesh_error::{MeshStatistics, Meshes};
+use crate::errors::mesh_error::{MeshShifts, MeshStatistics, Meshes};
 use crate::input::case::Case;
 use crate::input::layer::{BottomSurface, substrate};
 use crate::input::limits::{RunError, check_grazing, check_memory, meshes_bytes};
@@ -58,13 +58,13 @@ struct Watch {
 /// What one surface did with the light of one case.
 struct OfCase {
     /// Flux fractions.
-    record: Vec<f64>,
+    tally: TallyValues,
     /// Squares of their standard errors, by the scatter between ray blocks.
-    ray_squares: Vec<f64>,
+    ray_squares: TallyValues,
     /// Their statistics over ray blocks, of the first surface.
-    blocks: Option<BatchStatistics>,
+    blocks: Option<TallyStatistics>,
     /// What differs between its meshes, over ray blocks, where it has several.
-    shifts: Option<BatchStatistics>,
+    shifts: Option<MeshShifts>,
     work: Work,
 }
 
@@ -76,15 +76,15 @@ pub struct Seconds {
     pub trace: f64,
 }
 
-/// The results of one case: a record a surface.
+/// The results of one case: a tally per surface.
 pub struct Ensemble {
-    pub records: Vec<Vec<f64>>,
+    pub tallies: Vec<TallyValues>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
-    pub ray_squares: Vec<f64>,
+    pub ray_squares: TallyValues,
     /// Statistics over ray blocks, where there is only one surface, or of what is known without any.
-    pub blocks_of_one: Option<BatchStatistics>,
+    pub blocks_of_one: Option<TallyStatistics>,
     /// What differs between the meshes of each surface, where it has several.
-    pub shifts: Vec<BatchStatistics>,
+    pub shifts: Vec<MeshShifts>,
     pub work: Work,
     pub seconds: Seconds,
     pub used: Used,
@@ -92,21 +92,26 @@ pub struct Ensemble {
 
 impl Ensemble {
     /// What is known without a ray.
-    pub fn known(statistics: BatchStatistics) -> Self {
+    pub fn known(statistics: TallyStatistics) -> Self {
         Self {
-            records: vec![statistics.means().to_vec()],
-            ray_squares: vec![0.0; statistics.means().len()],
-            blocks_of_one: Some(statistics),
-            ..Self::new(&Used::nothing())
+            tallies: vec![statistics.means().clone()],
+            ..Self::new(*statistics.spec(), &Used::nothing())
+        }
+        .with_blocks(statistics)
+    }
+
+    /// With the statistics over ray blocks of its only surface.
+    fn with_blocks(self, blocks: TallyStatistics) -> Self {
+        Self {
+            blocks_of_one: Some(blocks),
+            ..self
         }
     }
 
     /// With the surfaces of `more` behind those that are there.
     pub fn append(&mut self, more: Self) {
-        self.records.extend(more.records);
-        for (sum, square) in self.ray_squares.iter_mut().zip(more.ray_squares) {
-            *sum += square;
-        }
+        self.tallies.extend(more.tallies);
+        self.ray_squares += &more.ray_squares;
         self.blocks_of_one = None;
         self.shifts.extend(more.shifts);
         self.work += more.work;
@@ -115,22 +120,20 @@ impl Ensemble {
         self.seconds.trace += more.seconds.trace;
     }
 
-    /// Statistics of the records, a batch being a surface, or a block of rays where there is only one.
-    pub fn statistics(&self) -> BatchStatistics {
+    /// Statistics of the tallies, a batch being a surface, or a block of rays where there is only one.
+    pub fn statistics(&self) -> TallyStatistics {
         if let Some(blocks) = &self.blocks_of_one {
             return blocks.clone();
         }
-        let mut statistics = BatchStatistics::new(self.records.first().map_or(0, Vec::len));
-        self.records
-            .iter()
-            .for_each(|record| statistics.push(record));
+        let mut statistics = TallyStatistics::new(*self.ray_squares.spec());
+        self.tallies.iter().for_each(|tally| statistics.push(tally));
         statistics
     }
 
-    fn new(used: &Used) -> Self {
+    fn new(spec: TallySpec, used: &Used) -> Self {
         Self {
-            records: Vec::new(),
-            ray_squares: Vec::new(),
+            tallies: Vec::new(),
+            ray_squares: TallyValues::zeros(spec),
             blocks_of_one: None,
             shifts: Vec::new(),
             work: Work::default(),
@@ -223,14 +226,13 @@ impl Group<'_> {
         for (_, realisation) in drawn {
             let realisation = realisation?;
             if ensembles.is_empty() {
-                ensembles.resize_with(self.cases.len(), || Ensemble::new(&realisation.used));
+                ensembles.resize_with(self.cases.len(), || {
+                    Ensemble::new(self.settings.spec, &realisation.used)
+                });
             }
             for (ensemble, case) in ensembles.iter_mut().zip(realisation.cases) {
-                ensemble.records.push(case.record);
-                ensemble.ray_squares.resize(case.ray_squares.len(), 0.0);
-                for (sum, square) in ensemble.ray_squares.iter_mut().zip(case.ray_squares) {
-                    *sum += square;
-                }
+                ensemble.tallies.push(case.tally);
+                ensemble.ray_squares += &case.ray_squares;
                 ensemble.blocks_of_one = case.blocks;
                 ensemble.shifts.extend(case.shifts);
                 ensemble.work += case.work;
@@ -278,7 +280,7 @@ impl Group<'_> {
     ///
     /// Surfaces come here in any order: nothing but what is shown depends on it.
     fn watch(&self, watch: &Mutex<Watch>, realisation: &Realisation, progress: &dyn Observer) {
-        let layout = &self.settings.layout;
+        let spec = &self.settings.spec;
         let Some(target) = self.settings.target else {
             return;
         };
@@ -286,11 +288,11 @@ impl Group<'_> {
         watch.surfaces += 1;
         let mut worst = 0.0_f64;
         watch.cases.resize_with(self.cases.len(), || {
-            BatchStatistics::new(target.of().entries(layout).len())
+            BatchStatistics::new(target.of().entries(spec).len())
         });
         for (seen, case) in watch.cases.iter_mut().zip(&realisation.cases) {
-            let entries = target.of().entries(layout);
-            let values: Vec<f64> = entries.into_iter().map(|i| case.record[i]).collect();
+            let entries = target.of().entries(spec);
+            let values: Vec<f64> = entries.into_iter().map(|i| case.tally[i]).collect();
             seen.push(&values);
             let squares: f64 = seen.error_squares().sum();
             let norm = target
@@ -373,7 +375,7 @@ impl Group<'_> {
                     control: method.control(),
                 });
             }
-            let mut statistics = MeshStatistics::new(self.settings.layout.len(), traced.len());
+            let mut statistics = MeshStatistics::new(self.settings.spec, traced.len());
             let work = run_blocks(
                 &traced,
                 self.settings,
@@ -382,11 +384,11 @@ impl Group<'_> {
                 progress,
                 |values| statistics.push(values),
             );
-            let MeshStatistics { records, shifts } = statistics;
+            let MeshStatistics { tallies, shifts } = statistics;
             cases.push(OfCase {
-                record: records.means().to_vec(),
-                ray_squares: records.error_squares().collect(),
-                blocks: (index == 0).then_some(records),
+                tally: tallies.means().clone(),
+                ray_squares: tallies.error_squares(),
+                blocks: (index == 0).then_some(tallies),
                 shifts,
                 work,
             });
@@ -412,7 +414,6 @@ mod tests {
     use super::*;
     use asperity_optics::{Incidence, Material};
     use asperity_surface::Psd;
-    use asperity_tally::Layout;
     use asperity_tracer::{Branching, PathSettings};
 
     use crate::observer::Silent;
@@ -460,9 +461,9 @@ mod tests {
         // On nearly flat glass the branch picked at random is all that differs between surfaces.
         let (_, ensemble) = run(&Silent);
         let mut reflected: Vec<f64> = ensemble
-            .records
+            .tallies
             .iter()
-            .map(|record| record[Layout::REFLECTED])
+            .map(|record| record[TallySpec::BUDGET.reflected])
             .collect();
         reflected.sort_by(f64::total_cmp);
         reflected.dedup();
@@ -489,7 +490,7 @@ mod tests {
     #[test]
     fn a_surface_cut_short_counts_only_if_there_is_no_other() {
         let (blocks, all) = run(&Silent);
-        assert_eq!((blocks.count, all.records.len()), (4, 4));
+        assert_eq!((blocks.count, all.tallies.len()), (4, 4));
         let of_block = blocks.rays() / blocks.count;
         let cut = |blocks_done: u64| {
             let progress = TimeFor {
@@ -504,12 +505,12 @@ mod tests {
         let (traced, two) = cut(2 * 4 + 3);
         assert_eq!(traced, 2 * 4 + 3);
         assert_eq!(two.work.rays, 2 * blocks.rays());
-        assert_eq!(two.records, all.records[..2]);
+        assert_eq!(two.tallies, all.tallies[..2]);
         assert!(two.blocks_of_one.is_none());
         // In the middle of the first: all that there is.
         let (traced, one) = cut(3);
         assert_eq!(traced, 3);
-        assert_eq!((one.records.len(), one.work.rays), (1, 3 * of_block));
+        assert_eq!((one.tallies.len(), one.work.rays), (1, 3 * of_block));
         assert_eq!(one.blocks_of_one.unwrap().batches(), 3);
     }
 }

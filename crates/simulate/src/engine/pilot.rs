@@ -11,7 +11,7 @@
 //! that the same seed plans the same on any machine.
 
 use asperity_surface::Synthesis;
-use asperity_tally::Layout;
+use asperity_tally::{ControlVariate, Entry, TallySpec};
 
 use crate::engine::ensemble::Ensemble;
 use crate::input::target::{Quantity, Target, ratio};
@@ -91,17 +91,17 @@ impl Figures {
     /// `counted`: how many entries have an error of at least one ray.
     pub(crate) fn new(
         target: Target,
-        layout: &Layout,
+        spec: &TallySpec,
         surfaces: &Ensemble,
         coarse: Option<&Ensemble>,
         (cells, counted): (usize, usize),
     ) -> Self {
-        let entries = target.of().entries(layout);
+        let entries = target.of().entries(spec);
         let [mut scatter, mut of_rays, mut square] = [0.0; 3];
-        let n = surfaces.records.len() as f64;
+        let n = surfaces.tallies.len() as f64;
         let rays = surfaces.work.rays as f64 / n;
         for &i in &entries {
-            let [mean, variance] = mean_and_variance(surfaces.records.iter().map(|r| r[i]));
+            let [mean, variance] = mean_and_variance(surfaces.tallies.iter().map(|r| r[i]));
             scatter += variance;
             of_rays += surfaces.ray_squares[i] / n;
             square += mean * mean;
@@ -114,7 +114,7 @@ impl Figures {
         let relative = |square: f64| ratio(square, norm * norm);
         Self {
             figures: PilotFigures {
-                realisations: surfaces.records.len() as u64,
+                realisations: surfaces.tallies.len() as u64,
                 rays: work.rays,
                 variance_of_surfaces: relative(of_surfaces),
                 variance_of_rays: relative(of_rays * rays),
@@ -236,11 +236,11 @@ pub(crate) fn respaced(synthesis: &Synthesis, scale: f64) -> Option<Synthesis> {
 
 /// How much the results on the same surfaces with twice the spacing differ: the root of the sum of
 /// squares, to which noise is counted that may hide more.
-fn difference(entries: &[usize], fine: &Ensemble, coarse: &Ensemble) -> f64 {
-    let n = fine.records.len().min(coarse.records.len()) as f64;
+fn difference(entries: &[Entry], fine: &Ensemble, coarse: &Ensemble) -> f64 {
+    let n = fine.tallies.len().min(coarse.tallies.len()) as f64;
     let [mut squares, mut noise, mut noise_squares] = [0.0; 3];
     for &i in entries {
-        let pairs = fine.records.iter().zip(&coarse.records);
+        let pairs = fine.tallies.iter().zip(&coarse.tallies);
         let [mean, variance] = mean_and_variance(pairs.map(|(fine, coarse)| coarse[i] - fine[i]));
         squares += mean * mean;
         noise += variance / n;
@@ -260,12 +260,12 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 /// How many entries of `aim` the control of an estimate knows of, each with an error of one ray at least.
 pub(crate) fn entries_with_least_error(
     aim: Quantity,
-    layout: &Layout,
-    control: Option<&asperity_tally::Control>,
+    spec: &TallySpec,
+    control: Option<&ControlVariate>,
 ) -> usize {
     control.map_or(0, |control| {
         let expected = control.expected();
-        let entries = aim.entries(layout);
+        let entries = aim.entries(spec);
         entries.into_iter().filter(|&i| expected[i] != 0.0).count()
     })
 }

@@ -115,7 +115,7 @@ impl Sharing {
                     &slopes(&case.psd)?,
                     case.material,
                     case.incidence,
-                    &settings.layout,
+                    &settings.spec,
                 )?)
             })
             .collect::<Result<Vec<_>, SimulateError>>()?;
@@ -184,7 +184,7 @@ impl Sharing {
         let surfaces = pilot::FIRST..pilot::FIRST + pilot::SURFACES;
         let complete = |ensembles: &[Ensemble]| {
             let first = ensembles.first();
-            first.is_some_and(|e| e.records.len() as u64 == pilot::SURFACES)
+            first.is_some_and(|e| e.tallies.len() as u64 == pilot::SURFACES)
         };
         let pilot = self.group(&settings, pilot::SURFACES);
         let fine = pilot.run(surfaces.clone(), progress)?;
@@ -201,7 +201,7 @@ impl Sharing {
             Vec::new()
         };
         let coarse = complete(&coarse).then_some(coarse);
-        let layout = &self.settings.layout;
+        let spec = &self.settings.spec;
         let cells = self.synthesis.shape().iter().product();
         self.figures = fine
             .iter()
@@ -209,9 +209,9 @@ impl Sharing {
             .enumerate()
             .map(|(i, (fine, method))| {
                 let control = method.control();
-                let counted = pilot::entries_with_least_error(target.of(), layout, control);
+                let counted = pilot::entries_with_least_error(target.of(), spec, control);
                 let coarse = coarse.as_ref().map(|coarse| &coarse[i]);
-                Figures::new(target, layout, fine, coarse, (cells, counted))
+                Figures::new(target, spec, fine, coarse, (cells, counted))
             })
             .collect();
 
@@ -238,7 +238,7 @@ impl Sharing {
                 error_in_short(error)
             ));
         }
-        let most = most_realisations(layout, all_cases);
+        let most = most_realisations(spec, all_cases);
         if let Some(effort) = pilot::plan(&self.figures, target.error(), scale, most) {
             if effort.expected > target.error() {
                 self.warnings.push(format!(
@@ -267,14 +267,9 @@ impl Sharing {
     /// The error of traced case `i`.
     fn error(&self, i: usize, ensemble: &Ensemble) -> Option<f64> {
         let statistics = ensemble.statistics();
-        let statistics = with_least_errors(
-            &self.methods[i],
-            &self.settings.layout,
-            statistics,
-            ensemble.work.rays,
-        );
+        let statistics = with_least_errors(&self.methods[i], statistics, ensemble.work.rays);
         let aim = self.settings.target?.of();
-        aim.error(&self.settings.layout, &statistics)
+        aim.error(&statistics)
     }
 
     /// What ends a case whose `error` lies within the target: that, unless the mesh adds too much to it.
@@ -303,7 +298,7 @@ impl Sharing {
         let mut ensembles: Vec<Ensemble> = Vec::new();
         let mut ended = StoppedBy::Plan;
         let mut rounds = 0;
-        let most = most_realisations(&self.settings.layout, all_cases);
+        let most = most_realisations(&self.settings.spec, all_cases);
         if !self.traced.is_empty() {
             let mut planned = self.realisations;
             ensembles = group.run(0..planned, progress)?;

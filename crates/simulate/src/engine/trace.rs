@@ -4,13 +4,15 @@ use std::time::Instant;
 
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::{Border, HeightField, RefinementError};
-use asperity_tally::BatchStatistics;
+use asperity_tally::TallyStatistics;
 use asperity_tracer::{BuildAccelerator, Geometry, HalfSpace, MeshSurface, Surface, Tracer, Work};
 
 use crate::engine::blocks::{Blocks, FEWEST_BLOCKS, LitMesh, RaySettings, run_blocks};
 use crate::engine::pilot;
 use crate::errors::budget::ErrorBudget;
-use crate::errors::mesh_error::{MeshErrors, MeshStatistics, Meshes, NOT_ASKED, Refinement};
+use crate::errors::mesh_error::{
+    MeshErrors, MeshShifts, MeshStatistics, Meshes, NOT_ASKED, Refinement,
+};
 use crate::input::estimator::Estimator;
 use crate::input::layer::substrate;
 use crate::input::limits::{
@@ -25,8 +27,8 @@ use crate::output::work::{SummaryWork, Used};
 /// What light did on one surface.
 #[derive(Clone, Debug)]
 pub struct TraceOutcome {
-    /// Flux fractions by the layout of the settings; a batch is a block of rays.
-    pub statistics: BatchStatistics,
+    /// Flux fractions by the spec of the settings; a batch is a block of rays.
+    pub statistics: TallyStatistics,
     /// The errors of the fluxes by where they come from.
     pub errors: ErrorBudget,
     /// What was done.
@@ -105,13 +107,13 @@ pub fn trace(
     let surfaces = 1 + usize::from(bottom.is_some());
     let more = surfaces.saturating_mul(bytes) - surfaces * size_of_val(field.heights());
     check_memory("tracing this surface", more)?;
-    let len = settings.layout.len();
+    let spec = settings.spec;
     let (spacing, border) = (field.spacing(), field.border());
-    let mesh_errors = |shifts: Option<BatchStatistics>| match shifts {
-        Some(shifts) => MeshErrors::of_refined(Refinement::new(spacing, len, shifts)),
-        None if is_flat => MeshErrors::of_flat(len),
-        None if border == Border::Open => MeshErrors::unknown(len, OPEN),
-        None => MeshErrors::unknown(len, NOT_ASKED),
+    let mesh_errors = |shifts: Option<MeshShifts>| match shifts {
+        Some(shifts) => MeshErrors::of_refined(Refinement::new(spacing, shifts)),
+        None if is_flat => MeshErrors::of_flat(spec),
+        None if border == Border::Open => MeshErrors::unknown(spec, OPEN),
+        None => MeshErrors::unknown(spec, NOT_ASKED),
     };
     let build = || {
         let own = bottom.map(|field| Meshes::new(field, settings.refine));
@@ -154,9 +156,9 @@ pub fn trace_mesh(
     if settings.estimator == Estimator::Controlled {
         return Err(RunError::MeshControl);
     }
-    let len = settings.layout.len();
+    let spec = settings.spec;
     let build = || Ok((Meshes::of_one(mesh), bottom.map(Meshes::of_one)));
-    let mesh_errors = |_| MeshErrors::unknown(len, TRIANGLES);
+    let mesh_errors = |_| MeshErrors::unknown(spec, TRIANGLES);
     let method = |_: &MeshSurface| Ok(Method::PLAIN);
     Ok(trace_on((build, method), scene, settings, mesh_errors, progress)?.0)
 }
@@ -177,11 +179,11 @@ fn trace_on<G: BuildAccelerator>(
     ),
     scene: &Scene,
     settings: &RaySettings,
-    mesh_errors: impl FnOnce(Option<BatchStatistics>) -> MeshErrors,
+    mesh_errors: impl FnOnce(Option<MeshShifts>) -> MeshErrors,
     progress: &dyn Observer,
 ) -> Result<(TraceOutcome, Meshes<G>), RunError> {
     let began = Instant::now();
-    check_results(&settings.layout, 1, 1, settings.refine)?;
+    check_results(&settings.spec, 1, 1, settings.refine)?;
     progress.begin("building", 1);
     let (meshes, bottoms) = build()?;
     let accelerators = meshes.accelerators(settings.accelerator)?;
@@ -224,16 +226,15 @@ fn trace_on<G: BuildAccelerator>(
         })
         .collect::<Result<_, RunError>>()?;
     let method = &methods[0];
-    let len = settings.layout.len();
+    let spec = settings.spec;
     let run = |realisation, blocks: Blocks, statistics: &mut MeshStatistics| {
         run_blocks(&lit, settings, realisation, blocks, progress, |values| {
             statistics.push(values);
         })
     };
-    let error = |statistics: &BatchStatistics, rays| {
-        let layout = &settings.layout;
-        let statistics = with_least_errors(method, layout, statistics.clone(), rays);
-        settings.target?.of().error(layout, &statistics)
+    let error = |statistics: &TallyStatistics, rays| {
+        let statistics = with_least_errors(method, statistics.clone(), rays);
+        settings.target?.of().error(&statistics)
     };
 
     // Rays of a pilot run are none of those of the result.
@@ -242,16 +243,16 @@ fn trace_on<G: BuildAccelerator>(
         let [count, strata] = PILOT;
         let fewest = Blocks::plan(count * strata * strata, count, settings.sampling);
         progress.begin("planning", fewest.rays());
-        let mut pilot = MeshStatistics::new(len, lit.len());
+        let mut pilot = MeshStatistics::new(spec, lit.len());
         run(pilot::FIRST, fewest, &mut pilot);
         progress.end();
-        let ratio = error(&pilot.records, fewest.rays()).unwrap_or(0.0) / target.error();
+        let ratio = error(&pilot.tallies, fewest.rays()).unwrap_or(0.0) / target.error();
         let needed = MARGIN * fewest.rays() as f64 * ratio * ratio;
         rays = needed.clamp(RAYS[0], RAYS[1]).ceil() as u64;
     }
     let planned = Blocks::plan(rays, FEWEST_BLOCKS, settings.sampling);
     let mut blocks = planned;
-    let mut statistics = MeshStatistics::new(len, lit.len());
+    let mut statistics = MeshStatistics::new(spec, lit.len());
     let mut work = Work::default();
     let mut rounds = 0;
     let stopped_by = loop {
@@ -265,7 +266,7 @@ fn trace_on<G: BuildAccelerator>(
         if done.rays < blocks.rays() {
             break progress.stop().unwrap_or(StoppedBy::Interrupt);
         }
-        let (Some(error), Some(target)) = (error(&statistics.records, work.rays), settings.target)
+        let (Some(error), Some(target)) = (error(&statistics.tallies, work.rays), settings.target)
         else {
             break StoppedBy::Plan;
         };
@@ -273,9 +274,9 @@ fn trace_on<G: BuildAccelerator>(
             break StoppedBy::Target;
         }
         let ratio = (error / target.error()).powi(2) * MARGIN;
-        let all = (statistics.records.batches() as f64 * ratio)
+        let all = (statistics.tallies.batches() as f64 * ratio)
             .min(RAYS[1] / planned.rays() as f64 * planned.count as f64);
-        let more = all as u64 - statistics.records.batches().min(all as u64);
+        let more = all as u64 - statistics.tallies.batches().min(all as u64);
         if rounds == MOST_ROUNDS || more == 0 {
             break StoppedBy::Plan;
         }
@@ -285,7 +286,7 @@ fn trace_on<G: BuildAccelerator>(
     let stopping = Stopping {
         target_error: settings.target.map(|target| target.error()),
         of: settings.target.map(|target| target.of()),
-        error: error(&statistics.records, work.rays),
+        error: error(&statistics.tallies, work.rays),
         mesh_error: None,
         pilot: None,
         realisations: 1,
@@ -296,16 +297,12 @@ fn trace_on<G: BuildAccelerator>(
         stopped_by,
         warnings: Vec::new(),
     };
-    let MeshStatistics { records, shifts } = statistics;
-    let errors = ErrorBudget::of_one(
-        &records,
-        (method, &settings.layout, work.rays),
-        mesh_errors(shifts),
-    );
-    let records = with_least_errors(method, &settings.layout, records, work.rays);
+    let MeshStatistics { tallies, shifts } = statistics;
+    let errors = ErrorBudget::of_one(&tallies, method, work.rays, mesh_errors(shifts));
+    let tallies = with_least_errors(method, tallies, work.rays);
     let told = settings.target.is_some() || stopped_by != StoppedBy::Plan;
     let outcome = TraceOutcome {
-        statistics: records,
+        statistics: tallies,
         errors,
         work: SummaryWork {
             realisations: 1,

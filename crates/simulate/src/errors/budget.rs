@@ -1,6 +1,8 @@
 //! The errors of a result by where they come from: rays, surfaces, mesh.
 
-use asperity_tally::{BatchStatistics, Estimate, Layout, Side};
+use asperity_tally::{
+    Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
+};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -37,14 +39,35 @@ struct Ways {
 /// The errors of all results of a run, by where they come from.
 #[derive(Clone, Debug)]
 pub struct ErrorBudget {
-    /// Squares, by the layout; not a number where there was no scatter to be seen.
-    rays: Vec<f64>,
-    /// Squares, by the layout, where there were several surfaces.
-    surfaces: Option<Vec<f64>>,
+    /// Squares; not a number where there was no scatter to be seen.
+    rays: TallyValues,
+    /// Squares, where there were several surfaces.
+    surfaces: Option<TallyValues>,
     mesh: MeshErrors,
     /// Of what was not traced.
-    bounds: Option<Vec<f64>>,
+    bounds: Option<TallyValues>,
     ways: Ways,
+}
+
+/// Squares of standard errors by the scatter of batches, and how those of surfaces were found.
+struct Scatter {
+    of_rays: TallyValues,
+    /// Of surfaces with their rays, where there are several.
+    of_surfaces: Option<TallyValues>,
+    way_of_surfaces: String,
+}
+
+/// Each entry has its errors.
+impl TallyResult for ErrorBudget {
+    type Value = Errors;
+
+    fn spec(&self) -> &TallySpec {
+        self.rays.spec()
+    }
+
+    fn at(&self, entry: Entry) -> Errors {
+        self.errors(entry)
+    }
 }
 
 /// Said of rays.
@@ -56,13 +79,13 @@ const TOTAL: &str =
 
 impl ErrorBudget {
     /// The errors of what is known without a ray, to within bounds.
-    pub fn of_bounds(bounds: Vec<f64>) -> Self {
+    pub fn of_bounds(bounds: TallyValues) -> Self {
         let none = || "none: nothing was traced".to_owned();
-        let len = bounds.len();
+        let spec = *bounds.spec();
         Self {
-            rays: vec![f64::NAN; len],
+            rays: TallyValues::filled(spec, f64::NAN),
             surfaces: None,
-            mesh: MeshErrors::unknown(len, "none: nothing was traced"),
+            mesh: MeshErrors::unknown(spec, "none: nothing was traced"),
             bounds: Some(bounds),
             ways: Ways {
                 rays: none(),
@@ -75,11 +98,7 @@ impl ErrorBudget {
     }
 
     /// The errors of the only surface that there is, of which `blocks` are the ray blocks.
-    pub fn of_one(
-        blocks: &BatchStatistics,
-        (method, layout, rays): (&Method, &Layout, u64),
-        mesh: MeshErrors,
-    ) -> Self {
+    pub fn of_one(blocks: &TallyStatistics, method: &Method, rays: u64, mesh: MeshErrors) -> Self {
         let none = match method.control_mean() {
             Some(ControlMean::GaussianSlopes) => {
                 "not known: one surface tells nothing of others, whose mean its control adds"
@@ -87,47 +106,45 @@ impl ErrorBudget {
             _ => "none: the result is that of this one surface alone",
         }
         .to_owned();
-        Self::new(
-            blocks.error_squares().collect(),
-            (None, none),
-            (method, layout, rays),
-            mesh,
-        )
+        let scatter = Scatter {
+            of_rays: blocks.error_squares(),
+            of_surfaces: None,
+            way_of_surfaces: none,
+        };
+        Self::new(scatter, method, rays, mesh)
     }
 
     /// The errors of means over `surfaces`; `ray_squares` are the squares of the errors of each by the
     /// scatter of its ray blocks, summed.
     pub fn of_surfaces(
-        surfaces: &BatchStatistics,
-        ray_squares: &[f64],
-        method_and_rays: (&Method, &Layout, u64),
+        surfaces: &TallyStatistics,
+        ray_squares: &TallyValues,
+        method: &Method,
+        rays: u64,
         mesh: MeshErrors,
     ) -> Self {
         let n = surfaces.batches() as f64;
-        let of_rays = ray_squares.iter().map(|sum| sum / (n * n)).collect();
         let way = "standard error by the scatter of the surfaces, less what their rays explain; 0 where these explain all of it".to_owned();
-        let all = surfaces.error_squares().collect();
-        Self::new(of_rays, (Some(all), way), method_and_rays, mesh)
+        let scatter = Scatter {
+            of_rays: ray_squares.map(|sum| sum / (n * n)),
+            of_surfaces: Some(surfaces.error_squares()),
+            way_of_surfaces: way,
+        };
+        Self::new(scatter, method, rays, mesh)
     }
 
-    /// From squares of errors by rays, and, with how they were found, by surfaces with their rays.
-    fn new(
-        mut rays: Vec<f64>,
-        (all, of_surfaces): (Option<Vec<f64>>, String),
-        (method, _, count): (&Method, &Layout, u64),
-        mut mesh: MeshErrors,
-    ) -> Self {
+    fn new(scatter: Scatter, method: &Method, count: u64, mut mesh: MeshErrors) -> Self {
+        let mut rays = scatter.of_rays;
         let mut of_rays = BY_BLOCKS.to_owned();
         if let Some(control) = method.control() {
-            for (square, least) in rays
-                .iter_mut()
-                .zip(control.least_errors(count).iter().copied())
-            {
+            rays.update(&control.least_errors(count), |square, least| {
                 *square = square.max(least * least);
-            }
+            });
             of_rays.push_str(", and no less than one ray where the control expects light");
         }
-        let surfaces = all.map(|all| all.iter().zip(&rays).map(|(a, r)| a - r).collect());
+        let surfaces = scatter
+            .of_surfaces
+            .map(|all| all.zip_map(&rays, |a, r| a - r));
         let [way, removed] = std::mem::take(&mut mesh.ways);
         Self {
             rays,
@@ -136,7 +153,7 @@ impl ErrorBudget {
             bounds: None,
             ways: Ways {
                 rays: of_rays,
-                surfaces: of_surfaces,
+                surfaces: scatter.way_of_surfaces,
                 mesh: way,
                 mesh_removed: removed,
                 total: TOTAL,
@@ -144,9 +161,7 @@ impl ErrorBudget {
         }
     }
 
-    /// The errors of entry `i` of the layout.
-    #[must_use]
-    pub fn errors(&self, i: usize) -> Errors {
+    fn errors(&self, i: Entry) -> Errors {
         let known = |square: f64| (!square.is_nan()).then(|| square.max(0.0).sqrt());
         let rays = known(self.rays[i]);
         let surfaces = self.surfaces.as_ref().and_then(|squares| known(squares[i]));
@@ -187,41 +202,48 @@ impl ErrorBudget {
 
     /// `error_budget` of summary.json.
     #[must_use]
-    pub fn to_json(&self, layout: &Layout) -> Value {
+    pub fn to_json(&self) -> Value {
+        let spec = self.spec();
         let mut out = Map::new();
-        for (name, entry) in totals(layout) {
+        for (name, entry) in totals(spec) {
             let errors = entry.map(|i| self.errors(i));
             out.insert(name.to_owned(), json!(errors));
         }
         out.insert("ways".to_owned(), json!(self.ways));
         if let Some(refinement) = &self.mesh.refinement {
-            out.insert("refinement".to_owned(), refinement_json(refinement, layout));
+            out.insert("refinement".to_owned(), refinement_json(refinement, spec));
         }
         Value::Object(out)
     }
 }
 
 /// Totals by name, and where they stand, if they are asked for.
-fn totals(layout: &Layout) -> [(&'static str, Option<usize>); 5] {
+fn totals(spec: &TallySpec) -> [(&'static str, Option<Entry>); 5] {
     let [reflected, transmitted] = Side::BOTH;
-    let asked = |side: Side, entry: usize| layout.asks(side).then_some(entry);
+    let asked = |side: Side, entry: Entry| spec.records(side).then_some(entry);
     [
-        ("reflected", asked(reflected, Layout::REFLECTED)),
-        ("transmitted", asked(transmitted, Layout::TRANSMITTED)),
-        ("absorbed", Some(Layout::ABSORBED)),
+        ("reflected", asked(reflected, TallySpec::BUDGET.reflected)),
+        (
+            "transmitted",
+            asked(transmitted, TallySpec::BUDGET.transmitted),
+        ),
+        ("absorbed", Some(TallySpec::BUDGET.absorbed)),
         (
             "multiple_reflected",
-            asked(reflected, layout.multiple(reflected)),
+            asked(reflected, spec.flux_entry(reflected, Component::Multiple)),
         ),
         (
             "multiple_transmitted",
-            asked(transmitted, layout.multiple(transmitted)),
+            asked(
+                transmitted,
+                spec.flux_entry(transmitted, Component::Multiple),
+            ),
         ),
     ]
 }
 
 /// What meshes of several spacings showed of the totals.
-fn refinement_json(refinement: &Refinement, layout: &Layout) -> Value {
+fn refinement_json(refinement: &Refinement, spec: &TallySpec) -> Value {
     let spacing = |factor: f64| refinement.given.map(|d| factor * d);
     let mut out = Map::new();
     out.insert(
@@ -232,7 +254,7 @@ fn refinement_json(refinement: &Refinement, layout: &Layout) -> Value {
             "coarser": refinement.has_coarser().then(|| spacing(2.0)),
         }),
     );
-    for (name, entry) in totals(layout) {
+    for (name, entry) in totals(spec) {
         let shown = entry.map(|i| {
             let extrapolated: Result<Estimate, String> = refinement.extrapolated(i);
             json!({

@@ -3,7 +3,10 @@
 
 use asperity_analysis::{ModelError, SlopeCovariance, control_variate, unshadowed_fluxes};
 use asperity_surface::{HeightField, Psd, Synthesis};
-use asperity_tally::{BatchStatistics, Control, Estimate, Layout, UnshadowedFluxes};
+use asperity_tally::{
+    ByEntry, ControlVariate, Entry, Estimate, TallyResult, TallySpec, TallyStatistics, TallyValues,
+    UnshadowedFluxes,
+};
 use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface};
 
 use crate::input::case::Case;
@@ -80,45 +83,72 @@ impl Meshes {
 /// Statistics of what is reported, and of what differs between meshes.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshStatistics {
-    /// Of the records of the first mesh.
-    pub records: BatchStatistics,
-    /// Of [`shifts`], where there are several meshes.
-    pub shifts: Option<BatchStatistics>,
+    /// Of the tallies of the first mesh.
+    pub tallies: TallyStatistics,
+    /// Of what differs, where there are several meshes.
+    pub shifts: Option<MeshShifts>,
 }
 
 impl MeshStatistics {
-    /// Statistics of records of `len` entries on so many meshes.
-    pub(crate) fn new(len: usize, meshes: usize) -> Self {
+    /// Statistics of tallies on so many meshes.
+    pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
         Self {
-            records: BatchStatistics::new(len),
-            shifts: (meshes > 1).then(|| BatchStatistics::new(meshes * len)),
+            tallies: TallyStatistics::new(spec),
+            shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
         }
     }
 
-    /// Adds one batch: the records of all meshes, one after the other.
-    pub(crate) fn push(&mut self, records: &[f64]) {
-        let len = self.records.means().len();
-        self.records.push(&records[..len]);
-        if let Some(statistics) = &mut self.shifts {
-            statistics.push(&shifts(records, len));
+    /// Adds one batch: a tally of each mesh.
+    pub(crate) fn push(&mut self, tallies: &[TallyValues]) {
+        self.tallies.push(&tallies[0]);
+        if let Some(shifts) = &mut self.shifts {
+            shifts.push(tallies);
         }
     }
 }
 
-/// From records of `len` entries on the finer, the given, and perhaps the coarser mesh: the given less
-/// the finer ones, Richardson's values `finer + (finer - given) / 3`, and the coarser less the given.
-fn shifts(records: &[f64], len: usize) -> Vec<f64> {
-    let (finer, others) = records.split_at(len);
-    let (given, coarser) = others.split_at(len);
-    let mut shifts: Vec<f64> = given.iter().zip(finer).map(|(g, f)| g - f).collect();
-    let extrapolated: Vec<f64> = finer
-        .iter()
-        .zip(&shifts)
-        .map(|(f, s)| f - s / 3.0)
-        .collect();
-    shifts.extend(extrapolated);
-    shifts.extend(coarser.iter().zip(given).map(|(c, g)| c - g));
-    shifts
+/// Statistics of what differs between the finer, the given, and perhaps the coarser mesh.
+#[derive(Clone, Debug)]
+pub struct MeshShifts {
+    /// The given mesh less the finer one.
+    given_less_finer: TallyStatistics,
+    /// Richardson's values, `finer + (finer - given) / 3`.
+    extrapolated: TallyStatistics,
+    /// The coarser mesh less the given one.
+    coarser_less_given: Option<TallyStatistics>,
+}
+
+impl MeshShifts {
+    fn new(spec: TallySpec, has_coarser: bool) -> Self {
+        Self {
+            given_less_finer: TallyStatistics::new(spec),
+            extrapolated: TallyStatistics::new(spec),
+            coarser_less_given: has_coarser.then(|| TallyStatistics::new(spec)),
+        }
+    }
+
+    /// Adds one batch: a tally of each mesh, the finest first.
+    fn push(&mut self, tallies: &[TallyValues]) {
+        let (finer, given) = (&tallies[0], &tallies[1]);
+        let shift = given.zip_map(finer, |g, f| g - f);
+        self.given_less_finer.push(&shift);
+        self.extrapolated
+            .push(&finer.zip_map(&shift, |f, s| f - s / 3.0));
+        if let (Some(statistics), Some(coarser)) = (&mut self.coarser_less_given, tallies.get(2)) {
+            statistics.push(&coarser.zip_map(given, |c, g| c - g));
+        }
+    }
+
+    /// Adds one surface: the means of its own batches.
+    fn push_means(&mut self, surface: &Self) {
+        self.given_less_finer.push(surface.given_less_finer.means());
+        self.extrapolated.push(surface.extrapolated.means());
+        if let (Some(statistics), Some(of_surface)) =
+            (&mut self.coarser_less_given, &surface.coarser_less_given)
+        {
+            statistics.push(of_surface.means());
+        }
+    }
 }
 
 /// What meshes of several spacings showed.
@@ -126,42 +156,42 @@ fn shifts(records: &[f64], len: usize) -> Vec<f64> {
 pub struct Refinement {
     /// Spacing of the given mesh, length units along x and y.
     pub given: [f64; 2],
-    /// Entries of a record.
-    len: usize,
-    /// Of [`shifts`]; a batch is a surface, or a ray block where there is one surface.
-    shifts: BatchStatistics,
+    /// A batch is a surface, or a ray block where there is one surface.
+    shifts: MeshShifts,
 }
 
 impl Refinement {
-    pub const fn new(given: [f64; 2], len: usize, shifts: BatchStatistics) -> Self {
-        Self { given, len, shifts }
+    /// Of a given mesh of that spacing.
+    pub const fn new(given: [f64; 2], shifts: MeshShifts) -> Self {
+        Self { given, shifts }
     }
 
     /// From what each of several surfaces showed, or from the ray blocks of one.
-    pub fn of_surfaces(given: [f64; 2], len: usize, surfaces: &[BatchStatistics]) -> Option<Self> {
+    pub fn of_surfaces(given: [f64; 2], surfaces: &[MeshShifts]) -> Option<Self> {
         let (first, others) = surfaces.split_first()?;
-        let statistics = if others.is_empty() {
+        let shifts = if others.is_empty() {
             first.clone()
         } else {
-            let mut statistics = BatchStatistics::new(first.means().len());
-            surfaces.iter().for_each(|one| statistics.push(one.means()));
-            statistics
+            let spec = *first.extrapolated.spec();
+            let mut shifts = MeshShifts::new(spec, first.coarser_less_given.is_some());
+            surfaces.iter().for_each(|one| shifts.push_means(one));
+            shifts
         };
-        Some(Self::new(given, len, statistics))
+        Some(Self::new(given, shifts))
     }
 
     /// Whether there was a mesh of twice the given spacing.
-    pub fn has_coarser(&self) -> bool {
-        self.shifts.means().len() > 2 * self.len
+    pub const fn has_coarser(&self) -> bool {
+        self.shifts.coarser_less_given.is_some()
     }
 
     /// The given mesh less the finer one.
-    pub fn shift(&self, entry: usize) -> Estimate {
-        self.shifts.estimate(entry)
+    pub fn shift(&self, entry: Entry) -> Estimate {
+        self.shifts.given_less_finer.at(entry)
     }
 
     /// What is left of the mesh error in the finer mesh, for second order: a third of that.
-    pub fn remaining(&self, entry: usize) -> Estimate {
+    pub fn remaining(&self, entry: Entry) -> Estimate {
         let Estimate { mean, se } = self.shift(entry);
         Estimate {
             mean: mean / 3.0,
@@ -170,16 +200,16 @@ impl Refinement {
     }
 
     /// The coarser mesh less the given one.
-    pub fn coarser_shift(&self, entry: usize) -> Option<Estimate> {
-        self.has_coarser()
-            .then(|| self.shifts.estimate(2 * self.len + entry))
+    pub fn coarser_shift(&self, entry: Entry) -> Option<Estimate> {
+        let shifts = self.shifts.coarser_less_given.as_ref()?;
+        Some(shifts.at(entry))
     }
 
     /// The order with which an entry converges.
     ///
     /// # Errors
     /// Why none is seen.
-    pub fn order(&self, entry: usize) -> Result<f64, String> {
+    pub fn order(&self, entry: Entry) -> Result<f64, String> {
         let Some(coarser) = self.coarser_shift(entry) else {
             return Err("the tile has an odd number of cells, so there is no coarser mesh".into());
         };
@@ -205,10 +235,10 @@ impl Refinement {
     ///
     /// # Errors
     /// Why it is not to be trusted.
-    pub fn extrapolated(&self, entry: usize) -> Result<Estimate, String> {
+    pub fn extrapolated(&self, entry: Entry) -> Result<Estimate, String> {
         let order = self.order(entry)?;
         if SECOND_ORDER.contains(&order) {
-            return Ok(self.shifts.estimate(self.len + entry));
+            return Ok(self.shifts.extrapolated.at(entry));
         }
         Err(format!(
             "the order seen is {order:.2}, and the value holds for second order, seen from {} to {}",
@@ -218,13 +248,13 @@ impl Refinement {
     }
 }
 
-/// The error of a mesh, by the layout of the results.
+/// The error of a mesh, by entry.
 #[derive(Clone, Debug)]
 pub struct MeshErrors {
     /// What the mesh adds, where that is known.
-    pub remaining: Vec<Option<f64>>,
+    pub remaining: ByEntry<Option<f64>>,
     /// What it would add but for the control.
-    pub removed: Option<Vec<f64>>,
+    pub removed: Option<TallyValues>,
     /// How both were estimated, or why not.
     pub ways: [String; 2],
     pub refinement: Option<Refinement>,
@@ -234,10 +264,10 @@ pub struct MeshErrors {
 const NOTHING_REMOVED: &str = "none: nothing that is known of the continuous surface is subtracted";
 
 impl MeshErrors {
-    /// Not known of any of `len` entries, and why.
-    pub fn unknown(len: usize, why: &str) -> Self {
+    /// Not known of any entry, and why.
+    pub fn unknown(spec: TallySpec, why: &str) -> Self {
         Self {
-            remaining: vec![None; len],
+            remaining: ByEntry::filled(spec, None),
             removed: None,
             ways: [why, NOTHING_REMOVED].map(str::to_owned),
             refinement: None,
@@ -256,9 +286,9 @@ impl MeshErrors {
     }
 
     /// Of a flat surface, which any mesh shows as it is.
-    pub fn of_flat(len: usize) -> Self {
+    pub fn of_flat(spec: TallySpec) -> Self {
         Self {
-            remaining: vec![Some(0.0); len],
+            remaining: ByEntry::filled(spec, Some(0.0)),
             removed: None,
             ways: ["0: any mesh shows a flat surface as it is", NOTHING_REMOVED].map(str::to_owned),
             refinement: None,
@@ -269,17 +299,17 @@ impl MeshErrors {
     pub fn of_case(
         synthesis: &Synthesis,
         (case, method): (&Case, &Method),
-        layout: &Layout,
+        spec: &TallySpec,
         any_azimuth: bool,
         refinement: Option<Refinement>,
     ) -> Self {
         let first_order = FirstOrder {
             case,
-            layout,
+            spec,
             any_azimuth,
         };
         let mut ways = [NOT_ASKED.to_owned(), NOTHING_REMOVED.to_owned()];
-        let mut remaining = vec![None; layout.len()];
+        let mut remaining = ByEntry::filled(*spec, None);
         let mut removed = None;
         match method.control() {
             Some(control) => match first_order.removed(synthesis, refinement.is_some(), control) {
@@ -323,30 +353,29 @@ impl MeshErrors {
 }
 
 /// A third of what halving the spacing changed, and how that was found.
-fn measured(refinement: &Refinement, way: &mut String) -> Vec<Option<f64>> {
+fn measured(refinement: &Refinement, way: &mut String) -> ByEntry<Option<f64>> {
     *way = format!(
         "{SIGN}; a third of the given mesh less that of half its spacing, which is the one reported, as for second order"
     );
-    (0..refinement.len)
-        .map(|entry| Some(refinement.remaining(entry).mean))
-        .collect()
+    let spec = *refinement.shifts.given_less_finer.spec();
+    ByEntry::from_fn(spec, |entry| Some(refinement.remaining(entry).mean))
 }
 
 /// What the slopes of facets do to light that is scattered once.
 struct FirstOrder<'a> {
     case: &'a Case,
-    layout: &'a Layout,
+    spec: &'a TallySpec,
     any_azimuth: bool,
 }
 
 impl FirstOrder<'_> {
-    /// What completing the records of a control has removed.
+    /// What completing tallies under a control variate has removed.
     fn removed(
         &self,
         synthesis: &Synthesis,
         refined: bool,
-        control: &Control,
-    ) -> Result<Vec<f64>, String> {
+        control: &ControlVariate,
+    ) -> Result<TallyValues, String> {
         let slopes = if refined {
             let finer = finer(synthesis).ok_or("the finer mesh has too many samples")?;
             self.slopes(&finer)
@@ -355,11 +384,11 @@ impl FirstOrder<'_> {
         };
         let fluxes = slopes.and_then(|slopes| self.fluxes(&slopes));
         let fluxes = fluxes.map_err(|error| error.to_string())?;
-        Ok(control.removed(&fluxes).to_vec())
+        Ok(control.removed(&fluxes))
     }
 
     /// What the mesh adds to the plain estimate, where light of the first order reaches.
-    fn shift(&self, synthesis: &Synthesis) -> Result<Vec<Option<f64>>, String> {
+    fn shift(&self, synthesis: &Synthesis) -> Result<ByEntry<Option<f64>>, String> {
         if self
             .case
             .psd
@@ -374,30 +403,35 @@ impl FirstOrder<'_> {
             .map_err(|error| error.to_string())
     }
 
-    fn shift_of_rough(&self, synthesis: &Synthesis) -> Result<Vec<Option<f64>>, ModelError> {
+    fn shift_of_rough(&self, synthesis: &Synthesis) -> Result<ByEntry<Option<f64>>, ModelError> {
         let Case {
             psd,
             material,
             incidence,
             ..
         } = *self.case;
-        let control = control_variate(&slopes(&psd)?, material, incidence, self.layout)?;
+        let control = control_variate(&slopes(&psd)?, material, incidence, self.spec)?;
         let fluxes = self.fluxes(&self.slopes(synthesis)?)?;
-        let of_mesh = Control::new(*self.layout, control.shares().clone(), &fluxes);
-        let expected = of_mesh.expected().iter().zip(control.expected());
-        let mut shift: Vec<Option<f64>> = expected
-            .map(|(mesh, surface)| (mesh != surface).then_some(mesh - surface))
-            .collect();
+        let of_mesh = ControlVariate::new(*self.spec, control.shares().clone(), &fluxes);
+        let mut shift = of_mesh
+            .expected()
+            .zip_map(control.expected(), |mesh, surface| {
+                (mesh != surface).then_some(mesh - surface)
+            });
         // What single scattering gains, light scattered more often loses, and the energies hold both.
         let closed = control.removed(&fluxes);
-        for total in [Layout::REFLECTED, Layout::TRANSMITTED, Layout::ABSORBED] {
+        for total in [
+            TallySpec::BUDGET.reflected,
+            TallySpec::BUDGET.transmitted,
+            TallySpec::BUDGET.absorbed,
+        ] {
             shift[total] = Some(closed[total]);
         }
         Ok(shift)
     }
 
     fn fluxes(&self, slopes: &SlopeCovariance) -> Result<UnshadowedFluxes, ModelError> {
-        unshadowed_fluxes(slopes, self.case.material, self.case.incidence, self.layout)
+        unshadowed_fluxes(slopes, self.case.material, self.case.incidence, self.spec)
     }
 
     /// Slopes of the facets; their mean over azimuth where the light may come from any.

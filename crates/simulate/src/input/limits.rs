@@ -4,7 +4,7 @@ use asperity_analysis::ModelError;
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_surface::RefinementError;
-use asperity_tally::Layout;
+use asperity_tally::TallySpec;
 use asperity_tracer::{
     AcceleratorKind, BuildError, Geometry, MAX_TILES, TracedLayerError, can_traverse, tiles_crossed,
 };
@@ -140,18 +140,18 @@ pub const fn hierarchy_bytes(triangles: usize) -> usize {
 /// Refuses more results than memory should hold: a record for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
 pub fn check_results(
-    layout: &Layout,
+    spec: &TallySpec,
     realisations: u64,
     cases: usize,
     refine: bool,
 ) -> Result<(), RunError> {
     // A record, and the squares of its errors; of several meshes, three shifts with theirs.
     let values = if refine { 8.0 } else { 2.0 };
-    let records = (layout.len() * cases) as f64 * values * (realisations as f64 + 4.0);
+    let records = (spec.len() * cases) as f64 * values * (realisations as f64 + 4.0);
     let signs = realisations as f64 * 4096.0;
     let gib = 8.0 * (records + signs) / GIB;
     if gib * GIB > RESULT_BUDGET {
-        let bins = layout.grid().len();
+        let bins = spec.grid().len();
         return Err(RunError::TooManyResults {
             bins,
             realisations,
@@ -163,8 +163,8 @@ pub fn check_results(
 }
 
 /// Most surfaces whose results fit beside those of all `cases`.
-pub(crate) fn most_realisations(layout: &Layout, cases: usize) -> u64 {
-    let records = (layout.len() * cases) as f64;
+pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
+    let records = (spec.len() * cases) as f64;
     let left = RESULT_BUDGET / 8.0 - 8.0 * records;
     (left / (2.0 * records + 4096.0)).max(1.0) as u64
 }

@@ -4,7 +4,9 @@ use std::fmt;
 use std::str::FromStr;
 
 use asperity_optics::{Layer, Material};
-use asperity_tally::{BatchStatistics, Layout, OrderClass, Share, Side};
+use asperity_tally::{
+    Component, Entry, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
+};
 use serde::{Deserialize, Serialize};
 
 /// Why a target is refused.
@@ -65,22 +67,22 @@ impl Quantity {
         (Self::InPlane, "in-plane"),
     ];
 
-    /// Where in a record the fluxes stand.
+    /// The entries of its fluxes.
     #[must_use]
-    pub fn entries(self, layout: &Layout) -> Vec<usize> {
-        let all = OrderClass::All;
+    pub fn entries(self, spec: &TallySpec) -> Vec<Entry> {
+        let all = Component::All;
         match self {
-            Self::Reflected => vec![Layout::REFLECTED],
-            Self::Transmitted => vec![Layout::TRANSMITTED],
-            Self::Absorbed => vec![Layout::ABSORBED],
-            Self::Bins => {
-                let bins = layout.bins(Share::Total);
-                layout.asked_bins().map(|i| bins.start + i).collect()
-            }
-            Self::Rings => layout.sides().flat_map(|s| layout.rings(s, all)).collect(),
-            Self::InPlane => layout
+            Self::Reflected => vec![TallySpec::BUDGET.reflected],
+            Self::Transmitted => vec![TallySpec::BUDGET.transmitted],
+            Self::Absorbed => vec![TallySpec::BUDGET.absorbed],
+            Self::Bins => spec.recorded_entries(all).iter().collect(),
+            Self::Rings => spec
                 .sides()
-                .flat_map(|s| layout.in_plane(s, all))
+                .flat_map(|s| spec.ring_entries(s, all))
+                .collect(),
+            Self::InPlane => spec
+                .sides()
+                .flat_map(|s| spec.in_plane_entries(s, all))
                 .collect(),
         }
     }
@@ -97,10 +99,10 @@ impl Quantity {
 
     /// The error that `statistics` have; `None` where they have none.
     #[must_use]
-    pub fn error(self, layout: &Layout, statistics: &BatchStatistics) -> Option<f64> {
+    pub fn error(self, statistics: &TallyStatistics) -> Option<f64> {
         let [mut squares, mut errors] = [0.0; 2];
-        for i in self.entries(layout) {
-            let estimate = statistics.estimate(i);
+        for entry in self.entries(statistics.spec()) {
+            let estimate = statistics.at(entry);
             squares += estimate.mean.powi(2);
             errors += estimate.se?.powi(2);
         }
@@ -109,11 +111,12 @@ impl Quantity {
 
     /// The error of fluxes which together differ from the true ones by the flux `bound` at most.
     #[must_use]
-    pub fn error_within(self, layout: &Layout, fluxes: &[f64], bound: f64) -> f64 {
+    pub fn error_within(self, fluxes: &TallyValues, bound: f64) -> f64 {
         if self.is_total() {
             return bound;
         }
-        let squares = self.entries(layout).into_iter().map(|i| fluxes[i].powi(2));
+        let entries = self.entries(fluxes.spec()).into_iter();
+        let squares = entries.map(|entry| fluxes[entry].powi(2));
         // What is lost here is gained there.
         ratio(std::f64::consts::SQRT_2 * bound, self.norm(squares.sum()))
     }
@@ -121,7 +124,7 @@ impl Quantity {
     /// Refuses what a material has not, or nobody asks for.
     fn check(
         self,
-        layout: &Layout,
+        spec: &TallySpec,
         material: Material,
         layer: Option<&Layer>,
     ) -> Result<(), TargetError> {
@@ -135,10 +138,10 @@ impl Quantity {
             (Self::Absorbed, Material::Dielectric { .. } | Material::Mirror) if layer.is_none() => {
                 Err(TargetError::NothingAbsorbed)
             }
-            (Self::Reflected, _) if !layout.asks(Side::Reflected) => {
+            (Self::Reflected, _) if !spec.records(Side::Reflected) => {
                 Err(TargetError::NotRecorded(self))
             }
-            (Self::Transmitted, _) if !layout.asks(Side::Transmitted) => {
+            (Self::Transmitted, _) if !spec.records(Side::Transmitted) => {
                 Err(TargetError::NotRecorded(self))
             }
             _ => Ok(()),
@@ -210,17 +213,17 @@ impl Target {
         self.of
     }
 
-    /// Refuses a target that no result of `material` over `layer`, recorded by `layout`, has.
+    /// Refuses a target that no result of `material` over `layer`, recorded by `spec`, has.
     ///
     /// # Errors
     /// [`TargetError`].
     pub fn check(
         &self,
-        layout: &Layout,
+        spec: &TallySpec,
         material: Material,
         layer: Option<&Layer>,
     ) -> Result<(), TargetError> {
-        self.of.check(layout, material, layer)
+        self.of.check(spec, material, layer)
     }
 }
 
@@ -230,19 +233,19 @@ mod tests {
 
     #[test]
     fn errors_of_bins_are_relative_and_those_of_totals_absolute() {
-        let layout = Layout::new("2x1".parse().unwrap(), 0.1).unwrap();
+        let spec = TallySpec::new("2x1".parse().unwrap(), 0.1).unwrap();
         let record = |x: f64| {
-            let mut record = vec![0.0; layout.len()];
-            record[Layout::REFLECTED] = x;
-            record[layout.bins(Share::Total).start] = x;
+            let mut record = TallyValues::zeros(spec);
+            record[TallySpec::BUDGET.reflected] = x;
+            record[spec.grid_entries(Component::All).get(0)] = x;
             record
         };
-        let mut statistics = BatchStatistics::new(layout.len());
+        let mut statistics = TallyStatistics::new(spec);
         statistics.push(&record(0.1));
-        assert_eq!(Quantity::Bins.error(&layout, &statistics), None);
+        assert_eq!(Quantity::Bins.error(&statistics), None);
         statistics.push(&record(0.3));
         // Mean 0.2, standard error 0.1.
-        let error = |aim: Quantity| aim.error(&layout, &statistics).unwrap();
+        let error = |aim: Quantity| aim.error(&statistics).unwrap();
         assert!((error(Quantity::Reflected) - 0.1).abs() < 1e-12);
         assert!((error(Quantity::Bins) - 0.5).abs() < 1e-12);
         assert_eq!(error(Quantity::Rings), 0.0);

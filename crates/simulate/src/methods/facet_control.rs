@@ -7,7 +7,7 @@
 use asperity_analysis::{ModelError, SlopeCovariance, visible_fractions};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{Control, Layout, Sides, TallyValues};
+use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
 use asperity_tracer::{Geometry, HalfSpace, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
@@ -49,9 +49,9 @@ impl Method {
             return Ok(Self::PLAIN);
         };
         // The side that is not asked for has its control too.
-        let layout = settings.layout;
-        let both = layout.with_sides(Sides::Both);
-        let shares = match visible_fractions(&slopes, material, incidence, &layout) {
+        let spec = settings.spec;
+        let both = spec.with_sides(Sides::Both);
+        let shares = match visible_fractions(&slopes, material, incidence, &spec) {
             Ok(shares) => shares,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
                 return Ok(Self::PLAIN);
@@ -59,7 +59,7 @@ impl Method {
             Err(error) => return Err(error.into()),
         };
         let record = sum_over_all_facets(surface, material, incidence, incident, both);
-        let control = Control::new(layout, shares, &unshadowed_fluxes(&record));
+        let control = ControlVariate::new(spec, shares, &unshadowed_fluxes(&record));
         let mean = ControlMean::FacetsOfSurface;
         Ok(Self::with_control(
             estimator, control, mean, &slopes, incidence,
@@ -73,21 +73,21 @@ fn sum_over_all_facets(
     material: Material,
     incidence: Incidence,
     incident: HalfSpace,
-    layout: Layout,
+    spec: TallySpec,
 ) -> TallyValues {
     let facets = surface.facet_count();
     // Records of all parts are held until they are added in their order.
-    let parts = (RECORD_BUDGET / (layout.len() * size_of::<f64>())).clamp(1, PARTS);
+    let parts = (RECORD_BUDGET / (spec.len() * size_of::<f64>())).clamp(1, PARTS);
     let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
     let records: Vec<TallyValues> = (0..parts)
         .into_par_iter()
         .with_max_len(1)
         .map(|part| {
             let range = bound(part)..bound(part + 1);
-            sum_over_facets(surface, material, incidence, incident, layout, range)
+            sum_over_facets(surface, material, incidence, incident, spec, range)
         })
         .collect();
-    let mut sum = TallyValues::zeros(layout);
+    let mut sum = TallyValues::zeros(spec);
     records.iter().for_each(|record| sum += record);
     sum
 }
@@ -130,7 +130,7 @@ mod tests {
         let black = Material::conductor(1.0, 0.0).unwrap();
         let incidence = Incidence::from_degrees(65.0, 25.0).unwrap();
         let wi = incidence.wi() / incidence.wi().z;
-        let layout = Layout::default();
+        let spec = TallySpec::default();
         let psd = Psd::gaussian(4.0, 4.0).unwrap();
         let synthesis = Synthesis::new(psd, [34, 36], [1.0, 1.0], false).unwrap();
         for border in [Border::Periodic, Border::Mirrored] {
@@ -156,10 +156,13 @@ mod tests {
                 !facets.is_multiple_of(PARTS) && lost > facets / 10,
                 "{facets} {lost}"
             );
-            let record = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, layout);
-            println!("{border:?}: {} against {sum}", record[Layout::ABSORBED]);
+            let record = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, spec);
+            println!(
+                "{border:?}: {} against {sum}",
+                record[TallySpec::BUDGET.absorbed]
+            );
             // Some 1e4 weights, each with a few roundings.
-            assert!((record[Layout::ABSORBED] / sum - 1.0).abs() < 1e-12);
+            assert!((record[TallySpec::BUDGET.absorbed] / sum - 1.0).abs() < 1e-12);
         }
     }
 }

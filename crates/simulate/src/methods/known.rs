@@ -3,7 +3,7 @@
 
 use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
-use asperity_tally::{BatchStatistics, Layout, Share};
+use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
 
 use crate::engine::blocks::RaySettings;
 use crate::input::case::Case;
@@ -13,7 +13,7 @@ use crate::methods::method::{ControlMean, Method};
 /// The results of a case without a ray.
 pub(crate) struct Known {
     pub method: Method,
-    pub statistics: BatchStatistics,
+    pub statistics: TallyStatistics,
     /// What no sum of fluxes differs by.
     pub bound: f64,
     /// The error of the quantity asked for, at most.
@@ -39,42 +39,38 @@ impl Known {
         if bound > target.error() {
             return Ok(None);
         }
-        let layout = &settings.layout;
-        let control =
-            match unshadowed_control_variate(slopes, case.material, case.incidence, layout) {
-                Ok(control) => control,
-                Err(ModelError::MatchedIndices(_)) => return Ok(None),
-                Err(error) => return Err(error),
-            };
-        let budget: f64 = control.expected()[Layout::REFLECTED..=Layout::LOST]
-            .iter()
-            .sum();
-        let mut fluxes = vec![0.0; layout.len()];
-        control.complete_slice(&mut fluxes);
+        let spec = &settings.spec;
+        let control = match unshadowed_control_variate(slopes, case.material, case.incidence, spec)
+        {
+            Ok(control) => control,
+            Err(ModelError::MatchedIndices(_)) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        let budget: f64 = control.expected().budget().total();
+        let mut fluxes = TallyValues::zeros(*spec);
+        control.complete(&mut fluxes);
         // The budget was closed, by so much at most in any sum.
         let bound = bound + (1.0 - budget).abs();
-        let error = target.of().error_within(layout, &fluxes, bound);
+        let error = target.of().error_within(&fluxes, bound);
         if error > target.error() {
             return Ok(None);
         }
-        let mut errors = vec![bound; layout.len()];
-        errors[Layout::LOST] = 0.0;
-        errors[Layout::LEFT_PATCH] = 0.0;
+        let mut errors = TallyValues::filled(*spec, bound);
+        errors[TallySpec::BUDGET.lost] = 0.0;
+        errors[TallySpec::BUDGET.left_patch] = 0.0;
         if case.material.transmitting_index().is_none() {
-            errors[Layout::TRANSMITTED] = 0.0;
+            errors[TallySpec::BUDGET.transmitted] = 0.0;
         }
         if !matches!(case.material, Material::Conductor { .. }) {
-            errors[Layout::ABSORBED] = 0.0;
+            errors[TallySpec::BUDGET.absorbed] = 0.0;
         }
-        for share in [Share::Single, Share::Multiple] {
-            errors[layout.hits(share)].fill(0.0);
-        }
+        errors.clear_hits();
         Ok(Some(Self {
             method: Method {
                 control: Some((control, ControlMean::GaussianSlopes)),
                 ..Method::PLAIN
             },
-            statistics: BatchStatistics::known(fluxes, errors),
+            statistics: TallyStatistics::analytic(fluxes, errors),
             bound,
             error,
         }))

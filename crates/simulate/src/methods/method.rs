@@ -2,7 +2,7 @@
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{BatchStatistics, Control, Layout};
+use asperity_tally::{ControlVariate, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{Illumination, Starts};
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ use crate::input::estimator::Estimator;
 #[derive(Clone, Debug)]
 pub struct Method {
     pub starts: Starts,
-    pub control: Option<(Control, ControlMean)>,
+    pub control: Option<(ControlVariate, ControlMean)>,
 }
 
 /// Where the mean of a control comes from.
@@ -47,12 +47,12 @@ impl Method {
         slopes: &SlopeCovariance,
         material: Material,
         incidence: Incidence,
-        layout: &Layout,
+        spec: &TallySpec,
     ) -> Result<Self, ModelError> {
         if estimator == Estimator::Plain {
             return Ok(Self::PLAIN);
         }
-        match control_variate(slopes, material, incidence, layout) {
+        match control_variate(slopes, material, incidence, spec) {
             Ok(control) => {
                 let mean = ControlMean::GaussianSlopes;
                 Ok(Self::with_control(
@@ -68,14 +68,12 @@ impl Method {
     /// The method that makes best use of a control, or of none if the choice is free and none pays.
     pub fn with_control(
         estimator: Estimator,
-        control: Control,
+        control: ControlVariate,
         mean: ControlMean,
         slopes: &SlopeCovariance,
         incidence: Incidence,
     ) -> Self {
-        let seen: f64 = control.expected()[Layout::REFLECTED..=Layout::LOST]
-            .iter()
-            .sum();
+        let seen: f64 = control.expected().budget().total();
         let worth = Worth::new(seen, Beckmann::new(*slopes).lambda(incidence.wi()));
         if seen == 0.0 || estimator == Estimator::Auto && worth.time >= 1.0 {
             return Self::PLAIN;
@@ -114,7 +112,7 @@ impl Method {
     }
 
     /// The control, if there is one.
-    pub fn control(&self) -> Option<&Control> {
+    pub fn control(&self) -> Option<&ControlVariate> {
         self.control.as_ref().map(|(control, _)| control)
     }
 
@@ -135,12 +133,11 @@ impl Method {
 /// Statistics of `rays` rays by a method, with errors that its control leaves room for.
 pub fn with_least_errors(
     method: &Method,
-    _layout: &Layout,
-    statistics: BatchStatistics,
+    statistics: TallyStatistics,
     rays: u64,
-) -> BatchStatistics {
+) -> TallyStatistics {
     match method.control() {
-        Some(control) => statistics.with_least_errors(control.least_errors(rays).to_vec()),
+        Some(control) => statistics.with_least_errors(control.least_errors(rays)),
         None => statistics,
     }
 }

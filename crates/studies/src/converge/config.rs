@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::fmt::Display;
 
 use asperity_surface::Synthesis;
-use asperity_tally::{HemisphereGrid, Layout, Sides};
+use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
@@ -108,7 +108,7 @@ pub(super) struct Plan {
     pub(super) repeats: u64,
     pub(super) reference: (Method, Effort),
     pub(super) errors: Vec<f64>,
-    pub(super) layout: Layout,
+    pub(super) spec: TallySpec,
     pub(super) incident: HalfSpace,
     pub(super) any_azimuth: bool,
     pub(super) seed: u64,
@@ -131,7 +131,7 @@ impl ConvergeConfig {
         let plan = self.plan()?;
         let efforts = plan.efforts.iter().chain([&plan.reference.1]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
-        check_results(&plan.layout, surfaces, 1, false).map_err(VerifyError::from)?;
+        check_results(&plan.spec, surfaces, 1, false).map_err(VerifyError::from)?;
         for method in plan.methods.iter().chain([&plan.reference.0]) {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
@@ -285,7 +285,7 @@ impl ConvergeConfig {
                 reference,
             ),
             errors,
-            layout: verification.run.ray_settings()?.layout,
+            spec: verification.run.ray_settings()?.spec,
             incident: HalfSpace::from(self.light.from),
             any_azimuth: verification.any_azimuth(),
             seed: config.seed,

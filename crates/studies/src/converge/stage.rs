@@ -8,7 +8,7 @@ use asperity_analysis::{
 };
 use asperity_optics::Material;
 use asperity_surface::Synthesis;
-use asperity_tally::{BatchStatistics, Layout, Share, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{PathSettings, Work};
 
 use super::config::Plan;
@@ -42,7 +42,7 @@ pub(super) struct Stage<'a> {
 
 /// What one run found and took.
 pub(super) struct Run {
-    pub(super) statistics: BatchStatistics,
+    pub(super) statistics: TallyStatistics,
     pub(super) rays_a_surface: u64,
     pub(super) work: Work,
     pub(super) spent: Seconds,
@@ -72,11 +72,7 @@ impl<'a> Stage<'a> {
                 let clock = Instant::now();
                 let (material, incidence) = (case.material, case.incidence);
                 let method = estimate::Method::of_ensemble(
-                    estimator,
-                    &slopes,
-                    material,
-                    incidence,
-                    &plan.layout,
+                    estimator, &slopes, material, incidence, &plan.spec,
                 )?;
                 estimators.push((estimator, method, clock.elapsed().as_secs_f64()));
             }
@@ -136,7 +132,7 @@ impl<'a> Stage<'a> {
             settings: &RaySettings {
                 rays: effort.rays * effort.surfaces,
                 seed,
-                layout: self.plan.layout,
+                spec: self.plan.spec,
                 paths: PathSettings::default(),
                 accelerator: method.accelerator,
                 estimator: method.estimator,
@@ -170,9 +166,9 @@ impl<'a> Stage<'a> {
         if progress.stop().is_some() {
             return Err(ConvergeError::Interrupted);
         }
-        let mut statistics = BatchStatistics::new(self.plan.layout.len());
+        let mut statistics = TallyStatistics::new(self.plan.spec);
         let mut run = Run {
-            statistics: BatchStatistics::default(),
+            statistics: statistics.clone(),
             rays_a_surface: 0,
             work: Work::default(),
             spent: Seconds::default(),
@@ -180,9 +176,9 @@ impl<'a> Stage<'a> {
         };
         for ensemble in ensembles {
             ensemble
-                .records
+                .tallies
                 .iter()
-                .for_each(|record| statistics.push(record));
+                .for_each(|tally| statistics.push(tally));
             run.rays_a_surface = ensemble.work.rays / effort.surfaces;
             run.work = ensemble.work;
             run.spent = ensemble.seconds;
@@ -204,9 +200,10 @@ impl<'a> Stage<'a> {
         )?;
         let target = Target::new(self.fluxes(&run)).ok_or(ConvergeError::NoLight)?;
         let exact = self.exact_fluxes()?.and_then(Target::new);
-        let standard_errors: Vec<f64> = self
-            .bins()
-            .map(|bin| run.statistics.estimate(bin).se.unwrap_or(0.0))
+        let bins = self.plan.spec.recorded_entries(Component::All);
+        let standard_errors: Vec<f64> = bins
+            .iter()
+            .map(|bin| run.statistics.at(bin).se.unwrap_or(0.0))
             .collect();
         let reference = Reference {
             method,
@@ -274,22 +271,16 @@ impl<'a> Stage<'a> {
         [nx, ny]
     }
 
-    /// Entries of the bins that are compared.
-    fn bins(&self) -> impl Iterator<Item = usize> + use<> {
-        let start = self.plan.layout.bins(Share::Total).start;
-        self.plan.layout.asked_bins().map(move |bin| start + bin)
-    }
-
     /// Mean fluxes of the bins that are compared.
     fn fluxes(&self, run: &Run) -> Vec<f64> {
-        let means = run.statistics.means();
-        self.bins().map(|bin| means[bin]).collect()
+        let bins = self.plan.spec.recorded_entries(Component::All);
+        run.statistics.means()[bins].to_vec()
     }
 
     fn sample(&self, run: &Run, target: &Target, exact: Option<&Target>) -> RunSample {
         let fluxes = self.fluxes(run);
         let means = run.statistics.means();
-        let left = means[Layout::REFLECTED] + means[Layout::TRANSMITTED];
+        let left = means[TallySpec::BUDGET.reflected] + means[TallySpec::BUDGET.transmitted];
         RunSample {
             seconds: run.seconds,
             rays_a_surface: run.rays_a_surface,
@@ -301,7 +292,7 @@ impl<'a> Stage<'a> {
 
     /// Whether all light must be found on the sides that are asked for.
     fn returns_all_light(&self) -> bool {
-        let asks = |side| self.plan.layout.asks(side);
+        let asks = |side| self.plan.spec.records(side);
         match self.case.material {
             Material::Mirror => asks(Side::Reflected),
             Material::Dielectric { .. } => asks(Side::Reflected) && asks(Side::Transmitted),
@@ -332,9 +323,9 @@ impl<'a> Stage<'a> {
         if (energy.reflected + energy.transmitted - 1.0).abs() > NOTHING_MISSING {
             return Ok(None);
         }
-        let grid = self.plan.layout.grid();
+        let grid = self.plan.spec.grid();
         let expected = bin_fluxes(&model, wi, &grid);
-        Ok(Some(expected[self.plan.layout.asked_bins()].to_vec()))
+        Ok(Some(expected[self.plan.spec.recorded_bins()].to_vec()))
     }
 }
 

@@ -274,8 +274,8 @@ impl GonioConfig {
     pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
         let (settings, plans) = self.plans(sample)?;
         let rays = self.ray_settings()?;
-        check_results(&rays.layout, self.run.realisations.0, 1, rays.refine)?;
-        let values = rays.layout.len() as f64 * 2.0 * plans.len() as f64;
+        check_results(&rays.spec, self.run.realisations.0, 1, rays.refine)?;
+        let values = rays.spec.len() as f64 * 2.0 * plans.len() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         for plan in &plans {
             if let Work::Fresh(config) = &plan.work {

@@ -8,11 +8,11 @@ use asperity_plot::{
     ColourScale, Figure, Hemisphere, Hemispheres, PlotError, ProfileGrid, ProfilePart, Sample,
     Side as PlotSide,
 };
-use asperity_tally::{Layout, Side};
+use asperity_tally::{Side, TallySpec};
 use rayon::prelude::*;
 
 use super::config::PlotScale;
-use super::results::part_names;
+use super::results::component_names;
 use super::setting::Distinction;
 use super::summary::labelled;
 use super::tables::projected_in_plane;
@@ -42,7 +42,7 @@ pub(super) fn draw(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportEr
     }
     create_output_folder(&plots)?;
     let shown: Vec<Side> = outcome
-        .layout
+        .spec
         .sides()
         .filter(|side| outcome.directions.iter().any(|d| leaves(outcome, d, *side)))
         .collect();
@@ -83,7 +83,7 @@ fn remove_plots(folder: &Path) -> Result<(), ReportError> {
 
 /// Whether any light of a direction left on `side`.
 fn leaves(outcome: &GonioOutcome, direction: &Direction, side: Side) -> bool {
-    let flux = |results: &super::DirectionResults| results.parts[0].side(&outcome.layout, side);
+    let flux = |results: &super::DirectionResults| results.parts[0].side(&outcome.spec, side);
     let flux = direction.results.as_ref().and_then(flux);
     flux.is_some_and(|flux| flux.mean != 0.0)
 }
@@ -179,7 +179,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             .iter()
             .map(|angle| format!("{}°", short(*angle)))
             .collect(),
-        bins: bins(&outcome.layout),
+        bins: bins(&outcome.spec),
         scale: match outcome.config.output.scale {
             PlotScale::Common => ColourScale::Common,
             PlotScale::Rows => ColourScale::Rows,
@@ -190,7 +190,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
 }
 
 fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
-    let names = part_names(&outcome.layout);
+    let names = component_names(&outcome.spec);
     let (column_title, columns) = columns(outcome);
     let cells = (0..names.len()).flat_map(|part| {
         (0..columns.len()).map(move |setting| {
@@ -203,13 +203,13 @@ fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
             word(side),
             short(outcome.thetas[theta])
         ),
-        subtitle: subtitle(outcome, meaning(&outcome.layout)),
+        subtitle: subtitle(outcome, meaning(&outcome.spec)),
         quantity: quantity(side).to_owned(),
         side: plot_side(side),
         row_title: String::new(),
         column_title,
-        rows: names.iter().map(|name| (*name).to_owned()).collect(),
-        bins: bins(&outcome.layout),
+        rows: names.iter().map(|name| name.to_string()).collect(),
+        bins: bins(&outcome.spec),
         scale: ColourScale::Rows,
         cells: cells.collect(),
         columns,
@@ -217,17 +217,17 @@ fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
 }
 
 fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
-    let layout = &outcome.layout;
-    let names = part_names(layout);
+    let spec = &outcome.spec;
+    let names = component_names(spec);
     let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
     let settings = 0..outcome.settings.len();
     let samples = |part: usize, setting: usize| -> Vec<Sample> {
         let results = outcome.direction(setting, theta, 0).results.as_ref();
-        let bins = 0..layout.in_plane_len();
+        let bins = 0..spec.in_plane_filter(side).len();
         let sample = |i: usize| {
-            let flux = results?.parts[part].in_plane(layout, side, i)?;
-            let bsdf = over(flux, projected_in_plane(layout, i));
-            let [from, to] = layout.in_plane_edges_deg(i);
+            let flux = results?.parts[part].in_plane(spec, side, i)?;
+            let bsdf = over(flux, projected_in_plane(spec, i));
+            let [from, to] = spec.in_plane_filter(side).theta_deg(i);
             Some(Sample {
                 theta_deg: 0.5 * (from + to),
                 value: bsdf.mean,
@@ -248,7 +248,7 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
             word(side),
             short(outcome.thetas[theta])
         ),
-        subtitle: subtitle(outcome, meaning(layout)),
+        subtitle: subtitle(outcome, meaning(spec)),
         quantity: quantity(side).to_owned(),
         panels: labels.iter().map(|label| labelled(&title, label)).collect(),
         light_deg,
@@ -257,7 +257,7 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
             .iter()
             .enumerate()
             .map(|(part, name)| ProfilePart {
-                name: (*name).to_owned(),
+                name: name.to_string(),
                 samples: settings
                     .clone()
                     .map(|setting| samples(part, setting))
@@ -275,16 +275,16 @@ fn word(side: Side) -> &'static str {
 }
 
 /// What the names of parts mean.
-fn meaning(layout: &Layout) -> &'static str {
-    if layout.has_histories() {
+fn meaning(spec: &TallySpec) -> &'static str {
+    if spec.has_medium() {
         "by how often it was scattered inside the medium"
     } else {
         "by whether it met the surface once or more often"
     }
 }
 
-fn bins(layout: &Layout) -> [usize; 2] {
-    [layout.grid().n_theta(), layout.grid().n_phi()]
+fn bins(spec: &TallySpec) -> [usize; 2] {
+    [spec.grid().n_theta(), spec.grid().n_phi()]
 }
 
 /// The BSDF of one part of one direction, ring by ring from the normal of `side`.
@@ -294,18 +294,18 @@ fn hemisphere(
     side: Side,
     part: usize,
 ) -> Option<Hemisphere> {
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     let part = &direction.results.as_ref()?.parts[part];
-    let [rings, sectors] = bins(layout);
+    let [rings, sectors] = bins(spec);
     let values = (0..rings).flat_map(|ring| {
         let ring = row_of(side, ring, rings);
         (0..sectors).map(move |sector| ring * sectors + sector)
     });
     let bsdf = |bin| {
-        let flux = part.bin(layout, bin)?;
-        Some(flux.mean / projected_solid_angle(&layout.grid(), bin))
+        let flux = part.bin(spec, bin)?;
+        Some(flux.mean / projected_solid_angle(&spec.grid(), bin))
     };
-    let share = part.side(layout, side)?.mean;
+    let share = part.side(spec, side)?.mean;
     let letter = match side {
         Side::Reflected => "R",
         Side::Transmitted => "T",

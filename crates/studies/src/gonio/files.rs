@@ -6,7 +6,7 @@ use std::path::Path;
 use asperity_io::{
     WriteError, create_output_folder, names_in, remove_files, write_array, write_bytes, write_json,
 };
-use asperity_tally::{Layout, Side};
+use asperity_tally::{Side, TallySpec};
 
 use super::plan::Plan;
 use super::summary::{gonio_summary, gonio_table};
@@ -25,18 +25,18 @@ use crate::report::{FILES, ReportError};
 pub fn gonio_report(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportError> {
     create_output_folder(folder)?;
     remove_files(folder, FILES)?;
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     for Measured {
         direction, results, ..
     } in measured(outcome)
     {
-        write_direction(folder, &direction.name, layout, results)?;
+        write_direction(folder, &direction.name, spec, results)?;
     }
-    tables::directions(layout).write_csv(&folder.join("gonio.csv"), measured(outcome))?;
+    tables::directions(spec).write_csv(&folder.join("gonio.csv"), measured(outcome))?;
     let bins = tables::in_plane_bins(outcome);
-    tables::in_plane(layout).write_csv(&folder.join("in_plane.csv"), bins)?;
+    tables::in_plane(spec).write_csv(&folder.join("in_plane.csv"), bins)?;
     let bins = tables::direction_bins(outcome);
-    tables::bsdf(layout).write_csv(&folder.join("bsdf.csv"), bins)?;
+    tables::bsdf(spec).write_csv(&folder.join("bsdf.csv"), bins)?;
     write_arrays(folder, outcome)?;
     figures::draw(folder, outcome)?;
     write_bytes(folder.join("report.txt"), gonio_table(outcome).as_bytes())?;
@@ -64,17 +64,17 @@ pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), Goni
 pub(super) fn write_direction(
     folder: &Path,
     name: &str,
-    layout: &Layout,
+    spec: &TallySpec,
     results: &DirectionResults,
 ) -> Result<(), WriteError> {
     let path = folder.join(FOLDER).join(format!("{name}.csv"));
-    tables::direction(layout, results).write_csv(&path, layout.asked_bins())
+    tables::direction(spec, results).write_csv(&path, spec.recorded_bins())
 }
 
 /// bsdf.npy and bsdf_se.npy: `[setting][theta_i][phi_i][side][theta_o][phi_o]`, not a number where there is nothing.
 fn write_arrays(folder: &Path, outcome: &GonioOutcome) -> Result<(), WriteError> {
-    let layout = &outcome.layout;
-    let grid = layout.grid();
+    let spec = &outcome.spec;
+    let grid = spec.grid();
     let shape = [
         outcome.settings.len(),
         outcome.thetas.len(),
@@ -87,7 +87,7 @@ fn write_arrays(folder: &Path, outcome: &GonioOutcome) -> Result<(), WriteError>
     for direction in &outcome.directions {
         for bin in 0..grid.len() {
             let results = direction.results.as_ref();
-            let flux = results.and_then(|results| results.parts[0].bin(layout, bin));
+            let flux = results.and_then(|results| results.parts[0].bin(spec, bin));
             let bsdf = flux.map(|flux| over(flux, projected_solid_angle(&grid, bin)));
             means.push(bsdf.map_or(f64::NAN, |bsdf| bsdf.mean));
             errors.push(bsdf.and_then(|bsdf| bsdf.se).unwrap_or(f64::NAN));

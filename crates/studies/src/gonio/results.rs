@@ -1,6 +1,8 @@
 //! What was found for one direction.
 
-use asperity_tally::{BatchStatistics, Estimate, History, Layout, OrderClass, Share, Side};
+use std::borrow::Cow;
+
+use asperity_tally::{Component, Estimate, Score, Side, TallyResult, TallySpec, TallyStatistics};
 use serde::{Deserialize, Serialize};
 
 /// Means with their standard errors.
@@ -13,11 +15,6 @@ pub struct Means {
 }
 
 impl Means {
-    fn of(statistics: &BatchStatistics, entries: impl IntoIterator<Item = usize>) -> Self {
-        let entries = entries.into_iter();
-        Self::collect(entries.map(|entry| statistics.estimate(entry)).collect())
-    }
-
     fn collect(estimates: Vec<Estimate>) -> Self {
         Self {
             mean: estimates.iter().map(|e| e.mean).collect(),
@@ -73,106 +70,60 @@ pub struct DirectionResults {
     pub warnings: Vec<String>,
 }
 
-/// What the light of a part has in common.
-#[derive(Clone, Copy)]
-enum Whose {
-    All,
-    /// It met the surface once.
-    Single,
-    /// It met the surface more often.
-    Multiple,
-    /// It was scattered inside so often.
-    History(History),
+/// The components that results keep: all light, and those that it is split into.
+fn kept_components(spec: &TallySpec) -> impl Iterator<Item = Component> {
+    [Component::All]
+        .into_iter()
+        .chain(spec.split().iter().copied())
 }
 
-/// The parts of the light: by how often it was scattered inside a medium where there is one, and otherwise
-/// by whether it met the surface once or more often.
-fn parts_of(layout: &Layout) -> Vec<(&'static str, Whose)> {
-    let mut parts = vec![("all", Whose::All)];
-    if layout.has_histories() {
-        parts.extend(History::ALL.map(|h| (h.name(), Whose::History(h))));
-    } else {
-        parts.extend([("single", Whose::Single), ("multiple", Whose::Multiple)]);
-    }
-    parts
+/// Names of the components that results of a spec have.
+pub(super) fn component_names(spec: &TallySpec) -> Vec<Cow<'static, str>> {
+    kept_components(spec).map(Component::name).collect()
 }
 
-/// Names of the parts that results of a layout have.
-pub(super) fn part_names(layout: &Layout) -> Vec<&'static str> {
-    parts_of(layout).into_iter().map(|(name, _)| name).collect()
-}
-
-impl Whose {
-    fn side(self, layout: &Layout, side: Side) -> usize {
-        match self {
-            Self::All => [Layout::REFLECTED, Layout::TRANSMITTED][side.index()],
-            Self::Single => layout.order(side, 1),
-            Self::Multiple => layout.multiple(side),
-            Self::History(history) => layout.history(side, history),
-        }
+/// Flux into the in-plane bins of a side; of a component that no tally keeps, the sum of the orders that it
+/// consists of.
+fn in_plane(statistics: &TallyStatistics, side: Side, component: Component) -> Vec<Estimate> {
+    if statistics.spec().keeps(Score::InPlaneFlux, component) {
+        return statistics.in_plane(side, component).iter().collect();
     }
-
-    fn bins(self, layout: &Layout) -> usize {
-        match self {
-            Self::All => layout.bins(Share::Total).start,
-            Self::Single => layout.bins(Share::Single).start,
-            Self::Multiple => layout.bins(Share::Multiple).start,
-            Self::History(history) => layout.history_bins(history).start,
-        }
-    }
-
-    /// The entries of a profile that add up to it.
-    fn in_plane(self, layout: &Layout, side: Side) -> Vec<usize> {
-        let of = |class| layout.in_plane(side, class).start;
-        match self {
-            Self::All => vec![of(OrderClass::All)],
-            Self::Single => vec![of(OrderClass::First)],
-            Self::Multiple => OrderClass::ALL[1..4]
-                .iter()
-                .map(|&class| of(class))
-                .collect(),
-            Self::History(history) => vec![layout.history_in_plane(side, history).start],
-        }
-    }
+    let higher = Component::ORDERS[1..].iter();
+    let sums = higher.map(|&order| statistics.in_plane(side, order).iter().collect());
+    // Errors of a sum add up at most.
+    let add = |(a, b): (Estimate, Estimate)| Estimate {
+        mean: a.mean + b.mean,
+        se: a.se.zip(b.se).map(|(a, b)| a + b),
+    };
+    sums.reduce(|a: Vec<Estimate>, b| a.into_iter().zip(b).map(add).collect())
+        .unwrap_or_default()
 }
 
 impl MeasuredPart {
-    fn of(name: &str, whose: Whose, layout: &Layout, statistics: &BatchStatistics) -> Self {
-        let start = whose.bins(layout);
-        let in_plane = layout.sides().flat_map(|side| {
-            let starts = whose.in_plane(layout, side);
-            (0..layout.in_plane_len()).map(move |i| {
-                let sums = starts.iter().map(|start| statistics.estimate(start + i));
-                // Errors of a sum add up at most.
-                sums.reduce(|a, b| Estimate {
-                    mean: a.mean + b.mean,
-                    se: a.se.zip(b.se).map(|(a, b)| a + b),
-                })
-            })
-        });
-        let in_plane: Vec<Estimate> = in_plane.flatten().collect();
+    fn of(component: Component, statistics: &TallyStatistics) -> Self {
+        let sides = statistics.spec().sides();
+        let collect = |of: &dyn Fn(Side) -> Vec<Estimate>| {
+            Means::collect(sides.clone().flat_map(of).collect())
+        };
         Self {
-            name: name.to_owned(),
-            sides: Means::of(
-                statistics,
-                layout.sides().map(|side| whose.side(layout, side)),
-            ),
-            bins: Means::of(statistics, layout.asked_bins().map(|bin| start + bin)),
-            in_plane: Means::collect(in_plane),
+            name: component.name().into_owned(),
+            sides: collect(&|side| vec![statistics.flux(side, component)]),
+            bins: collect(&|side| statistics.bins(side, component).iter().collect()),
+            in_plane: collect(&|side| in_plane(statistics, side, component)),
         }
     }
 
     /// Flux that left on `side`; `None` if it was not asked for.
     #[must_use]
-    pub fn side(&self, layout: &Layout, side: Side) -> Option<Estimate> {
-        let place = layout.sides().position(|s| s == side)?;
+    pub fn side(&self, spec: &TallySpec, side: Side) -> Option<Estimate> {
+        let place = spec.sides().position(|s| s == side)?;
         Some(self.sides.estimate(place))
     }
 
     /// Flux into bin `bin` of the grid; `None` if its side was not asked for.
     #[must_use]
-    pub fn bin(&self, layout: &Layout, bin: usize) -> Option<Estimate> {
-        let asked = layout.asked_bins();
+    pub fn bin(&self, spec: &TallySpec, bin: usize) -> Option<Estimate> {
+        let asked = spec.recorded_bins();
         asked
             .contains(&bin)
             .then(|| self.bins.estimate(bin - asked.start))
@@ -180,9 +131,9 @@ impl MeasuredPart {
 
     /// Flux into in-plane bin `i` of `side`; `None` if it was not asked for.
     #[must_use]
-    pub fn in_plane(&self, layout: &Layout, side: Side, i: usize) -> Option<Estimate> {
-        let place = layout.sides().position(|s| s == side)?;
-        Some(self.in_plane.estimate(place * layout.in_plane_len() + i))
+    pub fn in_plane(&self, spec: &TallySpec, side: Side, i: usize) -> Option<Estimate> {
+        let place = spec.sides().position(|s| s == side)?;
+        Some(self.in_plane.estimate(place * spec.in_plane_len() + i))
     }
 }
 
@@ -192,37 +143,35 @@ const ROUNDING: f64 = 1e-9;
 impl DirectionResults {
     /// Takes from the statistics of a run what a measurement keeps.
     pub(super) fn of(
-        layout: &Layout,
-        statistics: &BatchStatistics,
+        statistics: &TallyStatistics,
         (surfaces, rays): (u64, u64),
         errors_from: &str,
         warnings: Vec<String>,
     ) -> Self {
-        let budget = [Layout::ABSORBED, Layout::TRUNCATED, Layout::LOST];
+        let budget = statistics.budget();
         Self {
             surfaces,
             rays,
             errors_from: errors_from.to_owned(),
-            budget: Means::of(statistics, budget),
-            parts: parts_of(layout)
-                .into_iter()
-                .map(|(name, whose)| MeasuredPart::of(name, whose, layout, statistics))
+            budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
+            parts: kept_components(statistics.spec())
+                .map(|component| MeasuredPart::of(component, statistics))
                 .collect(),
             warnings,
         }
     }
 
-    /// Whether a run with this layout may have found these numbers: they are fluxes and add up.
-    pub(super) fn is_sound(&self, layout: &Layout) -> bool {
-        let asked = layout.asked_bins().len();
-        let sides = layout.sides().count();
+    /// Whether a run with this spec may have found these numbers: they are fluxes and add up.
+    pub(super) fn is_sound(&self, spec: &TallySpec) -> bool {
+        let asked = spec.recorded_bins().len();
+        let sides = spec.sides().count();
         let lengths = |part: &MeasuredPart| {
             part.sides.is_sound(sides)
                 && part.bins.is_sound(asked)
-                && part.in_plane.is_sound(sides * layout.in_plane_len())
+                && part.in_plane.is_sound(sides * spec.in_plane_len())
         };
         let names = self.parts.iter().map(|part| part.name.as_str());
-        if !(names.eq(part_names(layout))
+        if !(names.eq(component_names(spec))
             && self.budget.is_sound(3)
             && self.parts.iter().all(lengths))
         {
@@ -238,7 +187,7 @@ impl DirectionResults {
         let fills_sides = |part: &MeasuredPart| {
             part.bins
                 .mean
-                .chunks(layout.grid().bins_per_side())
+                .chunks(spec.grid().bins_per_side())
                 .zip(&part.sides.mean)
                 .all(|(bins, side)| near(sum(bins), *side))
         };
@@ -253,39 +202,39 @@ impl DirectionResults {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use asperity_tally::HemisphereGrid;
+    use asperity_tally::{HemisphereGrid, TallyValues};
 
-    /// Results of a record whose bins, sides and parts hold what adds up.
-    fn results(layout: &Layout) -> DirectionResults {
-        let grid = layout.grid();
-        let mut record = vec![0.0; layout.len()];
-        for (history, share) in History::ALL.into_iter().zip([0.5, 0.25, 0.25]) {
-            let bin = layout.history_bins(history).start + 1;
-            let in_plane = layout.history_in_plane(Side::Reflected, history).start;
-            let side = layout.history(Side::Reflected, history);
-            (record[bin], record[in_plane], record[side]) =
-                (0.75 * share, 0.1 * share, 0.75 * share);
+    /// Results of a tally whose bins, sides and components hold what adds up.
+    fn results(spec: &TallySpec) -> DirectionResults {
+        let mut tally = TallyValues::zeros(*spec);
+        let side = Side::Reflected;
+        let [all, unscattered, once, more] = [1.0, 0.5, 0.25, 0.25];
+        for (component, share) in [
+            (Component::All, all),
+            (Component::Unscattered, unscattered),
+            (Component::ScatteredOnce, once),
+            (Component::ScatteredMore, more),
+        ] {
+            tally[spec.flux_entry(side, component)] = 0.75 * share;
+            tally[spec.bin_entries(side, component).get(1)] = 0.75 * share;
+            tally[spec.in_plane_entries(side, component).get(0)] = 0.1 * share;
         }
-        assert!(grid.len() > 1);
-        record[layout.bins(Share::Total).start + 1] = 0.75;
-        record[layout.in_plane(Side::Reflected, OrderClass::All).start] = 0.1;
-        record[Layout::REFLECTED] = 0.75;
-        record[Layout::ABSORBED] = 0.25;
-        let mut statistics = BatchStatistics::new(layout.len());
-        (0..2).for_each(|_| statistics.push(&record));
-        DirectionResults::of(layout, &statistics, (2, 100), "surfaces", Vec::new())
+        tally[TallySpec::BUDGET.absorbed] = 0.25;
+        let mut statistics = TallyStatistics::new(*spec);
+        (0..2).for_each(|_| statistics.push(&tally));
+        DirectionResults::of(&statistics, (2, 100), "surfaces", Vec::new())
     }
 
     #[test]
     fn numbers_that_no_run_finds_are_not_believed() {
         let grid = HemisphereGrid::new(2, 3).unwrap();
-        let layout = Layout::new(grid, 0.1).unwrap().with_histories();
-        assert!(results(&layout).is_sound(&layout));
+        let spec = TallySpec::new(grid, 0.1).unwrap().with_medium();
+        assert!(results(&spec).is_sound(&spec));
         // Another grid, other parts.
         let other = HemisphereGrid::new(3, 2).unwrap();
-        let other = Layout::new(other, 0.1).unwrap().with_histories();
-        assert!(!results(&layout).is_sound(&other));
-        assert!(!results(&layout).is_sound(&Layout::new(grid, 0.1).unwrap()));
+        let other = TallySpec::new(other, 0.1).unwrap().with_medium();
+        assert!(!results(&spec).is_sound(&other));
+        assert!(!results(&spec).is_sound(&TallySpec::new(grid, 0.1).unwrap()));
         type Spoil = fn(&mut DirectionResults);
         let spoilt: [(&str, Spoil); 9] = [
             ("budget", |r| r.budget.mean[0] = 0.3),
@@ -303,9 +252,9 @@ mod tests {
             }),
         ];
         for (what, spoil) in spoilt {
-            let mut results = results(&layout);
+            let mut results = results(&spec);
             spoil(&mut results);
-            assert!(!results.is_sound(&layout), "{what}");
+            assert!(!results.is_sound(&spec), "{what}");
         }
     }
 }

@@ -6,7 +6,7 @@ use asperity_tally::Side;
 use serde_json::{Value, json};
 
 use super::GonioOutcome;
-use super::results::part_names;
+use super::results::component_names;
 use super::setting::Distinction;
 use super::tables::{self, Measured, measured, report};
 use crate::config::Azimuth;
@@ -36,7 +36,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         let _ = writeln!(
             out,
             "{} bins, {surfaces} and {} rays per direction; standard errors from {}",
-            outcome.layout.grid(),
+            outcome.spec.grid(),
             results.rays,
             results.errors_from
         );
@@ -48,7 +48,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
             true => writeln!(out),
             false => writeln!(out, "\n{}", labelled(&distinction.title, label)),
         };
-        out.push_str(&report(&outcome.layout).keys(2).text(directions));
+        out.push_str(&report(&outcome.spec).keys(2).text(directions));
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
@@ -118,11 +118,11 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
     {
         config.remove("surface");
     }
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     let directions = outcome.directions.iter().map(|direction| {
         let results = direction.results.as_ref().map(|results| {
             let parts = results.parts.iter().map(|part| {
-                let of = |side| part.side(layout, side);
+                let of = |side| part.side(spec, side);
                 let sides = json!({
                     "reflected": of(Side::Reflected),
                     "transmitted": of(Side::Transmitted),
@@ -158,14 +158,14 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         "settings": outcome.settings,
         "thetas_deg": outcome.thetas,
         "phis_deg": outcome.phis,
-        "parts": part_names(layout),
+        "parts": component_names(spec),
         "complete": outcome.missing() == 0,
         "missing": outcome.missing(),
         "directions": directions.collect::<Vec<_>>(),
         "columns": {
-            "gonio.csv": tables::directions(layout).description(),
-            "in_plane.csv": tables::in_plane(layout).description(),
-            "bsdf.csv": tables::bsdf(layout).description(),
+            "gonio.csv": tables::directions(spec).description(),
+            "in_plane.csv": tables::in_plane(spec).description(),
+            "bsdf.csv": tables::bsdf(spec).description(),
         },
         "warnings": warnings(outcome),
     })

@@ -1,9 +1,9 @@
 //! The tables of a measurement: gonio.csv, in_plane.csv, bsdf.csv, and those of single directions.
 
 use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
-use asperity_tally::{Estimate, Layout, Side};
+use asperity_tally::{Estimate, Side, TallySpec};
 
-use super::results::{MeasuredPart, part_names};
+use super::results::{MeasuredPart, component_names};
 use super::setting::bottom_in_words;
 use super::{Direction, DirectionResults, GonioOutcome, Setting};
 use crate::output::{
@@ -30,19 +30,21 @@ pub(super) fn measured(outcome: &GonioOutcome) -> impl Iterator<Item = Measured<
 }
 
 /// Flux into an in-plane bin that makes a BSDF of one: solid angle times mean |cos theta|, steradians.
-pub(super) fn projected_in_plane(layout: &Layout, i: usize) -> f64 {
-    let [a, b] = layout.in_plane_edges_deg(i).map(f64::to_radians);
-    layout.in_plane_solid_angle(i) * 0.5 * (a.cos() + b.cos())
+pub(super) fn projected_in_plane(spec: &TallySpec, i: usize) -> f64 {
+    // The same on both sides.
+    let filter = spec.in_plane_filter(Side::Reflected);
+    let [a, b] = filter.theta_deg(i).map(f64::to_radians);
+    filter.solid_angle(i) * 0.5 * (a.cos() + b.cos())
 }
 
 /// A column of each part of the light, all of it aside.
 fn part_columns<'a, R: 'a>(
-    layout: &Layout,
+    spec: &TallySpec,
     quantity: &str,
     about: &'static str,
     value: impl Fn(&R, usize) -> Option<Estimate> + Copy + 'a,
 ) -> Vec<Column<'a, R>> {
-    let names = part_names(layout).into_iter().enumerate().skip(1);
+    let names = component_names(spec).into_iter().enumerate().skip(1);
     let column = |(number, part)| {
         let value = move |row: &R| value(row, number);
         Column::estimate(format!("{quantity}_{part}"), about, value)
@@ -68,9 +70,12 @@ fn incidence_columns<'a, R: 'a>(
 }
 
 /// directions/NAME.csv: a row per bin.
-pub(super) fn direction<'a>(layout: &'a Layout, results: &'a DirectionResults) -> Table<'a, usize> {
-    let grid = layout.grid();
-    let flux = move |bin: &usize, part: usize| results.parts.get(part)?.bin(layout, *bin);
+pub(super) fn direction<'a>(
+    spec: &'a TallySpec,
+    results: &'a DirectionResults,
+) -> Table<'a, usize> {
+    let grid = spec.grid();
+    let flux = move |bin: &usize, part: usize| results.parts.get(part)?.bin(spec, *bin);
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
@@ -84,7 +89,7 @@ pub(super) fn direction<'a>(layout: &'a Layout, results: &'a DirectionResults) -
             .unit("1/sr"),
         )
         .columns(part_columns(
-            layout,
+            spec,
             "flux",
             "flux of a part of the light",
             flux,
@@ -92,7 +97,7 @@ pub(super) fn direction<'a>(layout: &'a Layout, results: &'a DirectionResults) -
 }
 
 /// gonio.csv: a row per direction, with its fluxes.
-pub(super) fn directions(layout: &Layout) -> Table<'_, Measured<'_>> {
+pub(super) fn directions(spec: &TallySpec) -> Table<'_, Measured<'_>> {
     let name = |row: &Measured<'_>| row.direction.name.clone();
     let mut table = Table::new()
         .column(Column::new("direction", "name of the direction", name))
@@ -100,9 +105,9 @@ pub(super) fn directions(layout: &Layout) -> Table<'_, Measured<'_>> {
             row.direction.incidence
         }))
         .columns(setting_columns());
-    for side in layout.sides() {
+    for side in spec.sides() {
         let flux =
-            move |row: &Measured<'_>, part: usize| row.results.parts.get(part)?.side(layout, side);
+            move |row: &Measured<'_>, part: usize| row.results.parts.get(part)?.side(spec, side);
         let all = move |row: &Measured<'_>| flux(row, 0);
         table = table
             .column(Column::estimate(
@@ -111,7 +116,7 @@ pub(super) fn directions(layout: &Layout) -> Table<'_, Measured<'_>> {
                 all,
             ))
             .columns(part_columns(
-                layout,
+                spec,
                 &side.to_string(),
                 "flux of a part of the light",
                 flux,
@@ -202,15 +207,15 @@ pub(super) struct InPlaneBin<'a> {
 
 /// The in-plane bins of all directions.
 pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPlaneBin<'_>> {
-    let layout = &outcome.layout;
+    let spec = &outcome.spec;
     measured(outcome).flat_map(
         move |Measured {
                   setting,
                   direction,
                   results,
               }| {
-            layout.sides().flat_map(move |side| {
-                (0..layout.in_plane_len()).map(move |bin| InPlaneBin {
+            spec.sides().flat_map(move |side| {
+                (0..spec.in_plane_filter(side).len()).map(move |bin| InPlaneBin {
                     measured: Measured {
                         setting,
                         direction,
@@ -225,14 +230,14 @@ pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPl
 }
 
 /// in_plane.csv: the BSDF in the plane of incidence, a row per direction, side and signed angle.
-pub(super) fn in_plane(layout: &Layout) -> Table<'_, InPlaneBin<'_>> {
+pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
     type Row<'a> = InPlaneBin<'a>;
     let bsdf = move |row: &Row<'_>, part: usize| {
         let part: &MeasuredPart = row.measured.results.parts.get(part)?;
-        let flux = part.in_plane(layout, row.side, row.bin)?;
-        Some(over(flux, projected_in_plane(layout, row.bin)))
+        let flux = part.in_plane(spec, row.side, row.bin)?;
+        Some(over(flux, projected_in_plane(spec, row.bin)))
     };
-    let edges = move |row: &Row<'_>| layout.in_plane_edges_deg(row.bin);
+    let edges = move |row: &Row<'_>| spec.in_plane_filter(row.side).theta_deg(row.bin);
     Table::new()
         .column(Column::new(
             "direction",
@@ -263,7 +268,7 @@ pub(super) fn in_plane(layout: &Layout) -> Table<'_, InPlaneBin<'_>> {
             Column::estimate("bsdf", "mean BSDF of the bin", move |row| bsdf(row, 0)).unit("1/sr"),
         )
         .columns(part_columns(
-            layout,
+            spec,
             "bsdf",
             "BSDF of a part of the light",
             bsdf,
@@ -283,7 +288,7 @@ pub(super) fn direction_bins(outcome: &GonioOutcome) -> impl Iterator<Item = Dir
         |Measured {
              direction, results, ..
          }| {
-            outcome.layout.asked_bins().map(move |bin| DirectionBin {
+            outcome.spec.recorded_bins().map(move |bin| DirectionBin {
                 direction,
                 results,
                 bin,
@@ -293,11 +298,11 @@ pub(super) fn direction_bins(outcome: &GonioOutcome) -> impl Iterator<Item = Dir
 }
 
 /// bsdf.csv: all directions of light and of bins in one table, for renderers.
-pub(super) fn bsdf(layout: &Layout) -> Table<'_, DirectionBin<'_>> {
+pub(super) fn bsdf(spec: &TallySpec) -> Table<'_, DirectionBin<'_>> {
     type Row<'a> = DirectionBin<'a>;
-    let grid = layout.grid();
+    let grid = spec.grid();
     let bsdf = move |row: &Row<'_>| {
-        let flux = row.results.parts[0].bin(layout, row.bin)?;
+        let flux = row.results.parts[0].bin(spec, row.bin)?;
         Some(over(flux, projected_solid_angle(&grid, row.bin)))
     };
     Table::new()
@@ -313,9 +318,9 @@ pub(super) fn bsdf(layout: &Layout) -> Table<'_, DirectionBin<'_>> {
 }
 
 /// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.
-pub(super) fn report(layout: &Layout) -> Table<'_, Direction> {
+pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
     let flux = move |side: Side, part: usize| {
-        move |row: &Direction| row.results.as_ref()?.parts.get(part)?.side(layout, side)
+        move |row: &Direction| row.results.as_ref()?.parts.get(part)?.side(spec, side)
     };
     let mut table = Table::new()
         .column(Column::new("theta", "", |row: &Direction| {
@@ -324,17 +329,17 @@ pub(super) fn report(layout: &Layout) -> Table<'_, Direction> {
         .column(Column::new("phi", "", |row: &Direction| {
             row.incidence.phi_deg()
         }));
-    for side in layout.sides() {
+    for side in spec.sides() {
         let shown = match side {
             Side::Reflected => usize::MAX,
             Side::Transmitted => 1,
         };
-        let parts = part_names(layout).into_iter().enumerate().take(shown);
+        let parts = component_names(spec).into_iter().enumerate().take(shown);
         table = table.columns(parts.map(|(part, name)| {
             let name = if part == 0 {
                 side.to_string()
             } else {
-                name.to_owned()
+                name.to_string()
             };
             Column::estimate(name, "", flux(side, part))
         }));

@@ -1,13 +1,12 @@
 //! What was found in one cell, and what follows from it.
 
 use asperity_analysis::Scope;
-use asperity_tally::{Layout, Share, Side};
+use asperity_tally::{Component, Entry, Side, TallyResult, TallySpec};
 use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
 use crate::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
-use crate::part::Part;
 use crate::peak::PeakDifference;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
@@ -184,15 +183,15 @@ impl CellModel {
 impl CellResults {
     /// What a verification of one case found.
     pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
-        let layout = &outcome.layout;
+        let spec = &outcome.spec;
         let models = case.models.iter().map(|model| {
-            let of = |part| distances(layout, case, model, part);
+            let of = |part| distances(spec, case, model, part);
             CellModel {
                 name: model.model.name().to_owned(),
                 all_orders: model.model.scope() == Scope::AllOrders,
                 rays: model.expectation.rays(),
                 own: of(model.judged_part()),
-                all: of(Part::Orders(Share::Total)),
+                all: of(Component::All),
             }
         });
         Self {
@@ -201,7 +200,7 @@ impl CellResults {
             size: case.size,
             spacing: case.spacing,
             deviation_bound: case.deviation_bound,
-            lost: case.statistics.means()[Layout::LOST],
+            lost: case.statistics.means()[TallySpec::BUDGET.lost],
             models: models.collect(),
         }
     }
@@ -314,36 +313,32 @@ impl CellResults {
 
 /// The distances of one model over one part of the light.
 fn distances(
-    layout: &Layout,
+    spec: &TallySpec,
     case: &CaseOutcome,
     model: &ModelOutcome,
-    part: Part,
+    part: Component,
 ) -> CellDistances {
     let compared = model.compared(part).unwrap_or(&model.total);
-    let mesh = |entry: usize| case.errors.errors(entry).mesh.map_or(0.0, f64::abs);
+    let mesh = |entry: Entry| case.errors.at(entry).mesh.map_or(0.0, f64::abs);
     let transmits = case.case.material.transmitting_index().is_some();
-    let bins = part.bins(layout);
+    let bins = spec.recorded_entries(part);
     let total = compared.comparison.total_variation;
     let noise_95 = match case.deviation_bound {
         // The bound holds for sums over any bins; the noise of a model adds to it.
-        Some(bound) => Some(bound + noise_of_model(model, layout, part)),
+        Some(bound) => Some(bound + noise_of_model(model, spec, part)),
         None => total.noise_95,
     };
     CellDistances {
         total_variation: total.observed,
         noise_95,
-        mesh: 0.5
-            * layout
-                .asked_bins()
-                .map(|i| mesh(bins.start + i))
-                .sum::<f64>(),
+        mesh: 0.5 * bins.iter().map(mesh).sum::<f64>(),
         sides: compared
             .sides
             .iter()
             .filter(|of| transmits || of.side == Side::Reflected)
             .map(|of| {
-                let entry = part.on_side(layout, of.side);
-                let se_of_model = model.expectation.statistics().estimate(entry).se;
+                let entry = spec.flux_entry(of.side, part);
+                let se_of_model = model.expectation.statistics().at(entry).se;
                 CellSide {
                     side: of.side,
                     explicit: of.explicit,
@@ -374,12 +369,11 @@ fn certain_peak(model: &ModelOutcome, bound: f64, flux: f64) -> Option<f64> {
 }
 
 /// What the noise of a sampled model adds to the total variation, at most, with 95 %.
-fn noise_of_model(model: &ModelOutcome, layout: &Layout, part: Part) -> f64 {
-    let bins = part.bins(layout);
+fn noise_of_model(model: &ModelOutcome, spec: &TallySpec, part: Component) -> f64 {
     let statistics = model.expectation.statistics();
-    let se = |i: usize| statistics.estimate(bins.start + i).se.unwrap_or(0.0);
+    let se = |entry| statistics.at(entry).se.unwrap_or(0.0);
     let student = student_95(BATCHES_WITHOUT_SURFACES).unwrap_or(f64::INFINITY);
-    0.5 * student * layout.asked_bins().map(se).sum::<f64>()
+    0.5 * student * spec.recorded_entries(part).iter().map(se).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -77,12 +77,7 @@ impl MapConfig {
     pub fn check(&self) -> Result<(), VerifyError> {
         let cells = self.cells()?;
         let settings = self.run.ray_settings()?;
-        check_results(
-            &settings.layout,
-            self.run.realisations.0,
-            1,
-            settings.refine,
-        )?;
+        check_results(&settings.spec, self.run.realisations.0, 1, settings.refine)?;
         cells
             .iter()
             .try_for_each(|cell| cell.config.check_surfaces())

@@ -183,6 +183,7 @@ fn components_of_the_medium_add_to_all_light() {
 static BACK_AND_FORTH: ComponentFilter = ComponentFilter {
     name: "back_and_forth",
     label: "back and forth through the surface",
+    description: "light that was transmitted an even number of times, but at least once",
     accepts: |exit| exit.path.code() != 0 && exit.path.code().count_ones() % 2 == 0,
 };
 

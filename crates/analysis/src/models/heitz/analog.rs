@@ -1,7 +1,7 @@
 //! Analog random walk: one branch, weight one, escape by chance. It tests the walk with expectations.
 
 use asperity_optics::{Material, dielectric, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Record, Side};
+use asperity_tally::{Event, EventPath, Exit, Loss, Side, Tally};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -37,7 +37,7 @@ impl Analog {
 }
 
 impl RandomWalk for Analog {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Record<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
         let mut path = EventPath::default();
         // +1 in the incident medium, -1 in the other.
         let mut up = 1.0;
@@ -101,24 +101,24 @@ mod tests {
     use crate::compare::multiple_tests::{chi_squared_survival, sidak_level, sidak_z_threshold};
     use crate::models::heitz::Heitz;
     use asperity_optics::from_spherical;
-    use asperity_tally::{Azimuth, BatchStatistics, HemisphereGrid, Layout, Share};
+    use asperity_tally::{Azimuth, Component, Entry, HemisphereGrid, TallySpec, TallyStatistics};
     use rand::SeedableRng;
 
     const BATCHES: u64 = 200;
 
-    fn layout() -> Layout {
-        Layout::new(
+    fn spec() -> TallySpec {
+        TallySpec::new(
             HemisphereGrid::new(6, 8).unwrap(),
-            Layout::DEFAULT_HALF_WIDTH,
+            TallySpec::DEFAULT_HALF_WIDTH,
         )
         .unwrap()
     }
 
-    fn sampled(walk: &dyn RandomWalk, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
+    fn sampled(walk: &dyn RandomWalk, wi: DVec3, rays: u64, seed: u64) -> TallyStatistics {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut statistics = BatchStatistics::new(layout().len());
+        let mut statistics = TallyStatistics::new(spec());
         for _ in 0..BATCHES {
-            let mut record = Record::new(layout(), Azimuth::From(0.0));
+            let mut record = Tally::new(spec(), Azimuth::From(0.0));
             for _ in 0..rays / BATCHES {
                 walk.follow(wi, &mut rng, &mut record);
             }
@@ -155,29 +155,41 @@ mod tests {
             let analog = sampled(&Analog::new(slopes, material), wi, 100_000, 211 + i as u64);
             let heitz = Heitz::new(slopes, material).unwrap();
             let expectation = sampled(&heitz, wi, 60_000, 231 + i as u64);
-            let layout = layout();
+            let spec = spec();
             // Each path of two and of three facets; others are too rare.
             let paths = |side| {
-                layout
-                    .listed_paths()
+                spec.listed_paths()
                     .filter(|path| matches!(path.order(), 2 | 3))
-                    .map(move |path| layout.path(side, path))
+                    .map(move |path| spec.event_path_entry(side, path))
             };
             let entries = Side::BOTH.into_iter().flat_map(|side| {
                 (1..5)
-                    .map(move |order| layout.order(side, order))
-                    .chain([layout.multiple(side), side.index()])
+                    .map(move |order| spec.order_entry(side, order))
+                    .chain([
+                        spec.flux_entry(side, Component::Multiple),
+                        spec.flux_entry(side, Component::All),
+                    ])
                     .chain(paths(side))
             });
-            let z = |i: usize| {
+            let z = |i: Entry| {
                 let (a, b) = (analog.estimate(i), expectation.estimate(i));
                 (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
             };
             // The analog walk counts rays: below some 40 they are not normally distributed.
-            let enough = |i: &usize| analog.means()[*i] > 40.0 / 100_000.0;
-            z_values.extend(entries.chain([Layout::ABSORBED]).filter(enough).map(z));
-            for share in [Share::Single, Share::Multiple] {
-                let bins: Vec<f64> = layout.bins(share).filter(enough).map(z).collect();
+            let enough = |i: &Entry| analog.means()[*i] > 40.0 / 100_000.0;
+            z_values.extend(
+                entries
+                    .chain([TallySpec::BUDGET.absorbed])
+                    .filter(enough)
+                    .map(z),
+            );
+            for share in [Component::Single, Component::Multiple] {
+                let bins: Vec<f64> = spec
+                    .grid_entries(share)
+                    .iter()
+                    .filter(enough)
+                    .map(z)
+                    .collect();
                 let chi_squared = bins.iter().map(|z| z * z).sum();
                 p_values.push(chi_squared_survival(chi_squared, bins.len()));
             }
@@ -197,16 +209,16 @@ mod tests {
         let slopes = SlopeCovariance::isotropic(0.05).unwrap();
         let material = Material::Mirror;
         let wi = from_spherical(f64::to_radians(50.0), 0.7);
-        let layout = layout();
+        let spec = spec();
         let high_orders = |walk: &dyn RandomWalk, seed| -> [f64; 4] {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let fluxes: Vec<[f64; 2]> = (0..100)
                 .map(|_| {
-                    let mut record = Record::new(layout, Azimuth::From(0.0));
+                    let mut record = Tally::new(spec, Azimuth::From(0.0));
                     (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut record));
                     let values = record.into_fractions(80);
-                    let orders = (31..=64).map(|k| values[layout.order(Side::Reflected, k)]);
-                    [orders.sum(), values[Layout::TRUNCATED]]
+                    let orders = (31..=64).map(|k| values[spec.order_entry(Side::Reflected, k)]);
+                    [orders.sum(), values[TallySpec::BUDGET.truncated]]
                 })
                 .collect();
             let [high, ended] = [0, 1].map(|k| {

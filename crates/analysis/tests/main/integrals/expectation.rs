@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use asperity_analysis::{CLOSED_FORMS, SamplingEffort, bin_fluxes, expect, hemispherical_energy};
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Azimuth, HemisphereGrid, Layout, OrderClass, Share, Side, Sides};
+use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, Sides, TallyResult, TallySpec};
 
 use crate::common::closed_form;
 
@@ -14,8 +14,8 @@ const EFFORT: SamplingEffort = SamplingEffort {
     seed: 1,
 };
 
-fn layout() -> Layout {
-    Layout::new(HemisphereGrid::new(9, 12).unwrap(), 0.1).unwrap()
+fn spec() -> TallySpec {
+    TallySpec::new(HemisphereGrid::new(9, 12).unwrap(), 0.1).unwrap()
 }
 
 #[test]
@@ -24,25 +24,31 @@ fn every_view_of_a_closed_form_agrees() {
     let azimuth = Azimuth::From(light.phi() + PI);
     for &name in CLOSED_FORMS {
         let model = closed_form(name, 2.0, Material::dielectric(1.5).unwrap());
-        let layout = layout();
-        let expectation = expect(model.as_ref(), light, &layout, azimuth, EFFORT);
-        assert!(expectation.is_exact() && expectation.records().len() == 1);
-        assert!(expectation.describes(Share::Single) && !expectation.describes(Share::Multiple));
+        let spec = spec();
+        let expectation = expect(model.as_ref(), light, &spec, azimuth, EFFORT);
+        assert!(expectation.is_exact() && expectation.tallies().len() == 1);
+        assert!(
+            expectation.describes(Component::Single) && !expectation.describes(Component::Multiple)
+        );
         let record = expectation.statistics().means();
-        let grid = layout.grid();
+        let grid = spec.grid();
         let bins = bin_fluxes(model.as_ref(), light.wi(), &grid);
         let energy = hemispherical_energy(model.as_ref(), light.wi());
-        assert_eq!(record[layout.bins(Share::Single)], bins);
-        assert_eq!(record[layout.bins(Share::Total)], bins);
+        assert_eq!(record[spec.grid_entries(Component::Single)], bins);
+        assert_eq!(record[spec.grid_entries(Component::All)], bins);
         for (side, energy) in [
             (Side::Reflected, energy.reflected),
             (Side::Transmitted, energy.transmitted),
         ] {
-            assert_eq!(record[side.index()], energy, "{name} {side}");
-            assert_eq!(record[layout.order(side, 1)], energy);
-            assert_eq!(record[layout.multiple(side)], 0.0);
-            for class in [OrderClass::First, OrderClass::All] {
-                let rings: f64 = record[layout.rings(side, class)].iter().sum();
+            assert_eq!(
+                record[spec.flux_entry(side, Component::All)],
+                energy,
+                "{name} {side}"
+            );
+            assert_eq!(record[spec.order_entry(side, 1)], energy);
+            assert_eq!(record[spec.flux_entry(side, Component::Multiple)], 0.0);
+            for class in [Component::Single, Component::All] {
+                let rings: f64 = record[spec.ring_entries(side, class)].iter().sum();
                 // 108 bins, each to some 1e-12.
                 assert!(
                     (rings - energy).abs() < 1e-9,
@@ -50,12 +56,14 @@ fn every_view_of_a_closed_form_agrees() {
                 );
             }
             // A wedge of 0.1 to either side of the plane of incidence holds some of the light, not all.
-            let wedge: f64 = record[layout.in_plane(side, OrderClass::All)].iter().sum();
+            let wedge: f64 = record[spec.in_plane_entries(side, Component::All)]
+                .iter()
+                .sum();
             let some = wedge > 0.02 * energy && wedge < energy;
             assert!(some || wedge == 0.0 && energy == 0.0, "{name} {side}");
         }
-        assert_eq!(record[Layout::ABSORBED], 0.0);
-        assert!(expectation.statistics().estimate(0).se == Some(0.0));
+        assert_eq!(record[TallySpec::BUDGET.absorbed], 0.0);
+        assert!(expectation.statistics().budget().reflected.se == Some(0.0));
     }
 }
 
@@ -63,15 +71,15 @@ fn every_view_of_a_closed_form_agrees() {
 fn an_unrecorded_side_stays_empty() {
     let light = Incidence::from_degrees(40.0, 20.0).unwrap();
     let model = closed_form("smith", 2.0, Material::dielectric(1.5).unwrap());
-    let layout = layout().with_sides(Sides::Reflected);
+    let spec = spec().with_sides(Sides::Reflected);
     let azimuth = Azimuth::From(light.phi() + PI);
-    let expectation = expect(model.as_ref(), light, &layout, azimuth, EFFORT);
+    let expectation = expect(model.as_ref(), light, &spec, azimuth, EFFORT);
     let record = expectation.statistics().means();
-    assert!(record[Layout::REFLECTED] > 0.0);
-    assert_eq!(record[Layout::TRANSMITTED], 0.0);
-    let below = layout.grid().bins_per_side();
+    assert!(record[TallySpec::BUDGET.reflected] > 0.0);
+    assert_eq!(record[TallySpec::BUDGET.transmitted], 0.0);
+    let below = spec.grid().bins_per_side();
     assert!(
-        record[layout.bins(Share::Total)][below..]
+        record[spec.grid_entries(Component::All)][below..]
             .iter()
             .all(|&f| f == 0.0)
     );

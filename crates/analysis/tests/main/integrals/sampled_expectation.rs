@@ -6,13 +6,13 @@ use asperity_analysis::{
 };
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{
-    Azimuth, Event, EventPath, HemisphereGrid, Layout, OrderClass, Share, Side, Sides,
+    Azimuth, Component, Event, EventPath, HemisphereGrid, Side, Sides, TallyResult, TallySpec,
 };
 
 /// Sectors of 10 degrees, like the in-plane wedge.
-fn layout() -> Layout {
+fn spec() -> TallySpec {
     let grid = HemisphereGrid::new(6, 36).unwrap();
-    Layout::new(grid, 5_f64.to_radians()).unwrap()
+    TallySpec::new(grid, 5_f64.to_radians()).unwrap()
 }
 
 const EFFORT: SamplingEffort = SamplingEffort {
@@ -27,10 +27,10 @@ fn rough_glass() -> Box<dyn ScatteringModel> {
 }
 
 /// Light of 50 degrees that travels towards the azimuth of 5 degrees, the middle of the first sector.
-fn found(layout: Layout, effort: SamplingEffort) -> Expectation {
+fn found(spec: TallySpec, effort: SamplingEffort) -> Expectation {
     let incidence = Incidence::from_degrees(50.0, 185.0).unwrap();
     let forward = Azimuth::From(5_f64.to_radians());
-    expect(rough_glass().as_ref(), incidence, &layout, forward, effort)
+    expect(rough_glass().as_ref(), incidence, &spec, forward, effort)
 }
 
 /// Quadrature knows a bin to 1e-12 of the incident flux, and there are some hundred of them; energies come
@@ -39,31 +39,39 @@ const ROUNDING: f64 = 3e-10;
 
 #[test]
 fn every_view_of_an_expectation_agrees() {
-    let layout = layout();
-    let found = found(layout, EFFORT);
+    let spec = spec();
+    let found = found(spec, EFFORT);
     assert!(!found.is_exact() && found.rays() == EFFORT.rays);
-    assert!(found.describes(Share::Multiple));
-    let n_phi = layout.grid().n_phi();
-    for record in found.records() {
-        let of = |share| record[layout.bins(share)].to_vec();
-        let [single, multiple, total] = Share::ALL.map(of);
+    assert!(found.describes(Component::Multiple));
+    let n_phi = spec.grid().n_phi();
+    for record in found.tallies() {
+        let of = |share| record[spec.grid_entries(share)].to_vec();
+        let [single, multiple, total] = Component::BINS.map(of);
         for i in 0..total.len() {
             assert!((total[i] - single[i] - multiple[i]).abs() < 1e-15);
         }
         for side in Side::BOTH {
             let of_side = |bins: &[f64]| -> Vec<f64> {
-                let n = layout.grid().bins_per_side();
+                let n = spec.grid().bins_per_side();
                 bins[side.index() * n..][..n].to_vec()
             };
             let views = [
-                (of_side(&single), layout.order(side, 1), OrderClass::First),
-                (of_side(&total), side.index(), OrderClass::All),
+                (
+                    of_side(&single),
+                    spec.order_entry(side, 1),
+                    Component::Single,
+                ),
+                (
+                    of_side(&total),
+                    spec.flux_entry(side, Component::All),
+                    Component::All,
+                ),
             ];
             for (bins, energy, class) in views {
                 assert!((bins.iter().sum::<f64>() - record[energy]).abs() < ROUNDING);
-                let rings = &record[layout.rings(side, class)];
+                let rings = &record[spec.ring_entries(side, class)];
                 // In-plane bins go from -90 to 90 degrees off the side's own normal.
-                let in_plane = &record[layout.in_plane(side, class)];
+                let in_plane = &record[spec.in_plane_entries(side, class)];
                 let n_theta = rings.len();
                 for (ring, bins) in bins.chunks_exact(n_phi).enumerate() {
                     assert!((bins.iter().sum::<f64>() - rings[ring]).abs() < ROUNDING);
@@ -81,25 +89,25 @@ fn every_view_of_an_expectation_agrees() {
                 }
             }
             let multiple = of_side(&multiple).iter().sum::<f64>();
-            assert!((multiple - record[layout.multiple(side)]).abs() < 1e-14);
+            assert!((multiple - record[spec.flux_entry(side, Component::Multiple)]).abs() < 1e-14);
             let orders: f64 = (1..=64)
-                .map(|order| record[layout.order(side, order)])
+                .map(|order| record[spec.order_entry(side, order)])
                 .sum();
-            assert!((orders - record[side.index()]).abs() < 1e-14);
-            let paths: f64 = layout
+            assert!((orders - record[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
+            let paths: f64 = spec
                 .listed_paths()
-                .map(|path| record[layout.path(side, path)])
+                .map(|path| record[spec.event_path_entry(side, path)])
                 .sum();
-            let all = paths + record[layout.longer_paths(side)];
-            assert!((all - record[side.index()]).abs() < 1e-14);
+            let all = paths + record[spec.longer_paths_entry(side)];
+            assert!((all - record[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
         }
     }
 }
 
 #[test]
 fn single_scattering_is_the_exact_closed_form() {
-    let layout = layout();
-    let found = found(layout, EFFORT);
+    let spec = spec();
+    let found = found(spec, EFFORT);
     let model = rough_glass();
     let wi = Incidence::from_degrees(50.0, 185.0).unwrap().wi();
     let energy = hemispherical_energy(model.density().unwrap(), wi);
@@ -108,13 +116,15 @@ fn single_scattering_is_the_exact_closed_form() {
         (Side::Transmitted, Event::Transmission, energy.transmitted),
     ];
     for (side, event, energy) in sides {
-        let path = layout.path(side, EventPath::default().then(event));
-        for entry in [layout.order(side, 1), path] {
+        let path = spec.event_path_entry(side, EventPath::default().then(event));
+        for entry in [spec.order_entry(side, 1), path] {
             let estimate = found.statistics().estimate(entry);
             assert!((estimate.mean - energy).abs() < 1e-14);
             assert!(estimate.se.unwrap() < 1e-15);
         }
-        let multiple = found.statistics().estimate(layout.multiple(side));
+        let multiple = found
+            .statistics()
+            .estimate(spec.flux_entry(side, Component::Multiple));
         assert!(multiple.mean > 0.0 && multiple.se.unwrap() > 0.0);
     }
 }
@@ -122,11 +132,11 @@ fn single_scattering_is_the_exact_closed_form() {
 #[test]
 fn energies_add_up_within_their_errors() {
     // Light scattered once is exact and the rest is sampled: the sum is one on average.
-    let found = found(layout(), EFFORT);
+    let found = found(spec(), EFFORT);
     let sums: Vec<f64> = found
-        .records()
+        .tallies()
         .iter()
-        .map(|record| record[..5].iter().sum())
+        .map(|record| record.budget().total())
         .collect();
     let n = sums.len() as f64;
     let mean = sums.iter().sum::<f64>() / n;
@@ -145,7 +155,7 @@ fn results_depend_on_the_seed_and_not_on_the_thread_count() {
             .build()
             .unwrap();
         let effort = SamplingEffort { seed, ..EFFORT };
-        pool.install(|| found(layout(), effort).records().to_vec())
+        pool.install(|| found(spec(), effort).tallies().to_vec())
     };
     let one = run(1, 3);
     assert_eq!(one, run(2, 3));
@@ -154,17 +164,23 @@ fn results_depend_on_the_seed_and_not_on_the_thread_count() {
 
 #[test]
 fn an_unrecorded_side_stays_empty_and_changes_nothing() {
-    let both = found(layout(), EFFORT);
-    let layout = layout().with_sides(Sides::Reflected);
-    let asked = found(layout, EFFORT);
-    for (both, asked) in both.records().iter().zip(asked.records()) {
-        for share in Share::ALL {
-            let n = layout.grid().bins_per_side();
-            let (both, asked) = (&both[layout.bins(share)], &asked[layout.bins(share)]);
-            assert_eq!(both[..n], asked[..n]);
-            assert!(asked[n..].iter().all(|&flux| flux == 0.0));
+    let both = found(spec(), EFFORT);
+    let spec = spec().with_sides(Sides::Reflected);
+    let one_side = found(spec, EFFORT);
+    for (both, one_side) in both.tallies().iter().zip(one_side.tallies()) {
+        for share in Component::BINS {
+            let n = spec.grid().bins_per_side();
+            let (both, one_side) = (
+                &both[spec.grid_entries(share)],
+                &one_side[spec.grid_entries(share)],
+            );
+            assert_eq!(both[..n], one_side[..n]);
+            assert!(one_side[n..].iter().all(|&flux| flux == 0.0));
         }
-        assert_eq!(asked[Layout::TRANSMITTED], 0.0);
-        assert_eq!(both[Layout::REFLECTED], asked[Layout::REFLECTED]);
+        assert_eq!(one_side[TallySpec::BUDGET.transmitted], 0.0);
+        assert_eq!(
+            both[TallySpec::BUDGET.reflected],
+            one_side[TallySpec::BUDGET.reflected]
+        );
     }
 }

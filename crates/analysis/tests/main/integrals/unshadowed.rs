@@ -9,7 +9,7 @@ use asperity_analysis::{
     sidak_z_threshold, unshadowed_fluxes, visible_fractions,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
-use asperity_tally::{HemisphereGrid, Layout, OrderClass, Share, Side, Sides, UnshadowedFluxes};
+use asperity_tally::{Component, HemisphereGrid, Side, Sides, TallySpec, UnshadowedFluxes};
 use glam::DVec3;
 
 use crate::common::closed_form;
@@ -41,8 +41,8 @@ fn glass(eta: f64) -> Material {
     Material::dielectric(eta).unwrap()
 }
 
-fn layout(n_theta: usize, n_phi: usize) -> Layout {
-    Layout::new(HemisphereGrid::new(n_theta, n_phi).unwrap(), 0.1).unwrap()
+fn spec(n_theta: usize, n_phi: usize) -> TallySpec {
+    TallySpec::new(HemisphereGrid::new(n_theta, n_phi).unwrap(), 0.1).unwrap()
 }
 
 /// The same scattering, put together from the formulae for a direction.
@@ -103,11 +103,11 @@ fn drawn(
     slopes: &SlopeCovariance,
     material: Material,
     incidence: Incidence,
-    layout: &Layout,
+    spec: &TallySpec,
     facets: u32,
     rng: &mut ChaCha8Rng,
 ) -> Vec<[f64; 2]> {
-    let grid = layout.grid();
+    let grid = spec.grid();
     let wi = incidence.wi();
     let in_plane = |side: Side, wo: DVec3| -> Option<usize> {
         let n = grid.n_theta();
@@ -118,9 +118,9 @@ fn drawn(
         let step = ((from_normal / (0.5 * PI) * n as f64) as usize).min(n - 1);
         let off = |azimuth_of_half: f64| {
             let off = (azimuth(wo) - azimuth_of_half).rem_euclid(TAU);
-            off.min(TAU - off) <= layout.in_plane_half_width()
+            off.min(TAU - off) <= spec.in_plane_half_width()
         };
-        let start = grid.len() + side.index() * layout.in_plane_len();
+        let start = grid.len() + side.index() * spec.in_plane_filter(side).len();
         if off(incidence.phi() + PI) {
             Some(start + n + step)
         } else if off(incidence.phi()) {
@@ -129,7 +129,7 @@ fn drawn(
             None
         }
     };
-    let absorbed = grid.len() + 2 * layout.in_plane_len();
+    let absorbed = grid.len() + 2 * spec.in_plane_len();
     let mut sums = vec![[0.0; 2]; absorbed + 2];
     // Cholesky's root of the covariance.
     let a = slopes.xx().sqrt();
@@ -193,7 +193,7 @@ fn flat(fluxes: &UnshadowedFluxes, facing: f64) -> Vec<f64> {
 
 #[test]
 fn fluxes_agree_with_randomly_sampled_facets() {
-    let layout = layout(9, 12);
+    let spec = spec(9, 12);
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let cases = [
         (isotropic(1.0), glass(1.5), light(30.0, 20.0)),
@@ -217,9 +217,9 @@ fn fluxes_agree_with_randomly_sampled_facets() {
     for (number, (slopes, material, incidence)) in cases.into_iter().enumerate() {
         let facing = 1.0 + Beckmann::new(slopes).lambda(incidence.wi());
         let heaviest = 1.0 + 5.0 * incidence.theta().tan() * slopes.xx().max(slopes.yy()).sqrt();
-        let fluxes = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
+        let fluxes = unshadowed_fluxes(&slopes, material, incidence, &spec).unwrap();
         let expected = flat(&fluxes, facing);
-        let drawn = drawn(&slopes, material, incidence, &layout, facets, &mut rng);
+        let drawn = drawn(&slopes, material, incidence, &spec, facets, &mut rng);
         for (i, (expected, [mean, variance])) in expected.iter().zip(drawn).enumerate() {
             // Sums of hundred facets or more are near enough to Gaussian, for weights that differ little.
             // What all facets do alike has no variance but rounding.
@@ -260,14 +260,14 @@ fn all_slopes() -> Vec<SlopeCovariance> {
 fn sides_add_up_to_the_integral_over_facets() {
     // Each of 162 bins a side errs by at most about 1e-12, the integral over slopes by 1e-10 of
     // itself; sides are up to some thirty, where light grazes steep facets.
-    let layout = layout(9, 18);
-    let grid = layout.grid();
+    let spec = spec(9, 18);
+    let grid = spec.grid();
     let mut worst = 0.0_f64;
     for slopes in all_slopes() {
         for material in [glass(1.5), glass(1.0 / 1.5), glass(1.01), Material::Mirror] {
             for (theta, phi) in [(0.0, 0.0), (30.0, 37.0), (85.0, 200.0)] {
                 let incidence = light(theta, phi);
-                let fluxes = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
+                let fluxes = unshadowed_fluxes(&slopes, material, incidence, &spec).unwrap();
                 let model = Unmasked { slopes, material };
                 let energy = hemispherical_energy(&model, incidence.wi());
                 for (side, expected) in [energy.reflected, energy.transmitted].iter().enumerate() {
@@ -293,7 +293,7 @@ fn sides_add_up_to_the_integral_over_facets() {
 #[test]
 fn a_bin_is_the_sum_of_its_subdivisions() {
     // The six parts of a bin and the bin itself, each to about 1e-12 or 1e-11 of itself.
-    let (coarse, fine) = (layout(3, 4), layout(6, 12));
+    let (coarse, fine) = (spec(3, 4), spec(6, 12));
     for slopes in all_slopes() {
         for material in [glass(1.5), glass(1.0 / 1.5), glass(1.01)] {
             for theta in [0.0, 60.0, 85.0] {
@@ -328,7 +328,7 @@ fn components_add_to_one_plus_lambda() {
     // Slopes of deviation 0.08 at most, eight deviations from reflecting light from 20 deg downwards
     // and more from turning away from it: 1e-15 is left out. 162 bins a side to 1e-12, and what
     // conductors absorb.
-    let layout = layout(9, 18);
+    let spec = spec(9, 18);
     for slopes in [isotropic(25.0), grooved(0.08, 0.01, 66.0)] {
         for material in [
             glass(1.5),
@@ -336,7 +336,7 @@ fn components_add_to_one_plus_lambda() {
             Material::conductor(1.2, 7.0).unwrap(),
             Material::Mirror,
         ] {
-            let fluxes = unshadowed_fluxes(&slopes, material, light(20.0, 3.0), &layout).unwrap();
+            let fluxes = unshadowed_fluxes(&slopes, material, light(20.0, 3.0), &spec).unwrap();
             let sum = fluxes.bins.iter().sum::<f64>() + fluxes.absorbed;
             assert!((sum - 1.0).abs() < 1e-9, "{material:?} {sum}");
         }
@@ -346,18 +346,18 @@ fn components_add_to_one_plus_lambda() {
 #[test]
 fn turning_light_and_surface_together_shifts_the_sectors() {
     // Quadrature begins with other pieces: each flux to about 1e-12, or 1e-11 of itself.
-    let layout = layout(6, 36);
+    let spec = spec(6, 36);
     for material in [glass(1.5), glass(1.0 / 1.5)] {
         for (long, short, theta) in [(0.5, 0.1, 55.0), (0.014, 0.0014, 0.0), (0.3, 0.3, 80.0)] {
             let at = |steps: usize| {
                 let turn = 10.0 * steps as f64;
                 let slopes = grooved(long, short, 20.0 + turn);
-                unshadowed_fluxes(&slopes, material, light(theta, 5.0 + turn), &layout).unwrap()
+                unshadowed_fluxes(&slopes, material, light(theta, 5.0 + turn), &spec).unwrap()
             };
             let here = at(0);
             for steps in [1, 7, 20] {
                 let there = at(steps);
-                for i in 0..layout.grid().len() {
+                for i in 0..spec.grid().len() {
                     let turned = i / 36 * 36 + (i + steps) % 36;
                     let difference = here.bins[i] - there.bins[turned];
                     assert!(difference.abs() < 1e-10, "{i} {difference:e}");
@@ -374,13 +374,13 @@ fn turning_light_and_surface_together_shifts_the_sectors() {
 
 #[test]
 fn isotropic_fluxes_are_those_of_a_model_without_masking() {
-    let layout = layout(9, 12);
+    let spec = spec(9, 12);
     for material in [glass(1.5), Material::conductor(0.2, 3.0).unwrap()] {
         let slopes = isotropic(2.0);
         let incidence = light(50.0, 30.0);
-        let fluxes = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
+        let fluxes = unshadowed_fluxes(&slopes, material, incidence, &spec).unwrap();
         let model = Unmasked { slopes, material };
-        let expected = bin_fluxes(&model, incidence.wi(), &layout.grid());
+        let expected = bin_fluxes(&model, incidence.wi(), &spec.grid());
         for (a, b) in fluxes.bins.iter().zip(&expected) {
             assert!((a - b).abs() < 1e-12);
         }
@@ -389,7 +389,7 @@ fn isotropic_fluxes_are_those_of_a_model_without_masking() {
 
 #[test]
 fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
-    let layout = layout(18, 12);
+    let spec = spec(18, 12);
     let mut between = 0;
     for s in [0.5, 1.0, 3.0] {
         for (material, theta) in [
@@ -399,14 +399,14 @@ fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
         ] {
             let incidence = light(theta, 30.0);
             let slopes = isotropic(s);
-            let shares = visible_fractions(&slopes, material, incidence, &layout).unwrap();
-            let again = visible_fractions(&slopes, material, incidence, &layout).unwrap();
+            let shares = visible_fractions(&slopes, material, incidence, &spec).unwrap();
+            let again = visible_fractions(&slopes, material, incidence, &spec).unwrap();
             assert_eq!(shares, again);
             let g1 = Beckmann::new(slopes).g1(incidence.wi());
             assert_eq!(shares.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
-            let all = unshadowed_fluxes(&slopes, material, incidence, &layout).unwrap();
+            let all = unshadowed_fluxes(&slopes, material, incidence, &spec).unwrap();
             let model = closed_form("smith", s, material);
-            let visible = bin_fluxes(model.as_ref(), incidence.wi(), &layout.grid());
+            let visible = bin_fluxes(model.as_ref(), incidence.wi(), &spec.grid());
             for (i, visible) in visible.chunks(12).enumerate() {
                 let share = shares.rings[i / 18][i % 18];
                 let unshadowed = all.rings[i / 18][i % 18];
@@ -433,12 +433,12 @@ fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
 #[test]
 fn isotropic_visible_fractions_do_not_depend_on_the_quadrature() {
     // A hair of anisotropy takes the general way. Both to three digits.
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     for material in [glass(1.5), glass(1.0 / 1.5)] {
         let incidence = light(60.0, 0.0);
         let near = SlopeCovariance::new(0.5, 0.5 * (1.0 + 1e-9), 0.0).unwrap();
-        let a = visible_fractions(&isotropic(2.0), material, incidence, &layout).unwrap();
-        let b = visible_fractions(&near, material, incidence, &layout).unwrap();
+        let a = visible_fractions(&isotropic(2.0), material, incidence, &spec).unwrap();
+        let b = visible_fractions(&near, material, incidence, &spec).unwrap();
         for (a, b) in a.rings.iter().flatten().zip(b.rings.iter().flatten()) {
             assert!((a - b).abs() < 0.004 || (a - b).abs() > 0.02 && (*a == 1.0 || *b == 1.0));
         }
@@ -447,36 +447,36 @@ fn isotropic_visible_fractions_do_not_depend_on_the_quadrature() {
 
 #[test]
 fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     let slopes = grooved(0.9, 0.3, 25.0);
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let incidence = light(70.0, 100.0);
-    let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &layout).unwrap();
-    let control = control_variate(&slopes, gold, incidence, &layout).unwrap();
-    let n_phi = layout.grid().n_phi();
-    let bins = &control.expected()[layout.bins(Share::Single)];
+    let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &spec).unwrap();
+    let control = control_variate(&slopes, gold, incidence, &spec).unwrap();
+    let n_phi = spec.grid().n_phi();
+    let bins = &control.expected()[spec.grid_entries(Component::Single)];
     for (i, (expected, flux)) in bins.iter().zip(&fluxes.bins).enumerate() {
-        if i < layout.grid().bins_per_side() {
+        if i < spec.grid().bins_per_side() {
             assert_eq!(*expected, flux * control.share(Side::Reflected, i / n_phi));
         } else {
             assert_eq!(*expected, 0.0);
         }
     }
-    let rings = &control.expected()[layout.rings(Side::Reflected, OrderClass::First)];
+    let rings = &control.expected()[spec.ring_entries(Side::Reflected, Component::Single)];
     let sum: f64 = rings.iter().sum();
-    assert!((sum - control.expected()[Layout::REFLECTED]).abs() < 1e-14);
+    assert!((sum - control.expected()[TallySpec::BUDGET.reflected]).abs() < 1e-14);
     let absorbed = control.absorbed_share() * fluxes.absorbed;
-    assert_eq!(control.expected()[Layout::ABSORBED], absorbed);
+    assert_eq!(control.expected()[TallySpec::BUDGET.absorbed], absorbed);
     // Smith's masking sends away less than falls in, and at 70 deg most of it.
     assert!((0.5..1.0).contains(&(sum + absorbed)), "{sum} {absorbed}");
 }
 
 #[test]
 fn matched_indices_are_refused() {
-    let layout = Layout::default();
+    let spec = TallySpec::default();
     for eta in [1.0, 1.0 + 1e-6] {
-        let refused = unshadowed_fluxes(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout);
+        let refused = unshadowed_fluxes(&isotropic(1.0), glass(eta), light(0.0, 0.0), &spec);
         assert_eq!(refused, Err(ModelError::MatchedIndices(eta)));
-        assert!(control_variate(&isotropic(1.0), glass(eta), light(0.0, 0.0), &layout).is_err());
+        assert!(control_variate(&isotropic(1.0), glass(eta), light(0.0, 0.0), &spec).is_err());
     }
 }

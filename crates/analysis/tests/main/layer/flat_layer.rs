@@ -7,7 +7,8 @@ use asperity_optics::{
     Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction, dielectric, from_spherical,
 };
 use asperity_tally::{
-    Azimuth, HemisphereGrid, History, Layout, MAX_LISTED_ORDER, OrderClass, Share, Side, Sides,
+    Azimuth, Component, HemisphereGrid, MAX_LISTED_ORDER, Side, Sides, TallyResult, TallySpec,
+    TallyValues,
 };
 use glam::DVec3;
 
@@ -35,20 +36,19 @@ fn light(theta: f64) -> Incidence {
     Incidence::from_degrees(theta, 0.0).unwrap()
 }
 
-fn layout(n_theta: usize, n_phi: usize, half_width: f64) -> Layout {
+fn spec(n_theta: usize, n_phi: usize, half_width: f64) -> TallySpec {
     let grid = HemisphereGrid::new(n_theta, n_phi).unwrap();
-    Layout::new(grid, half_width).unwrap().with_histories()
+    TallySpec::new(grid, half_width).unwrap().with_medium()
 }
 
-/// The record of light in the plane of azimuth zero.
-fn record(model: &FlatLayer, theta: f64, layout: &Layout) -> Vec<f64> {
-    model.record(light(theta), layout, Azimuth::From(PI))
+/// The tally of light in the plane of azimuth zero.
+fn tally(model: &FlatLayer, theta: f64, spec: &TallySpec) -> TallyValues {
+    model.tally(light(theta), spec, Azimuth::From(PI))
 }
 
-fn of_history(model: &FlatLayer, theta: f64, history: History) -> [f64; 2] {
-    let layout = layout(6, 4, 0.1);
-    let record = record(model, theta, &layout);
-    Side::BOTH.map(|side| record[layout.history(side, history)])
+fn fluxes_of(model: &FlatLayer, theta: f64, component: Component) -> [f64; 2] {
+    let tally = tally(model, theta, &spec(6, 4, 0.1));
+    Side::BOTH.map(|side| tally.flux(side, component))
 }
 
 #[test]
@@ -175,8 +175,8 @@ fn a_clear_plate_transmits_like_two_faces() {
         );
         assert!((reflected + transmitted - 1.0).abs() < 1e-12);
         // In orders 1, 3, 5 ... and 2, 4, 6 ...
-        let layout = layout(6, 4, 0.1);
-        let record = record(&model, theta, &layout);
+        let spec = spec(6, 4, 0.1);
+        let record = tally(&model, theta, &spec);
         let t = 1.0 - r;
         for (side, order, expected) in [
             (Side::Reflected, 1, r),
@@ -185,9 +185,9 @@ fn a_clear_plate_transmits_like_two_faces() {
             (Side::Transmitted, 2, t * t),
             (Side::Transmitted, 4, t * t * r * r),
         ] {
-            assert!((record[layout.order(side, order)] - expected).abs() < 4.0 * rounding);
+            assert!((record[spec.order_entry(side, order)] - expected).abs() < 4.0 * rounding);
         }
-        let orders = |side| (1..=MAX_LISTED_ORDER).map(move |order| layout.order(side, order));
+        let orders = |side| (1..=MAX_LISTED_ORDER).map(move |order| spec.order_entry(side, order));
         let sum: f64 = Side::BOTH
             .into_iter()
             .flat_map(orders)
@@ -232,7 +232,7 @@ fn thin_plates_release_scattered_light_within_the_escape_cone() {
         for theta in [0.0_f64, 50.0] {
             let mu = (1.0 - (theta.to_radians().sin() / eta).powi(2)).sqrt();
             let expected = tau / mu * (1.0 - (1.0 - 1.0 / (eta * eta)).sqrt());
-            let [reflected, transmitted] = of_history(&model, theta, History::Once);
+            let [reflected, transmitted] = fluxes_of(&model, theta, Component::ScatteredOnce);
             let ratio = (reflected + transmitted) / expected;
             println!("tau {tau} theta {theta}: {ratio}");
             assert!((ratio - 1.0).abs() < 4.0 * tau, "{ratio}");
@@ -247,7 +247,7 @@ fn thin_plates_release_scattered_light_within_the_escape_cone() {
         &slab(1.0, 0.5, tau, Bottom::Open),
         LayerPaths::HanrahanKrueger,
     );
-    let once = of_history(&model, 60.0, History::Once);
+    let once = fluxes_of(&model, 60.0, Component::ScatteredOnce);
     let ratio = (once[0] + once[1]) / (tau / 0.5);
     println!("matched: {ratio}");
     assert!((ratio - 1.0).abs() < tau * (1.0 - tau.ln()) + 2.0 * tau);
@@ -306,7 +306,7 @@ fn light_beyond_the_critical_angle_neither_enters_nor_leaves() {
         let plate = FlatLayer::new(0.8, &plate, paths).unwrap();
         assert_eq!(plate.unscattered(wi)[0].flux, 1.0);
         assert_eq!(
-            of_history(&plate, critical + 0.1, History::Unscattered),
+            fluxes_of(&plate, critical + 0.1, Component::Unscattered),
             [1.0, 0.0]
         );
     }
@@ -328,35 +328,30 @@ fn tallies_of_different_grids_agree_and_components_add_up() {
         (1.0, 0.0, 1e-6, Bottom::Open),
         (1.4, 0.8, 2.0, Bottom::Open),
     ];
-    let coarse = layout(1, 1, FRAC_PI_2);
-    let fine = layout(9, 12, FRAC_PI_2);
+    let coarse = spec(1, 1, FRAC_PI_2);
+    let fine = spec(9, 12, FRAC_PI_2);
     for (eta, g, tau, bottom) in cases {
         let model = model(eta, &slab(0.9, g, tau, bottom), LayerPaths::All);
-        let (one, many) = (record(&model, 25.0, &coarse), record(&model, 25.0, &fine));
+        let (one, many) = (tally(&model, 25.0, &coarse), tally(&model, 25.0, &fine));
         for side in Side::BOTH {
-            for history in [History::Unscattered, History::Once] {
-                let a = one[coarse.history(side, history)];
-                let b = many[fine.history(side, history)];
+            for component in [Component::Unscattered, Component::ScatteredOnce] {
+                let a = one.flux(side, component);
+                let b = many.flux(side, component);
                 assert!((a - b).abs() < 1e-11, "{eta} {bottom:?} {side} {a} {b}");
-                let rings: f64 = many[fine.history_rings(side, history)].iter().sum();
-                let profile: f64 = many[fine.history_in_plane(side, history)].iter().sum();
-                // A wedge of half a turn to both sides is everything.
+                let rings: f64 = many.rings(side, component).iter().sum();
+                let profile: f64 = many.in_plane(side, component).iter().sum();
+                // A slice of half a turn to both sides is everything.
                 assert!((rings - b).abs() < 1e-11 && (profile - b).abs() < 1e-11);
             }
-            let all = many[side.index()];
-            let total: f64 = Share::ALL
-                .map(|share| {
-                    let first = fine.bins(share).start + side.index() * fine.grid().bins_per_side();
-                    many[first..first + fine.grid().bins_per_side()]
-                        .iter()
-                        .sum::<f64>()
-                })
+            let all = many.flux(side, Component::All);
+            let total: f64 = Component::BINS
+                .map(|component| many.bins(side, component).iter().sum::<f64>())
                 .into_iter()
                 .sum();
             assert!((0.5 * total - all).abs() < 1e-11);
-            let first = many[fine.order(side, 1)];
-            assert!((first + many[fine.multiple(side)] - all).abs() < 1e-11);
-            let rings: f64 = many[fine.rings(side, OrderClass::First)].iter().sum();
+            let first = many.order(side, 1);
+            assert!((first + many.flux(side, Component::Multiple) - all).abs() < 1e-11);
+            let rings: f64 = many.rings(side, Component::Single).iter().sum();
             assert!((rings - first).abs() < 1e-11);
         }
     }
@@ -365,24 +360,26 @@ fn tallies_of_different_grids_agree_and_components_add_up() {
 #[test]
 fn unrecorded_sides_and_azimuths_stay_empty() {
     let model = model(1.5, &slab(0.9, 0.5, 0.3, Bottom::Open), LayerPaths::All);
-    let reflected = layout(3, 4, 0.1).with_sides(Sides::Reflected);
-    let record = record(&model, 30.0, &reflected);
-    assert!(record[Layout::REFLECTED] > 0.0 && record[Layout::TRANSMITTED] == 0.0);
+    let reflected = spec(3, 4, 0.1).with_sides(Sides::Reflected);
+    let record = tally(&model, 30.0, &reflected);
+    assert!(
+        record[TallySpec::BUDGET.reflected] > 0.0 && record[TallySpec::BUDGET.transmitted] == 0.0
+    );
     assert_eq!(
-        record[reflected.history(Side::Transmitted, History::Once)],
+        record.flux(Side::Transmitted, Component::ScatteredOnce),
         0.0
     );
     assert!(
-        record[Layout::NOT_ASKED] > 0.5,
+        record[TallySpec::BUDGET.not_recorded] > 0.5,
         "the unscattered light, which would have gone there"
     );
     // From straight above, all bins of a ring hold the same.
-    let layout = layout(3, 4, 0.1);
-    let record = model.record(light(0.0), &layout, Azimuth::Free);
-    for ring in record[layout.history_bins(History::Unscattered)].chunks(4) {
+    let spec = spec(3, 4, 0.1);
+    let record = model.tally(light(0.0), &spec, Azimuth::Free);
+    for ring in record[spec.grid_entries(Component::Unscattered)].chunks(4) {
         assert!(ring.iter().all(|flux| flux == &ring[0]));
     }
-    for ring in record[layout.history_bins(History::Once)].chunks(4) {
+    for ring in record[spec.grid_entries(Component::ScatteredOnce)].chunks(4) {
         assert!(ring.iter().all(|flux| (flux - ring[0]).abs() < 1e-15));
     }
 }

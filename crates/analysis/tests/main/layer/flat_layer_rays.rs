@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{FlatLayer, LayerPaths, sidak_z_threshold};
 use asperity_optics::{Bottom, Incidence, Layer, ParticipatingMedium, PhaseFunction};
-use asperity_tally::{Azimuth, HemisphereGrid, History, Layout, Share, Side};
+use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallySpec};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -97,9 +97,9 @@ fn scattered(d: [f64; 3], g: f64, rng: &mut ChaCha8Rng) -> [f64; 3] {
 
 const RAYS: u32 = 100_000;
 
-fn layout() -> Layout {
+fn spec() -> TallySpec {
     let grid = HemisphereGrid::new(6, 8).unwrap();
-    Layout::new(grid, 0.1).unwrap().with_histories()
+    TallySpec::new(grid, 0.1).unwrap().with_medium()
 }
 
 fn model(case: &Case, paths: LayerPaths) -> FlatLayer {
@@ -114,7 +114,7 @@ fn model(case: &Case, paths: LayerPaths) -> FlatLayer {
 const TURN: f64 = 0.1;
 
 fn counted(left: &[Left], counts: impl Fn(&Left) -> bool) -> Vec<f64> {
-    let grid = layout().grid();
+    let grid = spec().grid();
     let mut bins = vec![0.0; grid.len()];
     for ray in left.iter().filter(|ray| counts(ray)) {
         let [x, y, z] = ray.1;
@@ -160,21 +160,22 @@ fn rays_agree_with_both_models_in_every_bin() {
         case(1.0, 0.3, 1.0, 0.6, Bottom::Interface { eta: 0.7 }, 35.0),
         case(0.8, 0.4, 1.0, 0.0, Bottom::Interface { eta: 1.6 }, 40.0),
     ];
-    let layout = layout();
+    let spec = spec();
     let mut families: Vec<(String, Vec<f64>)> = Vec::new();
     for (i, case) in cases.iter().enumerate() {
         let mut rng = ChaCha8Rng::seed_from_u64(i as u64 + 1);
         let left: Vec<Left> = (0..RAYS).filter_map(|_| follow(case, &mut rng)).collect();
         let light = Incidence::from_degrees(case.theta, TURN.to_degrees()).unwrap();
-        let record = |paths| model(case, paths).record(light, &layout, Azimuth::From(PI + TURN));
-        let exact = record(LayerPaths::All);
-        for history in [History::Unscattered, History::Once] {
-            let found = counted(&left, |ray| History::of(ray.2) == history);
-            let z = z_values(&found, &exact[layout.history_bins(history)]);
-            families.push((format!("case {i}, {}", history.name()), z));
+        let tally = |paths| model(case, paths).tally(light, &spec, Azimuth::From(PI + TURN));
+        let exact = tally(LayerPaths::All);
+        for (scatterings, component) in [(0, Component::Unscattered), (1, Component::ScatteredOnce)]
+        {
+            let found = counted(&left, |ray| ray.2 == scatterings);
+            let z = z_values(&found, &exact[spec.grid_entries(component)]);
+            families.push((format!("case {i}, {component}"), z));
         }
         let found = counted(&left, |ray| ray.3 == 1);
-        let z = z_values(&found, &exact[layout.bins(Share::Single)]);
+        let z = z_values(&found, &exact[spec.grid_entries(Component::Single)]);
         families.push((format!("case {i}, one face"), z));
         if case.bottom == Bottom::Mirror {
             continue;
@@ -183,7 +184,7 @@ fn rays_agree_with_both_models_in_every_bin() {
         let open = case.bottom == Bottom::Open;
         let faces = |side| 2 - u32::from(open && side == Side::Transmitted);
         let found = counted(&left, |ray| ray.2 == 1 && ray.3 == faces(ray.0));
-        let once = &record(LayerPaths::HanrahanKrueger)[layout.history_bins(History::Once)];
+        let once = &tally(LayerPaths::HanrahanKrueger)[spec.grid_entries(Component::ScatteredOnce)];
         families.push((format!("case {i}, once, straight"), z_values(&found, once)));
     }
     let all: usize = families.iter().map(|(_, z)| z.len()).sum();

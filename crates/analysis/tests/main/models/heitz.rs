@@ -9,7 +9,8 @@ use asperity_analysis::{
 };
 use asperity_optics::{Material, from_spherical, reflect};
 use asperity_tally::{
-    Azimuth, BatchStatistics, Event, EventPath, HemisphereGrid, Layout, Record, Share, Side,
+    Azimuth, Component, Entry, Event, EventPath, HemisphereGrid, Side, Tally, TallyResult,
+    TallySpec, TallyStatistics, TallyValues,
 };
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -17,9 +18,9 @@ use rand_chacha::ChaCha8Rng;
 
 const BATCHES: u64 = 200;
 
-fn layout(n_theta: usize, n_phi: usize) -> Layout {
+fn spec(n_theta: usize, n_phi: usize) -> TallySpec {
     let grid = HemisphereGrid::new(n_theta, n_phi).unwrap();
-    Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap()
+    TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap()
 }
 
 fn glass(eta: f64) -> Material {
@@ -37,35 +38,35 @@ fn turned() -> SlopeCovariance {
 /// The walk alone, without the closed form, for light whose direction is drawn anew for each ray.
 fn sampled(
     model: &Heitz,
-    layout: Layout,
+    spec: TallySpec,
     rays: u64,
     seed: u64,
     mut wi: impl FnMut(&mut ChaCha8Rng) -> DVec3,
-) -> (BatchStatistics, Vec<Vec<f64>>) {
+) -> (TallyStatistics, Vec<TallyValues>) {
     let walk = model.random_walk().unwrap();
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut statistics = BatchStatistics::new(layout.len());
+    let mut statistics = TallyStatistics::new(spec);
     let mut batches = Vec::new();
     for _ in 0..BATCHES {
-        let mut record = Record::new(layout, Azimuth::From(0.0));
+        let mut record = Tally::new(spec, Azimuth::From(0.0));
         for _ in 0..rays / BATCHES {
             let wi = wi(&mut rng);
             walk.follow(wi, &mut rng, &mut record);
         }
-        batches.push(record.into_fractions(rays / BATCHES).to_vec());
+        batches.push(record.into_fractions(rays / BATCHES));
         statistics.push(batches.last().unwrap());
     }
     (statistics, batches)
 }
 
-fn z_score(statistics: &BatchStatistics, i: usize, expected: f64) -> f64 {
+fn z_score(statistics: &TallyStatistics, i: Entry, expected: f64) -> f64 {
     let found = statistics.estimate(i);
     (found.mean - expected) / found.se.unwrap()
 }
 
 #[test]
 fn the_budget_of_each_ray_closes() {
-    let layout = layout(3, 4);
+    let spec = spec(3, 4);
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let conductor = Material::conductor(0.2, 3.0).unwrap();
     for slopes in [isotropic(0.3), isotropic(3.0), isotropic(20.0), turned()] {
@@ -73,20 +74,22 @@ fn the_budget_of_each_ray_closes() {
             let model = Heitz::new(slopes, material).unwrap();
             let mut absorbed = 0.0;
             for k in 0..300 {
-                let mut record = Record::new(layout, Azimuth::From(0.0));
+                let mut record = Tally::new(spec, Azimuth::From(0.0));
                 let wi = from_spherical(0.3 * f64::from(k % 5), f64::from(k));
                 model
                     .random_walk()
                     .unwrap()
                     .follow(wi, &mut rng, &mut record);
                 let values = record.into_fractions(1);
-                let total: f64 = values[..5].iter().sum();
+                let total: f64 = values.budget().total();
                 // Some tens of products and sums a path.
                 assert!((total - 1.0).abs() < 1e-13, "{total}");
-                assert!(values[..3].iter().all(|&v| v >= 0.0) && values[Layout::LOST] == 0.0);
-                absorbed += values[Layout::ABSORBED];
+                assert!(
+                    values[..3].iter().all(|&v| v >= 0.0) && values[TallySpec::BUDGET.lost] == 0.0
+                );
+                absorbed += values[TallySpec::BUDGET.absorbed];
                 if material.transmitting_index().is_none() {
-                    assert_eq!(values[Layout::TRANSMITTED], 0.0);
+                    assert_eq!(values[TallySpec::BUDGET.transmitted], 0.0);
                 }
             }
             assert_eq!(absorbed > 0.0, material == conductor);
@@ -96,7 +99,7 @@ fn the_budget_of_each_ray_closes() {
 
 #[test]
 fn white_furnace_conserves_energy_and_a_rough_metal_absorbs_more() {
-    let layout = layout(3, 4);
+    let spec = spec(3, 4);
     let mut z_values = Vec::new();
     let mut absorbed = Vec::new();
     for s in [0.5, 2.0] {
@@ -107,10 +110,10 @@ fn white_furnace_conserves_energy_and_a_rough_metal_absorbs_more() {
             Material::conductor(0.2, 3.0).unwrap(),
         ] {
             let model = Heitz::new(isotropic(s), material).unwrap();
-            let (statistics, _) = sampled(&model, layout, 20_000, 2, |_| from_spherical(1.0, 0.0));
+            let (statistics, _) = sampled(&model, spec, 20_000, 2, |_| from_spherical(1.0, 0.0));
             // Roulette takes as much as it gives.
-            z_values.push(z_score(&statistics, Layout::TRUNCATED, 0.0));
-            absorbed.push(statistics.means()[Layout::ABSORBED]);
+            z_values.push(z_score(&statistics, TallySpec::BUDGET.truncated, 0.0));
+            absorbed.push(statistics.means()[TallySpec::BUDGET.absorbed]);
         }
     }
     println!("z of truncated {z_values:.2?}, absorbed {absorbed:.4?}");
@@ -127,8 +130,8 @@ fn white_furnace_conserves_energy_and_a_rough_metal_absorbs_more() {
 
 #[test]
 fn single_scattering_agrees_with_the_closed_form() {
-    let layout = layout(9, 12);
-    let grid = layout.grid();
+    let spec = spec(9, 12);
+    let grid = spec.grid();
     let cases = [
         (isotropic(2.0), glass(1.5), 45.0),
         (isotropic(0.7), glass(1.0 / 1.5), 60.0),
@@ -141,10 +144,10 @@ fn single_scattering_agrees_with_the_closed_form() {
         let density = model.density().unwrap();
         let wi = from_spherical(f64::to_radians(theta), 0.4);
         let rays = 60_000;
-        let (statistics, _) = sampled(&model, layout, rays, 40 + seed as u64, |_| wi);
+        let (statistics, _) = sampled(&model, spec, rays, 40 + seed as u64, |_| wi);
         let expected = bin_fluxes(density, wi, &grid);
         let (mut chi_squared, mut used) = (0.0, 0);
-        for (i, expected) in layout.bins(Share::Single).zip(expected) {
+        for (i, expected) in spec.grid_entries(Component::Single).iter().zip(expected) {
             // Each ray puts a part of its flux into a bin: 50 such rays at least.
             if expected > 50.0 / rays as f64 {
                 chi_squared += z_score(&statistics, i, expected).powi(2);
@@ -154,7 +157,7 @@ fn single_scattering_agrees_with_the_closed_form() {
         assert!(used > 20);
         p_values.push(chi_squared_survival(chi_squared, used));
         let energy = hemispherical_energy(density, wi);
-        let order = |side| layout.order(side, 1);
+        let order = |side| spec.order_entry(side, 1);
         z_values.push(z_score(
             &statistics,
             order(Side::Reflected),
@@ -250,16 +253,16 @@ fn reflected_twice(s: f64, n: u32) -> f64 {
 
 #[test]
 fn double_reflection_agrees_with_the_integral_over_two_facets() {
-    let layout = layout(3, 4);
+    let spec = spec(3, 4);
     let twice = EventPath::default()
         .then(Event::Reflection)
         .then(Event::Reflection);
     let mut z_values = Vec::new();
     for (s, seed) in [(0.7, 5), (1.5, 6), (3.0, 7)] {
         let model = Heitz::new(isotropic(s), Material::Mirror).unwrap();
-        let (statistics, _) = sampled(&model, layout, 200_000, seed, |_| DVec3::Z);
+        let (statistics, _) = sampled(&model, spec, 200_000, seed, |_| DVec3::Z);
         let (coarse, expected) = (reflected_twice(s, 60), reflected_twice(s, 120));
-        let found = statistics.estimate(layout.path(Side::Reflected, twice));
+        let found = statistics.estimate(spec.event_path_entry(Side::Reflected, twice));
         // Of second order the finer one is off by a third of the difference; at kinks by somewhat more.
         let error = found.se.unwrap().hypot((coarse - expected) / 2.0);
         let z = (found.mean - expected) / error;
@@ -276,8 +279,8 @@ fn double_reflection_agrees_with_the_integral_over_two_facets() {
 
 /// Flux that is scattered more than once from each bin into each, per radiance: `[from][to]`, bins below
 /// being those of light that comes from there. Mean and standard error.
-fn exchange(slopes: SlopeCovariance, eta: Option<f64>, layout: Layout) -> Vec<Vec<(f64, f64)>> {
-    let grid = layout.grid();
+fn exchange(slopes: SlopeCovariance, eta: Option<f64>, spec: TallySpec) -> Vec<Vec<(f64, f64)>> {
+    let grid = spec.grid();
     let of_a_side = grid.bins_per_side();
     let rays = 20_000;
     // The side that light comes from is the first in its record, and rings are counted from its pole.
@@ -297,7 +300,7 @@ fn exchange(slopes: SlopeCovariance, eta: Option<f64>, layout: Layout) -> Vec<Ve
             let bin = grid.bin(from);
             let [a, b] = bin.theta.map(|theta| theta.sin().powi(2));
             // Uniform in projected solid angle; light from below is turned upside down with its surface.
-            let (statistics, _) = sampled(&model, layout, rays, 60 + from as u64, |rng| {
+            let (statistics, _) = sampled(&model, spec, rays, 60 + from as u64, |rng| {
                 let sin2: f64 = a + (b - a) * rng.random::<f64>();
                 let phi = bin.phi[0] + (bin.phi[1] - bin.phi[0]) * rng.random::<f64>();
                 from_spherical(sin2.sqrt().asin(), phi)
@@ -306,7 +309,7 @@ fn exchange(slopes: SlopeCovariance, eta: Option<f64>, layout: Layout) -> Vec<Ve
             (0..grid.len())
                 .map(|to| {
                     let own = if from_below { upside_down(to) } else { to };
-                    let flux = statistics.estimate(layout.bins(Share::Multiple).start + own);
+                    let flux = statistics.estimate(spec.grid_entries(Component::Multiple).get(own));
                     (projected * flux.mean, projected * flux.se.unwrap())
                 })
                 .collect()
@@ -317,11 +320,11 @@ fn exchange(slopes: SlopeCovariance, eta: Option<f64>, layout: Layout) -> Vec<Ve
 #[test]
 fn multiple_scattering_is_reciprocal() {
     // The grooves lie askew, so that no symmetry of the surface helps.
-    let layout = layout(3, 3);
-    let of_a_side = layout.grid().bins_per_side();
+    let spec = spec(3, 3);
+    let of_a_side = spec.grid().bins_per_side();
     let mut z_values = Vec::new();
     for eta in [None, Some(1.5)] {
-        let flux = exchange(turned(), eta, layout);
+        let flux = exchange(turned(), eta, spec);
         let bins = if eta.is_some() { flux.len() } else { of_a_side };
         for (a, b) in (0..bins).flat_map(|a| (0..a).map(move |b| (a, b))) {
             // Radiance over n^2 is what is exchanged: a is below, b above, if sides differ.
@@ -350,7 +353,7 @@ fn multiple_scattering_is_reciprocal() {
 #[test]
 fn turning_surface_and_light_turns_the_result() {
     // By a quarter turn, which maps bins onto bins: the same random numbers make the same paths.
-    let layout = layout(6, 8);
+    let spec = spec(6, 8);
     let (here, there) = (
         SlopeCovariance::new(0.5, 2.0, 0.6).unwrap(),
         SlopeCovariance::new(2.0, 0.5, -0.6).unwrap(),
@@ -358,12 +361,12 @@ fn turning_surface_and_light_turns_the_result() {
     let run = |slopes, phi| {
         let model = Heitz::new(slopes, glass(1.5)).unwrap();
         let wi = from_spherical(1.0, phi);
-        sampled(&model, layout, 4_000, 8, |_| wi).0.means().to_vec()
+        sampled(&model, spec, 4_000, 8, |_| wi).0.into_means()
     };
     let (a, b) = (run(here, 0.3), run(there, 0.3 + 0.5 * PI));
-    let n_phi = layout.grid().n_phi();
-    for share in [Share::Single, Share::Multiple] {
-        let bins = |values: &[f64]| values[layout.bins(share)].to_vec();
+    let n_phi = spec.grid().n_phi();
+    for share in [Component::Single, Component::Multiple] {
+        let bins = |values: &TallyValues| values[spec.grid_entries(share)].to_vec();
         let (a, b) = (bins(&a), bins(&b));
         for (i, a) in a.into_iter().enumerate() {
             let turned = i - i % n_phi + (i + n_phi / 4) % n_phi;
@@ -372,19 +375,18 @@ fn turning_surface_and_light_turns_the_result() {
     }
     // It does matter how the grooves lie.
     let across = run(here, 0.3 + 0.5 * PI);
-    let multiple = layout.multiple(Side::Transmitted);
+    let multiple = spec.flux_entry(Side::Transmitted, Component::Multiple);
     assert!((across[multiple] / a[multiple] - 1.0).abs() > 0.1);
 }
 
 #[test]
 fn nearly_equal_variances_agree_with_equal_ones() {
-    let layout = layout(3, 4);
+    let spec = spec(3, 4);
     let run = |slopes| {
         let model = Heitz::new(slopes, glass(1.5)).unwrap();
-        sampled(&model, layout, 4_000, 9, |_| from_spherical(0.8, 1.0))
+        sampled(&model, spec, 4_000, 9, |_| from_spherical(0.8, 1.0))
             .0
-            .means()
-            .to_vec()
+            .into_means()
     };
     let (a, b) = (
         run(isotropic(1.0)),
@@ -392,7 +394,7 @@ fn nearly_equal_variances_agree_with_equal_ones() {
     );
     for side in Side::BOTH {
         for order in 1..6 {
-            let i = layout.order(side, order);
+            let i = spec.order_entry(side, order);
             assert!((a[i] - b[i]).abs() < 1e-8);
         }
     }
@@ -431,7 +433,7 @@ fn invalid_materials_are_refused_and_the_valid_range_is_stated() {
 
 #[test]
 fn extreme_light_and_surfaces_give_finite_results() {
-    let layout = layout(3, 4);
+    let spec = spec(3, 4);
     let steep = SlopeCovariance::new(1e8, 1e8, 0.0).unwrap();
     let flat = SlopeCovariance::new(1e-12, 1e-12, 0.0).unwrap();
     let uneven = SlopeCovariance::new(1e-6, 1e3, 0.0).unwrap();
@@ -445,13 +447,13 @@ fn extreme_light_and_surfaces_give_finite_results() {
                 from_spherical(1e-9, 2.0),
             ] {
                 for _ in 0..20 {
-                    let mut record = Record::new(layout, Azimuth::From(0.0));
+                    let mut record = Tally::new(spec, Azimuth::From(0.0));
                     model
                         .random_walk()
                         .unwrap()
                         .follow(wi, &mut rng, &mut record);
                     let values = record.into_fractions(1);
-                    let total: f64 = values[..5].iter().sum();
+                    let total: f64 = values.budget().total();
                     assert!(
                         (total - 1.0).abs() < 1e-12,
                         "{slopes:?} {material:?} {wi} {total}"

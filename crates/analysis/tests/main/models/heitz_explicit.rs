@@ -6,7 +6,7 @@
 
 use asperity_analysis::{SamplingEffort, SlopeCovariance, create_model, expect};
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Azimuth, HemisphereGrid, Layout, Side};
+use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallySpec};
 
 /// Flux fractions of orders 2 and 3 and of all above one on explicit Gaussian surfaces, by an independent
 /// program: `ensemble_s3.json` (12 surfaces) and `explicit_s2_eta1.5.json` (one).
@@ -36,7 +36,7 @@ const BAND: [f64; 2] = [0.33, 1.7];
 #[test]
 fn multiple_scattering_is_within_the_band_of_explicit_surfaces() {
     let grid = HemisphereGrid::new(3, 4).unwrap();
-    let layout = Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap();
+    let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap();
     for case in &EXPLICIT {
         let slopes = SlopeCovariance::isotropic(case.s).unwrap();
         let model = create_model("heitz", slopes, Material::dielectric(case.eta).unwrap()).unwrap();
@@ -46,13 +46,7 @@ fn multiple_scattering_is_within_the_band_of_explicit_surfaces() {
             batches: 50,
             seed: 1,
         };
-        let expected = expect(
-            model.as_ref(),
-            incidence,
-            &layout,
-            Azimuth::From(0.0),
-            effort,
-        );
+        let expected = expect(model.as_ref(), incidence, &spec, Azimuth::From(0.0), effort);
         println!(
             "s {}, eta {:.3}, {} deg, model / surface:",
             case.s, case.eta, case.theta
@@ -63,9 +57,9 @@ fn multiple_scattering_is_within_the_band_of_explicit_surfaces() {
         ];
         for (side, explicit) in sides {
             let entries = [
-                layout.order(side, 2),
-                layout.order(side, 3),
-                layout.multiple(side),
+                spec.order_entry(side, 2),
+                spec.order_entry(side, 3),
+                spec.flux_entry(side, Component::Multiple),
             ];
             let [second, third, all] = [0, 1, 2].map(|k| {
                 let found = expected.statistics().estimate(entries[k]);

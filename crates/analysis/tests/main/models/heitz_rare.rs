@@ -4,7 +4,7 @@ use asperity_analysis::{
     Heitz, ScatteringModel, SlopeCovariance, hemispherical_energy, sidak_z_threshold,
 };
 use asperity_optics::{Material, from_spherical};
-use asperity_tally::{Azimuth, BatchStatistics, HemisphereGrid, Layout, Record, Side};
+use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, Tally, TallySpec, TallyStatistics};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -15,16 +15,16 @@ fn mirror(s: f64) -> Heitz {
     Heitz::new(SlopeCovariance::isotropic(s).unwrap(), Material::Mirror).unwrap()
 }
 
-fn layout() -> Layout {
+fn spec() -> TallySpec {
     let grid = HemisphereGrid::new(2, 2).unwrap();
-    Layout::new(grid, Layout::DEFAULT_HALF_WIDTH).unwrap()
+    TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap()
 }
 
-fn sampled(model: &Heitz, wi: DVec3, rays: u64, seed: u64) -> BatchStatistics {
+fn sampled(model: &Heitz, wi: DVec3, rays: u64, seed: u64) -> TallyStatistics {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
-    let mut statistics = BatchStatistics::new(layout().len());
+    let mut statistics = TallyStatistics::new(spec());
     for _ in 0..BATCHES {
-        let mut record = Record::new(layout(), Azimuth::From(0.0));
+        let mut record = Tally::new(spec(), Azimuth::From(0.0));
         for _ in 0..rays / BATCHES {
             model
                 .random_walk()
@@ -50,7 +50,7 @@ fn second_order_of_a_smooth_mirror_is_the_rest_of_the_first() {
         let once = hemispherical_energy(model.density().unwrap(), wi).reflected;
         let expected = 1.0 - once;
         let statistics = sampled(&model, wi, 20_000, 70 + seed as u64);
-        let found = statistics.estimate(layout().multiple(Side::Reflected));
+        let found = statistics.estimate(spec().flux_entry(Side::Reflected, Component::Multiple));
         let z = (found.mean - expected) / found.se.unwrap();
         println!("s = {s}, {theta} deg: {found:?} of {expected:.3e}, z = {z:.2}");
         z_values.push(z);
@@ -73,18 +73,18 @@ fn rare_multiple_scattering_is_followed() {
         let [mut left, mut found, mut second] = [0.0; 3];
         let mut rays = 0;
         for _ in 0..10_000 {
-            let mut record = Record::new(layout(), Azimuth::From(0.0));
+            let mut record = Tally::new(spec(), Azimuth::From(0.0));
             model
                 .random_walk()
                 .unwrap()
                 .follow(wi, &mut rng, &mut record);
             let values = record.into_fractions(1);
-            let rest = 1.0 - values[layout().order(Side::Reflected, 1)];
+            let rest = 1.0 - values[spec().order_entry(Side::Reflected, 1)];
             if (1e-11..1e-6).contains(&rest) {
-                let later = values[layout().multiple(Side::Reflected)];
+                let later = values[spec().flux_entry(Side::Reflected, Component::Multiple)];
                 left += rest;
                 found += later;
-                second += values[layout().order(Side::Reflected, 2)];
+                second += values[spec().order_entry(Side::Reflected, 2)];
                 rays += 1;
             }
         }

@@ -8,7 +8,9 @@ use asperity_analysis::{
     create_model, expect, hemispherical_energy, xu_sun_visibility,
 };
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
-use asperity_tally::{Azimuth, EventPath, HemisphereGrid, Layout, Share, Side, Sides};
+use asperity_tally::{
+    Azimuth, Component, EventPath, HemisphereGrid, Side, Sides, TallyResult, TallySpec,
+};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -23,10 +25,10 @@ fn glass() -> Material {
     Material::dielectric(1.4).unwrap()
 }
 
-fn layout() -> Layout {
-    Layout::new(
+fn spec() -> TallySpec {
+    TallySpec::new(
         HemisphereGrid::new(6, 8).unwrap(),
-        Layout::DEFAULT_HALF_WIDTH,
+        TallySpec::DEFAULT_HALF_WIDTH,
     )
     .unwrap()
 }
@@ -57,7 +59,7 @@ fn in_batches(
         batches,
         seed,
     };
-    expect(model, incidence, &layout(), azimuth, effort)
+    expect(model, incidence, &spec(), azimuth, effort)
 }
 
 /// The single scattering that the walk of `xu-sun-mc` samples: Eq. 18 with the mean of Eq. 22 over heights in
@@ -134,13 +136,13 @@ impl BsdfModel for Averaged {
 /// With 200 batches the square of a t value has mean 199 / 197, one percent above that of a normal one. Bins
 /// that few rays reach are left out, since their errors are not known.
 fn single_p_value(walked: &Expectation, exact: &dyn BsdfModel, theta_deg: f64) -> f64 {
-    let layout = layout();
-    let exact = bin_fluxes(exact, light(theta_deg).0.wi(), &layout.grid());
-    let hits = layout.hits(Share::Single);
-    let errors: Vec<f64> = walked.statistics().error_squares().collect();
+    let spec = spec();
+    let exact = bin_fluxes(exact, light(theta_deg).0.wi(), &spec.grid());
+    let hits = spec.grid_hit_entries(Component::Single);
+    let errors = walked.statistics().error_squares();
     let (mut chi_squared, mut bins) = (0.0, 0);
-    for (k, i) in layout.bins(Share::Single).enumerate() {
-        let rays = walked.statistics().means()[hits.start + k] * walked.rays() as f64;
+    for (k, i) in spec.grid_entries(Component::Single).iter().enumerate() {
+        let rays = walked.statistics().means()[hits.get(k)] * walked.rays() as f64;
         if rays < 200.0 {
             continue;
         }
@@ -158,22 +160,15 @@ fn single_p_value(walked: &Expectation, exact: &dyn BsdfModel, theta_deg: f64) -
 }
 
 fn fluxes(walked: &Expectation) -> [f64; 5] {
-    let means = walked.statistics().means();
-    [
-        means[Layout::REFLECTED],
-        means[Layout::TRANSMITTED],
-        means[Layout::ABSORBED],
-        means[Layout::TRUNCATED],
-        means[Layout::LOST],
-    ]
+    walked.statistics().means().budget().parts()
 }
 
 /// The sum of all that is booked and its standard error, from batches.
 fn budget(walked: &Expectation) -> (f64, f64) {
     let sums: Vec<f64> = walked
-        .records()
+        .tallies()
         .iter()
-        .map(|record| record[..5].iter().sum())
+        .map(|record| record.budget().total())
         .collect();
     let n = sums.len() as f64;
     let mean = sums.iter().sum::<f64>() / n;
@@ -323,7 +318,7 @@ fn double_scattering_is_by_two_independent_facets() {
                 1 => Side::Transmitted,
                 _ => Side::Reflected,
             };
-            let entry = layout().path(side, EventPath::from_code(2, code as u32));
+            let entry = spec().event_path_entry(side, EventPath::from_code(2, code as u32));
             let found = walked.statistics().estimate(entry);
             let mean = sums[code] / f64::from(rays);
             let variance = (squares[code] / f64::from(rays) - mean * mean) / f64::from(rays);
@@ -411,7 +406,7 @@ fn turning_the_surface_turns_the_scattered_light() {
     // Slopes of (xx, yy, xy) turned by 90 deg are (yy, xx, -xy); two independent runs, bin by bin.
     let here = SlopeCovariance::new(0.5, 0.1, 0.1).unwrap();
     let there = SlopeCovariance::new(0.1, 0.5, -0.1).unwrap();
-    let layout = layout();
+    let spec = spec();
     let run = |slopes, phi: f64, seed| {
         let model = create_model("xu-sun-mc-smith", slopes, glass()).unwrap();
         let incidence = Incidence::from_degrees(40.0, phi).unwrap();
@@ -421,16 +416,16 @@ fn turning_the_surface_turns_the_scattered_light() {
             batches: 200,
             seed,
         };
-        expect(model.as_ref(), incidence, &layout, azimuth, effort)
+        expect(model.as_ref(), incidence, &spec, azimuth, effort)
     };
     let p_value = |a: &Expectation, b: &Expectation| {
-        let n = layout.grid().n_phi();
-        let errors = [a, b].map(|e| e.statistics().error_squares().collect::<Vec<_>>());
+        let n = spec.grid().n_phi();
+        let errors = [a, b].map(|e| e.statistics().error_squares());
         let (mut chi_squared, mut bins) = (0.0, 0);
-        let start = layout.bins(Share::Total).start;
-        for k in 0..layout.grid().len() {
+        let entries = spec.grid_entries(Component::All);
+        for k in 0..spec.grid().len() {
             let turned = k / n * n + (k % n + n / 4) % n;
-            let (i, j) = (start + k, start + turned);
+            let (i, j) = (entries.get(k), entries.get(turned));
             let variance = errors[0][i] + errors[1][j];
             let means = [a.statistics().means()[i], b.statistics().means()[j]];
             if means[0].min(means[1]) > 1e-3 {
@@ -473,7 +468,7 @@ fn results_do_not_depend_on_the_thread_count() {
                 .build()
                 .unwrap();
             pool.install(|| followed(model.as_ref(), 50.0, 4000, 9))
-                .records()
+                .tallies()
                 .to_vec()
         });
         assert_eq!(one, two);

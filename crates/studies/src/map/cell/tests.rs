@@ -173,21 +173,22 @@ fn run() -> VerifyOutcome {
 #[test]
 fn the_numbers_of_a_cell_are_those_of_its_run() {
     let mut outcome = run();
-    let layout = outcome.layout;
+    let spec = outcome.spec;
     let found = CellResults::of(&outcome, &outcome.cases[0]);
     let case = &outcome.cases[0];
 
     // Of what the mesh adds to a bin half is light that has moved there, half light that has gone.
-    for (model, share) in [(0, Share::Total), (1, Share::Single)] {
-        let mesh = layout
-            .bins(share)
-            .map(|i| case.errors.errors(i).mesh.unwrap_or(0.0).abs());
+    for (model, share) in [(0, Component::All), (1, Component::Single)] {
+        let mesh = spec
+            .grid_entries(share)
+            .iter()
+            .map(|i| case.errors.at(i).mesh.unwrap_or(0.0).abs());
         let expected = 0.5 * mesh.sum::<f64>();
         let own = &found.models[model].own;
         println!("mesh {} of {expected}", own.mesh);
         assert!(expected > 1e-4 && (own.mesh / expected - 1.0).abs() < 1e-12);
         let observed = match share {
-            Share::Total => &case.models[model].total,
+            Component::All => &case.models[model].total,
             _ => case.models[model].judged(),
         };
         let total = observed.comparison.total_variation;
@@ -203,15 +204,18 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     outcome.cases[0].deviation_bound = Some(bound);
     let known = CellResults::of(&outcome, &outcome.cases[0]);
     let statistics = outcome.cases[0].models[0].expectation.statistics();
-    let errors = layout.bins(Share::Total);
-    let errors: f64 = errors.map(|i| statistics.estimate(i).se.unwrap()).sum();
+    let errors = spec.grid_entries(Component::All);
+    let errors: f64 = errors
+        .iter()
+        .map(|i| statistics.estimate(i).se.unwrap())
+        .sum();
     let [sampled, exact] = [0, 1].map(|i| known.models[i].own.noise_95.unwrap());
     let quantile = (sampled - bound) / (0.5 * errors);
     println!("errors of bins {errors}, quantile {quantile}");
     assert!(errors > 5e-4);
     assert!(quantile > 1.9599 && quantile < student_95(16).unwrap() + 1e-9);
     assert!((exact - bound).abs() < 1e-15);
-    let se = statistics.estimate(Layout::REFLECTED).se;
+    let se = statistics.budget().reflected.se;
     assert_eq!(known.models[0].own.sides[0].difference_se, se);
 }
 

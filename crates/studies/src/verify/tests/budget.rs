@@ -1,8 +1,7 @@
 //! Errors by where they come from.
 
 use asperity_simulate::{Errors, Silent};
-use asperity_tally::OrderClass;
-use asperity_tally::{Layout, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 use crate::config::VerifyConfig;
 use crate::verify::{VerifyOutcome, verify};
@@ -21,8 +20,11 @@ fn more_rays_make_the_ray_error_less_and_leave_that_between_surfaces() {
     let more = "realisations = 64\nsampling = \"random\"\nestimator = \"plain\"";
     let [few, many] = [20_000, 320_000].map(|rays| {
         let outcome = run("smoothness = 1.5", rays, more);
-        let ring = outcome.layout.rings(Side::Reflected, OrderClass::All).start + 4;
-        outcome.cases[0].errors.errors(ring)
+        let ring = outcome
+            .spec
+            .ring_entries(Side::Reflected, Component::All)
+            .get(4);
+        outcome.cases[0].errors.at(ring)
     });
     println!("{few:?} {many:?}");
     let ratio = few.rays.unwrap() / many.rays.unwrap();
@@ -38,8 +40,8 @@ fn parts_add_to_the_error_that_surfaces_show_or_rays_explain_all() {
         let outcome = run("smoothness = 2", 20_000, &more);
         let case = &outcome.cases[0];
         let mut explained = 0;
-        for i in 0..outcome.layout.len() {
-            let errors = case.errors.errors(i);
+        for i in outcome.spec.entries() {
+            let errors = case.errors.at(i);
             let [rays, surfaces, total] =
                 [errors.rays, errors.surfaces, errors.total].map(Option::unwrap);
             let sampled = rays.hypot(surfaces);
@@ -56,8 +58,13 @@ fn parts_add_to_the_error_that_surfaces_show_or_rays_explain_all() {
             assert_eq!(errors.mesh_removed.is_some(), estimator == "controlled");
         }
         assert!(explained > 0);
-        let of = |i| case.errors.errors(i);
-        let [r, t, a] = [Layout::REFLECTED, Layout::TRANSMITTED, Layout::ABSORBED].map(of);
+        let of = |i| case.errors.at(i);
+        let [r, t, a] = [
+            TallySpec::BUDGET.reflected,
+            TallySpec::BUDGET.transmitted,
+            TallySpec::BUDGET.absorbed,
+        ]
+        .map(of);
         for part in [|e: &Errors| e.mesh, |e: &Errors| e.mesh_removed] {
             if let (Some(r), Some(t), Some(a)) = (part(&r), part(&t), part(&a)) {
                 assert!(r != 0.0 && (r + t + a).abs() < 1e-10, "{r} {t} {a}");
@@ -73,12 +80,12 @@ fn on_flat_surfaces_rays_explain_all() {
     let more = "realisations = 64\nbranching = \"pick\"\nestimator = \"plain\"";
     let outcome = run("sigma = 1e-3", 20_000, more);
     let case = &outcome.cases[0];
-    let errors = case.errors.errors(Layout::REFLECTED);
+    let errors = case.errors.at(TallySpec::BUDGET.reflected);
     println!("{errors:?}");
     let rays = errors.rays.unwrap();
     assert!(rays > 0.0 && errors.surfaces.unwrap() < 0.7 * rays);
     // What all surfaces do alike has no error at all.
-    let lost = case.errors.errors(Layout::LOST);
+    let lost = case.errors.at(TallySpec::BUDGET.lost);
     assert_eq!([lost.rays, lost.surfaces], [Some(0.0); 2]);
 }
 
@@ -86,15 +93,15 @@ fn on_flat_surfaces_rays_explain_all() {
 fn of_one_surface_nothing_is_said_of_others() {
     let outcome = run("smoothness = 2", 20_000, "realisations = 1");
     let case = &outcome.cases[0];
-    let errors = case.errors.errors(Layout::REFLECTED);
+    let errors = case.errors.at(TallySpec::BUDGET.reflected);
     assert_eq!(errors.surfaces, None);
-    assert_eq!(errors.rays, case.statistics.estimate(Layout::REFLECTED).se);
+    assert_eq!(errors.rays, case.statistics.budget().reflected.se);
     // A block has no scatter.
     let outcome = run(
         "smoothness = 2",
         1,
         "realisations = 2\nestimator = \"plain\"",
     );
-    let errors = outcome.cases[0].errors.errors(Layout::REFLECTED);
+    let errors = outcome.cases[0].errors.at(TallySpec::BUDGET.reflected);
     assert_eq!([errors.rays, errors.surfaces, errors.total], [None; 3]);
 }

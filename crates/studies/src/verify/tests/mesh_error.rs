@@ -4,8 +4,7 @@ use crate::config::VerifyConfig;
 use crate::verify::{VerifyOutcome, verify};
 use asperity_simulate::{MeshErrors, Method, Silent, finer};
 use asperity_surface::Synthesis;
-use asperity_tally::Layout;
-use asperity_tally::{OrderClass, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 /// Vertical or slanting light on 64 refined surfaces of mirrors of `size` samples a side.
 fn run([smoothness, tau, theta]: [f64; 3], size: u64, rays: u64, bins: &str) -> VerifyOutcome {
@@ -38,16 +37,20 @@ fn run([smoothness, tau, theta]: [f64; 3], size: u64, rays: u64, bins: &str) -> 
 #[test]
 fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
     let outcome = run([3.0, 4.0, 0.0], 128, 2_000_000, "6x1");
-    let (case, layout) = (&outcome.cases[0], outcome.layout);
+    let (case, spec) = (&outcome.cases[0], outcome.spec);
     let foreseen = |synthesis: &Synthesis| {
         let case = (&case.case, &Method::PLAIN);
-        MeshErrors::of_case(synthesis, case, &layout, true, None).remaining
+        MeshErrors::of_case(synthesis, case, &spec, true, None).remaining
     };
     let given = Synthesis::new(case.case.psd, [128, 128], [1.0, 1.0], false).unwrap();
     let [coarse, fine] = [&given, &finer(&given).unwrap()].map(foreseen);
     let refinement = case.errors.refinement().unwrap();
     let mut strongest: f64 = 0.0;
-    for ring in layout.rings(Side::Reflected, OrderClass::First).take(3) {
+    for ring in spec
+        .ring_entries(Side::Reflected, Component::Single)
+        .iter()
+        .take(3)
+    {
         let expected = coarse[ring].unwrap() - fine[ring].unwrap();
         let found = refinement.shift(ring);
         let se = found.se.unwrap();
@@ -65,9 +68,9 @@ fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
 #[test]
 fn second_order_is_seen_on_a_smooth_surface() {
     let outcome = run([1.0, 8.0, 30.0], 64, 1_000_000, "18x36");
-    let (case, layout) = (&outcome.cases[0], outcome.layout);
+    let (case, spec) = (&outcome.cases[0], outcome.spec);
     let refinement = case.errors.refinement().unwrap();
-    let multiple = layout.multiple(Side::Reflected);
+    let multiple = spec.flux_entry(Side::Reflected, Component::Multiple);
     let order = refinement.order(multiple).unwrap();
     println!(
         "{:?} {:?} {order}",
@@ -78,9 +81,9 @@ fn second_order_is_seen_on_a_smooth_surface() {
     // What is reported, less the rest that is left of its mesh, is Richardson's value.
     let extrapolated = refinement.extrapolated(multiple).unwrap();
     let found = case.statistics.estimate(multiple);
-    let remaining = case.errors.errors(multiple).mesh.unwrap();
+    let remaining = case.errors.at(multiple).mesh.unwrap();
     assert!((found.mean - remaining - extrapolated.mean).abs() < 1e-12);
     assert!((extrapolated.se.unwrap() / found.se.unwrap() - 1.0).abs() < 0.2);
     // All light is reflected by every mesh.
-    assert!(refinement.order(Layout::REFLECTED).is_err());
+    assert!(refinement.order(TallySpec::BUDGET.reflected).is_err());
 }

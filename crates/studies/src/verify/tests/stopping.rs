@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_tally::{Layout, Side};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
 use asperity_simulate::{MESH_ALLOWANCE, Observer, Sharing, Silent, StoppedBy};
 use asperity_surface::Synthesis;
@@ -43,10 +43,7 @@ fn errors_reach_their_targets() {
         let case = &outcome.cases[0];
         let stopping = case.stopping.as_ref().unwrap();
         let target = config.run.ray_settings().unwrap().target.unwrap();
-        let error = target
-            .of()
-            .error(&outcome.layout, &case.statistics)
-            .unwrap();
+        let error = target.of().error(&case.statistics).unwrap();
         println!("{run:?}: {error} {stopping:?}");
         assert_eq!(stopping.stopped_by, StoppedBy::Target);
         assert_eq!(stopping.error, Some(error));
@@ -62,7 +59,7 @@ fn errors_reach_their_targets() {
 fn errors_reached_are_those_that_results_have() {
     let reflected = |run: &str| {
         let outcome = verify(&config(run), &Silent).unwrap();
-        let estimate = outcome.cases[0].statistics.estimate(Layout::REFLECTED);
+        let estimate = outcome.cases[0].statistics.budget().reflected;
         (estimate.mean, estimate.se.unwrap())
     };
     let fixed = "estimator = \"plain\"\n";
@@ -168,7 +165,7 @@ fn nothing_is_traced_where_nothing_can_change() {
         let stopping = case.stopping.as_ref().unwrap();
         assert_eq!(stopping.stopped_by, StoppedBy::Bound);
         assert!(stopping.error.unwrap() < 1e-8);
-        let budget: f64 = case.statistics.means()[..5].iter().sum();
+        let budget: f64 = case.statistics.means().budget().total();
         assert!((budget - 1.0).abs() < 1e-12);
     }
 }
@@ -196,11 +193,15 @@ fn no_traced_total_deviates_by_more_than_the_bound() {
         for (known, traced) in known.cases.iter().zip(&traced.cases) {
             let bound = known.deviation_bound.unwrap();
             assert_eq!(known.work.rays, 0);
-            let layout = &known_layout();
-            let totals = Side::BOTH
-                .into_iter()
-                .flat_map(|side| [side.index(), layout.order(side, 1), layout.multiple(side)]);
-            for i in totals.chain([Layout::ABSORBED]) {
+            let spec = &known_layout();
+            let totals = Side::BOTH.into_iter().flat_map(|side| {
+                [
+                    spec.flux_entry(side, Component::All),
+                    spec.order_entry(side, 1),
+                    spec.flux_entry(side, Component::Multiple),
+                ]
+            });
+            for i in totals.chain([TallySpec::BUDGET.absorbed]) {
                 let traced = traced.statistics.estimate(i);
                 let deviation = (traced.mean - known.statistics.means()[i]).abs();
                 let noise = 4.0 * traced.se.unwrap() + 1e-3;
@@ -218,8 +219,8 @@ fn no_traced_total_deviates_by_more_than_the_bound() {
     assert!(closest > 0.3);
 }
 
-fn known_layout() -> Layout {
-    config("").run.ray_settings().unwrap().layout
+fn known_layout() -> TallySpec {
+    config("").run.ray_settings().unwrap().spec
 }
 
 /// A mesh that adds 6e-3 at the finest spacing tried leaves no target of 1e-2 reached, whatever rays and
@@ -282,7 +283,7 @@ fn surfaces_are_added_until_the_target_is_reached() {
         assert_eq!(stopping.stopped_by, StoppedBy::Target);
         assert!(stopping.error.unwrap() <= 0.02);
         // No surface counts twice.
-        let mut records = traced.ensemble.records;
+        let mut records = traced.ensemble.tallies;
         let surfaces = records.len();
         assert_eq!(
             traced.ensemble.work.rays,
