@@ -1,6 +1,5 @@
 //! `asperity attenuation`: shadowing and masking on explicit surfaces.
 
-use asperity_io::check_output_folder;
 use asperity_studies::{
     AttenuationConfig, AttenuationError, Count, Number, OneOrMany, PerAxis, attenuation,
     attenuation_report, attenuation_summary, attenuation_table,
@@ -10,7 +9,7 @@ use crate::args::{Attenuation, Common};
 use crate::failure::Failure;
 use crate::input::{one_or_many, per_axis, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Attenuation, common: &Common) -> Result<(), Failure> {
@@ -24,15 +23,22 @@ pub(crate) fn run(command: &Attenuation, common: &Common) -> Result<(), Failure>
         AttenuationError::Run(error) => Failure::failed(error),
         error => refuse_config(file, alone.as_deref(), &error),
     })?;
-    if let Some(folder) = &command.output {
-        check_output_folder(folder).map_err(Failure::failed)?;
-    }
+    let folder = match &command.output {
+        Some(path) => Some(result_folder(
+            path,
+            "attenuation",
+            &[file],
+            &config.files(),
+        )?),
+        None => None,
+    };
 
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = attenuation(&config, &bar).map_err(Failure::failed)?;
-    if let Some(folder) = &command.output {
-        attenuation_report(folder, &outcome, &bar).map_err(Failure::failed)?;
+    if let Some(folder) = folder {
+        attenuation_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+        folder.finish().map_err(Failure::failed)?;
     }
     if interrupt::came() {
         say(&format!(

@@ -1,6 +1,5 @@
 //! `asperity converge`: run time against error.
 
-use asperity_io::check_output_folder;
 use asperity_studies::{
     ConvergeConfig, ConvergeError, Count, Number, OneOrMany, VerifyError, converge,
     converge_report, converge_summary, converge_table,
@@ -10,7 +9,7 @@ use crate::args::{Common, Converge};
 use crate::failure::Failure;
 use crate::input::{one_or_many, override_ensemble, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
@@ -25,12 +24,14 @@ pub(crate) fn run(command: &Converge, common: &Common) -> Result<(), Failure> {
         ConvergeError::Run(VerifyError::Run(error)) => Failure::failed(error),
         error => refuse(&error),
     })?;
-    check_output_folder(&command.output).map_err(Failure::failed)?;
+    let names = config.files().map_err(Failure::failed)?;
+    let folder = result_folder(&command.output, "converge", &[file], &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = converge(&config, &bar).map_err(Failure::failed)?;
-    converge_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
+    converge_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+    folder.finish().map_err(Failure::failed)?;
     if interrupt::came() {
         say("interrupted; the cases that were finished are written");
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use asperity_io::{SurfaceFormat, check_output_folder};
+use asperity_io::SurfaceFormat;
 use asperity_simulate::StoppedBy;
 use asperity_studies::{
     Count, GonioConfig, GonioError, MeasuredConfig, Number, PerAxis, Sample, Seconds, VerifyError,
@@ -18,7 +18,7 @@ use crate::input::{
     read_config, read_mesh_surface, read_surface, refuse_config, refuse_surface,
 };
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 use crate::trace::{field_warnings, flat, mesh_warnings};
 
@@ -40,22 +40,24 @@ pub(crate) fn run(command: &Gonio, common: &Common) -> Result<(), Failure> {
         VerifyError::Run(error) => Failure::failed(error),
         error => refuse(&error),
     })?;
-    let folder = &command.output;
-    check_output_folder(folder).map_err(Failure::failed)?;
+    let names = config.files(sample).map_err(|error| refuse(&error))?;
+    let inputs = [file, config.measured.file.as_deref()];
+    let folder = result_folder(&command.output, "gonio", &inputs, &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
-    let outcome = gonio(&config, sample, folder, &bar).map_err(|error| match error {
+    let outcome = gonio(&config, sample, &folder, &bar).map_err(|error| match error {
         GonioError::Config(error) => refuse(&error),
         _ => Failure::failed(error),
     })?;
-    gonio_report(folder, &outcome).map_err(Failure::failed)?;
+    gonio_report(&folder, &outcome).map_err(Failure::failed)?;
+    folder.finish().map_err(Failure::failed)?;
     for note in &outcome.notes {
         say(&format!("note: {note}"));
     }
     common.say(|| {
-        let (old, new) = (outcome.taken_up, outcome.computed);
-        format!("{old} directions were there, {new} were found")
+        let (resumed, computed) = (outcome.resumed, outcome.computed);
+        format!("{resumed} directions from checkpoints, {computed} computed")
     });
     if let Some(stop) = outcome.stopped_by {
         let why = match stop {
@@ -77,7 +79,7 @@ pub(crate) fn run(command: &Gonio, common: &Common) -> Result<(), Failure> {
     print(&format!(
         "{}\nresults in {}\n",
         gonio_table(&outcome),
-        folder.display()
+        command.output.display()
     ))
 }
 

@@ -1,6 +1,5 @@
 //! `asperity map`: where each model holds.
 
-use asperity_io::check_output_folder;
 use asperity_simulate::StoppedBy;
 use asperity_studies::{
     MapConfig, MapError, Number, VerifyError, map, map_report, map_summary, map_table,
@@ -10,7 +9,7 @@ use crate::args::{Common, Map};
 use crate::failure::Failure;
 use crate::input::{read_config, refuse_config, refuse_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 use crate::verify::override_verification;
 
@@ -45,22 +44,23 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
         VerifyError::Run(error) => Failure::failed(error),
         error => refuse(&error),
     })?;
-    let folder = &of_verify.output;
-    check_output_folder(folder).map_err(Failure::failed)?;
+    let names = config.files().map_err(|error| refuse(&error))?;
+    let folder = result_folder(&of_verify.output, "map", &[file], &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
-    let outcome = map(&config, folder, &bar).map_err(|error| match error {
+    let outcome = map(&config, &folder, &bar).map_err(|error| match error {
         MapError::Config(error) => refuse(&error),
         _ => Failure::failed(error),
     })?;
-    map_report(folder, &outcome).map_err(Failure::failed)?;
+    map_report(&folder, &outcome).map_err(Failure::failed)?;
+    folder.finish().map_err(Failure::failed)?;
     for note in &outcome.notes {
         say(&format!("note: {note}"));
     }
     common.say(|| {
-        let (old, new) = (outcome.taken_up, outcome.computed);
-        format!("{old} cells were there, {new} were found")
+        let (resumed, computed) = (outcome.resumed, outcome.computed);
+        format!("{resumed} cells from checkpoints, {computed} computed")
     });
     if let Some(stop) = outcome.stopped_by {
         let why = match stop {
@@ -82,6 +82,6 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
     print(&format!(
         "{}\nresults in {}\n",
         map_table(&outcome),
-        folder.display()
+        of_verify.output.display()
     ))
 }

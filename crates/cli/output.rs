@@ -1,7 +1,9 @@
-//! Standard output, which may be a closed pipe or a full disk.
+//! Where output goes: result folders, and standard output, which may be a closed pipe or a full disk.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
+use asperity_io::ResultFolder;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -27,4 +29,18 @@ pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
 /// Says something on standard error; if nobody can hear it, there is nothing more to do.
 pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
+}
+
+/// Opens the folder `path` for the results of `command`, which reads `inputs` and writes files of these `names`.
+/// Refuses a folder in which one of them would replace a file that is not a result of that command.
+pub(crate) fn result_folder(
+    path: &Path,
+    command: &str,
+    inputs: &[Option<&Path>],
+    names: &[String],
+) -> Result<ResultFolder, Failure> {
+    let inputs: Vec<&Path> = inputs.iter().copied().flatten().collect();
+    let folder = ResultFolder::open(path, command, &inputs).map_err(Failure::failed)?;
+    folder.check(names).map_err(Failure::failed)?;
+    Ok(folder)
 }

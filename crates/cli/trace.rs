@@ -1,9 +1,9 @@
 //! `asperity trace`: light on one surface.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use asperity_io::{SurfaceFormat, check_output_folder};
+use asperity_io::SurfaceFormat;
 use asperity_optics::Material;
 use asperity_simulate::{
     BottomSurface, Deadline, RaySettings, RunError, Scene, Stopping, Target, layer_name, trace,
@@ -11,7 +11,7 @@ use asperity_simulate::{
 };
 use asperity_studies::{
     Azimuth, Light, Summary, Surroundings, check_light, check_sides, energy_table, errors_table,
-    lost_warning, trace_report, work_line,
+    lost_warning, trace_files, trace_report, work_line,
 };
 use asperity_surface::{Border, HeightField, RefinementError, Roughness};
 use asperity_tally::TallySpec;
@@ -22,7 +22,7 @@ use crate::args::{AzimuthArgument, Common, Trace};
 use crate::failure::Failure;
 use crate::input::{Input, incident, name_of, read_mesh_surface, read_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
@@ -95,9 +95,17 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     });
     let config = config(command, &scene, subject.description, below);
     let (name, mut warnings) = (subject.name, subject.warnings);
-    if let Some(folder) = &command.output {
-        check_output_folder(folder).map_err(Failure::failed)?;
-    }
+    let folder = match &command.output {
+        Some(path) => {
+            let inputs = [
+                command.file.as_deref(),
+                command.medium.bottom_file().map(PathBuf::as_path),
+            ];
+            let names = trace_files(&spec, !command.no_plots);
+            Some(result_folder(path, "trace", &inputs, &names)?)
+        }
+        None => None,
+    };
 
     let bar = Bar::new(common);
     interrupt::listen();
@@ -144,7 +152,7 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
     .with_errors(outcome.errors.to_json())
     .with_warnings(warnings.clone())
     .with_stopping(outcome.stopping.clone());
-    if let Some(folder) = &command.output {
+    if let Some(folder) = folder {
         let light = Light {
             incidence,
             material,
@@ -158,8 +166,9 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
             name: name.clone(),
             light: &light,
         });
-        trace_report(folder, &outcome, &spec, &summary, surroundings.as_ref())
+        trace_report(&folder, &outcome, &spec, &summary, surroundings.as_ref())
             .map_err(Failure::failed)?;
+        folder.finish().map_err(Failure::failed)?;
     }
     common.say(|| {
         let work = &outcome.work;

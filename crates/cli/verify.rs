@@ -1,6 +1,5 @@
 //! `asperity verify`: explicit surfaces against the statistical models.
 
-use asperity_io::check_output_folder;
 use asperity_studies::{
     CompareConfig, Count, LightConfig, MaterialConfig, Number, OutputConfig, RunConfig, Seconds,
     SurfaceConfig, VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
@@ -10,7 +9,7 @@ use crate::args::{Common, Verify};
 use crate::failure::Failure;
 use crate::input::{override_ensemble, override_rays, read_config, refuse_config, refuse_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, say};
+use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
@@ -41,7 +40,9 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
         VerifyError::Synthesis(error) => refuse_surface(error),
         error => refuse(&error),
     })?;
-    check_output_folder(&command.output).map_err(Failure::failed)?;
+    let names = config.files().map_err(|error| refuse(&error))?;
+    let inputs = [command.config.as_deref()];
+    let folder = result_folder(&command.output, "verify", &inputs, &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
@@ -49,7 +50,8 @@ pub(crate) fn run(command: &Verify, common: &Common) -> Result<(), Failure> {
         VerifyError::Config(_) | VerifyError::Model(_) => refuse(&error),
         _ => Failure::failed(error),
     })?;
-    verify_report(&command.output, &outcome, &bar).map_err(Failure::failed)?;
+    verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+    folder.finish().map_err(Failure::failed)?;
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
     if interrupt::came() {
         say("interrupted; the results so far are written");

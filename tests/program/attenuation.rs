@@ -422,6 +422,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             "attenuation_theta.png",
             "attenuation_theta.svg",
             "demarcation.csv",
+            "manifest.json",
             "report.txt",
             "summary.json",
             "visibility.csv",
@@ -459,7 +460,12 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     assert_eq!(succeed(folder, &words(&less)), "");
     assert_eq!(
         files(&folder.join("one")),
-        ["attenuation.csv", "report.txt", "summary.json"]
+        [
+            "attenuation.csv",
+            "manifest.json",
+            "report.txt",
+            "summary.json"
+        ]
     );
     // Another seed, other surfaces.
     let other = outcome(&format!("{SMALL} --theta 45 --seed 2"));

@@ -66,6 +66,7 @@ fn converge_writes_its_files_and_the_same_errors_on_any_number_of_threads() {
             "convergence.csv",
             "convergence.png",
             "convergence.svg",
+            "manifest.json",
             "report.txt",
             "summary.json"
         ]
@@ -170,6 +171,7 @@ fn several_cases_and_spacings_have_their_places() {
     assert_eq!(
         files(&out),
         [
+            "manifest.json",
             "report.txt",
             "s3_mirror_theta30",
             "s60_mirror_theta30",

@@ -27,7 +27,7 @@ fn run(folder: &Path, line: &str) -> String {
 fn foreign(folder: &Path, line: &str, what: &str) {
     let said = refused(folder, &words(line), 1);
     assert!(
-        said.contains("another measurement") && said.contains(what),
+        said.contains("another run") && said.contains(what),
         "{line}: {said}"
     );
 }

@@ -15,6 +15,7 @@ mod models;
 mod reference;
 mod refusals;
 mod render;
+mod results;
 mod stopping;
 mod support;
 mod verify;

@@ -34,8 +34,9 @@ const CELLS: [&str; 4] = [
     "s1_n1.5_theta60.json",
 ];
 
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     "cells",
+    "manifest.json",
     "map.csv",
     "map_all.png",
     "map_all.svg",
@@ -322,6 +323,9 @@ fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
         whole.replacen(from, to, 1)
     };
     let cut = &whole[..whole.len() / 2];
+    fs::write(&cell, b"{\"schema\": \xff}").unwrap();
+    let output = asperity(folder, &words("map m.toml --quiet --no-plots -o out"));
+    assert!(output.status.success(), "bytes that are not UTF-8");
     for damaged in [
         "",
         cut,
@@ -343,16 +347,29 @@ fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
         assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
     }
     for (foreign, what) in [
-        (changed("\"schema\": 1", "\"schema\": 2"), "schema 2"),
-        (changed("\"version\": \"0", "\"version\": \"7"), "version 7"),
+        (changed("\"schema\": 2", "\"schema\": 3"), "schema 3"),
+        (
+            changed("\"results_epoch\": 1", "\"results_epoch\": 7"),
+            "results epoch 7",
+        ),
+        (
+            changed("\"study\": \"map\"", "\"study\": \"gonio\""),
+            "study gonio",
+        ),
     ] {
         fs::write(&cell, foreign).unwrap();
         let told = refused(folder, &words("map m.toml --no-plots -o out"), 1);
         assert!(
-            told.contains("another map") && told.contains(what),
+            told.contains("another run") && told.contains(what),
             "{told}"
         );
     }
+    // A build of the same results epoch computes the same numbers, whatever its version.
+    let other_build = changed("\"version\": \"0", "\"version\": \"7");
+    fs::write(&cell, &other_build).unwrap();
+    succeed(folder, &words("map m.toml --quiet --no-plots -o out"));
+    assert_eq!(fs::read_to_string(&cell).unwrap(), other_build);
+    assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
     fs::write(&cell, &whole).unwrap();
     for (flags, what) in [
         ("--rays 5000", "run.rays 24000 in place of 5000"),

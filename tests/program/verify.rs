@@ -234,9 +234,7 @@ fn a_run_that_ends_paths_says_which_orders_it_shows() {
         let text = succeed(folder, &[&fixed[..], &[max_order]].concat());
         let distance = format!("total variation from {orders} ");
         assert!(text.contains(&distance), "{text}");
-        let ended = text.contains(&format!(
-            "{orders} alone; light that would go on is truncated"
-        ));
+        let ended = text.contains(&format!("{orders} only; further paths are truncated"));
         assert_eq!(ended, max_order != "1000", "{text}");
         for plot in ["lobes.svg", "in_plane_reflected.svg"] {
             let plot = fs::read_to_string(folder.join("out").join(plot)).unwrap();
@@ -250,27 +248,19 @@ fn a_run_that_ends_paths_says_which_orders_it_shows() {
 fn a_new_run_leaves_nothing_of_an_old_one_in_its_folder() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let fixed = words("verify --tau 8 --size 64 --realisations 6 --rays 6e3");
-    succeed(folder, &[&fixed[..], &["-o", "out"]].concat());
+    let fixed = words("verify --tau 8 --size 64 --realisations 6 --rays 6e3 -o out");
+    succeed(folder, &fixed);
     fs::write(folder.join("out/notes.txt"), "mine").unwrap();
     succeed(
         folder,
-        &[
-            "trace",
-            "--flat",
-            "--theta",
-            "9",
-            "--rays",
-            "64",
-            "--no-plots",
-            "-o",
-            "out",
-        ],
+        &[&fixed[..], &["--models", "none", "--no-plots"]].concat(),
     );
     let expected = [
         "histogram.csv",
         "in_plane.csv",
+        "manifest.json",
         "notes.txt",
+        "report.txt",
         "summary.json",
         "theta.csv",
     ];

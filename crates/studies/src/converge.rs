@@ -209,8 +209,17 @@ pub struct ConvergeOutcome {
     pub errors: Vec<f64>,
     /// The cases.
     pub cases: Vec<ConvergedCase>,
+    /// Number of cases that an interrupt came before.
+    pub left_out: usize,
     /// Seconds from beginning to end.
     pub seconds: f64,
+}
+
+impl ConvergeOutcome {
+    /// Whether there were several cases to measure.
+    fn several(&self) -> bool {
+        self.cases.len() + self.left_out > 1
+    }
 }
 
 impl ConvergedCase {
@@ -290,6 +299,7 @@ pub fn converge(
     Ok(ConvergeOutcome {
         config: config.clone(),
         errors: plan.errors,
+        left_out: plan.cases.len() - cases.len(),
         cases,
         seconds: began.elapsed().as_secs_f64(),
     })

@@ -1,7 +1,6 @@
 //! The plots of a run, as SVG and PNG.
 
 use asperity_simulate::{Case, short};
-use std::path::Path;
 
 use asperity_analysis::{BsdfModel, in_plane_flux};
 use asperity_io::write_bytes;
@@ -18,6 +17,7 @@ use crate::case_model::CaseModel;
 use crate::config::{Incident, VerifyConfig};
 use crate::energies::recorded_orders;
 use crate::models::ModelOutcome;
+use crate::output::{Place, figure_files};
 use crate::report::ReportError;
 use asperity_simulate::layer_name;
 
@@ -118,17 +118,18 @@ pub struct Surroundings<'a> {
     pub light: &'a Light,
 }
 
-/// Writes a figure as SVG and PNG under `name` into each of the folders.
-pub(crate) fn save(folders: &[&Path], name: &str, figure: &Figure) -> Result<(), ReportError> {
-    let write = |ending: &str, bytes: &[u8]| {
-        let file = format!("{name}.{ending}");
-        folders
-            .iter()
-            .try_for_each(|folder| write_bytes(folder.join(&file), bytes))
+/// Writes a figure as SVG and PNG under `name` into each of the places.
+pub(crate) fn save(places: &[&Place<'_>], name: &str, figure: &Figure) -> Result<(), ReportError> {
+    let [svg, png] = figure_files(name);
+    let write = |file: &str, bytes: &[u8]| -> Result<(), ReportError> {
+        for place in places {
+            write_bytes(place.claim(file)?, bytes)?;
+        }
+        Ok(())
     };
     let (svg, png) = rayon::join(
-        || -> Result<(), ReportError> { Ok(write("svg", figure.svg()?.as_bytes())?) },
-        || -> Result<(), ReportError> { Ok(write("png", &figure.png()?)?) },
+        || write(&svg, figure.svg()?.as_bytes()),
+        || write(&png, &figure.png()?),
     );
     svg.and(png)
 }
@@ -153,18 +154,18 @@ pub fn height_map_figure(
     .draw()
 }
 
-/// height_map, the same in each of the folders.
+/// height_map, the same in each of the places.
 pub(crate) fn height_map(
-    folders: &[&Path],
+    places: &[&Place<'_>],
     field: &HeightField,
     name: &str,
 ) -> Result<(), ReportError> {
-    save(folders, "height_map", &height_map_figure(field, name)?)
+    save(places, "height_map", &height_map_figure(field, name)?)
 }
 
 /// lobes, in_plane_reflected and in_plane_transmitted.
 pub(crate) fn lobes_and_curves(
-    folder: &Path,
+    place: &Place<'_>,
     light: &Light,
     spec: &TallySpec,
     statistics: &TallyStatistics,
@@ -199,7 +200,7 @@ pub(crate) fn lobes_and_curves(
         flat_refraction_deg: light.flat_direction(Side::Transmitted),
         series: series.clone(),
     };
-    let draw_lobes = || save(&[folder], "lobes", &lobes.draw()?);
+    let draw_lobes = || save(&[place], "lobes", &lobes.draw()?);
     let draw_curves = |&side: &Side| {
         let curves = InPlaneCurves {
             title: match side {
@@ -212,7 +213,7 @@ pub(crate) fn lobes_and_curves(
             flat_direction_deg: light.flat_direction(side),
             series: series.clone(),
         };
-        save(&[folder], &format!("in_plane_{side}"), &curves.draw()?)
+        save(&[place], &format!("in_plane_{side}"), &curves.draw()?)
     };
     let (lobes, curves) = rayon::join(draw_lobes, || sides.par_iter().try_for_each(draw_curves));
     lobes.and(curves)

@@ -1,16 +1,14 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
-use std::path::Path;
-
-use asperity_io::WriteError;
 use asperity_simulate::{ErrorBudget, Errors};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 
 use crate::compared::{COMPARED, key};
 use crate::models::ModelOutcome;
 use crate::output::{
-    Column, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
+    Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
+use crate::report::ReportError;
 use crate::verify::CaseOutcome;
 
 /// The fluxes of one case with their errors.
@@ -25,20 +23,20 @@ pub(crate) struct Fluxes<'a> {
 
 /// Writes histogram.csv, theta.csv and in_plane.csv.
 pub(crate) fn write_fluxes(
-    folder: &Path,
+    place: &Place<'_>,
     fluxes: Fluxes<'_>,
     models: &[ModelOutcome],
-) -> Result<(), WriteError> {
+) -> Result<(), ReportError> {
     let spec = fluxes.spec;
-    histogram(fluxes).write_csv(&folder.join("histogram.csv"), spec.recorded_bins())?;
+    histogram(fluxes).write_csv(&place.claim("histogram.csv")?, spec.recorded_bins())?;
     let rings = places(spec, |side| spec.ring_filter(side).len());
-    theta(fluxes).write_csv(&folder.join("theta.csv"), rings)?;
+    theta(fluxes).write_csv(&place.claim("theta.csv")?, rings)?;
     let profile = places(spec, |side| spec.in_plane_filter(side).len());
-    in_plane(fluxes, models).write_csv(&folder.join("in_plane.csv"), profile)
+    Ok(in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?)
 }
 
 /// A ring of polar angle, or a bin of the in-plane slice, of one side.
-struct Place {
+struct AngularBin {
     side: Side,
     index: usize,
 }
@@ -47,8 +45,8 @@ struct Place {
 fn places<'a>(
     spec: &TallySpec,
     count: impl Fn(Side) -> usize + 'a,
-) -> impl Iterator<Item = Place> + 'a {
-    let of_side = move |side| (0..count(side)).map(move |index| Place { side, index });
+) -> impl Iterator<Item = AngularBin> + 'a {
+    let of_side = move |side| (0..count(side)).map(move |index| AngularBin { side, index });
     spec.sides().flat_map(of_side)
 }
 
@@ -139,23 +137,27 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
 }
 
 /// theta.csv: a row per side and ring of polar angle.
-fn theta(fluxes: Fluxes<'_>) -> Table<'_, Place> {
+fn theta(fluxes: Fluxes<'_>) -> Table<'_, AngularBin> {
     let spec = fluxes.spec;
-    let edges = move |ring: &Place| spec.ring_filter(ring.side).theta_deg(ring.index);
+    let edges = move |ring: &AngularBin| spec.ring_filter(ring.side).theta_deg(ring.index);
     let entry =
-        move |class| move |ring: &Place| spec.ring_entries(ring.side, class).get(ring.index);
+        move |class| move |ring: &AngularBin| spec.ring_entries(ring.side, class).get(ring.index);
     Table::new()
         .column(side_column())
         .column(
-            Column::new("theta_min_deg", "lower polar angle", move |ring: &Place| {
-                edges(ring)[0]
-            })
+            Column::new(
+                "theta_min_deg",
+                "lower polar angle",
+                move |ring: &AngularBin| edges(ring)[0],
+            )
             .unit("deg"),
         )
         .column(
-            Column::new("theta_max_deg", "upper polar angle", move |ring: &Place| {
-                edges(ring)[1]
-            })
+            Column::new(
+                "theta_max_deg",
+                "upper polar angle",
+                move |ring: &AngularBin| edges(ring)[1],
+            )
             .unit("deg"),
         )
         .column(fluxes.column("flux", "flux into the ring", entry(Component::All)))
@@ -164,22 +166,25 @@ fn theta(fluxes: Fluxes<'_>) -> Table<'_, Place> {
         .columns(fluxes.errors(entry(Component::All)))
 }
 
-fn side_column<'a>() -> Column<'a, Place> {
-    Column::new("side", "side on which light leaves", |place: &Place| {
-        place.side.to_string()
-    })
+fn side_column<'a>() -> Column<'a, AngularBin> {
+    Column::new(
+        "side",
+        "side on which light leaves",
+        |place: &AngularBin| place.side.to_string(),
+    )
 }
 
 /// in_plane.csv: a row per side and bin of the in-plane slice.
-fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Place> {
+fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, AngularBin> {
     let spec = fluxes.spec;
-    let entry =
-        move |class| move |place: &Place| spec.in_plane_entries(place.side, class).get(place.index);
+    let entry = move |class| {
+        move |place: &AngularBin| spec.in_plane_entries(place.side, class).get(place.index)
+    };
     let all = entry(Component::All);
-    let filter = move |place: &Place| spec.in_plane_filter(place.side);
-    let solid_angle = move |place: &Place| filter(place).solid_angle(place.index);
-    let edges = move |place: &Place| filter(place).theta_deg(place.index);
-    let intensity = move |statistics: &TallyStatistics, place: &Place| -> Estimate {
+    let filter = move |place: &AngularBin| spec.in_plane_filter(place.side);
+    let solid_angle = move |place: &AngularBin| filter(place).solid_angle(place.index);
+    let edges = move |place: &AngularBin| filter(place).theta_deg(place.index);
+    let intensity = move |statistics: &TallyStatistics, place: &AngularBin| -> Estimate {
         over(statistics.at(all(place)), solid_angle(place))
     };
     Table::new()
@@ -202,7 +207,7 @@ fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Pla
             Column::estimate(
                 "intensity",
                 "flux over solid angle",
-                move |place: &Place| Some(intensity(fluxes.statistics, place)),
+                move |place: &AngularBin| Some(intensity(fluxes.statistics, place)),
             )
             .unit("1/sr"),
         )
@@ -211,7 +216,8 @@ fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Pla
         .columns(models.iter().map(move |model| {
             let name = format!("intensity_{}", column_name(model));
             let about = "flux over solid angle that the model expects";
-            let expected = move |place: &Place| intensity(model.expectation.statistics(), place);
+            let expected =
+                move |place: &AngularBin| intensity(model.expectation.statistics(), place);
             let column = if model.expectation.is_exact() {
                 Column::new(name, about, move |place| expected(place).mean)
             } else {
@@ -229,15 +235,15 @@ fn column_name(model: &ModelOutcome) -> String {
 
 /// Writes comparison.csv, unless there is no model.
 pub(crate) fn write_comparison(
-    folder: &Path,
+    place: &Place<'_>,
     spec: &TallySpec,
     case: &CaseOutcome,
-) -> Result<(), WriteError> {
+) -> Result<(), ReportError> {
     if case.models.is_empty() {
         return Ok(());
     }
     let table = comparison(spec, case);
-    table.write_csv(&folder.join("comparison.csv"), spec.recorded_bins())
+    Ok(table.write_csv(&place.claim("comparison.csv")?, spec.recorded_bins())?)
 }
 
 /// comparison.csv: bin by bin, each component of the explicit light beside the models that describe it.

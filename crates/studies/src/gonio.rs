@@ -15,16 +15,16 @@ mod summary;
 mod tables;
 
 use asperity_simulate::{Observer, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use asperity_io::{ReadError, WriteError, create_output_folder};
+use asperity_io::{ResultFolder, ResultFolderError};
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 
 use crate::config::ConfigError;
 use crate::energies::lost_warning;
-use crate::store::{self, CHANGED, StoreError, Unseen, finish};
-use crate::verify::{VerifyError, verify};
+use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
+use crate::verify::{VerifyError, VerifyOutcome, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
 pub use files::gonio_report;
@@ -50,23 +50,12 @@ pub enum GonioError {
         /// Why.
         error: Box<VerifyError>,
     },
-    /// A file of a direction cannot be read.
+    /// A checkpoint cannot be read, written or used.
     #[error(transparent)]
-    Read(#[from] ReadError),
-    /// A file of a direction cannot be written.
+    Checkpoint(#[from] CheckpointError),
+    /// A table of a direction cannot be written.
     #[error(transparent)]
-    Write(#[from] WriteError),
-    /// A file holds a direction of another measurement.
-    #[error(
-        "{} holds a direction of another measurement ({what}); take another folder, or remove its directions",
-        path.display()
-    )]
-    Foreign {
-        /// The file.
-        path: PathBuf,
-        /// What differs.
-        what: String,
-    },
+    Write(#[from] ResultFolderError),
     /// The folder holds a direction that is not among those planned.
     #[error(
         "{} holds directions of another measurement, as {name}: take another folder",
@@ -113,11 +102,11 @@ pub struct GonioOutcome {
     pub phis: Vec<f64>,
     /// The directions: by setting, polar angle and azimuth, in that order of nesting.
     pub directions: Vec<Direction>,
-    /// Directions that an earlier run had left.
-    pub taken_up: usize,
-    /// Directions found by this run.
+    /// Directions taken from checkpoints.
+    pub resumed: usize,
+    /// Directions measured by this run.
     pub computed: usize,
-    /// What a reader should know of the files that were there: a sentence each.
+    /// What a reader should know of the checkpoints: a sentence each.
     pub notes: Vec<String>,
     /// What ended the run before all directions were there.
     pub stopped_by: Option<StoppedBy>,
@@ -140,79 +129,62 @@ impl GonioOutcome {
 /// Folder of the files of directions within that of the measurement.
 pub(crate) const FOLDER: &str = "directions";
 
-/// Measures the directions that are not in `folder` yet, each as soon as it is found into a file of numbers to
-/// go on from and a table. `sample` is the given surface, if the configuration names one.
+/// Measures the directions that have no checkpoint in `folder` yet. Each is written as soon as it is measured: a
+/// checkpoint and a table. `sample` is the given surface, if the configuration names one.
 ///
-/// A file that is damaged is replaced, with a note. When the time of the configuration is over no direction is
+/// A damaged checkpoint is replaced, with a note. When the time of the configuration is over no direction is
 /// begun, but one is finished in any case; an interrupt gives up the direction that is being traced.
 ///
 /// # Errors
-/// [`GonioError`] if the configuration makes no sense, a direction cannot be traced or written, or a whole
-/// direction of another configuration or version is in its place or beside them.
+/// [`GonioError`] if the configuration makes no sense, a direction cannot be traced or written, or a
+/// direction of another configuration or results epoch is in its place or beside them.
 pub fn gonio(
     config: &GonioConfig,
     sample: Option<&Sample>,
-    folder: &Path,
+    folder: &ResultFolder,
     progress: &dyn Observer,
 ) -> Result<GonioOutcome, GonioError> {
     let (settings, plans) = config.plans(sample)?;
     let spec = config.ray_settings()?.spec;
-    let path_of = |plan: &Plan| folder.join(FOLDER).join(format!("{}.json", plan.name));
-    // All files are looked at before the first is written.
-    files::refuse_unplanned(folder, &plans)?;
-    let pieces = plans
-        .into_iter()
-        .map(|plan| {
-            let doubt = |results: &DirectionResults| (!results.is_sound(&spec)).then_some(CHANGED);
-            match store::read(&path_of(&plan), &plan.identity, doubt) {
-                Ok(stored) => Ok((plan, stored)),
-                Err(StoreError::Read(error)) => Err(GonioError::Read(error)),
-                Err(StoreError::Foreign { path, what }) => Err(GonioError::Foreign { path, what }),
-            }
-        })
-        .collect::<Result<Vec<_>, _>>()?;
-    create_output_folder(folder.join(FOLDER))?;
-    let mut directions: Vec<Direction> = pieces
+    files::refuse_unplanned(folder.path(), &plans)?;
+    let tasks: Vec<Task<'_>> = plans
         .iter()
-        .map(|(plan, _)| Direction {
-            setting: plan.setting,
-            incidence: plan.incidence,
-            name: plan.name.clone(),
-            results: None,
+        .map(|plan| Task {
+            config,
+            plan,
+            setting: &settings[plan.setting],
+            sample,
+            spec: &spec,
+            folder,
         })
         .collect();
-    let finished = finish(
-        "directions",
-        pieces,
-        config.run.max_time,
-        progress,
-        |plan| (plan.name.clone(), path_of(plan)),
-        |plan| {
-            let setting = &settings[plan.setting];
-            let results = measure(config, plan, setting, sample, progress)?;
-            if let Some(results) = &results {
-                files::write_direction(folder, &plan.name, &spec, results)?;
-                store::write(&path_of(plan), &plan.name, plan.identity.clone(), results)?;
-            }
-            Ok::<_, GonioError>(results)
-        },
-    )?;
-    for (direction, results) in directions.iter_mut().zip(finished.results) {
-        direction.results = results;
-    }
+    let checkpoints = Checkpoints {
+        folder,
+        study: "gonio",
+        place: FOLDER,
+        stage: "directions",
+    };
+    let completed = checkpoints.complete(&tasks, config.run.max_time, progress)?;
+    let directions = plans.iter().zip(completed.results);
+    let directions = directions.map(|(plan, results)| Direction {
+        setting: plan.setting,
+        incidence: plan.incidence,
+        name: plan.name.clone(),
+        results,
+    });
     let [thetas, phis] = config.light.angles()?;
     let outcome = GonioOutcome {
         config: config.clone(),
         sample: sample.map(|s| (s.name.clone(), s.description.clone(), s.warnings.clone())),
         spec,
+        directions: directions.collect(),
         settings,
         thetas,
         phis,
-        directions,
-        taken_up: finished.taken_up,
-        computed: finished.computed,
-        notes: finished.notes,
-        stopped_by: finished.stopped_by,
+        resumed: completed.resumed,
+        computed: completed.computed,
+        notes: completed.notes,
+        stopped_by: completed.stopped_by,
     };
     if outcome.missing() == outcome.directions.len() {
         return Err(GonioError::Interrupted);
@@ -220,67 +192,93 @@ pub fn gonio(
     Ok(outcome)
 }
 
-/// Traces one direction; `None` if an interrupt came before it was whole.
-fn measure(
-    config: &GonioConfig,
-    plan: &Plan,
-    setting: &Setting,
-    sample: Option<&Sample>,
-    progress: &dyn Observer,
-) -> Result<Option<DirectionResults>, GonioError> {
-    let unseen = Unseen(progress);
-    let results = match (&plan.work, sample) {
-        (Work::Given(rays), Some(sample)) => {
-            on_sample(config, (plan, setting), rays, sample, &unseen).map(Some)
-        }
-        (Work::Fresh(config), _) => match verify(config, &unseen) {
-            Err(VerifyError::Interrupted) => return Ok(None),
-            other => other.map(|outcome| {
-                let case = outcome.cases.into_iter().next()?;
-                let warnings: Vec<String> = lost_warning(&case.statistics).into_iter().collect();
-                Some(DirectionResults::of(
-                    &case.statistics,
-                    (case.work.realisations, case.work.rays),
-                    case.errors_from,
-                    warnings,
-                ))
-            }),
-        },
-        (Work::Given(_), None) => Ok(None),
-    };
-    let results = results.map_err(|error| GonioError::Direction {
-        direction: plan.name.clone(),
-        error: Box::new(error),
-    })?;
-    // One that was whole before the interrupt came cannot be told from one that was not.
-    Ok(results.filter(|_| progress.stop().is_none()))
+/// One direction to be measured.
+struct Task<'a> {
+    config: &'a GonioConfig,
+    plan: &'a Plan,
+    setting: &'a Setting,
+    sample: Option<&'a Sample>,
+    spec: &'a TallySpec,
+    folder: &'a ResultFolder,
 }
 
-/// Traces one direction on a given surface.
-fn on_sample(
-    config: &GonioConfig,
-    (plan, setting): (&Plan, &Setting),
-    rays: &RaySettings,
-    sample: &Sample,
-    progress: &dyn Observer,
-) -> Result<DirectionResults, VerifyError> {
-    let scene = Scene {
-        material: setting.material,
-        layer: setting.layer,
-        incidence: plan.incidence,
-        incident: config.light.from.into(),
-        any_azimuth: config.any_azimuth(),
-    };
-    let outcome: Result<_, RunError> = match &sample.shape {
-        SampleShape::Field(field) => trace(field.clone(), None, &scene, rays, progress),
-        SampleShape::Mesh(mesh) => trace_mesh(mesh.clone(), None, &scene, rays, progress),
-    };
-    let outcome = outcome?;
-    let warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
-    Ok(DirectionResults::of(
-        &outcome.statistics,
-        (1, outcome.work.rays),
-        "ray blocks",
-        warnings,
+impl CheckpointCase for Task<'_> {
+    type Results = DirectionResults;
+    type Error = GonioError;
+
+    fn name(&self) -> String {
+        self.plan.name.clone()
+    }
+
+    fn title(&self) -> String {
+        self.plan.name.clone()
+    }
+
+    fn settings(&self) -> serde_json::Value {
+        self.plan.identity.clone()
+    }
+
+    fn invalid(&self, results: &DirectionResults) -> Option<&'static str> {
+        (!results.is_sound(self.spec)).then_some(CHANGED)
+    }
+
+    fn compute(&self, observer: &dyn Observer) -> Result<Option<DirectionResults>, GonioError> {
+        let results = match (&self.plan.work, self.sample) {
+            (Work::Given(rays), Some(sample)) => self.on_sample(rays, sample, observer).map(Some),
+            (Work::Fresh(config), _) => match verify(config, observer) {
+                Err(VerifyError::Interrupted) => return Ok(None),
+                outcome => outcome.map(on_fresh_surfaces),
+            },
+            (Work::Given(_), None) => Ok(None),
+        };
+        let results = results.map_err(|error| GonioError::Direction {
+            direction: self.plan.name.clone(),
+            error: Box::new(error),
+        })?;
+        if let Some(results) = results.as_ref().filter(|_| observer.stop().is_none()) {
+            files::write_direction(self.folder, &self.plan.name, self.spec, results)?;
+        }
+        Ok(results)
+    }
+}
+
+/// What a measurement keeps of a verification without models.
+fn on_fresh_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
+    let case = outcome.cases.into_iter().next()?;
+    Some(DirectionResults::of(
+        &case.statistics,
+        (case.work.realisations, case.work.rays),
+        case.errors_from,
+        lost_warning(&case.statistics).into_iter().collect(),
     ))
+}
+
+impl Task<'_> {
+    /// Traces one direction on a given surface.
+    fn on_sample(
+        &self,
+        rays: &RaySettings,
+        sample: &Sample,
+        progress: &dyn Observer,
+    ) -> Result<DirectionResults, VerifyError> {
+        let scene = Scene {
+            material: self.setting.material,
+            layer: self.setting.layer,
+            incidence: self.plan.incidence,
+            incident: self.config.light.from.into(),
+            any_azimuth: self.config.any_azimuth(),
+        };
+        let outcome: Result<_, RunError> = match &sample.shape {
+            SampleShape::Field(field) => trace(field.clone(), None, &scene, rays, progress),
+            SampleShape::Mesh(mesh) => trace_mesh(mesh.clone(), None, &scene, rays, progress),
+        };
+        let outcome = outcome?;
+        let warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
+        Ok(DirectionResults::of(
+            &outcome.statistics,
+            (1, outcome.work.rays),
+            "ray blocks",
+            warnings,
+        ))
+    }
 }

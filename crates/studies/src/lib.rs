@@ -29,7 +29,6 @@ mod peak;
 mod report;
 pub mod settings;
 mod side_difference;
-mod store;
 mod summary;
 mod values;
 mod verify;
@@ -71,8 +70,9 @@ pub use map::{
 pub use medium::{BottomKind, MediumConfig, PhaseKind};
 pub use models::{ComparedComponent, ModelOutcome};
 pub use number::{parse_count, parse_number, parse_order, parse_seconds};
+pub use output::CheckpointError;
 pub use peak::PeakDifference;
-pub use report::{ReportError, trace_report, verify_report, verify_summary};
+pub use report::{ReportError, trace_files, trace_report, verify_report, verify_summary};
 pub use side_difference::SideDifference;
 pub use summary::Summary;
 pub use values::{Count, Number, OneOrMany, PerAxis, Seconds};

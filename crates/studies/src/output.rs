@@ -1,14 +1,21 @@
 //! Output: tables, numbers as text, checkpoints and result folders, for every study.
 
 mod align;
+mod checkpoints;
 mod columns;
 mod number;
+mod place;
 mod table;
 
 pub(crate) use align::{aligned, listed, wrapped};
+pub use checkpoints::CheckpointError;
+#[cfg(test)]
+pub(crate) use checkpoints::Found;
+pub(crate) use checkpoints::{CHANGED, CheckpointCase, Checkpoints};
 pub(crate) use columns::{
     bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle, ray_count,
     solid_angle_column,
 };
 pub(crate) use number::{distance, significant, two_digits, with_error};
+pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use table::{Cell, Column, Format, Table};

@@ -1,10 +1,8 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
-use asperity_simulate::{Observer, TraceOutcome};
-use std::path::{Path, PathBuf};
-
-use asperity_io::{WriteError, create_output_folder, remove_files, write_bytes, write_json};
+use asperity_io::{ResultFolder, ResultFolderError, WriteError, write_bytes, write_json};
 use asperity_plot::PlotError;
+use asperity_simulate::{Observer, TraceOutcome};
 use asperity_tally::{Component, Side, TallySpec};
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
@@ -13,52 +11,13 @@ use crate::case_model::CaseModel;
 use crate::case_report::{case_table, verify_table, warnings};
 use crate::compared::{COMPARED, key};
 use crate::conclusion::{conclusion, verdict_word};
+use crate::config::{ConfigError, VerifyConfig};
 use crate::figures::{self, Light};
 use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::models::ComparedComponent;
+use crate::output::{Place, figure_files, of_cases};
 use crate::summary::Summary;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
-
-/// Every file that a run may leave in its folder; an earlier run's are removed first.
-pub(crate) const FILES: &[&str] = &[
-    "summary.json",
-    "report.txt",
-    "histogram.csv",
-    "theta.csv",
-    "in_plane.csv",
-    "comparison.csv",
-    "height_map.svg",
-    "height_map.png",
-    "lobes.svg",
-    "lobes.png",
-    "in_plane_reflected.svg",
-    "in_plane_reflected.png",
-    "in_plane_transmitted.svg",
-    "in_plane_transmitted.png",
-    "convergence.csv",
-    "convergence.svg",
-    "convergence.png",
-    "map.csv",
-    "map_own.svg",
-    "map_own.png",
-    "map_all.svg",
-    "map_all.png",
-    "attenuation.csv",
-    "demarcation.csv",
-    "visibility.csv",
-    "attenuation_theta.svg",
-    "attenuation_theta.png",
-    "attenuation_models.svg",
-    "attenuation_models.png",
-    "attenuation_sigma.svg",
-    "attenuation_sigma.png",
-    "visibility.svg",
-    "visibility.png",
-    "gonio.csv",
-    "bsdf.csv",
-    "bsdf.npy",
-    "bsdf_se.npy",
-];
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]
@@ -67,6 +26,12 @@ pub enum ReportError {
     /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// The result folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] ResultFolderError),
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
     /// The surface of a plot cannot be drawn again.
     #[error(transparent)]
     Surface(#[from] Box<VerifyError>),
@@ -75,20 +40,42 @@ pub enum ReportError {
     Plot(#[from] PlotError),
 }
 
+/// Names of all files of a `trace` run.
+#[must_use]
+pub fn trace_files(spec: &TallySpec, plots: bool) -> Vec<String> {
+    let mut names = TABLES.map(str::to_owned).to_vec();
+    names.push("summary.json".to_owned());
+    if plots {
+        names.extend(plot_files(spec));
+    }
+    names
+}
+
+/// Tables of every case.
+const TABLES: [&str; 3] = ["histogram.csv", "theta.csv", "in_plane.csv"];
+
+/// Names of the plots of a case, of which some may have nothing to show and are not drawn.
+fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
+    let curves = spec.sides().map(|side| format!("in_plane_{side}"));
+    let names = ["height_map", "lobes"].map(str::to_owned).into_iter();
+    names.chain(curves).flat_map(|name| figure_files(&name))
+}
+
 /// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, plots
 /// and, last, summary.json.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn trace_report(
-    folder: &Path,
+    folder: &ResultFolder,
     outcome: &TraceOutcome,
     spec: &TallySpec,
     summary: &Summary,
     plots: Option<&figures::Surroundings<'_>>,
 ) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
-    remove_files(folder, FILES)?;
+    let names = trace_files(spec, plots.is_some());
+    folder.claim_all(names.iter().map(String::as_str))?;
+    let place = Place::root(folder);
     let tables = || {
         let fluxes = Fluxes {
             spec,
@@ -96,24 +83,43 @@ pub fn trace_report(
             errors: &outcome.errors,
             rays: outcome.work.rays,
         };
-        write_fluxes(folder, fluxes, &[])
+        write_fluxes(&place, fluxes, &[])
     };
     let draw = |plots: &figures::Surroundings<'_>| {
         let map = || {
             plots.field.map_or(Ok(()), |field| {
-                figures::height_map(&[folder], field, &plots.name)
+                figures::height_map(&[&place], field, &plots.name)
             })
         };
         let lobes =
-            || figures::lobes_and_curves(folder, plots.light, spec, &outcome.statistics, &[]);
+            || figures::lobes_and_curves(&place, plots.light, spec, &outcome.statistics, &[]);
         let (map, lobes) = rayon::join(map, lobes);
         map.and(lobes)
     };
     let (tables, plots) = rayon::join(tables, || plots.map_or(Ok(()), draw));
     tables?;
     plots?;
-    write_json(folder.join("summary.json"), summary)?;
-    Ok(())
+    Ok(write_json(place.claim("summary.json")?, summary)?)
+}
+
+impl VerifyConfig {
+    /// Names of all files that a verification writes into its folder.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
+        let cases = self.cases()?;
+        let folders: Vec<String> = cases.iter().map(|case| case.folder()).collect();
+        let mut of_case = TABLES.map(str::to_owned).to_vec();
+        of_case.extend(["report.txt", "summary.json"].map(str::to_owned));
+        if !self.compare.models.is_empty() {
+            of_case.push("comparison.csv".to_owned());
+        }
+        if self.output.plots {
+            of_case.extend(plot_files(&self.ray_settings()?.spec));
+        }
+        Ok(of_cases(&folders, &of_case))
+    }
 }
 
 /// Writes a verification into `folder`: the files of every case, in folders of their own where there
@@ -122,28 +128,26 @@ pub fn trace_report(
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn verify_report(
-    folder: &Path,
+    folder: &ResultFolder,
     outcome: &VerifyOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
+    let names = outcome.config.files()?;
+    folder.claim_all(names.iter().map(String::as_str))?;
+    let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
-    let places: Vec<(&CaseOutcome, PathBuf)> = outcome
+    let places: Vec<(&CaseOutcome, Place<'_>)> = outcome
         .cases
         .iter()
         .map(|case| {
             let place = if outcome.several() {
-                folder.join(case.case.folder())
+                root.join(&case.case.folder())
             } else {
-                folder.to_owned()
+                root.clone()
             };
             (case, place)
         })
         .collect();
-    for (_, place) in &places {
-        create_output_folder(place)?;
-        remove_files(place, FILES)?;
-    }
     let write_cases = || {
         places.par_iter().try_for_each(|(case, place)| {
             write_case(place, outcome, case)?;
@@ -154,13 +158,12 @@ pub fn verify_report(
     let (maps, cases) = rayon::join(|| height_maps(&places, outcome), write_cases);
     maps.and(cases)?;
     for (case, place) in places.iter().filter(|_| outcome.several()) {
-        write_json(place.join("summary.json"), &case_summary(outcome, case))?;
+        write_json(place.claim("summary.json")?, &case_summary(outcome, case))?;
     }
     if outcome.several() {
-        remove_files(folder, FILES)?;
-        write_bytes(folder.join("report.txt"), verify_table(outcome).as_bytes())?;
+        write_bytes(root.claim("report.txt")?, verify_table(outcome).as_bytes())?;
     }
-    write_json(folder.join("summary.json"), &verify_summary(outcome))?;
+    write_json(root.claim("summary.json")?, &verify_summary(outcome))?;
     progress.end();
     Ok(())
 }
@@ -168,7 +171,7 @@ pub fn verify_report(
 /// Draws the first surface of every case: once for those that share it, and one after the other, since
 /// memory may hold no more.
 fn height_maps(
-    places: &[(&CaseOutcome, PathBuf)],
+    places: &[(&CaseOutcome, Place<'_>)],
     outcome: &VerifyOutcome,
 ) -> Result<(), ReportError> {
     if !outcome.config.output.plots {
@@ -182,20 +185,20 @@ fn height_maps(
             0 => "One such surface".to_owned(),
             n => format!("First of {n} surfaces"),
         };
-        let folders: Vec<&Path> = sharing.iter().map(|(_, place)| place.as_path()).collect();
-        figures::height_map(&folders, &first, &name)?;
+        let places: Vec<&Place<'_>> = sharing.iter().map(|(_, place)| place).collect();
+        figures::height_map(&places, &first, &name)?;
     }
     Ok(())
 }
 
 /// Writes all of one case but its height map and its summary.
 fn write_case(
-    place: &Path,
+    place: &Place<'_>,
     outcome: &VerifyOutcome,
     case: &CaseOutcome,
 ) -> Result<(), ReportError> {
     let spec = &outcome.spec;
-    let tables = || {
+    let tables = || -> Result<(), ReportError> {
         let fluxes = Fluxes {
             spec,
             statistics: &case.statistics,
@@ -204,10 +207,8 @@ fn write_case(
         };
         write_fluxes(place, fluxes, &case.models)?;
         write_comparison(place, spec, case)?;
-        write_bytes(
-            place.join("report.txt"),
-            case_table(outcome, case).as_bytes(),
-        )
+        let report = case_table(outcome, case);
+        Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
     };
     let plots = || {
         let light = Light::of_case(&case.case, &outcome.config);

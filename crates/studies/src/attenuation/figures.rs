@@ -10,6 +10,14 @@ use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
 
+/// Names of all plots.
+pub(super) const NAMES: [&str; 4] = [
+    "attenuation_theta",
+    "attenuation_models",
+    "attenuation_sigma",
+    "visibility",
+];
+
 /// All plots that the results can fill, by name of their files.
 pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves)> {
     let lights = distinct(outcome.rows.iter().map(|row| row.theta));

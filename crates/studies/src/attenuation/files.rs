@@ -1,15 +1,15 @@
 //! The files of an attenuation run: tables, plots, report.txt and summary.json.
 
 use asperity_simulate::Observer;
-use std::path::Path;
 
-use asperity_io::{create_output_folder, remove_files, write_bytes, write_json};
+use asperity_io::{ResultFolder, write_bytes, write_json};
 use serde_json::{Value, json};
 
 use super::tables::attenuation_table;
-use super::{AttenuationOutcome, figures, tables};
+use super::{AttenuationConfig, AttenuationOutcome, figures, tables};
 use crate::figures::save;
-use crate::report::{FILES, ReportError};
+use crate::output::{Place, figure_files};
+use crate::report::ReportError;
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
 /// asked for, plots, report.txt, and, last, summary.json.
@@ -17,38 +17,58 @@ use crate::report::{FILES, ReportError};
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn attenuation_report(
-    folder: &Path,
+    folder: &ResultFolder,
     outcome: &AttenuationOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
-    remove_files(folder, FILES)?;
+    let names = outcome.config.files();
+    folder.claim_all(names.iter().map(String::as_str))?;
+    let place = Place::root(folder);
     let drawn = if outcome.config.output.plots {
         figures::figures(outcome)
     } else {
         Vec::new()
     };
     progress.begin("writing", drawn.len() as u64);
-    tables::attenuation().write_csv(&folder.join("attenuation.csv"), &outcome.rows)?;
+    tables::attenuation().write_csv(&place.claim("attenuation.csv")?, &outcome.rows)?;
     if !outcome.demarcation.is_empty() {
-        let path = folder.join("demarcation.csv");
+        let path = place.claim("demarcation.csv")?;
         tables::demarcation().write_csv(&path, &outcome.demarcation)?;
     }
     if !outcome.visibility.is_empty() {
-        let path = folder.join("visibility.csv");
+        let path = place.claim("visibility.csv")?;
         tables::visibility().write_csv(&path, &outcome.visibility)?;
     }
     for (name, curves) in drawn {
-        save(&[folder], name, &curves.draw()?)?;
+        save(&[&place], name, &curves.draw()?)?;
         progress.advance(1);
     }
     write_bytes(
-        folder.join("report.txt"),
+        place.claim("report.txt")?,
         attenuation_table(outcome).as_bytes(),
     )?;
-    write_json(folder.join("summary.json"), &attenuation_summary(outcome))?;
+    write_json(place.claim("summary.json")?, &attenuation_summary(outcome))?;
     progress.end();
     Ok(())
+}
+
+impl AttenuationConfig {
+    /// Names of all files that a run writes into its folder.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let mut names = ["attenuation.csv", "report.txt", "summary.json"].to_vec();
+        if self.run.demarcation {
+            names.push("demarcation.csv");
+        }
+        if self.run.heights {
+            names.push("visibility.csv");
+        }
+        let mut names: Vec<String> = names.into_iter().map(str::to_owned).collect();
+        if self.output.plots {
+            names.extend(figures::NAMES.into_iter().flat_map(figure_files));
+        }
+        names
+    }
 }
 
 /// The contents of summary.json.

@@ -1,16 +1,17 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
 use asperity_simulate::Observer;
-use std::path::{Path, PathBuf};
 
-use asperity_io::{create_output_folder, remove_files, write_bytes, write_json};
+use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use serde_json::{Value, json};
 
 use super::tables::{case_table, converge_table, convergence, method_name, write_convergence};
-use super::{ConvergeOutcome, ConvergedCase, MethodOutcome};
+use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
+use crate::config::ConfigError;
 use crate::figures;
-use crate::report::{FILES, ReportError};
+use crate::output::{Place, figure_files, of_cases};
+use crate::report::ReportError;
 
 /// Writes what was found into `folder`: the files of every case, in folders of their own where there
 /// are several, report.txt, and, last, summary.json.
@@ -18,48 +19,65 @@ use crate::report::{FILES, ReportError};
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn converge_report(
-    folder: &Path,
+    folder: &ResultFolder,
     outcome: &ConvergeOutcome,
     progress: &dyn Observer,
 ) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
-    remove_files(folder, FILES)?;
+    let several = outcome.several();
+    let names = outcome.config.files()?;
+    folder.claim_all(names.iter().map(String::as_str))?;
+    let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
-    let several = outcome.cases.len() > 1;
     for case in &outcome.cases {
         let place = if several {
-            folder.join(case.case.folder())
+            root.join(&case.case.folder())
         } else {
-            PathBuf::from(folder)
+            root.clone()
         };
         write_case(&place, outcome, case)?;
         if several {
-            write_json(place.join("summary.json"), &case_summary(outcome, case))?;
+            write_json(place.claim("summary.json")?, &case_summary(outcome, case))?;
         }
         progress.advance(1);
     }
     if several {
         write_bytes(
-            folder.join("report.txt"),
+            root.claim("report.txt")?,
             converge_table(outcome).as_bytes(),
         )?;
     }
-    write_json(folder.join("summary.json"), &converge_summary(outcome))?;
+    write_json(root.claim("summary.json")?, &converge_summary(outcome))?;
     progress.end();
     Ok(())
 }
 
+impl ConvergeConfig {
+    /// Names of all files that a run writes into its folder.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
+        let plan = self.plan()?;
+        let folders: Vec<String> = plan.cases.iter().map(|case| case.folder()).collect();
+        let mut of_case = ["convergence.csv", "report.txt", "summary.json"]
+            .map(str::to_owned)
+            .to_vec();
+        if self.output.plots {
+            of_case.extend(figure_files("convergence"));
+        }
+        Ok(of_cases(&folders, &of_case))
+    }
+}
+
 /// Writes all of one case but its summary.
 fn write_case(
-    place: &Path,
+    place: &Place<'_>,
     outcome: &ConvergeOutcome,
     case: &ConvergedCase,
 ) -> Result<(), ReportError> {
-    create_output_folder(place)?;
-    remove_files(place, FILES)?;
-    write_convergence(&place.join("convergence.csv"), case)?;
+    write_convergence(&place.claim("convergence.csv")?, case)?;
     write_bytes(
-        place.join("report.txt"),
+        place.claim("report.txt")?,
         case_table(outcome, case).as_bytes(),
     )?;
     // Without any error above zero there is nothing that logarithmic axes could show.
@@ -78,7 +96,7 @@ fn write_case(
 /// The contents of summary.json: that of the case, or, of several, a list of all with their folders.
 #[must_use]
 pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
-    if let [case] = outcome.cases.as_slice() {
+    if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
         return case_summary(outcome, case);
     }
     let cases: Vec<Value> = outcome

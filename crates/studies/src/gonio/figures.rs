@@ -1,9 +1,7 @@
 //! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by parts.
 
 use asperity_simulate::short;
-use std::path::Path;
 
-use asperity_io::{create_output_folder, names_in, remove_files};
 use asperity_plot::{
     ColourScale, Figure, Hemisphere, Hemispheres, PlotError, ProfileGrid, ProfilePart, Sample,
     Side as PlotSide,
@@ -18,13 +16,11 @@ use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
 use crate::figures::save;
-use crate::output::{over, projected_solid_angle};
+use crate::output::{Place, over, projected_solid_angle};
 use crate::report::ReportError;
 
 /// Folder of the plots.
 pub(super) const PLOTS: &str = "plots";
-/// What names of plots begin with.
-const KINDS: [&str; 3] = ["matrix_", "parts_", "profiles_"];
 
 /// Which rows a matrix has.
 #[derive(Clone, Copy)]
@@ -33,14 +29,21 @@ enum Rows {
     Phis,
 }
 
-/// Draws all plots into a folder of their own; an earlier run's are removed first.
-pub(super) fn draw(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportError> {
-    let plots = folder.join(PLOTS);
-    remove_plots(&plots)?;
-    if !outcome.config.output.plots {
-        return Ok(());
-    }
-    create_output_folder(&plots)?;
+/// Names of all plots, of which some may show nothing and are not drawn.
+pub(super) fn names(spec: &TallySpec, thetas: &[f64]) -> Vec<String> {
+    let of_side = |side: Side| {
+        let of_theta = move |theta: &f64| {
+            let theta = short(*theta);
+            ["parts", "profiles"].map(|kind| format!("{kind}_theta{theta}_{side}"))
+        };
+        let matrix = std::iter::once(format!("matrix_{side}"));
+        matrix.chain(thetas.iter().flat_map(of_theta))
+    };
+    spec.sides().flat_map(of_side).collect()
+}
+
+/// Draws all plots into `plots`.
+pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ReportError> {
     let shown: Vec<Side> = outcome
         .spec
         .sides()
@@ -67,18 +70,7 @@ pub(super) fn draw(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportEr
         }
     }
     jobs.into_par_iter()
-        .try_for_each(|(name, figure)| save(&[&plots], &name, &figure()?))
-}
-
-/// Removes plots that this run may not replace.
-fn remove_plots(folder: &Path) -> Result<(), ReportError> {
-    let mut names = names_in(folder);
-    names.retain(|name| {
-        let is_figure = KINDS.iter().any(|kind| name.starts_with(kind));
-        is_figure && (name.ends_with(".svg") || name.ends_with(".png"))
-    });
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    Ok(remove_files(folder, &names)?)
+        .try_for_each(|(name, figure)| save(&[plots], &name, &figure()?))
 }
 
 /// Whether any light of a direction left on `side`.

@@ -4,16 +4,17 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use asperity_io::{
-    WriteError, create_output_folder, names_in, remove_files, write_array, write_bytes, write_json,
+    ResultFolder, ResultFolderError, names_in, write_array, write_bytes, write_json,
 };
 use asperity_tally::{Side, TallySpec};
 
 use super::plan::Plan;
 use super::summary::{gonio_summary, gonio_table};
 use super::tables::{self, Measured, measured};
-use super::{DirectionResults, FOLDER, GonioError, GonioOutcome, figures};
-use crate::output::{over, projected_solid_angle};
-use crate::report::{FILES, ReportError};
+use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
+use crate::config::ConfigError;
+use crate::output::{Place, figure_files, over, projected_solid_angle};
+use crate::report::ReportError;
 
 /// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, plots, report.txt,
 /// and, last, summary.json.
@@ -22,29 +23,80 @@ use crate::report::{FILES, ReportError};
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn gonio_report(folder: &Path, outcome: &GonioOutcome) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
-    remove_files(folder, FILES)?;
+pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(), ReportError> {
     let spec = &outcome.spec;
+    let names = outcome
+        .directions
+        .iter()
+        .map(|direction| direction.name.as_str());
+    let config = &outcome.config;
+    let files = files(names, spec, &outcome.thetas, config.output.plots);
+    folder.claim_all(files.iter().map(String::as_str))?;
+    let place = Place::root(folder);
     for Measured {
         direction, results, ..
     } in measured(outcome)
     {
         write_direction(folder, &direction.name, spec, results)?;
     }
-    tables::directions(spec).write_csv(&folder.join("gonio.csv"), measured(outcome))?;
+    tables::directions(spec).write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
     let bins = tables::in_plane_bins(outcome);
-    tables::in_plane(spec).write_csv(&folder.join("in_plane.csv"), bins)?;
+    tables::in_plane(spec).write_csv(&place.claim("in_plane.csv")?, bins)?;
     let bins = tables::direction_bins(outcome);
-    tables::bsdf(spec).write_csv(&folder.join("bsdf.csv"), bins)?;
-    write_arrays(folder, outcome)?;
-    figures::draw(folder, outcome)?;
-    write_bytes(folder.join("report.txt"), gonio_table(outcome).as_bytes())?;
-    write_json(folder.join("summary.json"), &gonio_summary(outcome))?;
+    tables::bsdf(spec).write_csv(&place.claim("bsdf.csv")?, bins)?;
+    write_arrays(&place, outcome)?;
+    if config.output.plots {
+        figures::draw(&place.join(figures::PLOTS), outcome)?;
+    }
+    write_bytes(place.claim("report.txt")?, gonio_table(outcome).as_bytes())?;
+    write_json(place.claim("summary.json")?, &gonio_summary(outcome))?;
     Ok(())
 }
 
-/// Refuses a folder with files of directions that are not among `plans`: the tables would tell nothing of them.
+/// Names of all files of a measurement of the directions of these names.
+fn files<'a>(
+    directions: impl Iterator<Item = &'a str>,
+    spec: &TallySpec,
+    thetas: &[f64],
+    plots: bool,
+) -> Vec<String> {
+    let of_all = [
+        "gonio.csv",
+        "in_plane.csv",
+        "bsdf.csv",
+        "bsdf.npy",
+        "bsdf_se.npy",
+        "report.txt",
+        "summary.json",
+    ];
+    let mut files: Vec<String> = of_all.map(str::to_owned).to_vec();
+    files.extend(
+        directions
+            .flat_map(|name| ["json", "csv"].map(|ending| format!("{FOLDER}/{name}.{ending}"))),
+    );
+    if plots {
+        let names = figures::names(spec, thetas);
+        let figures = names.iter().flat_map(|name| figure_files(name));
+        files.extend(figures.map(|file| format!("{}/{file}", figures::PLOTS)));
+    }
+    files
+}
+
+impl GonioConfig {
+    /// Names of all files that a measurement writes into its folder.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn files(&self, sample: Option<&Sample>) -> Result<Vec<String>, ConfigError> {
+        let (_, plans) = self.plans(sample)?;
+        let [thetas, _] = self.light.angles()?;
+        let names = plans.iter().map(|plan| plan.name.as_str());
+        let spec = self.ray_settings()?.spec;
+        Ok(files(names, &spec, &thetas, self.output.plots))
+    }
+}
+
+/// Refuses a folder with files of directions that are not among `plans`: the tables would not contain them.
 pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), GonioError> {
     let planned: HashSet<&str> = plans.iter().map(|plan| plan.name.as_str()).collect();
     let direction = |name: &String| {
@@ -62,17 +114,17 @@ pub(super) fn refuse_unplanned(folder: &Path, plans: &[Plan]) -> Result<(), Goni
 
 /// directions/NAME.csv.
 pub(super) fn write_direction(
-    folder: &Path,
+    folder: &ResultFolder,
     name: &str,
     spec: &TallySpec,
     results: &DirectionResults,
-) -> Result<(), WriteError> {
-    let path = folder.join(FOLDER).join(format!("{name}.csv"));
-    tables::direction(spec, results).write_csv(&path, spec.recorded_bins())
+) -> Result<(), ResultFolderError> {
+    let path = folder.claim(&format!("{FOLDER}/{name}.csv"))?;
+    Ok(tables::direction(spec, results).write_csv(&path, spec.recorded_bins())?)
 }
 
 /// bsdf.npy and bsdf_se.npy: `[setting][theta_i][phi_i][side][theta_o][phi_o]`, not a number where there is nothing.
-fn write_arrays(folder: &Path, outcome: &GonioOutcome) -> Result<(), WriteError> {
+fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultFolderError> {
     let spec = &outcome.spec;
     let grid = spec.grid();
     let shape = [
@@ -93,6 +145,6 @@ fn write_arrays(folder: &Path, outcome: &GonioOutcome) -> Result<(), WriteError>
             errors.push(bsdf.and_then(|bsdf| bsdf.se).unwrap_or(f64::NAN));
         }
     }
-    write_array(folder.join("bsdf.npy"), &shape, &means)?;
-    write_array(folder.join("bsdf_se.npy"), &shape, &errors)
+    write_array(place.claim("bsdf.npy")?, &shape, &means)?;
+    Ok(write_array(place.claim("bsdf_se.npy")?, &shape, &errors)?)
 }

@@ -1,9 +1,8 @@
 //! The files of a map: map.csv, two plots, report.txt and summary.json.
 
 use asperity_simulate::short;
-use std::path::Path;
 
-use asperity_io::{create_output_folder, remove_files, write_bytes, write_json};
+use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
 use serde_json::{Value, json};
 
@@ -12,9 +11,11 @@ use super::interval::CellVerdict;
 use super::summary::{
     grooves, map_table, material_name, materials, smoothness, summarise, thetas, warnings,
 };
-use super::{MapOutcome, tables};
+use super::{FOLDER, MapConfig, MapOutcome, tables};
+use crate::config::ConfigError;
 use crate::figures;
-use crate::report::{FILES, ReportError};
+use crate::output::{Place, figure_files};
+use crate::report::ReportError;
 
 /// Writes a map into `folder`: map.csv, map_own and map_all as plots, report.txt, and, last, summary.json.
 ///
@@ -22,19 +23,51 @@ use crate::report::{FILES, ReportError};
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn map_report(folder: &Path, outcome: &MapOutcome) -> Result<(), ReportError> {
-    create_output_folder(folder)?;
-    remove_files(folder, FILES)?;
-    tables::map().write_csv(&folder.join("map.csv"), tables::judged(outcome))?;
+pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), ReportError> {
+    folder.claim_all(
+        results(outcome.config.output.plots)
+            .iter()
+            .map(String::as_str),
+    )?;
+    let place = Place::root(folder);
+    tables::map().write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
     if outcome.config.output.plots {
         for light in LightShare::BOTH {
             let figure = figure(outcome, light).draw()?;
-            figures::save(&[folder], &format!("map_{}", light.name()), &figure)?;
+            figures::save(&[&place], &format!("map_{}", light.name()), &figure)?;
         }
     }
-    write_bytes(folder.join("report.txt"), map_table(outcome).as_bytes())?;
-    write_json(folder.join("summary.json"), &map_summary(outcome))?;
+    write_bytes(place.claim("report.txt")?, map_table(outcome).as_bytes())?;
+    write_json(place.claim("summary.json")?, &map_summary(outcome))?;
     Ok(())
+}
+
+/// Names of the files of a map, checkpoints aside.
+fn results(plots: bool) -> Vec<String> {
+    let mut names = ["map.csv", "report.txt", "summary.json"]
+        .map(str::to_owned)
+        .to_vec();
+    if plots {
+        names.extend(
+            LightShare::BOTH
+                .iter()
+                .flat_map(|light| figure_files(&format!("map_{}", light.name()))),
+        );
+    }
+    names
+}
+
+impl MapConfig {
+    /// Names of all files that a map writes into its folder.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
+        let mut names = results(self.output.plots);
+        let cells = self.cells()?.into_iter();
+        names.extend(cells.map(|cell| format!("{FOLDER}/{}.json", cell.case.folder())));
+        Ok(names)
+    }
 }
 
 /// The contents of summary.json.

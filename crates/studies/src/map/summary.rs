@@ -243,7 +243,7 @@ mod tests {
                 })
                 .collect(),
             config,
-            taken_up: 0,
+            resumed: 0,
             computed: 0,
             notes: Vec::new(),
             stopped_by: None,

@@ -1,0 +1,56 @@
+//! Place: the folder of one case within a result folder, or the result folder itself.
+
+use std::path::PathBuf;
+
+use asperity_io::{ResultFolder, ResultFolderError};
+
+/// Where the files of a case go.
+#[derive(Clone, Debug)]
+pub(crate) struct Place<'a> {
+    folder: &'a ResultFolder,
+    /// Path of the case within the folder, with a slash at its end; empty for the folder itself.
+    within: String,
+}
+
+impl<'a> Place<'a> {
+    /// The result folder itself.
+    pub(crate) const fn root(folder: &'a ResultFolder) -> Self {
+        Self {
+            folder,
+            within: String::new(),
+        }
+    }
+
+    /// The folder `name` within this one.
+    pub(crate) fn join(&self, name: &str) -> Self {
+        Self {
+            folder: self.folder,
+            within: format!("{}{name}/", self.within),
+        }
+    }
+
+    /// Lists a file of this place as one of the run, and returns the path to write it to.
+    pub(crate) fn claim(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
+        self.folder.claim(&format!("{}{name}", self.within))
+    }
+}
+
+/// Names of the files of one figure.
+pub(crate) fn figure_files(name: &str) -> [String; 2] {
+    ["svg", "png"].map(|ending| format!("{name}.{ending}"))
+}
+
+/// Names of the files of all cases: those of one case, or, of several, of each in its folder, with a report and a
+/// summary of all.
+pub(crate) fn of_cases(folders: &[String], of_case: &[String]) -> Vec<String> {
+    if folders.len() == 1 {
+        return of_case.to_vec();
+    }
+    let in_folder = |folder: &String| {
+        let names = of_case.iter().map(move |name| format!("{folder}/{name}"));
+        names.collect::<Vec<_>>()
+    };
+    let mut names: Vec<String> = folders.iter().flat_map(in_folder).collect();
+    names.extend(["report.txt", "summary.json"].map(str::to_owned));
+    names
+}

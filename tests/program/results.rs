@@ -1,0 +1,139 @@
+//! Result folders through the program: what a run may replace, and what it must leave alone.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{files, json, refused, succeed, with_surface, words};
+
+/// A run of each command that writes a folder, without its output.
+const RUNS: [&str; 6] = [
+    "trace h.exr --theta 30 --rays 1e3 --no-plots",
+    "verify --tau 4 --size 32 --realisations 2 --rays 2e3 --models smith --no-plots",
+    "map --tau 4 --size 32 --theta 0 --realisations 2 --rays 2e3 --models smith --no-plots",
+    "gonio --tau 4 --size 32 --theta 30 --realisations 2 --rays 2e3 --bins 6x6 --no-plots",
+    "attenuation --tau 4 --spacing 1 --size 32 --sigma 1 --realisations 2 --theta 45 --no-plots",
+    "converge --tau 4 --size 32 --rays 1e3 --surfaces 2 --repeats 1 --reference-rays 1e4 --reference-surfaces 2 --no-plots",
+];
+
+/// Names that results of some command have.
+const NAMES: [&str; 12] = [
+    "report.txt",
+    "comparison.csv",
+    "lobes.png",
+    "map.csv",
+    "map_own.png",
+    "gonio.csv",
+    "bsdf.npy",
+    "histogram.csv",
+    "attenuation.csv",
+    "convergence.csv",
+    "visibility.svg",
+    "height_map.svg",
+];
+
+/// Names of the files of a run, sub-folders aside.
+fn written(folder: &Path, run: &str) -> Vec<String> {
+    succeed(folder, &words(&format!("{run} --quiet -o empty")));
+    let written = files(&folder.join("empty"));
+    fs::remove_dir_all(folder.join("empty")).unwrap();
+    written
+}
+
+#[test]
+fn files_of_the_user_survive_every_command() {
+    let (_keep, folder) = with_surface();
+    for run in RUNS {
+        let written = written(&folder, run);
+        let out = folder.join("out");
+        fs::create_dir(&out).unwrap();
+        let free = NAMES
+            .into_iter()
+            .filter(|name| !written.contains(&(*name).to_owned()));
+        let mine: Vec<&str> = free.collect();
+        for name in &mine {
+            fs::write(out.join(name), name).unwrap();
+        }
+        // What is in no one's way is left alone, by the first run and by the next.
+        for _ in 0..2 {
+            succeed(&folder, &words(&format!("{run} --quiet -o out")));
+            for name in &mine {
+                assert_eq!(fs::read_to_string(out.join(name)).unwrap(), *name, "{run}");
+            }
+        }
+        fs::remove_dir_all(&out).unwrap();
+        // What is in the way is named before the run begins, and left alone.
+        fs::create_dir(&out).unwrap();
+        let in_the_way = written.iter().find(|name| name.ends_with(".csv"));
+        let in_the_way = in_the_way.unwrap_or(&written[0]);
+        fs::write(out.join(in_the_way), "mine").unwrap();
+        let said = refused(&folder, &words(&format!("{run} -o out")), 1);
+        assert!(said.contains(in_the_way.as_str()), "{run}: {said}");
+        assert_eq!(files(&out), [in_the_way.as_str()], "{run}");
+        assert_eq!(fs::read_to_string(out.join(in_the_way)).unwrap(), "mine");
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
+#[test]
+fn an_input_is_never_replaced_or_removed() {
+    let (_keep, folder) = with_surface();
+    let matrix = "0 0.1 0 0.2\n0.3 0 0.1 0\n0 0.2 0 0.1\n0.1 0 0.3 0\n";
+    // A height map under the name of a table of the run that reads it.
+    fs::write(folder.join("histogram.txt"), matrix).unwrap();
+    let config = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 2e3\n[compare]\nmodels = []\n";
+    fs::write(folder.join("report.txt"), config).unwrap();
+    let said = refused(&folder, &words("verify report.txt --no-plots -o ."), 1);
+    assert!(said.contains("report.txt"), "{said}");
+    assert_eq!(
+        fs::read_to_string(folder.join("report.txt")).unwrap(),
+        config
+    );
+    // An input that an earlier manifest lists is still an input.
+    succeed(
+        &folder,
+        &words("verify report.txt --quiet --no-plots -o out"),
+    );
+    fs::write(folder.join("out/report.txt"), config).unwrap();
+    let said = refused(
+        &folder,
+        &words("verify out/report.txt --no-plots -o out"),
+        1,
+    );
+    assert!(said.contains("is an input of this run"), "{said}");
+    assert_eq!(
+        fs::read_to_string(folder.join("out/report.txt")).unwrap(),
+        config
+    );
+    let trace = "trace histogram.txt --spacing 1 --border periodic --theta 30 --rays 1e3 --quiet --no-plots -o .";
+    succeed(&folder, &words(trace));
+    assert_eq!(
+        fs::read_to_string(folder.join("histogram.txt")).unwrap(),
+        matrix
+    );
+}
+
+#[test]
+fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
+    let (_keep, folder) = with_surface();
+    succeed(&folder, &words(&format!("{} --quiet -o out", RUNS[1])));
+    let before = files(&folder.join("out"));
+    let said = refused(&folder, &words(&format!("{} -o out", RUNS[0])), 1);
+    assert!(said.contains("holds results of `verify`"), "{said}");
+    assert_eq!(files(&folder.join("out")), before);
+    let manifest = json(&fs::read_to_string(folder.join("out/manifest.json")).unwrap());
+    assert_eq!(manifest["command"], "verify");
+    assert_eq!(manifest["complete"], true);
+    assert!(manifest["commit"].is_string() && manifest["results_epoch"].is_u64());
+    let listed: Vec<&str> = manifest["files"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|name| name.as_str().unwrap())
+        .collect();
+    let others = before.iter().filter(|name| *name != "manifest.json");
+    assert!(listed.iter().eq(others), "{listed:?} {before:?}");
+    // Results of a build without manifests are told apart from files of the user.
+    fs::remove_file(folder.join("out/manifest.json")).unwrap();
+    let said = refused(&folder, &words(&format!("{} -o out", RUNS[1])), 1);
+    assert!(said.contains("manifest.json"), "{said}");
+}
