@@ -48,33 +48,18 @@
 //! # Ok::<(), asperity_plot::PlotError>(())
 //! ```
 
-mod axis;
-mod colour_bar;
-mod curves;
-mod disc;
+mod elements;
 mod error;
-mod error_over_time;
-mod figure;
-mod height_map;
-mod hemispheres;
-mod in_plane_curves;
-mod legend;
-mod polar_lobes;
-mod profile_grid;
-mod scene;
-mod series;
-mod text;
-mod theme;
-mod validity_map;
+mod figures;
 
-pub use curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+pub use elements::figure::Figure;
+pub use elements::series::{Sample, Series, SeriesKind, Side};
 pub use error::PlotError;
-pub use error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
-pub use figure::Figure;
-pub use height_map::HeightMapFigure;
-pub use hemispheres::{ColourScale, Hemisphere, Hemispheres};
-pub use in_plane_curves::InPlaneCurves;
-pub use polar_lobes::{PolarLobes, Sides};
-pub use profile_grid::{ProfileGrid, ProfilePart};
-pub use series::{Sample, Series, SeriesKind, Side};
-pub use validity_map::{MapVerdict, MappedCell, ValidityMap};
+pub use figures::curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
+pub use figures::height_map::HeightMapFigure;
+pub use figures::hemispheres::{ColourScale, Hemisphere, Hemispheres};
+pub use figures::in_plane_curves::InPlaneCurves;
+pub use figures::polar_lobes::{PolarLobes, Sides};
+pub use figures::profile_grid::{ProfileGrid, ProfilePart};
+pub use figures::validity_map::{MapVerdict, MappedCell, ValidityMap};

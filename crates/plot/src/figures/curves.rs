@@ -3,12 +3,13 @@
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
-use crate::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent};
-use crate::legend::{Entry, Key, Legend};
-use crate::scene::{Marker, Pen, Rect, Scene};
-use crate::series::{Look, check_finite};
-use crate::text::{header, power_of_ten};
-use crate::{Figure, PlotError, theme};
+use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent};
+use crate::elements::legend::{Entry, Key, Legend};
+use crate::elements::scene::{Marker, Pen, Rect, Scene};
+use crate::elements::series::{Look, check_finite};
+use crate::elements::text::{header, power_of_ten};
+use crate::elements::theme;
+use crate::{Figure, PlotError};
 
 /// One place of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,12 +2,13 @@
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use crate::colour_bar;
-use crate::disc::{disc_pixels, palette, scale_end};
-use crate::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
-use crate::series::check_finite;
-use crate::text::{header, text_width, three_digits, wrap};
-use crate::{Figure, PlotError, Side, theme};
+use crate::elements::colour_bar;
+use crate::elements::disc::{disc_pixels, palette, scale_end};
+use crate::elements::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
+use crate::elements::series::check_finite;
+use crate::elements::text::{header, text_width, three_digits, wrap};
+use crate::elements::theme;
+use crate::{Figure, PlotError, Side};
 
 /// Which discs share their colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

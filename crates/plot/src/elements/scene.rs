@@ -4,7 +4,7 @@
 
 use plotters::style::RGBColor;
 
-use crate::theme;
+use crate::elements::theme;
 
 /// A place in the figure, points.
 pub(crate) type Xy = (f64, f64);

@@ -1,10 +1,10 @@
 //! The bar that says what the colours of discs mean.
 
 use crate::PlotError;
-use crate::axis::{Axis, display_exponent, per_steradian};
-use crate::disc::{BEYOND, palette};
-use crate::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook};
-use crate::theme;
+use crate::elements::axis::{Axis, display_exponent, per_steradian};
+use crate::elements::disc::{BEYOND, palette};
+use crate::elements::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook};
+use crate::elements::theme;
 
 const WIDTH: f64 = 16.0;
 /// Of the box of the colour of what lies beyond, and between it and the bar.

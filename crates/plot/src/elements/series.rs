@@ -3,8 +3,8 @@
 use plotters::style::RGBColor;
 
 use crate::PlotError;
-use crate::scene::{Marker, Pen};
-use crate::theme;
+use crate::elements::scene::{Marker, Pen};
+use crate::elements::theme;
 
 /// The side of the surface on which light leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

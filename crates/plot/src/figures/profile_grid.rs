@@ -2,11 +2,12 @@
 
 use plotters::style::RGBColor;
 
-use crate::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, per_steradian};
-use crate::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
-use crate::series::check_finite;
-use crate::text::{header, text_width, wrap};
-use crate::{Figure, PlotError, Sample, theme};
+use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, per_steradian};
+use crate::elements::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
+use crate::elements::series::check_finite;
+use crate::elements::text::{header, text_width, wrap};
+use crate::elements::theme;
+use crate::{Figure, PlotError, Sample};
 
 /// One part of the light: its name in the legend, and its samples in each panel.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,9 +5,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontTransform, RGBColor, ShapeStyle, TextStyle};
 
 use crate::PlotError;
-use crate::scene::{Align, Item, Picture, Scene, Xy};
-use crate::text::{self, LINE_HEIGHT_PER_EM};
-use crate::theme;
+use crate::elements::scene::{Align, Item, Picture, Scene, Xy};
+use crate::elements::text::{self, LINE_HEIGHT_PER_EM};
+use crate::elements::theme;
 
 /// A figure, laid out and ready to be rendered. Equal figures render to equal bytes.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
-use crate::theme;
+use crate::elements::theme;
 
 /// Share of the solid angle that may lie beyond a scale, and how many times above its end something must: lobes
 /// of rough surfaces are to be seen whole, mirror peaks are not to hide all else.

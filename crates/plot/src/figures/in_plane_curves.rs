@@ -1,11 +1,12 @@
 //! Intensity against angle in the plane of incidence.
 
-use crate::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, per_steradian};
-use crate::legend::{Entry, Key, Legend, bar_notes, series_entries};
-use crate::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
-use crate::series::{Look, check_finite, looks};
-use crate::text::header;
-use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side, theme};
+use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, per_steradian};
+use crate::elements::legend::{Entry, Key, Legend, bar_notes, series_entries};
+use crate::elements::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
+use crate::elements::series::{Look, check_finite, looks};
+use crate::elements::text::header;
+use crate::elements::theme;
+use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side};
 
 /// f |cos θₒ| over the signed angle, on one side of the surface: linear at the left, logarithmic at the right.
 ///

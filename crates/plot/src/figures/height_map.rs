@@ -3,11 +3,12 @@
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
-use crate::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, scale_down};
-use crate::scene::{Align, Level, Picture, Rect, Scene, TextLook};
-use crate::series::check_finite;
-use crate::text::{header, power_of_ten, text_width, three_digits, wrap};
-use crate::{Figure, PlotError, theme};
+use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH, display_exponent, scale_down};
+use crate::elements::scene::{Align, Level, Picture, Rect, Scene, TextLook};
+use crate::elements::series::check_finite;
+use crate::elements::text::{header, power_of_ten, text_width, three_digits, wrap};
+use crate::elements::theme;
+use crate::{Figure, PlotError};
 
 /// Heights of one periodic tile, in colour, with a colour bar.
 ///
@@ -283,7 +284,7 @@ fn draw_colour_bar(
         pixels: (0..=255).rev().collect(),
         palette: palette(),
     });
-    let pen = crate::scene::Pen::solid(theme::INK, theme::FRAME_WIDTH);
+    let pen = crate::elements::scene::Pen::solid(theme::INK, theme::FRAME_WIDTH);
     scene.rect_outline(bar, pen);
     let beside = TextLook::new(theme::TICK_SIZE, Align::Left, Level::Middle);
     let mut widest = 0.0_f64;

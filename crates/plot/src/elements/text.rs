@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use plotters::style::{FontDesc, FontFamily, FontStyle, register_font};
 
 use crate::PlotError;
-use crate::scene::{Align, Level, Scene, TextLook};
-use crate::theme;
+use crate::elements::scene::{Align, Level, Scene, TextLook};
+use crate::elements::theme;
 
 /// Ascent plus descent of DejaVu Sans over its em: what the rasteriser calls the size of a font.
 pub(crate) const LINE_HEIGHT_PER_EM: f64 = (1901.0 + 483.0) / 2048.0;

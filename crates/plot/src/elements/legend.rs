@@ -1,10 +1,10 @@
 //! Legends, set beside the data and never over them.
 
 use crate::PlotError;
-use crate::scene::{Align, Level, Pen, Scene, TextLook, Xy};
-use crate::series::{Look, Series, SeriesKind};
-use crate::text::wrap;
-use crate::theme;
+use crate::elements::scene::{Align, Level, Pen, Scene, TextLook, Xy};
+use crate::elements::series::{Look, Series, SeriesKind};
+use crate::elements::text::wrap;
+use crate::elements::theme;
 
 /// What stands left of a text in the legend.
 #[derive(Debug, Clone, Copy)]

@@ -1,11 +1,14 @@
 //! Lobes around the surface, as the transmission paper draws them.
 
-use crate::axis::{decimals, display_exponent, per_steradian, round_step_below, scale_down};
-use crate::legend::{Entry, Key, Legend, arrow, bar_notes, series_entries};
-use crate::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
-use crate::series::{Look, check_finite, looks};
-use crate::text::{fixed, header, text_width};
-use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side, theme};
+use crate::elements::axis::{
+    decimals, display_exponent, per_steradian, round_step_below, scale_down,
+};
+use crate::elements::legend::{Entry, Key, Legend, arrow, bar_notes, series_entries};
+use crate::elements::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
+use crate::elements::series::{Look, check_finite, looks};
+use crate::elements::text::{fixed, header, text_width};
+use crate::elements::theme;
+use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side};
 
 /// The half planes of a polar figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

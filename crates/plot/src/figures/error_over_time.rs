@@ -1,11 +1,12 @@
 //! Error against run time, on logarithmic axes.
 
-use crate::axis::{Axis, Panel, X_AXIS_DEPTH};
-use crate::legend::{Entry, Key, Legend};
-use crate::scene::{Marker, Pen, Rect, Scene};
-use crate::series::{Look, check_finite};
-use crate::text::{exponent10, fixed, header};
-use crate::{Figure, PlotError, theme};
+use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH};
+use crate::elements::legend::{Entry, Key, Legend};
+use crate::elements::scene::{Marker, Pen, Rect, Scene};
+use crate::elements::series::{Look, check_finite};
+use crate::elements::text::{exponent10, fixed, header};
+use crate::elements::theme;
+use crate::{Figure, PlotError};
 
 /// One run of a method, or several of equal size together.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,11 +3,12 @@
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
-use crate::axis::{Axis, X_AXIS_DEPTH, decimals};
-use crate::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
-use crate::series::check_finite;
-use crate::text::{fixed, header, text_width, wrap};
-use crate::{Figure, PlotError, theme};
+use crate::elements::axis::{Axis, X_AXIS_DEPTH, decimals};
+use crate::elements::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
+use crate::elements::series::check_finite;
+use crate::elements::text::{fixed, header, text_width, wrap};
+use crate::elements::theme;
+use crate::{Figure, PlotError};
 
 /// What is said of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -424,7 +425,7 @@ fn sign(scene: &mut Scene, (x, y): Xy, verdict: MapVerdict) {
 }
 
 fn disc(scene: &mut Scene, centre: Xy, radius: f64, colour: RGBColor) {
-    scene.items.push(crate::scene::Item::Disc {
+    scene.items.push(crate::elements::scene::Item::Disc {
         centre,
         radius,
         colour,

@@ -1,9 +1,9 @@
 //! Axes with round ticks, and the panel they frame.
 
 use crate::PlotError;
-use crate::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
-use crate::text::{exponent10, fixed, power_of_ten, text_width};
-use crate::theme;
+use crate::elements::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
+use crate::elements::text::{exponent10, fixed, power_of_ten, text_width};
+use crate::elements::theme;
 
 /// How a value becomes a place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,0 +1,10 @@
+//! Figures, one per file.
+
+pub(crate) mod curves;
+pub(crate) mod error_over_time;
+pub(crate) mod height_map;
+pub(crate) mod hemispheres;
+pub(crate) mod in_plane_curves;
+pub(crate) mod polar_lobes;
+pub(crate) mod profile_grid;
+pub(crate) mod validity_map;
