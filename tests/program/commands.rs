@@ -268,7 +268,7 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
         let in_plane = |side: &str| out.join(format!("in_plane_{side}.svg"));
         assert!(in_plane(side).exists() && !in_plane(other).exists());
         let lobes = fs::read_to_string(out.join("lobes.svg")).unwrap();
-        assert!(lobes.contains(&format!("{other} light not asked for")));
+        assert!(lobes.contains(&format!("{other} light not recorded")));
     }
     let mirror = words("--material mirror --side reflected -o mirror");
     succeed(&folder, &[&fixed[..], &mirror[..]].concat());

@@ -12,33 +12,33 @@
 //! | [`InPlaneCurves`] | [`Series`] over signed angles | linear and logarithmic curves, residuals |
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
 //! | [`Hemispheres`] | [`Hemisphere`]s: values of bins | light over whole hemispheres, in rows and columns |
-//! | [`ProfileGrid`] | [`ProfilePart`]s: [`Sample`]s a panel | parts of the light in the plane of incidence |
+//! | [`ProfileGrid`] | [`ProfileComponent`]s: [`Point`]s per panel | components of light in the plane of incidence |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
 //! Angles are in degrees here (this is the user's edge) and *signed*: measured from the normal of the side on
 //! which the light leaves, positive in the forward direction, that is towards +x for light which travels
-//! towards +x. Intensities are f |cos θₒ| in 1/sr: they stay finite at grazing angles, where f itself may not.
+//! towards +x. Lobes and curves show the cosine-weighted BSDF f |cos θₒ| in 1/sr: it stays finite at grazing angles, where f itself may not.
 //!
 //! # Example
 //! ```
-//! use asperity_plot::{InPlaneCurves, Sample, Series, Side};
+//! use asperity_plot::{InPlaneCurves, Point, Series, Side};
 //!
 //! let lobe = |theta: f64| 0.8 * (-(theta / 20.0).powi(2)).exp();
 //! let simulated = (-44..=44).map(|i| {
-//!     let theta_deg = 2.0 * f64::from(i);
-//!     Sample { theta_deg, value: 1.02 * lobe(theta_deg), se: Some(0.01) }
+//!     let x = 2.0 * f64::from(i);
+//!     Point { x, y: 1.02 * lobe(x), se: Some(0.01), x_range: Some([x - 1.0, x + 1.0]) }
 //! });
-//! let model = (-180..=180).map(|i| Sample::exact(0.5 * f64::from(i), lobe(0.5 * f64::from(i))));
+//! let model = (-180..=180).map(|i| Point::exact(0.5 * f64::from(i), lobe(0.5 * f64::from(i))));
 //! let figure = InPlaneCurves {
 //!     title: "Transmitted light".into(),
 //!     subtitle: "n = 1.4, s = 3, θᵢ = 30°".into(),
 //!     side: Side::Transmitted,
 //!     flat_direction_deg: Some(20.9),
 //!     series: vec![
-//!         Series::explicit("explicit surface", Side::Transmitted, simulated.collect()).with_bin_width(2.0),
-//!         Series::model("Gaussian lobe", Side::Transmitted, model.collect()),
+//!         Series::explicit("explicit surface", 0, Side::Transmitted, simulated.collect()),
+//!         Series::model("Gaussian lobe", 0, Side::Transmitted, model.collect()),
 //!     ],
 //! }
 //! .draw()?;
@@ -52,14 +52,15 @@ mod elements;
 mod error;
 mod figures;
 
-pub use elements::figure::Figure;
-pub use elements::series::{Sample, Series, SeriesKind, Side};
+pub use elements::curve::{Colour, Curve, Point, Style};
+pub use elements::render::Figure;
+pub use elements::series::{Series, Side, Source};
 pub use error::PlotError;
-pub use figures::curves::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+pub use figures::curves::{CurveAxis, Curves};
 pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figures::height_map::HeightMapFigure;
-pub use figures::hemispheres::{ColourScale, Hemisphere, Hemispheres};
+pub use figures::hemispheres::{Hemisphere, Hemispheres, SharedColours};
 pub use figures::in_plane_curves::InPlaneCurves;
 pub use figures::polar_lobes::{PolarLobes, Sides};
-pub use figures::profile_grid::{ProfileGrid, ProfilePart};
+pub use figures::profile_grid::{ProfileComponent, ProfileGrid};
 pub use figures::validity_map::{MapVerdict, MappedCell, ValidityMap};

@@ -2,11 +2,11 @@
 
 use asperity_simulate::{Case, short};
 
-use asperity_analysis::{BsdfModel, in_plane_flux};
+use asperity_analysis::{BsdfModel, FlatLayer, MODEL_NAMES, in_plane_flux};
 use asperity_io::write_bytes;
 use asperity_optics::{Bottom, Incidence, Layer, Material};
 use asperity_plot::{
-    Figure, HeightMapFigure, InPlaneCurves, PolarLobes, Sample, Series, Side as PlotSide,
+    Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
 use asperity_surface::HeightField;
@@ -180,7 +180,7 @@ pub(crate) fn lobes_and_curves(
     let mut subtitle = light.subtitle();
     for side in Side::BOTH {
         if leaves(side) && !spec.records(side) {
-            subtitle.push_str(&format!("; {side} light not asked for"));
+            subtitle.push_str(&format!("; {side} light not recorded"));
         }
     }
     let series: Vec<Series> = sides
@@ -188,7 +188,7 @@ pub(crate) fn lobes_and_curves(
         .flat_map(|&side| series_of(light, spec, statistics, models, side))
         .collect();
     let lobes = PolarLobes {
-        title: "Scattered intensity in the plane of incidence".to_owned(),
+        title: "Scattered light in the plane of incidence: cosine-weighted BSDF".to_owned(),
         subtitle,
         theta_i_deg: light.incidence.theta_deg(),
         sides: match sides.as_slice() {
@@ -204,8 +204,12 @@ pub(crate) fn lobes_and_curves(
     let draw_curves = |&side: &Side| {
         let curves = InPlaneCurves {
             title: match side {
-                Side::Reflected => "Reflected light in the plane of incidence",
-                Side::Transmitted => "Transmitted light in the plane of incidence",
+                Side::Reflected => {
+                    "Reflected light in the plane of incidence: cosine-weighted BSDF"
+                }
+                Side::Transmitted => {
+                    "Transmitted light in the plane of incidence: cosine-weighted BSDF"
+                }
             }
             .to_owned(),
             subtitle: light.subtitle(),
@@ -226,6 +230,24 @@ const fn plot_side(side: Side) -> PlotSide {
     }
 }
 
+/// Number of a component of light in figures, which gives it its colour: 0 is all light.
+const fn component_number(component: Component) -> usize {
+    match component {
+        Component::All => 0,
+        Component::Single | Component::Unscattered => 1,
+        Component::Multiple | Component::ScatteredOnce => 2,
+        Component::ScatteredMore | Component::Custom(_) => 3,
+        Component::Order(order) | Component::OrderAndAbove(order) => order as usize,
+    }
+}
+
+/// Number of a model in figures, which gives it its colour: its place among all models, whichever are drawn.
+fn model_number(name: &str) -> usize {
+    let mut names = MODEL_NAMES.iter().chain(&FlatLayer::NAMES);
+    let place = names.position(|known| *known == name);
+    place.unwrap_or(MODEL_NAMES.len() + FlatLayer::NAMES.len())
+}
+
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
 /// inside a medium, and the models' lines, in 1/sr.
 fn series_of(
@@ -235,89 +257,102 @@ fn series_of(
     models: &[ModelOutcome],
     side: Side,
 ) -> Vec<Series> {
-    let width = 90.0 / spec.grid().n_theta() as f64;
     let explicit = |name: &str, component: Component| {
-        let samples = in_plane_samples(statistics, side, component);
+        let points = in_plane_points(statistics, side, component);
         let name = format!("explicit, {name}");
-        Series::explicit(name, plot_side(side), samples).with_bin_width(width)
+        Series::explicit(name, component_number(component), plot_side(side), points)
     };
     let seen = |component| statistics.means().flux(side, component) != 0.0;
     let mut series = vec![explicit(&recorded_orders(light.max_order), Component::All)];
     for &component in spec.components() {
         if seen(component) {
-            let line = explicit(&component.label(), component);
-            series.push(line.of_part(component.name()));
+            series.push(explicit(&component.label(), component));
         }
     }
     // Without multiple scattering both are the same, and one would hide the other.
-    if spec.components().is_empty() && seen(Component::Multiple) {
+    let single_is_all = !seen(Component::Multiple);
+    if spec.components().is_empty() && !single_is_all {
         series.push(explicit(&Component::Single.label(), Component::Single));
     }
     for model in models.iter().filter(|m| m.model.sides().includes(side)) {
-        let all = match model.model {
-            CaseModel::Surface(_) => Component::All,
-            CaseModel::Layer(_) => model.judged_part(),
+        let (name, judged) = (model.model.name(), model.judged_part());
+        let label = match judged.is_of_medium() {
+            true => format!("{name}, {}", judged.short_label()),
+            false => name.to_owned(),
         };
-        let mut samples = in_plane_samples(model.expectation.statistics(), side, all);
-        if let Some(density) = model.model.density() {
-            let multiple = multiple_line(model, side);
-            samples = density_line(density, light.incidence, spec, side);
-            if model.judged_part() == Component::All {
-                for sample in &mut samples {
-                    sample.value += between(&multiple, sample.theta_deg);
-                }
-            }
-        }
-        let judged = model.judged_part();
-        let name = model.model.name();
-        series.push(if judged.is_of_medium() {
-            let name = format!("{name}, {}", judged.short_label());
-            Series::model(name, plot_side(side), samples).of_part(judged.name())
-        } else {
-            Series::model(name.to_owned(), plot_side(side), samples)
-        });
+        let component = match judged {
+            Component::Single if single_is_all => 0,
+            _ => component_number(judged),
+        };
+        let points = model_points(light, spec, model, side);
+        let line = Series::model(label, model_number(name), plot_side(side), points);
+        series.push(line.of_component(component));
     }
     series
 }
 
+/// The line of a model: its density averaged over a sliding bin where it has one, and its bins otherwise.
+fn model_points(light: &Light, spec: &TallySpec, model: &ModelOutcome, side: Side) -> Vec<Point> {
+    let Some(density) = model.model.density() else {
+        let component = match model.model {
+            CaseModel::Surface(_) => Component::All,
+            CaseModel::Layer(_) => model.judged_part(),
+        };
+        return model_bins(model, side, component);
+    };
+    let mut points = density_line(density, light.incidence, spec, side);
+    if model.judged_part() == Component::All {
+        let multiple = multiple_line(model, side);
+        for point in &mut points {
+            point.y += between(&multiple, point.x);
+        }
+    }
+    points
+}
+
 /// What a model expects of light scattered more often than once, bin by bin.
-fn multiple_line(model: &ModelOutcome, side: Side) -> Vec<Sample> {
-    let [mut all, single] = [Component::All, Component::Single]
-        .map(|component| in_plane_samples(model.expectation.statistics(), side, component));
+fn multiple_line(model: &ModelOutcome, side: Side) -> Vec<Point> {
+    let [mut all, single] =
+        [Component::All, Component::Single].map(|component| model_bins(model, side, component));
     for (all, single) in all.iter_mut().zip(&single) {
-        all.value -= single.value;
+        all.y -= single.y;
     }
     all
 }
 
-/// The value at an angle between samples in the order of their angles; beyond the ends that of the last.
-fn between(samples: &[Sample], theta_deg: f64) -> f64 {
-    let after = samples.partition_point(|sample| sample.theta_deg < theta_deg);
-    match (after.checked_sub(1).map(|i| samples[i]), samples.get(after)) {
-        (Some(a), Some(b)) => {
-            let t = (theta_deg - a.theta_deg) / (b.theta_deg - a.theta_deg);
-            a.value + t * (b.value - a.value)
-        }
-        (Some(end), None) => end.value,
-        (None, end) => end.map_or(0.0, |end| end.value),
+/// The value at an angle between points in the order of their angles; beyond the ends that of the last.
+fn between(points: &[Point], theta_deg: f64) -> f64 {
+    let after = points.partition_point(|point| point.x < theta_deg);
+    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+        (Some(a), Some(b)) => a.y + (theta_deg - a.x) / (b.x - a.x) * (b.y - a.y),
+        (Some(end), None) => end.y,
+        (None, end) => end.map_or(0.0, |end| end.y),
     }
 }
 
-/// In-plane intensities of a component, bin by bin.
-fn in_plane_samples(statistics: &TallyStatistics, side: Side, component: Component) -> Vec<Sample> {
+/// A model bin by bin. Its line needs no horizontal bars.
+fn model_bins(model: &ModelOutcome, side: Side, component: Component) -> Vec<Point> {
+    let mut points = in_plane_points(model.expectation.statistics(), side, component);
+    for point in &mut points {
+        point.x_range = None;
+    }
+    points
+}
+
+/// Cosine-weighted BSDF of a component in the plane of incidence, bin by bin.
+fn in_plane_points(statistics: &TallyStatistics, side: Side, component: Component) -> Vec<Point> {
     let view = statistics.in_plane(side, component);
     let filter = view.filter();
-    view.iter()
-        .enumerate()
-        .map(|(i, flux)| {
-            let solid_angle = filter.solid_angle(i);
-            Sample {
-                theta_deg: filter.centre_deg(i),
-                value: flux.mean / solid_angle,
-                se: flux.se.map(|se| se / solid_angle),
-            }
-        })
-        .collect()
+    let point = |(i, flux): (usize, asperity_tally::Estimate)| {
+        let solid_angle = filter.solid_angle(i);
+        Point {
+            x: filter.centre_deg(i),
+            y: flux.mean / solid_angle,
+            se: flux.se.map(|se| se / solid_angle),
+            x_range: Some(filter.theta_deg(i)),
+        }
+    };
+    view.iter().enumerate().map(point).collect()
 }
 
 /// A model averaged over a bin that slides along the angle: what the points of its bins estimate.
@@ -326,7 +361,7 @@ fn density_line(
     incidence: Incidence,
     spec: &TallySpec,
     side: Side,
-) -> Vec<Sample> {
+) -> Vec<Point> {
     let width = 90.0 / spec.grid().n_theta() as f64;
     let steps = (90.0 / LINE_STEP_DEG) as i32;
     (-steps..=steps)
@@ -340,7 +375,7 @@ fn density_line(
             // The slice's solid angle on both sides of the normal.
             let cap = |angle: f64| 2.0 * (0.5 * angle).sin().powi(2) * angle.signum();
             let solid_angle = 2.0 * spec.in_plane_half_width() * (cap(to) - cap(from));
-            Sample::exact(theta_deg, flux / solid_angle)
+            Point::exact(theta_deg, flux / solid_angle)
         })
         .collect()
 }

@@ -1,24 +1,32 @@
 //! Legends, set beside the data and never over them.
 
+use plotters::style::RGBColor;
+
+use super::geometry::Xy;
+use super::scene::{Align, Level, Marker, Pen, Scene, TextLook};
+use super::text::{text_width, wrap};
+use super::theme;
 use crate::PlotError;
-use crate::elements::scene::{Align, Level, Pen, Scene, TextLook, Xy};
-use crate::elements::series::{Look, Series, SeriesKind};
-use crate::elements::text::wrap;
-use crate::elements::theme;
 
 /// What stands left of a text in the legend.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Key {
-    /// A point, with its error bar if there is one.
-    Point { look: Look, bar: bool },
+    /// A point, with its error bar if it has one.
+    Point {
+        marker: Marker,
+        colour: RGBColor,
+        bar: bool,
+    },
     /// A hollow point.
-    Hollow(Look),
-    /// A point on its fitted line.
-    Fitted(Look),
+    Hollow { marker: Marker, colour: RGBColor },
+    /// A point on its line.
+    Joined { marker: Marker, pen: Pen },
     /// A line.
     Line(Pen),
     /// A line that ends in an arrow head.
     Arrow(Pen),
+    /// Whatever the function draws about a place.
+    Sign(fn(&mut Scene, Xy)),
     /// Nothing: a remark in smaller type.
     Note,
 }
@@ -31,158 +39,110 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    pub(crate) fn note(text: impl Into<String>) -> Self {
+    pub(crate) fn new(key: Key, text: impl Into<String>) -> Self {
         Entry {
-            key: Key::Note,
+            key,
             text: text.into(),
         }
     }
-}
 
-/// One entry for each different series that `shown` admits, points first.
-pub(crate) fn series_entries(
-    series: &[Series],
-    looks: &[Look],
-    shown: impl Fn(&Series) -> bool,
-) -> Vec<Entry> {
-    let mut entries: Vec<Entry> = Vec::new();
-    for kind in [SeriesKind::Explicit, SeriesKind::Model] {
-        let mut names: Vec<&str> = Vec::new();
-        for (s, look) in series.iter().zip(looks) {
-            if s.kind != kind || !shown(s) || names.contains(&s.name.as_str()) {
-                continue;
-            }
-            names.push(&s.name);
-            let key = match kind {
-                SeriesKind::Explicit => Key::Point {
-                    look: *look,
-                    bar: s.samples.iter().any(|sample| sample.se.is_some()),
-                },
-                SeriesKind::Model => Key::Line(look.curve()),
-            };
-            entries.push(Entry {
-                key,
-                text: s.name.clone(),
-            });
+    pub(crate) fn note(text: impl Into<String>) -> Self {
+        Entry::new(Key::Note, text)
+    }
+
+    /// Size of the text, and the room to its left.
+    fn layout(&self) -> (TextLook, f64) {
+        let look = |size| TextLook::new(size, Align::Left, Level::Middle);
+        match self.key {
+            Key::Note => (look(theme::NOTE_SIZE).muted(), 0.0),
+            _ => (look(theme::LEGEND_SIZE), KEY_WIDTH + KEY_GAP),
         }
     }
-    entries
-}
-
-/// Remarks on what bars mean, where there are bars.
-pub(crate) fn bar_notes(
-    series: &[Series],
-    horizontal: bool,
-    shown: impl Fn(&Series) -> bool,
-) -> Vec<Entry> {
-    let mut notes = Vec::new();
-    let shown = || series.iter().filter(|s| shown(s));
-    if shown().any(|s| s.samples.iter().any(|sample| sample.se.is_some())) {
-        notes.push(Entry::note("Bars: ±1 standard error."));
-    }
-    if horizontal && shown().any(|s| s.bin_width_deg.is_some()) {
-        notes.push(Entry::note("Horizontal bars: width of a bin."));
-    }
-    notes
 }
 
 const KEY_WIDTH: f64 = 34.0;
 const KEY_GAP: f64 = 9.0;
 const ROW: f64 = 20.0;
 const LINE: f64 = 16.0;
+/// Between entries that stand side by side.
+const ENTRY_GAP: f64 = 22.0;
 
-/// Entries broken into lines, ready to be measured and drawn.
+/// Entries in their places, ready to be measured and drawn.
 pub(crate) struct Legend {
-    rows: Vec<(Key, Vec<String>)>,
+    /// Entries with the left end and the middle of their first line, and their lines.
+    placed: Vec<(Entry, Xy, Vec<String>)>,
+    /// Height in points.
+    pub(crate) height: f64,
 }
 
 impl Legend {
-    /// Breaks the texts to fit `width` points, keys included.
-    pub(crate) fn new(entries: &[Entry], width: f64) -> Result<Self, PlotError> {
-        let rows = entries
-            .iter()
-            .map(|entry| {
-                let (size, room) = match entry.key {
-                    Key::Note => (theme::NOTE_SIZE, width),
-                    _ => (theme::LEGEND_SIZE, width - KEY_WIDTH - KEY_GAP),
-                };
-                Ok((entry.key, wrap(&entry.text, size, room)?))
-            })
-            .collect::<Result<_, PlotError>>()?;
-        Ok(Legend { rows })
+    /// Entries below each other, texts broken to fit `width` points.
+    pub(crate) fn column(entries: Vec<Entry>, width: f64) -> Result<Self, PlotError> {
+        let (mut placed, mut height) = (Vec::new(), 0.0);
+        for entry in entries {
+            let (look, room) = entry.layout();
+            let lines = wrap(&entry.text, look.size, width - room)?;
+            let at = (0.0, height + 0.5 * ROW);
+            height += ROW + LINE * lines.len().saturating_sub(1) as f64;
+            placed.push((entry, at, lines));
+        }
+        Ok(Legend { placed, height })
     }
 
-    /// Height in points.
-    pub(crate) fn height(&self) -> f64 {
-        self.rows
-            .iter()
-            .map(|(_, lines)| row_height(lines.len()))
-            .sum()
+    /// Entries side by side, in as many rows as `width` points need.
+    pub(crate) fn rows(entries: Vec<Entry>, width: f64) -> Result<Self, PlotError> {
+        let (mut placed, mut x, mut y) = (Vec::new(), 0.0, 0.5 * ROW);
+        for entry in entries {
+            let (look, room) = entry.layout();
+            let needed = room + text_width(&entry.text, look.size)?;
+            if x > 0.0 && x + needed > width {
+                (x, y) = (0.0, y + 1.1 * ROW);
+            }
+            let lines = vec![entry.text.clone()];
+            placed.push((entry, (x, y), lines));
+            x += needed + ENTRY_GAP;
+        }
+        Ok(Legend {
+            placed,
+            height: y + 0.5 * ROW,
+        })
     }
 
     /// Draws with the top left corner at `corner`.
     pub(crate) fn draw(&self, scene: &mut Scene, corner: Xy) {
-        let mut top = corner.1;
-        for (key, lines) in &self.rows {
-            let y = top + 0.5 * ROW;
-            draw_key(scene, *key, (corner.0, y));
-            let look = TextLook::new(theme::LEGEND_SIZE, Align::Left, Level::Middle);
-            let (look, x) = match key {
-                Key::Note => {
-                    let small = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Middle);
-                    (small.muted(), corner.0)
-                }
-                _ => (look, corner.0 + KEY_WIDTH + KEY_GAP),
-            };
+        for (entry, at, lines) in &self.placed {
+            let (x, y) = (corner.0 + at.0, corner.1 + at.1);
+            draw_key(scene, entry.key, (x, y));
+            let (look, room) = entry.layout();
             for (i, line) in lines.iter().enumerate() {
-                scene.text(line, (x, y + LINE * i as f64), look);
+                scene.text(line, (x + room, y + LINE * i as f64), look);
             }
-            top += row_height(lines.len());
         }
     }
-}
-
-fn row_height(lines: usize) -> f64 {
-    ROW + LINE * lines.saturating_sub(1) as f64
 }
 
 fn draw_key(scene: &mut Scene, key: Key, (left, y): Xy) {
     let (middle, right) = (left + 0.5 * KEY_WIDTH, left + KEY_WIDTH);
     match key {
-        Key::Point { look, bar } => {
+        Key::Point {
+            marker,
+            colour,
+            bar,
+        } => {
             if bar {
-                scene.line(&[(middle, y - 8.0), (middle, y + 8.0)], look.bar());
+                let pen = Pen::solid(colour, theme::BAR_WIDTH);
+                scene.line(&[(middle, y - 8.0), (middle, y + 8.0)], pen);
             }
-            scene.marker((middle, y), look.marker, look.colour);
+            scene.marker((middle, y), marker, colour);
         }
-        Key::Hollow(look) => scene.hollow_marker((middle, y), look.marker, look.colour),
-        Key::Fitted(look) => {
-            scene.line(&[(left, y), (right, y)], look.curve());
-            scene.marker((middle, y), look.marker, look.colour);
+        Key::Hollow { marker, colour } => scene.hollow_marker((middle, y), marker, colour),
+        Key::Joined { marker, pen } => {
+            scene.line(&[(left, y), (right, y)], pen);
+            scene.marker((middle, y), marker, pen.colour);
         }
         Key::Line(pen) => scene.line(&[(left, y), (right, y)], pen),
-        Key::Arrow(pen) => arrow(scene, (left, y), (right, y), pen),
+        Key::Arrow(pen) => scene.arrow((left, y), (right, y), pen),
+        Key::Sign(draw) => draw(scene, (middle, y)),
         Key::Note => {}
     }
-}
-
-/// A line with a filled head whose tip is at `to`.
-pub(crate) fn arrow(scene: &mut Scene, from: Xy, to: Xy, pen: Pen) {
-    const LENGTH: f64 = 11.0;
-    const HALF_WIDTH: f64 = 4.2;
-    let length = (to.0 - from.0).hypot(to.1 - from.1);
-    if length < LENGTH {
-        return;
-    }
-    let (ux, uy) = ((to.0 - from.0) / length, (to.1 - from.1) / length);
-    let foot = (to.0 - LENGTH * ux, to.1 - LENGTH * uy);
-    scene.line(&[from, foot], pen);
-    scene.polygon(
-        vec![
-            to,
-            (foot.0 - HALF_WIDTH * uy, foot.1 + HALF_WIDTH * ux),
-            (foot.0 + HALF_WIDTH * uy, foot.1 - HALF_WIDTH * ux),
-        ],
-        pen.colour,
-    );
 }

@@ -4,87 +4,10 @@
 
 use plotters::style::RGBColor;
 
-use crate::elements::theme;
+use super::geometry::{Rect, Xy, dashes};
+use super::theme;
 
-/// A place in the figure, points.
-pub(crate) type Xy = (f64, f64);
-
-/// A rectangle in points; `top < bottom`.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Rect {
-    pub(crate) left: f64,
-    pub(crate) top: f64,
-    pub(crate) right: f64,
-    pub(crate) bottom: f64,
-}
-
-impl Rect {
-    pub(crate) fn width(&self) -> f64 {
-        self.right - self.left
-    }
-
-    pub(crate) fn height(&self) -> f64 {
-        self.bottom - self.top
-    }
-
-    pub(crate) fn centre(&self) -> Xy {
-        (
-            0.5 * (self.left + self.right),
-            0.5 * (self.top + self.bottom),
-        )
-    }
-
-    pub(crate) fn corners(&self) -> [Xy; 4] {
-        [
-            (self.left, self.top),
-            (self.right, self.top),
-            (self.right, self.bottom),
-            (self.left, self.bottom),
-        ]
-    }
-
-    /// The part of the segment `a b` inside the rectangle (Liang and Barsky 1984).
-    pub(crate) fn clip(&self, a: Xy, b: Xy) -> Option<(Xy, Xy)> {
-        let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-        let edges = [
-            (-dx, a.0 - self.left),
-            (dx, self.right - a.0),
-            (-dy, a.1 - self.top),
-            (dy, self.bottom - a.1),
-        ];
-        let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
-        for (p, q) in edges {
-            if p == 0.0 {
-                if q < 0.0 {
-                    return None;
-                }
-            } else if p < 0.0 {
-                t0 = t0.max(q / p);
-            } else {
-                t1 = t1.min(q / p);
-            }
-        }
-        let at = |t: f64| (a.0 + t * dx, a.1 + t * dy);
-        (t0 <= t1).then(|| (at(t0), at(t1)))
-    }
-
-    /// The pieces of a polyline inside the rectangle.
-    pub(crate) fn clip_path(&self, path: &[Xy]) -> Vec<Vec<Xy>> {
-        let mut pieces: Vec<Vec<Xy>> = Vec::new();
-        for ends in path.windows(2) {
-            let Some((a, b)) = self.clip(ends[0], ends[1]) else {
-                continue;
-            };
-            match pieces.last_mut() {
-                Some(piece) if piece.last() == Some(&a) => piece.push(b),
-                _ => pieces.push(vec![a, b]),
-            }
-        }
-        pieces
-    }
-}
-
-/// Colour, width and pattern of a line.
+/// Colour, width and dash pattern of a line.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pen {
     pub(crate) colour: RGBColor,
@@ -102,7 +25,11 @@ impl Pen {
         }
     }
 
-    /// The thin dashed line of what light would do at a flat surface.
+    pub(crate) fn faint() -> Self {
+        Pen::solid(theme::FAINT, 1.2)
+    }
+
+    /// The thin dashed line of a direction or a value to compare with.
     pub(crate) fn guide() -> Self {
         Pen {
             colour: theme::MUTED,
@@ -202,16 +129,27 @@ pub(crate) enum Item {
         radius: f64,
         colour: RGBColor,
     },
-    Text {
-        text: String,
-        /// Baseline, at the left, middle or right end of the text.
-        anchor: Xy,
-        align: Align,
-        size: f64,
+    /// The outline of a disc.
+    Circle {
+        centre: Xy,
+        radius: f64,
         colour: RGBColor,
-        /// Runs upwards instead of to the right.
-        upwards: bool,
+        width: f64,
     },
+    Text(TextItem),
+}
+
+/// A text in its place.
+#[derive(Debug, Clone)]
+pub(crate) struct TextItem {
+    pub(crate) text: String,
+    /// Baseline, at the left, middle or right end of the text.
+    pub(crate) anchor: Xy,
+    pub(crate) align: Align,
+    pub(crate) size: f64,
+    pub(crate) colour: RGBColor,
+    /// Runs upwards instead of to the right.
+    pub(crate) upwards: bool,
 }
 
 /// Pixels stretched over a rectangle, without smoothing. Drawn beneath all items.
@@ -271,9 +209,50 @@ impl Scene {
         self.items.push(Item::Polygon { corners, colour });
     }
 
+    pub(crate) fn rect(&mut self, rect: Rect, colour: RGBColor) {
+        self.polygon(rect.corners().to_vec(), colour);
+    }
+
+    pub(crate) fn disc(&mut self, centre: Xy, radius: f64, colour: RGBColor) {
+        self.items.push(Item::Disc {
+            centre,
+            radius,
+            colour,
+        });
+    }
+
+    pub(crate) fn circle(&mut self, centre: Xy, radius: f64, pen: Pen) {
+        self.items.push(Item::Circle {
+            centre,
+            radius,
+            colour: pen.colour,
+            width: pen.width,
+        });
+    }
+
     pub(crate) fn rect_outline(&mut self, rect: Rect, pen: Pen) {
         let [a, b, c, d] = rect.corners();
         self.line(&[a, b, c, d, a], pen);
+    }
+
+    /// A line with a filled head whose tip is at `to`.
+    pub(crate) fn arrow(&mut self, from: Xy, to: Xy, pen: Pen) {
+        const LENGTH: f64 = 11.0;
+        const HALF_WIDTH: f64 = 4.2;
+        let length = (to.0 - from.0).hypot(to.1 - from.1);
+        if length < LENGTH {
+            return;
+        }
+        let (ux, uy) = ((to.0 - from.0) / length, (to.1 - from.1) / length);
+        let foot = (to.0 - LENGTH * ux, to.1 - LENGTH * uy);
+        self.line(&[from, foot], pen);
+        let corner = |side: f64| {
+            (
+                foot.0 - side * HALF_WIDTH * uy,
+                foot.1 + side * HALF_WIDTH * ux,
+            )
+        };
+        self.polygon(vec![to, corner(1.0), corner(-1.0)], pen.colour);
     }
 
     /// A filled marker with a hairline of white around it, so that neighbours stay apart.
@@ -294,11 +273,7 @@ impl Scene {
         // Corners of shapes of about equal area.
         let unit: &[Xy] = match marker {
             Marker::Circle => {
-                self.items.push(Item::Disc {
-                    centre: at,
-                    radius,
-                    colour,
-                });
+                self.disc(at, radius, colour);
                 return;
             }
             Marker::Triangle => &[(0.0, -1.35), (1.17, 0.68), (-1.17, 0.68)],
@@ -325,14 +300,17 @@ impl Scene {
     }
 
     fn push_text(&mut self, text: &str, anchor: Xy, look: TextLook, upwards: bool) {
-        self.items.push(Item::Text {
+        if text.is_empty() {
+            return;
+        }
+        self.items.push(Item::Text(TextItem {
             text: text.chars().map(printable).collect(),
             anchor,
             align: look.align,
             size: look.size,
             colour: look.colour,
             upwards,
-        });
+        }));
     }
 }
 
@@ -341,79 +319,5 @@ fn baseline_shift(look: TextLook) -> f64 {
         Level::Top => CAP_HEIGHT * look.size,
         Level::Middle => 0.5 * CAP_HEIGHT * look.size,
         Level::Baseline => 0.0,
-    }
-}
-
-/// Cuts a polyline into the "on" pieces of a pattern.
-fn dashes(path: &[Xy], pattern: &[f64]) -> Vec<Vec<Xy>> {
-    let mut pieces: Vec<Vec<Xy>> = Vec::new();
-    let (mut index, mut left) = (0, pattern[0]);
-    let mut piece: Vec<Xy> = path.first().copied().into_iter().collect();
-    for ends in path.windows(2) {
-        let (mut a, b) = (ends[0], ends[1]);
-        loop {
-            let rest = (b.0 - a.0).hypot(b.1 - a.1);
-            if rest <= left {
-                left -= rest;
-                if index % 2 == 0 {
-                    piece.push(b);
-                }
-                break;
-            }
-            let t = left / rest;
-            a = (a.0 + t * (b.0 - a.0), a.1 + t * (b.1 - a.1));
-            if index % 2 == 0 {
-                piece.push(a);
-                pieces.push(std::mem::take(&mut piece));
-            } else {
-                piece = vec![a];
-            }
-            index = (index + 1) % pattern.len();
-            left = pattern[index];
-        }
-    }
-    pieces.push(piece);
-    pieces.retain(|piece| piece.len() > 1);
-    pieces
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const UNIT: Rect = Rect {
-        left: 0.0,
-        top: 0.0,
-        right: 10.0,
-        bottom: 10.0,
-    };
-
-    #[test]
-    fn clipping_keeps_the_inside_and_splits_at_the_border() {
-        let path = [
-            (-5.0, 5.0),
-            (5.0, 5.0),
-            (5.0, 50.0),
-            (8.0, 50.0),
-            (8.0, 1.0),
-        ];
-        let pieces = UNIT.clip_path(&path);
-        assert_eq!(
-            pieces,
-            vec![
-                vec![(0.0, 5.0), (5.0, 5.0), (5.0, 10.0)],
-                vec![(8.0, 10.0), (8.0, 1.0)]
-            ]
-        );
-    }
-
-    #[test]
-    fn dashes_cover_their_share_of_the_path() {
-        let path: Vec<Xy> = (0..=100).map(|i| (f64::from(i), 0.0)).collect();
-        let drawn: f64 = dashes(&path, &[3.0, 2.0])
-            .iter()
-            .map(|piece| piece[piece.len() - 1].0 - piece[0].0)
-            .sum();
-        assert!((drawn - 60.0).abs() < 1e-9, "{drawn}");
     }
 }

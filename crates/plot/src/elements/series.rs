@@ -1,10 +1,8 @@
-//! Intensities over the plane of incidence, the input of lobes and curves.
+//! Light in the plane of incidence, the input of lobes and curves.
 
-use plotters::style::RGBColor;
-
+use super::curve::{Colour, Curve, Point, Style};
 use crate::PlotError;
-use crate::elements::scene::{Marker, Pen};
-use crate::elements::theme;
+use crate::error::Valid;
 
 /// The side of the surface on which light leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,39 +15,32 @@ pub enum Side {
 
 /// How a series was obtained, hence how it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SeriesKind {
+pub enum Source {
     /// Ray tracing on explicit surfaces: points with error bars, one for each bin.
     Explicit,
-    /// A statistical model: a line. If it carries standard errors (a random walk), they are thin bars.
-    Model,
+    /// The model of this number: a line. If it carries standard errors (a random walk), they are thin bars.
+    Model(usize),
 }
 
-/// One intensity at one angle.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sample {
-    /// Signed angle from the normal of the series' side, degrees in [-90, 90], positive forward.
-    pub theta_deg: f64,
-    /// f |cos θₒ| in 1/sr. May be negative where noise makes it so.
-    pub value: f64,
-    /// Standard error of `value`, >= 0, in 1/sr.
-    pub se: Option<f64>,
-}
-
-impl Sample {
-    /// A sample without a standard error.
-    pub fn exact(theta_deg: f64, value: f64) -> Self {
-        Sample {
-            theta_deg,
-            value,
-            se: None,
-        }
-    }
-}
-
-/// A named set of samples on one side of the surface.
+/// A named set of points (angle, cosine-weighted BSDF) on one side of the surface.
 ///
-/// The samples may come in any order. A series of equal `name` and `kind` on the other side, or in another
-/// figure with the same list of names, gets the same colour.
+/// The points may come in any order. The number of a component decides the colour of an explicit series, the number
+/// of a model that of its line, in every figure alike: see [`Colour`].
+///
+/// ```
+/// use asperity_plot::{Point, Series, Side};
+///
+/// let bin = |theta: f64, mean: f64, se: f64| Point {
+///     x: theta,
+///     y: mean,
+///     se: Some(se),
+///     x_range: Some([theta - 2.5, theta + 2.5]),
+/// };
+/// // Component 0 is all light; this list of models has smith as number 3.
+/// let explicit = Series::explicit("explicit, all orders", 0, Side::Reflected, vec![bin(27.5, 0.11, 0.01)]);
+/// let model = Series::model("smith", 3, Side::Reflected, vec![Point::exact(27.5, 0.1)]);
+/// assert_eq!(explicit.component, model.component);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Text of the legend.
@@ -57,207 +48,136 @@ pub struct Series {
     /// Side on which the light leaves.
     pub side: Side,
     /// Points or line.
-    pub kind: SeriesKind,
-    /// The samples; may be empty.
-    pub samples: Vec<Sample>,
-    /// Width in degrees of the bins over which the values are averages: horizontal bars in curves.
-    pub bin_width_deg: Option<f64>,
-    /// The part of the light that it is of, if not all that others are of: a model of a part is compared with
-    /// explicit light of the same part alone.
-    pub part: Option<String>,
+    pub source: Source,
+    /// Number of the component of light, 0 for all light. A model is compared with explicit series of its own
+    /// component alone.
+    pub component: usize,
+    /// Signed angles and cosine-weighted BSDF in 1/sr; may be empty.
+    pub points: Vec<Point>,
 }
 
 impl Series {
-    /// A result of explicit ray tracing.
-    pub fn explicit(name: impl Into<String>, side: Side, samples: Vec<Sample>) -> Self {
+    /// A component of the light of explicit ray tracing.
+    pub fn explicit(
+        name: impl Into<String>,
+        component: usize,
+        side: Side,
+        points: Vec<Point>,
+    ) -> Self {
         Series {
             name: name.into(),
             side,
-            kind: SeriesKind::Explicit,
-            samples,
-            bin_width_deg: None,
-            part: None,
+            source: Source::Explicit,
+            component,
+            points,
         }
     }
 
-    /// A statistical model.
-    pub fn model(name: impl Into<String>, side: Side, samples: Vec<Sample>) -> Self {
+    /// A statistical model of all light.
+    pub fn model(name: impl Into<String>, number: usize, side: Side, points: Vec<Point>) -> Self {
         Series {
             name: name.into(),
             side,
-            kind: SeriesKind::Model,
-            samples,
-            bin_width_deg: None,
-            part: None,
+            source: Source::Model(number),
+            component: 0,
+            points,
         }
     }
 
-    /// The same series with bins `bin_width_deg` degrees wide.
+    /// The same series, of one component of the light.
     #[must_use]
-    pub fn with_bin_width(self, bin_width_deg: f64) -> Self {
-        Series {
-            bin_width_deg: Some(bin_width_deg),
-            ..self
+    pub fn of_component(self, component: usize) -> Self {
+        Series { component, ..self }
+    }
+
+    pub(crate) fn is_model(&self) -> bool {
+        matches!(self.source, Source::Model(_))
+    }
+
+    /// The series as it is drawn, its points from left to right. Components beside all light are hollow: where both
+    /// lie at one place both can be seen.
+    pub(crate) fn curve(&self) -> Curve {
+        let (colour, style) = match (self.source, self.component) {
+            (Source::Explicit, 0) => (Colour::Component(0), Style::Points(0)),
+            (Source::Explicit, i) => (Colour::Component(i), Style::Hollow(i)),
+            (Source::Model(i), _) => (Colour::Model(i), Style::Line(i)),
+        };
+        let mut points = self.points.clone();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x));
+        Curve {
+            name: self.name.clone(),
+            colour,
+            style,
+            points,
         }
     }
 
-    /// The same series, of one part of the light.
-    #[must_use]
-    pub fn of_part(self, part: impl Into<String>) -> Self {
-        Series {
-            part: Some(part.into()),
-            ..self
-        }
-    }
-
-    /// Refuses what has no place in a figure.
-    pub(crate) fn check(&self) -> Result<(), PlotError> {
-        let what = |quantity: &str| format!("{quantity} of series \"{}\"", self.name);
-        for (index, sample) in self.samples.iter().enumerate() {
-            let numbers = [
-                ("angle", sample.theta_deg),
-                ("value", sample.value),
-                ("standard error", sample.se.unwrap_or(0.0)),
-            ];
-            for (quantity, value) in numbers {
-                check_finite(&what(quantity), index, value)?;
-            }
-            // Bin centres come from radians: leave room for rounding.
-            if sample.theta_deg.abs() > 90.0 + 1e-6 {
-                return Err(PlotError::OutOfRange {
-                    what: what("angle"),
-                    range: "in [-90, 90] degrees",
-                    index,
-                    value: sample.theta_deg,
-                });
-            }
-            if let Some(se) = sample.se.filter(|se| *se < 0.0) {
-                return Err(PlotError::OutOfRange {
-                    what: what("standard error"),
-                    range: "zero or more",
-                    index,
-                    value: se,
-                });
-            }
-        }
-        if let Some(width) = self.bin_width_deg {
-            check_finite(&what("bin width"), 0, width)?;
-            if width < 0.0 {
-                return Err(PlotError::OutOfRange {
-                    what: what("bin width"),
-                    range: "zero or more",
-                    index: 0,
-                    value: width,
-                });
-            }
-        }
-        Ok(())
-    }
-
-    /// The samples from left to right.
-    pub(crate) fn sorted(&self) -> Vec<Sample> {
-        let mut samples = self.samples.clone();
-        samples.sort_by(|a, b| a.theta_deg.total_cmp(&b.theta_deg));
-        samples
+    /// What the series stands for beneath others: components, then all light, then models.
+    pub(crate) fn layer(&self) -> (bool, std::cmp::Reverse<usize>) {
+        (self.is_model(), std::cmp::Reverse(self.component))
     }
 }
 
-/// Refuses infinities and NaN.
-pub(crate) fn check_finite(what: &str, index: usize, value: f64) -> Result<(), PlotError> {
-    if value.is_finite() {
-        Ok(())
-    } else {
-        Err(PlotError::NonFinite {
-            what: what.to_owned(),
-            index,
-            value,
-        })
+/// The series of some sides, checked, explicit ones first: in the order of a legend.
+pub(crate) fn shown(
+    series: &[Series],
+    sides: impl Fn(Side) -> bool,
+) -> Result<Vec<&Series>, PlotError> {
+    for series in series {
+        series.curve().check(Valid::SignedAngle)?;
     }
+    let mut shown: Vec<&Series> = series.iter().filter(|s| sides(s.side)).collect();
+    shown.sort_by_key(|series| series.is_model());
+    Ok(shown)
 }
 
-/// How one series looks in every panel and in the legend.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Look {
-    pub(crate) colour: RGBColor,
-    pub(crate) marker: Marker,
-    pub(crate) dash: &'static [f64],
-}
-
-impl Look {
-    pub(crate) fn curve(&self) -> Pen {
-        Pen {
-            colour: self.colour,
-            width: theme::CURVE_WIDTH,
-            dash: self.dash,
-        }
-    }
-
-    pub(crate) fn bar(&self) -> Pen {
-        Pen::solid(self.colour, theme::BAR_WIDTH)
-    }
-}
-
-/// One look for each series, in their order; equal names of equal kind share theirs.
-pub(crate) fn looks(series: &[Series]) -> Vec<Look> {
-    let mut known: Vec<(&str, SeriesKind)> = Vec::new();
-    series
-        .iter()
-        .map(|s| {
-            let key = (s.name.as_str(), s.kind);
-            if !known.contains(&key) {
-                known.push(key);
-            }
-            let rank = known
-                .iter()
-                .filter(|(_, kind)| *kind == s.kind)
-                .position(|(name, _)| *name == s.name)
-                .unwrap_or(0);
-            match s.kind {
-                SeriesKind::Explicit => Look {
-                    colour: theme::POINT_COLOURS[rank % theme::POINT_COLOURS.len()],
-                    marker: Marker::ALL[rank % Marker::ALL.len()],
-                    dash: &[],
-                },
-                SeriesKind::Model => Look {
-                    colour: theme::LINE_COLOURS[rank % theme::LINE_COLOURS.len()],
-                    marker: Marker::Circle,
-                    dash: theme::LINE_DASHES[rank % theme::LINE_DASHES.len()],
-                },
-            }
-        })
-        .collect()
+/// The curves of some series in the order in which they are drawn.
+pub(crate) fn stacked<'a>(series: impl Iterator<Item = &'a Series>) -> Vec<Curve> {
+    let mut series: Vec<&Series> = series.collect();
+    series.sort_by_key(|series| series.layer());
+    series.into_iter().map(Series::curve).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    #[test]
-    fn one_name_has_one_look_on_both_sides() {
-        let series = [
-            Series::explicit("rays", Side::Reflected, vec![]),
-            Series::model("a", Side::Reflected, vec![]),
-            Series::model("b", Side::Reflected, vec![]),
-            Series::model("b", Side::Transmitted, vec![]),
-        ];
-        let looks = looks(&series);
-        assert_eq!(looks[2].colour, looks[3].colour);
-        assert_eq!(looks[2].dash, looks[3].dash);
-        assert_ne!(looks[1].colour, looks[2].colour);
+    fn model(number: usize) -> Curve {
+        Series::model("m", number, Side::Reflected, vec![]).curve()
     }
 
     #[test]
-    fn twenty_models_have_twenty_looks() {
-        let series: Vec<Series> = (0..20)
-            .map(|i| Series::model(format!("{i}"), Side::Reflected, vec![]))
-            .collect();
-        let looks = looks(&series);
+    fn a_model_has_one_look_whatever_is_drawn_beside_it() {
+        let beside = |others: &[Series], side| {
+            let model = Series::model("b", 3, side, vec![]);
+            let all: Vec<Series> = others.iter().cloned().chain([model]).collect();
+            let curve = shown(&all, |_| true).unwrap().pop().unwrap().curve();
+            (curve.colour.rgb(), curve.style)
+        };
+        let alone = beside(&[], Side::Reflected);
+        let others = [
+            Series::explicit("rays", 0, Side::Reflected, vec![]),
+            Series::model("a", 0, Side::Reflected, vec![]),
+        ];
+        assert_eq!(alone, beside(&others, Side::Transmitted));
+        assert_ne!(alone.0, model(0).colour.rgb());
+        let all = others[0].curve();
+        assert_eq!(all.colour.rgb(), plotters::style::RGBColor(0, 0, 0));
+    }
+
+    #[test]
+    fn twenty_models_have_twenty_looks_and_none_is_a_component() {
         for i in 0..20 {
             for j in 0..i {
+                let (a, b) = (model(i), model(j));
+                let dashes = crate::elements::theme::LINE_DASHES.len();
                 assert!(
-                    looks[i].colour != looks[j].colour || looks[i].dash != looks[j].dash,
+                    a.colour.rgb() != b.colour.rgb() || i % dashes != j % dashes,
                     "{i} {j}"
                 );
+            }
+            for component in 0..4 {
+                assert_ne!(model(i).colour.rgb(), Colour::Component(component).rgb());
             }
         }
     }

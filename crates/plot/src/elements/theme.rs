@@ -2,9 +2,9 @@
 
 use plotters::style::RGBColor;
 
-/// PNG pixels a point: figures stay readable on dense screens and in print.
+/// PNG pixels per point: figures stay readable on dense screens and in print.
 pub(crate) const PNG_PIXELS_PER_POINT: u32 = 2;
-/// Pixels drawn for one PNG pixel and axis, then averaged: smooths every edge alike.
+/// Pixels drawn per PNG pixel and axis, then averaged: smooths every edge alike.
 pub(crate) const PNG_OVERSAMPLING: u32 = 2;
 /// SVG coordinates are integers in the drawing library; a tenth of a point keeps curves smooth.
 pub(crate) const SVG_UNITS_PER_POINT: u32 = 10;
@@ -32,7 +32,7 @@ pub(crate) const WHITE: RGBColor = RGBColor(255, 255, 255);
 pub(crate) const INK: RGBColor = RGBColor(25, 25, 25);
 pub(crate) const MUTED: RGBColor = RGBColor(90, 90, 90);
 pub(crate) const GRID: RGBColor = RGBColor(222, 222, 222);
-/// Slanted guide lines, a little stronger than the grid.
+/// Faint guide lines, a little stronger than the grid.
 pub(crate) const FAINT: RGBColor = RGBColor(190, 190, 190);
 
 // Okabe and Ito (2008), "Color universal design": distinct for the common kinds of colour vision. Yellow is
@@ -46,21 +46,15 @@ const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
 // Darker than all of theirs.
 const BROWN: RGBColor = RGBColor(115, 62, 10);
+const OLIVE: RGBColor = RGBColor(107, 112, 0);
 
-/// Colours of explicit results, which are points.
-pub(crate) const POINT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
-/// Colours of models, which are lines.
-pub(crate) const LINE_COLOURS: [RGBColor; 7] = [
-    BLUE,
-    VERMILLION,
-    BLUISH_GREEN,
-    REDDISH_PURPLE,
-    SKY_BLUE,
-    BROWN,
-    MUTED,
-];
-/// Colours of families of methods.
-pub(crate) const METHOD_COLOURS: [RGBColor; 8] = [
+/// Colours of explicit results by component: black for all light, and no colour of a model.
+pub(crate) const COMPONENT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
+/// Colours of models.
+pub(crate) const MODEL_COLOURS: [RGBColor; 6] =
+    [BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE, BROWN, OLIVE];
+/// Colours of anything else that is counted.
+pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLUE,
     VERMILLION,
     BLUISH_GREEN,
@@ -70,7 +64,7 @@ pub(crate) const METHOD_COLOURS: [RGBColor; 8] = [
     BLACK,
     MUTED,
 ];
-/// Lengths on and off; as many patterns as make, with [`LINE_COLOURS`], 35 different lines.
+/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 30 different lines.
 pub(crate) const LINE_DASHES: [&[f64]; 5] = [
     &[],
     &[9.0, 4.0],

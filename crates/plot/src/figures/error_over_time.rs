@@ -1,11 +1,11 @@
 //! Error against run time, on logarithmic axes.
 
-use crate::elements::axis::{Axis, Panel, X_AXIS_DEPTH};
-use crate::elements::legend::{Entry, Key, Legend};
-use crate::elements::scene::{Marker, Pen, Rect, Scene};
-use crate::elements::series::{Look, check_finite};
-use crate::elements::text::{exponent10, fixed, header};
-use crate::elements::theme;
+use crate::elements::axis::{Axis, extent};
+use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
+use crate::elements::legend::{Entry, Key};
+use crate::elements::numbers::{exponent10, fixed};
+use crate::elements::page::Chart;
+use crate::error::Valid;
 use crate::{Figure, PlotError};
 
 /// One run of a method, or several of equal size together.
@@ -15,11 +15,11 @@ pub struct TimedError {
     pub seconds: f64,
     /// Seconds of the fastest and of the slowest run.
     pub seconds_range: [f64; 2],
-    /// Relative error, >= 0; what is zero has no place on the axis and is left out.
+    /// Relative error, >= 0; zero has no place on a logarithmic axis and is left out.
     pub error: f64,
     /// Standard error of `error`, >= 0.
     pub se: Option<f64>,
-    /// Whether a fitted line rests on it; other points are hollow.
+    /// Whether the fitted line uses it; other points are hollow.
     pub fitted: bool,
 }
 
@@ -34,7 +34,7 @@ pub struct PowerLaw {
     pub error_at_one_second: f64,
 }
 
-/// A way of computing, with what it cost and how far off it was.
+/// A method of computing, with its run times and errors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimedMethod {
     /// Text of the legend.
@@ -53,7 +53,7 @@ pub struct TimedMethod {
 ///
 /// Thin lines fall as 1 / sqrt(seconds). Bars show a standard error up and down, and left and right the
 /// fastest and the slowest run. A point at the error of the reference itself says nothing about its method:
-/// a dotted line marks that error, and such points are hollow.
+/// a dashed line marks that error, and such points are hollow.
 ///
 /// ```
 /// use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
@@ -93,12 +93,8 @@ pub struct ErrorOverTime {
     pub reference_error: Option<f64>,
 }
 
-const PANEL_WIDTH: f64 = 620.0;
-const PANEL_HEIGHT: f64 = 500.0;
+const PANEL: (f64, f64) = (620.0, 500.0);
 const LEGEND_WIDTH: f64 = 372.0;
-const LEGEND_GAP: f64 = 26.0;
-/// Left of the panel: label, texts and ticks of the y axis.
-const Y_AXIS_ROOM: f64 = 72.0;
 /// Free space between the data and the frame, decades.
 const PADDING: f64 = 0.15;
 /// The axis of errors is drawn out to the reference's if that is not farther than so many decades away.
@@ -112,51 +108,43 @@ impl ErrorOverTime {
     /// [`PlotError::OutOfRange`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.methods.iter().try_for_each(TimedMethod::check)?;
-        check_range(
-            "error of the reference",
-            0,
-            self.reference_error.unwrap_or(0.0),
-            false,
-        )?;
-        let looks = self.looks();
+        let reference = self.reference_error.unwrap_or(0.0);
+        Valid::NotNegative.check("error of the reference", 0, reference)?;
         let (x, y) = self.axes()?;
 
-        let mut scene = Scene::new(&self.title);
-        let width = 2.0 * theme::MARGIN + Y_AXIS_ROOM + PANEL_WIDTH + LEGEND_GAP + LEGEND_WIDTH;
-        let top = header(&mut scene, &self.subtitle, width)? + 16.0;
-        let left = theme::MARGIN + Y_AXIS_ROOM;
-        let frame = Rect {
-            left,
-            top,
-            right: left + PANEL_WIDTH,
-            bottom: top + PANEL_HEIGHT,
-        };
-        let panel = Panel::new(frame, x, y)?;
-        panel.draw_grid(&mut scene);
-        draw_slopes(&mut scene, &panel);
-        if let Some(error) = self.reference_error {
-            draw_line(
-                &mut scene,
-                &panel,
-                |_| error,
-                [panel.x.lo(), panel.x.hi()],
-                reference_pen(),
-            );
+        // Lines beneath runs, and the entries of the legend by method.
+        let looks = self.looks();
+        let methods = || self.methods.iter().zip(&looks);
+        let mut curves = slopes(&x, &y);
+        curves.extend(self.reference_error.map(|error| {
+            let ends = [(x.lo, error), (x.hi, error)];
+            Curve::guide("error of the reference itself", Style::Guide, ends)
+        }));
+        let guides = curve_entries(&curves);
+        curves.extend(methods().map(|(method, look)| method.fitted_line(*look)));
+        let mut entries = Vec::new();
+        for (method, look) in methods() {
+            let [fitted, hollow] = method.runs(*look);
+            let key = Key::Joined {
+                marker: fitted.marker(),
+                pen: method.fitted_line(*look).pen(),
+            };
+            entries.push(Entry::new(key, method.legend_text()));
+            curves.extend([fitted, hollow]);
         }
-        for (method, look) in self.methods.iter().zip(&looks) {
-            method.draw_fit(&mut scene, &panel, look);
+        entries.extend(guides);
+        entries.extend(self.notes());
+        Chart {
+            title: &self.title,
+            subtitle: &self.subtitle,
+            x,
+            y,
+            size: PANEL,
+            legend_width: LEGEND_WIDTH,
+            curves: &curves,
+            entries,
         }
-        for (method, look) in self.methods.iter().zip(&looks) {
-            method.draw_runs(&mut scene, &panel, look);
-        }
-        panel.draw_frame(&mut scene);
-
-        let legend = Legend::new(&self.entries(&looks), LEGEND_WIDTH)?;
-        legend.draw(&mut scene, (frame.right + LEGEND_GAP, top));
-        scene.width = width.round() as u32;
-        let low_end = (frame.bottom + X_AXIS_DEPTH).max(top + legend.height());
-        scene.height = (low_end + theme::MARGIN).round() as u32;
-        Ok(Figure::new(scene))
+        .draw()
     }
 
     /// Both axes, around everything that has a place.
@@ -166,27 +154,24 @@ impl ErrorOverTime {
             runs.filter(|run| run.error > 0.0)
         };
         let errors = extent(runs().map(|run| run.error));
-        let seconds =
-            extent(runs().flat_map(|run| run.seconds_range.into_iter().chain([run.seconds])));
-        let (Some([from, to]), Some(errors)) = (seconds, errors) else {
-            return Err(PlotError::NothingToDraw {
-                what: "no run with an error above zero".into(),
-            });
+        let seconds = extent(runs().flat_map(TimedError::all_seconds));
+        let (Some(seconds), Some([least, largest])) = (seconds, errors) else {
+            return Err(PlotError::nothing_to_draw(
+                "no run with an error above zero",
+            ));
         };
         let near =
-            |error: &f64| *error > 0.0 && (errors[0] / error).log10().abs() <= DECADES_TO_REFERENCE;
-        let errors = match self.reference_error.filter(near) {
-            Some(reference) => [errors[0].min(reference), errors[1].max(reference)],
-            None => errors,
-        };
-        let x = decades(from, to).with_label("run time (seconds)");
-        let y =
-            decades(errors[0], errors[1]).with_label("relative root-mean-square error over bins");
-        Ok((x, y))
+            |error: &f64| *error > 0.0 && (least / error).log10().abs() <= DECADES_TO_REFERENCE;
+        let reference = self.reference_error.filter(near).unwrap_or(least);
+        let errors = [least.min(reference), largest.max(reference)];
+        Ok((
+            decades(seconds).with_label("run time (seconds)"),
+            decades(errors).with_label("relative root-mean-square error over bins"),
+        ))
     }
 
-    /// A colour a family, a marker and a pattern a variant, in the order in which they first come.
-    fn looks(&self) -> Vec<Look> {
+    /// A colour per family, and a marker and dash pattern per variant, in the order in which they first come.
+    fn looks(&self) -> Vec<(Colour, usize)> {
         fn rank<'a>(known: &mut Vec<&'a str>, name: &'a str) -> usize {
             known.iter().position(|k| *k == name).unwrap_or_else(|| {
                 known.push(name);
@@ -196,165 +181,117 @@ impl ErrorOverTime {
         let (mut families, mut variants) = (Vec::new(), Vec::new());
         let looks = self.methods.iter().map(|method| {
             let family = rank(&mut families, &method.family);
-            let variant = rank(&mut variants, &method.variant);
-            Look {
-                colour: theme::METHOD_COLOURS[family % theme::METHOD_COLOURS.len()],
-                marker: Marker::ALL[variant % Marker::ALL.len()],
-                dash: theme::LINE_DASHES[variant % theme::LINE_DASHES.len()],
-            }
+            (Colour::Nth(family), rank(&mut variants, &method.variant))
         });
         looks.collect()
     }
 
-    fn entries(&self, looks: &[Look]) -> Vec<Entry> {
-        let methods = self.methods.iter().zip(looks).map(|(method, look)| Entry {
-            key: Key::Fitted(*look),
-            text: match method.fit {
-                Some(PowerLaw {
-                    slope,
-                    slope_se: Some(se),
-                    ..
-                }) => {
-                    format!(
-                        "{}: slope {} ± {}",
-                        method.name,
-                        fixed(slope, 2),
-                        fixed(se, 2)
-                    )
-                }
-                Some(law) => format!("{}: slope {}", method.name, fixed(law.slope, 2)),
-                None => format!("{}: no fit", method.name),
-            },
-        });
-        let mut entries: Vec<Entry> = methods.collect();
-        entries.push(Entry {
-            key: Key::Line(slope_pen()),
-            text: "slope −1/2".into(),
-        });
-        if self.reference_error.is_some() {
-            entries.push(Entry {
-                key: Key::Line(reference_pen()),
-                text: "error of the reference itself".into(),
-            });
-        }
+    fn notes(&self) -> Vec<Entry> {
         let runs = || self.methods.iter().flat_map(|method| &method.runs);
+        let mut notes = Vec::new();
         if runs().any(|run| run.se.is_some()) {
-            entries.push(Entry::note(
-                "Bars: ±1 standard error; fastest to slowest run.",
-            ));
+            notes.push("Bars: ±1 standard error; fastest to slowest run.");
         }
         if runs().any(|run| !run.fitted) {
-            entries.push(Entry::note("Hollow: at the reference, not fitted."));
+            notes.push("Hollow: at the reference, not fitted.");
         }
-        entries
+        notes.into_iter().map(Entry::note).collect()
+    }
+}
+
+impl TimedError {
+    fn all_seconds(&self) -> impl Iterator<Item = f64> {
+        self.seconds_range.into_iter().chain([self.seconds])
     }
 }
 
 impl TimedMethod {
-    /// Refuses what has no place in a figure.
+    /// Refuses numbers without meaning.
     fn check(&self) -> Result<(), PlotError> {
         let what = |quantity: &str| format!("{quantity} of method \"{}\"", self.name);
         for (index, run) in self.runs.iter().enumerate() {
-            for seconds in run.seconds_range.into_iter().chain([run.seconds]) {
-                check_range(&what("seconds"), index, seconds, true)?;
+            for seconds in run.all_seconds() {
+                Valid::Positive.check(&what("seconds"), index, seconds)?;
             }
-            check_range(&what("error"), index, run.error, false)?;
-            check_range(&what("standard error"), index, run.se.unwrap_or(0.0), false)?;
+            Valid::NotNegative.check(&what("error"), index, run.error)?;
+            Valid::NotNegative.check(&what("standard error"), index, run.se.unwrap_or(0.0))?;
         }
         if let Some(law) = self.fit {
-            check_finite(&what("slope"), 0, law.slope)?;
-            check_range(
-                &what("error in one second"),
-                0,
-                law.error_at_one_second,
-                true,
-            )?;
+            Valid::Finite.check(&what("slope"), 0, law.slope)?;
+            Valid::Positive.check(&what("error in one second"), 0, law.error_at_one_second)?;
         }
         Ok(())
     }
 
-    fn draw_fit(&self, scene: &mut Scene, panel: &Panel, look: &Look) {
+    fn legend_text(&self) -> String {
+        let Some(law) = self.fit else {
+            return format!("{}: no fit", self.name);
+        };
+        let slope = format!("{}: slope {}", self.name, fixed(law.slope, 2));
+        match law.slope_se {
+            Some(se) => format!("{slope} ± {}", fixed(se, 2)),
+            None => slope,
+        }
+    }
+
+    /// Over the runs that are fitted; without a point if there is no fit.
+    fn fitted_line(&self, (colour, variant): (Colour, usize)) -> Curve {
         let fitted = self.runs.iter().filter(|run| run.fitted);
-        if let (Some(law), Some(range)) = (self.fit, extent(fitted.map(|run| run.seconds))) {
+        let ends = extent(fitted.map(|run| run.seconds));
+        let ends = self.fit.zip(ends).map(|(law, ends)| {
             let error = |seconds: f64| law.error_at_one_second * seconds.powf(law.slope);
-            draw_line(scene, panel, error, range, look.curve());
+            ends.map(|seconds| Point::exact(seconds, error(seconds)))
+        });
+        Curve {
+            name: String::new(),
+            colour,
+            style: Style::Line(variant),
+            points: ends.into_iter().flatten().collect(),
         }
     }
 
-    fn draw_runs(&self, scene: &mut Scene, panel: &Panel, look: &Look) {
-        for run in &self.runs {
-            let Some(at) = panel.at(run.seconds, run.error) else {
-                continue;
+    /// The runs that are fitted, and the others as hollow points.
+    fn runs(&self, (colour, variant): (Colour, usize)) -> [Curve; 2] {
+        [
+            (true, Style::Points(variant)),
+            (false, Style::Hollow(variant)),
+        ]
+        .map(|(fitted, style)| {
+            let runs = self.runs.iter().filter(|run| run.fitted == fitted);
+            let point = |run: &TimedError| Point {
+                x: run.seconds,
+                y: run.error,
+                se: run.se,
+                x_range: Some(run.seconds_range),
             };
-            let [fastest, slowest] = run.seconds_range;
-            let mut bars = vec![[(fastest, run.error), (slowest, run.error)]];
-            if let Some(se) = run.se {
-                // A bar that starts at zero or below reaches down to the lower edge.
-                let low = (run.error - se).max(panel.y.lo());
-                bars.push([(run.seconds, low), (run.seconds, run.error + se)]);
+            Curve {
+                name: String::new(),
+                colour,
+                style,
+                points: runs.map(point).collect(),
             }
-            for [from, to] in bars {
-                let ends = panel.at(from.0, from.1).zip(panel.at(to.0, to.1));
-                if let Some((a, b)) = ends.and_then(|(a, b)| panel.frame.clip(a, b)) {
-                    scene.line(&[a, b], look.bar());
-                }
-            }
-            if run.fitted {
-                scene.marker(at, look.marker, look.colour);
-            } else {
-                scene.hollow_marker(at, look.marker, look.colour);
-            }
-        }
+        })
     }
 }
 
-/// The part inside the panel of a line that is straight on logarithmic axes.
-fn draw_line(
-    scene: &mut Scene,
-    panel: &Panel,
-    error: impl Fn(f64) -> f64,
-    seconds: [f64; 2],
-    pen: Pen,
-) {
-    let [from, to] = seconds.map(|t| panel.at(t, error(t)));
-    if let Some((a, b)) = from.zip(to).and_then(|(a, b)| panel.frame.clip(a, b)) {
-        scene.line(&[a, b], pen);
-    }
-}
-
-/// Lines of slope -1/2, a decade apart.
-fn draw_slopes(scene: &mut Scene, panel: &Panel) {
-    let seconds = [panel.x.lo(), panel.x.hi()];
-    let first = exponent10(panel.y.lo() * seconds[0].sqrt());
-    let last = exponent10(panel.y.hi() * seconds[1].sqrt()) + 1;
-    for exponent in first..=last {
-        let error = |t: f64| 10f64.powi(exponent) / t.sqrt();
-        draw_line(scene, panel, error, seconds, slope_pen());
-    }
-}
-
-fn slope_pen() -> Pen {
-    Pen::solid(theme::FAINT, theme::GRID_WIDTH)
-}
-
-fn reference_pen() -> Pen {
-    Pen {
-        colour: theme::INK,
-        width: theme::BAR_WIDTH,
-        dash: &[1.5, 3.5],
-    }
-}
-
-/// The least and the largest; none of nothing.
-fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    values.fold(None, |range, v| {
-        let [lo, hi] = range.unwrap_or([v, v]);
-        Some([v.min(lo), v.max(hi)])
-    })
+/// Lines of slope -1/2, a decade apart, of which the first has a name.
+fn slopes(x: &Axis, y: &Axis) -> Vec<Curve> {
+    let first = exponent10(y.lo * x.lo.sqrt());
+    let last = exponent10(y.hi * x.hi.sqrt()) + 1;
+    let line = |exponent: i32| {
+        let ends = [x.lo, x.hi].map(|t| (t, 10f64.powi(exponent) / t.sqrt()));
+        let name = if exponent == first {
+            "slope −1/2"
+        } else {
+            ""
+        };
+        Curve::guide(name, Style::Faint, ends)
+    };
+    (first..=last).map(line).collect()
 }
 
 /// A logarithmic axis around `lo` to `hi`, > 0, with two decades marked at least.
-fn decades(lo: f64, hi: f64) -> Axis {
+fn decades([lo, hi]: [f64; 2]) -> Axis {
     let margin = 10f64.powf(PADDING);
     let (lo, hi) = (
         (lo / margin).max(f64::MIN_POSITIVE),
@@ -366,24 +303,6 @@ fn decades(lo: f64, hi: f64) -> Axis {
     }
     let power = |exponent: i32| 10f64.powi(exponent.clamp(-307, 308));
     Axis::log10(power(exponent10(lo)), power(exponent10(hi) + 1))
-}
-
-/// Refuses infinities, NaN, and what is negative, or zero where that has no meaning.
-fn check_range(what: &str, index: usize, value: f64, positive: bool) -> Result<(), PlotError> {
-    check_finite(what, index, value)?;
-    if value > 0.0 || (value == 0.0 && !positive) {
-        return Ok(());
-    }
-    Err(PlotError::OutOfRange {
-        what: what.to_owned(),
-        range: if positive {
-            "above zero"
-        } else {
-            "zero or more"
-        },
-        index,
-        value,
-    })
 }
 
 #[cfg(test)]
@@ -399,9 +318,9 @@ mod tests {
             (1e-300, 2e-300),
             (0.03, 40.0),
         ] {
-            let axis = decades(lo, hi);
+            let axis = decades([lo, hi]);
             assert!(axis.major.len() >= 2, "{lo} {hi}: {:?}", axis.major);
-            assert!(axis.lo() <= lo && axis.hi() >= hi);
+            assert!(axis.lo <= lo && axis.hi >= hi);
         }
     }
 
@@ -426,9 +345,9 @@ mod tests {
             reference_error: None,
         };
         let looks = figure.looks();
-        assert_eq!(looks[0].colour, looks[1].colour);
-        assert_ne!(looks[0].colour, looks[2].colour);
-        assert_eq!(looks[1].marker, looks[3].marker);
-        assert_ne!(looks[2].dash, looks[3].dash);
+        assert_eq!(looks[0].0, looks[1].0);
+        assert_ne!(looks[0].0, looks[2].0);
+        assert_eq!(looks[1].1, looks[3].1);
+        assert_ne!(looks[2].1, looks[3].1);
     }
 }

@@ -1,18 +1,22 @@
-//! Scattered light over whole hemispheres, a disc a measurement, in rows and columns.
+//! Scattered light over whole hemispheres, one disc per measurement, in rows and columns.
 
-use std::f64::consts::{SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 
-use crate::elements::colour_bar;
-use crate::elements::disc::{disc_pixels, palette, scale_end};
-use crate::elements::scene::{Align, Level, Pen, Picture, Rect, Scene, TextLook, Xy};
-use crate::elements::series::check_finite;
-use crate::elements::text::{header, text_width, three_digits, wrap};
+use crate::elements::axis::{Axis, per_steradian_axis};
+use crate::elements::colour_scale::{ColourScale, bar_ticks, draw_bar};
+use crate::elements::disc;
+use crate::elements::geometry::{Rect, Xy};
+use crate::elements::numbers::per_steradian;
+use crate::elements::page::{Page, stacked_at_bottom};
+use crate::elements::scene::{Align, Level, Pen, Picture, Scene, TextLook};
+use crate::elements::text::{widest, wrap};
 use crate::elements::theme;
+use crate::error::{Valid, check_length};
 use crate::{Figure, PlotError, Side};
 
 /// Which discs share their colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ColourScale {
+pub enum SharedColours {
     /// All.
     Common,
     /// Those of a row.
@@ -25,7 +29,7 @@ pub struct Hemisphere {
     /// Values of the bins in 1/sr, ring by ring from the normal of the side on which the light leaves, and within
     /// a ring by azimuth from 0.
     pub values: Vec<f64>,
-    /// Azimuth of the direction towards the light, degrees: the tick mark; none where it has no meaning.
+    /// Azimuth of the direction towards the light, degrees: the tick mark; `None` where it has no meaning.
     pub light_deg: Option<f64>,
     /// Words beneath the disc. May be empty.
     pub note: String,
@@ -36,11 +40,11 @@ pub struct Hemisphere {
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
 /// value of those that share them; values below zero, which noise makes, look like zero. Where a few bins outshine
-/// all others by far, as mirror peaks do, the scale ends at twice what all but 2 % of the discs stay below, or less; bins beyond have a
-/// colour of their own, and the peak stands beneath the disc. Faint circles are at 30 and 60 degrees from the normal.
+/// all others by far, as mirror peaks do, the scale is logarithmic, over four decades at most. Faint circles are at
+/// 30 and 60 degrees from the normal.
 ///
 /// ```
-/// use asperity_plot::{ColourScale, Hemisphere, Hemispheres, Side};
+/// use asperity_plot::{SharedColours, Hemisphere, Hemispheres, Side};
 ///
 /// let lambert = |albedo: f64| Some(Hemisphere {
 ///     values: vec![albedo / std::f64::consts::PI; 6 * 12],
@@ -57,7 +61,7 @@ pub struct Hemisphere {
 ///     rows: vec!["30°".into()],
 ///     columns: vec!["0.5".into(), "1".into()],
 ///     bins: [6, 12],
-///     scale: ColourScale::Common,
+///     colours: SharedColours::Common,
 ///     cells: vec![lambert(0.5), lambert(1.0)],
 /// }
 /// .draw()?;
@@ -85,7 +89,7 @@ pub struct Hemispheres {
     /// Rings and sectors of each hemisphere.
     pub bins: [usize; 2],
     /// Which discs share their colours.
-    pub scale: ColourScale,
+    pub colours: SharedColours,
     /// The cells row by row; `None` where nothing was measured yet.
     pub cells: Vec<Option<Hemisphere>>,
 }
@@ -98,12 +102,20 @@ const WIDTH: f64 = 1000.0;
 const GAP: f64 = 26.0;
 const TICK: f64 = 10.0;
 const NOTE_DEPTH: f64 = theme::NOTE_SIZE + 9.0;
-const NOTE_LINE: f64 = 1.3 * theme::NOTE_SIZE;
 const BAR_GAP: f64 = 20.0;
+const BAR_WIDTH: f64 = 16.0;
 /// Right of the discs.
 const BAR_ROOM: f64 = 112.0;
-/// Pixels of a picture a point.
+/// Pixels of a picture per point.
 const PIXELS: f64 = 2.0;
+
+/// Places of the discs.
+struct Layout {
+    left: f64,
+    right: f64,
+    diameter: f64,
+    row_height: f64,
+}
 
 impl Hemispheres {
     /// Lays the figure out.
@@ -113,240 +125,202 @@ impl Hemispheres {
     /// values are not as many as they should be, [`PlotError::NonFinite`] for values without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
-        let columns = self.columns.len() as f64;
-        let mut widest = 0.0_f64;
-        for text in &self.rows {
-            widest = widest.max(text_width(text, theme::TICK_SIZE)?);
-        }
-        let left = theme::MARGIN + theme::LABEL_SIZE + 12.0 + widest + TICK + 6.0;
-        let free = WIDTH - left - BAR_ROOM;
-        let diameter = (free / columns - GAP).floor().clamp(DIAMETER.1, DIAMETER.0);
-        let right = left + columns * (diameter + GAP) - GAP;
-        let figure_width = (right + TICK + BAR_ROOM).max(0.62 * WIDTH).round();
+        let layout = self.layout()?;
+        let Layout {
+            left,
+            right,
+            diameter,
+            row_height,
+        } = layout;
+        let width = (right + TICK + BAR_ROOM).max(0.62 * WIDTH);
+        let mut page = Page::new(&self.title, &self.subtitle, width)?;
+        page.y += 8.0;
+        self.draw_column_names(&mut page, &layout)?;
 
-        let mut scene = Scene::new(&self.title);
-        let mut y = header(&mut scene, &self.subtitle, figure_width)? + 8.0;
-        let middle = 0.5 * (left + right);
-        if !self.column_title.is_empty() {
-            let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
-            scene.text(&self.column_title, (middle, y), look);
-            y += 1.5 * theme::LABEL_SIZE;
-        }
-        y = self.draw_column_names(&mut scene, (left, y), diameter)? + TICK + 2.0;
-
-        let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
-        let ends: Vec<(f64, bool)> = (0..self.rows.len())
-            .map(|row| match self.scale {
-                ColourScale::Common => self.scale_end(0..self.rows.len()),
-                ColourScale::Rows => self.scale_end(row..row + 1),
-            })
-            .collect();
-        let clipped = ends.iter().any(|end| end.1);
-        let lines = u8::from(notes) + u8::from(clipped);
-        let words_depth = match lines {
-            0 => 0.0,
-            n => NOTE_DEPTH + f64::from(n - 1) * NOTE_LINE,
+        let rows = self.rows.len();
+        let top = page.y;
+        let bottom = top + rows as f64 * row_height - GAP - (row_height - diameter - GAP);
+        let scales: Vec<Option<ColourScale>> = match self.colours {
+            SharedColours::Common => vec![self.scale(0..rows); rows],
+            SharedColours::Rows => (0..rows).map(|row| self.scale(row..row + 1)).collect(),
         };
-        let row_height = diameter + GAP + words_depth;
-        let top = y;
+        let bar_left = right + TICK + BAR_GAP;
         for (row, name) in self.rows.iter().enumerate() {
-            let centre_y = y + 0.5 * diameter;
+            let y = top + row as f64 * row_height;
+            let middle = y + 0.5 * diameter;
             let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
-            scene.text(name, (left - TICK - 6.0, centre_y), look);
-            let cells = &self.cells[row * self.columns.len()..][..self.columns.len()];
-            for (column, cell) in cells.iter().enumerate() {
-                let x = left + column as f64 * (diameter + GAP) + 0.5 * diameter;
-                self.draw_disc(
-                    &mut scene,
-                    (x, centre_y),
-                    0.5 * diameter,
-                    cell.as_ref(),
-                    ends[row],
-                );
+            page.scene.text(name, (left - TICK - 6.0, middle), look);
+            for (column, cell) in self.row(row).iter().enumerate() {
+                let centre = (layout.centre(column), middle);
+                self.draw_cell(&mut page.scene, centre, 0.5 * diameter, cell, scales[row]);
             }
-            // A row without a disc has no colours.
-            if self.scale == ColourScale::Rows && cells.iter().any(Option::is_some) {
-                let place = (right + TICK + BAR_GAP, [y, y + diameter]);
-                colour_bar::draw(&mut scene, place, &self.quantity, ends[row])?;
+            if self.colours == SharedColours::Rows {
+                let bar = Rect::at((bar_left, y), BAR_WIDTH, diameter);
+                self.draw_colour_bar(&mut page.scene, bar, scales[row])?;
             }
-            y += row_height;
         }
-        y -= GAP;
-        let discs = [top, y - words_depth];
-        if self.scale == ColourScale::Common && self.cells.iter().any(Option::is_some) {
-            let place = (right + TICK + BAR_GAP, discs);
-            colour_bar::draw(&mut scene, place, &self.quantity, ends[0])?;
+        if self.colours == SharedColours::Common {
+            let bar = Rect::at((bar_left, top), BAR_WIDTH, bottom - top);
+            self.draw_colour_bar(&mut page.scene, bar, scales[0])?;
         }
-        if !self.row_title.is_empty() {
-            let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
-            let at = (theme::MARGIN, 0.5 * (discs[0] + discs[1]));
-            scene.text_upwards(&self.row_title, at, look);
-        }
-        y = self.draw_remarks(&mut scene, y + 10.0, figure_width, clipped)?;
-        scene.width = figure_width as u32;
-        scene.height = (y + theme::MARGIN).round() as u32;
-        Ok(Figure::new(scene))
+        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        let beside = (theme::MARGIN, 0.5 * (top + bottom));
+        page.scene.text_upwards(&self.row_title, beside, look);
+        page.y = top + rows as f64 * row_height - GAP + 10.0;
+        page.note(&self.remarks(scales.iter().flatten().any(|scale| scale.log)))?;
+        let end = page.y;
+        Ok(page.finish(end))
     }
 
     fn check(&self) -> Result<(), PlotError> {
         let bins = self.bins[0] * self.bins[1];
-        let expected = self.rows.len() * self.columns.len();
-        if expected == 0 || bins == 0 {
-            return Err(PlotError::NothingToDraw {
-                what: "hemispheres without rows, columns or bins".into(),
-            });
+        let cells = self.rows.len() * self.columns.len();
+        if cells == 0 || bins == 0 {
+            let what = "hemispheres without rows, columns or bins";
+            return Err(PlotError::nothing_to_draw(what));
         }
-        if self.cells.len() != expected {
-            return Err(PlotError::MismatchedLengths {
-                what: "matrix of hemispheres".into(),
-                found: self.cells.len(),
-                expected,
-            });
-        }
+        check_length("matrix of hemispheres", self.cells.len(), cells)?;
         for cell in self.cells.iter().flatten() {
-            if cell.values.len() != bins {
-                return Err(PlotError::MismatchedLengths {
-                    what: "hemisphere".into(),
-                    found: cell.values.len(),
-                    expected: bins,
-                });
-            }
-            for (index, value) in cell.values.iter().enumerate() {
-                check_finite("value of a hemisphere", index, *value)?;
-            }
-            check_finite("azimuth of the light", 0, cell.light_deg.unwrap_or(0.0))?;
+            check_length("hemisphere", cell.values.len(), bins)?;
+            Valid::Finite.check_all("value of a hemisphere", cell.values.iter().copied())?;
+            Valid::Finite.check_all("azimuth of the light", cell.light_deg)?;
         }
         Ok(())
     }
 
-    /// Where the scale of some rows ends, and whether values lie beyond.
-    fn scale_end(&self, rows: std::ops::Range<usize>) -> (f64, bool) {
-        let n = self.columns.len();
-        let cells = self.cells[rows.start * n..rows.end * n].iter().flatten();
-        scale_end(self.bins, cells.map(|cell| cell.values.as_slice()))
+    fn layout(&self) -> Result<Layout, PlotError> {
+        let columns = self.columns.len() as f64;
+        let names = widest(&self.rows, theme::TICK_SIZE)?;
+        let left = theme::MARGIN + theme::LABEL_SIZE + 12.0 + names + TICK + 6.0;
+        let free = WIDTH - left - BAR_ROOM;
+        let diameter = (free / columns - GAP).floor();
+        let diameter = diameter.clamp(DIAMETER.1, DIAMETER.0);
+        let notes = self.cells.iter().flatten().any(|c| !c.note.is_empty());
+        let words = if notes { NOTE_DEPTH } else { 0.0 };
+        Ok(Layout {
+            left,
+            right: left + columns * (diameter + GAP) - GAP,
+            diameter,
+            row_height: diameter + GAP + words,
+        })
     }
 
-    /// Returns the y below.
-    fn draw_column_names(
-        &self,
-        scene: &mut Scene,
-        (left, top): Xy,
-        diameter: f64,
-    ) -> Result<f64, PlotError> {
-        let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Top);
-        let line = 1.35 * theme::TICK_SIZE;
-        let names = self
-            .columns
-            .iter()
-            .map(|name| wrap(name, theme::TICK_SIZE, diameter + GAP - 6.0))
-            .collect::<Result<Vec<_>, _>>()?;
-        let most = names.iter().map(Vec::len).max().unwrap_or(1);
-        for (i, lines) in names.iter().enumerate() {
-            let x = left + i as f64 * (diameter + GAP) + 0.5 * diameter;
-            for (k, text) in lines.iter().enumerate() {
-                let above = (most - lines.len() + k) as f64;
-                scene.text(text, (x, top + above * line), look);
-            }
+    fn row(&self, row: usize) -> &[Option<Hemisphere>] {
+        &self.cells[row * self.columns.len()..][..self.columns.len()]
+    }
+
+    /// The scale that some rows share; `None` if nothing in them is above zero.
+    fn scale(&self, rows: std::ops::Range<usize>) -> Option<ColourScale> {
+        let cells = rows.flat_map(|row| self.row(row)).flatten();
+        disc::scale(self.bins, cells.map(|cell| cell.values.as_slice()))
+    }
+
+    fn draw_column_names(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
+        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        if !self.column_title.is_empty() {
+            let middle = 0.5 * (layout.left + layout.right);
+            page.scene.text(&self.column_title, (middle, page.y), look);
+            page.y += 1.5 * theme::LABEL_SIZE;
         }
-        Ok(top + most as f64 * line)
+        let room = layout.diameter + GAP - 6.0;
+        let names = self.columns.iter().enumerate().map(|(i, name)| {
+            let lines = wrap(name, theme::TICK_SIZE, room)?;
+            Ok((layout.centre(i), lines))
+        });
+        let names = names.collect::<Result<Vec<_>, PlotError>>()?;
+        let depth = stacked_at_bottom(&mut page.scene, page.y, &names, theme::TICK_SIZE);
+        page.y += depth + TICK + 2.0;
+        Ok(())
     }
 
-    fn draw_disc(
+    fn draw_cell(
         &self,
         scene: &mut Scene,
         centre: Xy,
         radius: f64,
-        cell: Option<&Hemisphere>,
-        (most, clipped): (f64, bool),
+        cell: &Option<Hemisphere>,
+        scale: Option<ColourScale>,
     ) {
-        let circle = |share: f64| -> Vec<Xy> {
-            (0..=90)
-                .map(|i| TAU * f64::from(i) / 90.0)
-                .map(|a| {
-                    let r = share * radius;
-                    (centre.0 + r * a.cos(), centre.1 - r * a.sin())
-                })
-                .collect()
-        };
         let Some(cell) = cell else {
-            scene.line(&circle(1.0), Pen::solid(theme::FAINT, theme::GRID_WIDTH));
+            scene.circle(centre, radius, Pen::solid(theme::FAINT, theme::GRID_WIDTH));
             let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
             scene.text("not there yet", centre, look);
             return;
         };
+        // Without a value above zero all bins look like zero.
+        let scale = scale.unwrap_or(ColourScale::linear(0.0, 1.0));
+        let columns = (2.0 * PIXELS * radius) as usize;
         scene.pictures.push(Picture {
-            frame: Rect {
-                left: centre.0 - radius,
-                top: centre.1 - radius,
-                right: centre.0 + radius,
-                bottom: centre.1 + radius,
-            },
-            columns: (2.0 * PIXELS * radius) as usize,
-            pixels: disc_pixels(
-                self.bins,
-                &cell.values,
-                (2.0 * PIXELS * radius) as usize,
-                most,
-            ),
-            palette: palette(),
+            frame: Rect::around(centre, radius, radius),
+            columns,
+            pixels: disc::pixels(self.bins, &cell.values, columns, &scale),
+            palette: disc::palette(),
         });
         for theta in [30.0_f64, 60.0] {
             let share = SQRT_2 * (0.5 * theta.to_radians()).sin();
-            scene.line(&circle(share), Pen::solid(theme::MUTED, 0.5));
+            scene.circle(centre, share * radius, Pen::solid(theme::MUTED, 0.5));
         }
-        scene.line(&circle(1.0), Pen::solid(theme::INK, theme::FRAME_WIDTH));
+        scene.circle(centre, radius, Pen::solid(theme::INK, theme::FRAME_WIDTH));
         if let Some(phi) = cell.light_deg {
             let (sin, cos) = phi.to_radians().sin_cos();
             let at = |r: f64| (centre.0 + r * cos, centre.1 - r * sin);
             let tick = [at(radius), at(radius + TICK)];
             scene.line(&tick, Pen::solid(theme::INK, 3.0));
         }
-        let peak = cell.values.iter().copied().fold(0.0, f64::max);
-        let peak = (clipped && peak > most).then(|| format!("peak {} /sr", three_digits(peak)));
-        let note = Some(cell.note.clone()).filter(|note| !note.is_empty());
         let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
-        for (i, line) in note.into_iter().chain(peak).enumerate() {
-            let below = 7.0 + NOTE_LINE * i as f64;
-            scene.text(&line, (centre.0, centre.1 + radius + below), look);
-        }
+        scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), look);
     }
 
-    /// How to read the discs; returns the y below.
-    fn draw_remarks(
+    /// The bar of a scale, if there is one.
+    fn draw_colour_bar(
         &self,
         scene: &mut Scene,
-        top: f64,
-        width: f64,
-        clipped: bool,
-    ) -> Result<f64, PlotError> {
+        bar: Rect,
+        scale: Option<ColourScale>,
+    ) -> Result<(), PlotError> {
+        let Some(ColourScale { lo, hi, log }) = scale else {
+            return Ok(());
+        };
+        let axis = match log {
+            true => {
+                Axis::log10(lo, hi).with_label(&format!("{} {}", self.quantity, per_steradian(0)))
+            }
+            false => bar_ticks(bar.height(), |n| {
+                per_steradian_axis(&self.quantity, lo, hi, n)
+            }),
+        };
+        draw_bar(scene, bar, &axis, &[&axis.label])
+    }
+
+    /// How to read the discs.
+    fn remarks(&self, logarithmic: bool) -> String {
         let seen = match self.side {
             Side::Reflected => "Reflected light seen from above",
             Side::Transmitted => "Transmitted light seen from above, through the surface",
         };
-        let shared = match self.scale {
-            ColourScale::Common => "one scale of colours for all",
-            ColourScale::Rows => "a scale of colours for each row",
+        let shared = match self.colours {
+            SharedColours::Common => "one colour scale for all",
+            SharedColours::Rows => "one colour scale per row",
+        };
+        let logarithmic = match logarithmic {
+            true => ", logarithmic where a peak would hide the rest",
+            false => "",
         };
         let ticks = match self.cells.iter().flatten().any(|c| c.light_deg.is_some()) {
             true => " The tick mark is at the azimuth of the light.",
             false => "",
         };
-        let beyond = match clipped {
-            true => {
-                " Peaks beyond a scale of colours have one of their own, and stand beneath their discs."
-            }
-            false => "",
-        };
-        let text = format!(
-            "{seen}, in equal areas; circles at 30° and 60° from the normal; {shared}.{ticks}{beyond}"
-        );
-        let look = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Top).muted();
-        let mut y = top;
-        for line in wrap(&text, theme::NOTE_SIZE, width - 2.0 * theme::MARGIN)? {
-            scene.text(&line, (theme::MARGIN, y), look);
-            y += 1.45 * theme::NOTE_SIZE;
-        }
-        Ok(y)
+        format!(
+            "{seen}, in equal areas, azimuth 0° to the right and 90° up; circles at 30° and 60° from the normal; \
+             {shared}{logarithmic}.{ticks}"
+        )
+    }
+}
+
+impl Layout {
+    /// Middle of a column.
+    fn centre(&self, column: usize) -> f64 {
+        self.left + column as f64 * (self.diameter + GAP) + 0.5 * self.diameter
     }
 }
 
@@ -365,7 +339,7 @@ mod tests {
             rows: vec!["r".into()],
             columns: vec!["c".into()],
             bins,
-            scale: ColourScale::Common,
+            colours: SharedColours::Common,
             cells: vec![Some(Hemisphere {
                 values,
                 light_deg: Some(90.0),
@@ -385,27 +359,26 @@ mod tests {
         two.cells.push(None);
         assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
         // A row without a disc has no scale, be it one of its own or that of all.
-        for scale in [ColourScale::Rows, ColourScale::Common] {
+        for scale in [SharedColours::Rows, SharedColours::Common] {
             let mut empty = two.clone();
-            empty.scale = scale;
+            empty.colours = scale;
             empty.cells = vec![None, None];
             assert!(!empty.draw().unwrap().svg().unwrap().contains("BRDF"));
         }
         // Nothing above zero has a scale all the same.
         assert!(of_one(vec![-1.0; 8], [2, 4]).draw().is_ok());
     }
+
     /// One bin of 12 x 24 holds 0.04 % of the solid angle or more.
     #[test]
-    fn peaks_are_named_where_a_scale_is_cut_off() {
+    fn scales_are_logarithmic_where_a_peak_would_hide_the_rest() {
         let svg = |peak: f64| {
             let mut values = vec![0.2; 12 * 24];
             values[100] = peak;
             of_one(values, [12, 24]).draw().unwrap().svg().unwrap()
         };
-        let cut = svg(14.2);
-        // At the bar and in the remark.
-        assert!(cut.contains("peak 14.2 /sr") && cut.matches("beyond").count() == 2);
-        let whole = svg(1.0);
-        assert!(!whole.contains("peak") && !whole.contains("beyond"));
+        let log = svg(14.2);
+        assert!(log.contains("logarithmic") && log.contains("10²"));
+        assert!(!svg(1.0).contains("logarithmic"));
     }
 }

@@ -1,14 +1,18 @@
 //! Lobes around the surface, as the transmission paper draws them.
 
-use crate::elements::axis::{
-    decimals, display_exponent, per_steradian, round_step_below, scale_down,
+use crate::elements::curve::{Curve, Plane, Style, curve_entries, draw_curves};
+use crate::elements::geometry::{Rect, Xy};
+use crate::elements::legend::{Entry, Key, Legend};
+use crate::elements::numbers::{
+    decimals, display_exponent, fixed, per_steradian, round_step_below, scale_down,
 };
-use crate::elements::legend::{Entry, Key, Legend, arrow, bar_notes, series_entries};
-use crate::elements::scene::{Align, Level, Pen, Rect, Scene, TextLook, Xy};
-use crate::elements::series::{Look, check_finite, looks};
-use crate::elements::text::{fixed, header, text_width};
+use crate::elements::page::Page;
+use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
+use crate::elements::series::{shown, stacked};
+use crate::elements::text::text_width;
 use crate::elements::theme;
-use crate::{Figure, PlotError, Sample, Series, SeriesKind, Side};
+use crate::error::Valid;
+use crate::{Figure, PlotError, Series, Side};
 
 /// The half planes of a polar figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,18 +35,18 @@ impl Sides {
     }
 }
 
-/// Intensity f |cos θₒ| as the radius, over the direction in the plane of incidence.
+/// Cosine-weighted BSDF f |cos θₒ| as the radius, over the direction in the plane of incidence.
 ///
 /// The surface is the horizontal line, the mean normal points up, light comes from the upper left and travels
-/// towards +x. Radial numbers are true intensities on both sides, whatever the enlargement of one half.
+/// towards +x. Radial numbers are true values on both sides, whatever the enlargement of one half.
 /// Negative values (noise) sit at the origin, and so much of their bar as is positive is drawn.
 ///
 /// ```
-/// use asperity_plot::{PolarLobes, Sample, Series, Side, Sides};
+/// use asperity_plot::{Point, PolarLobes, Series, Side, Sides};
 ///
-/// let lobe = |peak: f64, centre: f64| -> Vec<Sample> {
+/// let lobe = |peak: f64, centre: f64| -> Vec<Point> {
 ///     (-90..=90)
-///         .map(|t| Sample::exact(t.into(), peak * (-((f64::from(t) - centre) / 15.0).powi(2)).exp()))
+///         .map(|t| Point::exact(t.into(), peak * (-((f64::from(t) - centre) / 15.0).powi(2)).exp()))
 ///         .collect()
 /// };
 /// let figure = PolarLobes {
@@ -53,8 +57,8 @@ impl Sides {
 ///     flat_reflection_deg: Some(30.0),
 ///     flat_refraction_deg: Some(20.9),
 ///     series: vec![
-///         Series::model("model", Side::Reflected, lobe(0.05, 30.0)),
-///         Series::model("model", Side::Transmitted, lobe(1.5, 20.9)),
+///         Series::model("model", 0, Side::Reflected, lobe(0.05, 30.0)),
+///         Series::model("model", 0, Side::Transmitted, lobe(1.5, 20.9)),
 ///     ],
 /// }
 /// .draw()?;
@@ -71,32 +75,38 @@ pub struct PolarLobes {
     pub theta_i_deg: f64,
     /// Half planes to draw; series of other sides are left out.
     pub sides: Sides,
-    /// Direction of reflection at a flat surface, signed degrees; none draws no line.
+    /// Direction of reflection at a flat surface, signed degrees; `None` draws no line.
     pub flat_reflection_deg: Option<f64>,
-    /// Direction of refraction at a flat surface, signed degrees from the downward normal; none draws no line.
+    /// Direction of refraction at a flat surface, signed degrees from the downward normal; `None` draws no line.
     pub flat_refraction_deg: Option<f64>,
-    /// The lobes, in order of the legend within each kind.
+    /// The lobes, in order of the legend within explicit ones and models.
     pub series: Vec<Series>,
 }
 
-const FIGURE_WIDTH: f64 = 960.0;
+const FIGURE_WIDTH: f64 = 970.0;
 const RADIUS: f64 = 285.0;
 /// Room around the circle for the texts of angles.
-const ANGLE_ROOM: f64 = 40.0;
-const LEGEND_GAP: f64 = 16.0;
+const ANGLE_ROOM: f64 = 48.0;
+const LEGEND_GAP: f64 = 14.0;
 /// Height of the half plane that only shows the arrow.
 const ARROW_ROOM: f64 = 150.0;
 const CENTRE_X: f64 = theme::MARGIN + ANGLE_ROOM + RADIUS;
 /// At least so many ring spacings fit below the peak.
 const RINGS: f64 = 2.5;
+const MOST_RINGS: usize = 20;
 /// The tip of the arrow keeps this distance from the origin, where the points of dark directions crowd.
 const TIP_RADIUS: f64 = 6.0;
+/// The line of the surface ends so far beyond the circle.
+const SURFACE_END: f64 = 6.0;
 
 /// One half plane and its radial scale.
 struct Half {
     side: Side,
-    /// Intensity at the outer ring.
+    origin: Xy,
+    /// Value at the outer ring.
     full: f64,
+    /// Difference of values between rings.
+    step: f64,
     /// Radial enlargement against the other side.
     factor: f64,
 }
@@ -105,136 +115,74 @@ impl PolarLobes {
     /// Lays the figure out.
     ///
     /// # Errors
-    /// [`PlotError::NothingToDraw`] if no series has a sample on the chosen sides, [`PlotError::NonFinite`] and
+    /// [`PlotError::NothingToDraw`] if no series has a point on the chosen sides, [`PlotError::NonFinite`] and
     /// [`PlotError::OutOfRange`] for angles, values or errors without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
-        self.check()?;
-        let shown = |s: &Series| self.sides.include(s.side);
-        let looks = looks(&self.series);
-        let (halves, step) = self.scales();
-
-        let mut scene = Scene::new(&self.title);
-        let top = header(&mut scene, &self.subtitle, FIGURE_WIDTH)? + 12.0;
-        let above = match self.sides {
-            Sides::Transmitted => ARROW_ROOM,
-            Sides::Reflected | Sides::Both => RADIUS + ANGLE_ROOM,
-        };
-        let below = match self.sides {
-            Sides::Reflected => theme::TICK_SIZE + 24.0,
-            Sides::Transmitted | Sides::Both => RADIUS + ANGLE_ROOM,
-        };
+        let series = shown(&self.series, |side| self.sides.include(side))?;
+        self.check(&series)?;
+        let mut page = Page::new(&self.title, &self.subtitle, FIGURE_WIDTH)?;
+        let top = page.y + 12.0;
+        let (above, below) = self.heights();
         let origin = (CENTRE_X, top + above);
-
-        for half in &halves {
-            draw_grid(&mut scene, origin, half, step);
-        }
-        self.draw_flat_directions(&mut scene, origin);
-        let surface = Pen::solid(theme::INK, 1.6);
-        let reach = RADIUS + 6.0;
-        scene.line(
-            &[(origin.0 - reach, origin.1), (origin.0 + reach, origin.1)],
-            surface,
-        );
-        for (text, x, align) in [
-            ("−90°", origin.0 - reach - 5.0, Align::Right),
-            ("90°", origin.0 + reach + 5.0, Align::Left),
-        ] {
-            let look = TextLook::new(theme::TICK_SIZE, align, Level::Middle);
-            scene.text(text, (x, origin.1), look);
-        }
-
-        // Numbers lie beneath arrow and lobes, whose points they must not hide.
+        let halves = self.halves(&series, origin);
         // One power of ten above and below; an enlarged side has small numbers, but they stay readable.
         let exponent = display_exponent(halves.iter().fold(0.0_f64, |m, h| m.max(h.full)));
+
+        let scene = &mut page.scene;
         for half in &halves {
-            self.draw_ring_numbers(&mut scene, origin, half, step, exponent)?;
-            self.draw_side_text(&mut scene, origin, half);
+            half.draw_grid(scene);
         }
-
-        // The arrow lies beneath the lobes: it is known, they are the result.
-        let incident = Pen::solid(theme::INK, 1.8);
-        let start = if self.sides == Sides::Transmitted {
-            (ARROW_ROOM - 12.0).min(RADIUS)
-        } else {
-            RADIUS
-        };
-        let from = polar(origin, Side::Reflected, -self.theta_i_deg, start);
-        let tip = polar(origin, Side::Reflected, -self.theta_i_deg, TIP_RADIUS);
-        arrow(&mut scene, from, tip, incident);
-
+        self.draw_surface_and_light(scene, origin);
         for half in &halves {
-            for kind in [SeriesKind::Explicit, SeriesKind::Model] {
-                for (series, look) in self.series.iter().zip(&looks) {
-                    if series.side == half.side && series.kind == kind {
-                        draw_lobe(&mut scene, origin, half, series, look);
-                    }
-                }
+            half.draw_side_text(scene);
+            let guide = self.flat_direction(half.side, half.full);
+            let of_side = series.iter().copied().filter(|s| s.side == half.side);
+            let mut curves = stacked(of_side);
+            for point in curves.iter_mut().flat_map(|curve| &mut curve.points) {
+                point.x_range = None;
             }
+            draw_curves(scene, half, guide.iter().chain(&curves));
+            half.draw_ring_numbers(scene, self.number_place(half.side), exponent, &curves)?;
         }
 
         // The legend keeps to its own column.
-        let mut entries = series_entries(&self.series, &looks, shown);
-        entries.push(Entry {
-            key: Key::Arrow(incident),
-            text: format!("incident light, θᵢ = {}°", angle_text(self.theta_i_deg)),
-        });
-        if self.flat_lines().next().is_some() {
-            entries.push(Entry {
-                key: Key::Line(Pen::guide()),
-                text: "directions at a flat surface".into(),
-            });
-        }
-        entries.push(Entry::note(format!(
-            "Radius: f |cos θₒ| {}.",
-            per_steradian(exponent)
-        )));
-        entries.push(Entry::note(
-            "Angles: from the normal of each side, forward positive.",
-        ));
-        entries.extend(bar_notes(&self.series, false, shown));
         let legend_left = CENTRE_X + RADIUS + ANGLE_ROOM + LEGEND_GAP;
-        let legend = Legend::new(&entries, FIGURE_WIDTH - theme::MARGIN - legend_left)?;
+        let entries = self.entries(&series, exponent);
+        let legend = Legend::column(entries, FIGURE_WIDTH - theme::MARGIN - legend_left)?;
         let legend_top = top + 4.0;
-        legend.draw(&mut scene, (legend_left, legend_top));
-
-        let bottom = (origin.1 + below).max(legend_top + legend.height());
-        scene.width = FIGURE_WIDTH as u32;
-        scene.height = (bottom + 0.5 * theme::MARGIN).round() as u32;
-        Ok(Figure::new(scene))
+        legend.draw(scene, (legend_left, legend_top));
+        let bottom = (origin.1 + below).max(legend_top + legend.height);
+        Ok(page.finish(bottom - 0.5 * theme::MARGIN))
     }
 
-    fn check(&self) -> Result<(), PlotError> {
-        check_finite("angle of incidence", 0, self.theta_i_deg)?;
-        if !(0.0..=90.0 + 1e-6).contains(&self.theta_i_deg) {
-            return Err(PlotError::OutOfRange {
-                what: "angle of incidence".into(),
-                range: "in [0, 90] degrees",
-                index: 0,
-                value: self.theta_i_deg,
-            });
-        }
+    fn check(&self, series: &[&Series]) -> Result<(), PlotError> {
+        let what = "angle of incidence";
+        Valid::SignedAngle.check(what, 0, self.theta_i_deg)?;
+        Valid::NotNegative.check(what, 0, self.theta_i_deg)?;
         let flat = [self.flat_reflection_deg, self.flat_refraction_deg];
-        for (index, angle) in flat.into_iter().flatten().enumerate() {
-            check_finite("direction at a flat surface", index, angle)?;
-        }
-        for series in &self.series {
-            series.check()?;
-        }
-        let any = |s: &Series| self.sides.include(s.side) && !s.samples.is_empty();
-        if !self.series.iter().any(any) {
-            return Err(PlotError::NothingToDraw {
-                what: "no samples on the chosen sides of the surface".into(),
-            });
+        Valid::Finite.check_all("direction at a flat surface", flat.into_iter().flatten())?;
+        if series.iter().all(|s| s.points.is_empty()) {
+            let what = "no points on the chosen sides of the surface";
+            return Err(PlotError::nothing_to_draw(what));
         }
         Ok(())
     }
 
+    /// Room above and below the line of the surface.
+    fn heights(&self) -> (f64, f64) {
+        let lobes = RADIUS + ANGLE_ROOM;
+        match self.sides {
+            Sides::Reflected => (lobes, theme::TICK_SIZE + 24.0),
+            Sides::Transmitted => (ARROW_ROOM, lobes),
+            Sides::Both => (lobes, lobes),
+        }
+    }
+
     /// Chooses the radial scales: one round step for the stronger side, and a round enlargement for the weaker.
-    fn scales(&self) -> (Vec<Half>, f64) {
-        let sides = [Side::Reflected, Side::Transmitted]
-            .into_iter()
-            .filter(|side| self.sides.include(*side));
-        let peaks: Vec<(Side, f64)> = sides.map(|side| (side, self.peak(side))).collect();
+    fn halves(&self, series: &[&Series], origin: Xy) -> Vec<Half> {
+        let sides = [Side::Reflected, Side::Transmitted].into_iter();
+        let sides = sides.filter(|side| self.sides.include(*side));
+        let peaks: Vec<(Side, f64)> = sides.map(|side| (side, peak(series, side))).collect();
         let strongest = peaks.iter().fold(0.0_f64, |m, (_, peak)| m.max(*peak));
         let (step, full) = match strongest {
             // Nothing leaves: any scale will do.
@@ -244,109 +192,206 @@ impl PolarLobes {
                 (step, (1.02 * peak / step).ceil() * step)
             }
         };
-        let halves = peaks
-            .into_iter()
-            .map(|(side, peak)| {
-                let factor = if peak > 0.0 {
-                    enlargement(full / peak)
-                } else {
-                    1.0
-                };
-                Half {
-                    side,
-                    full: full / factor,
-                    factor,
-                }
-            })
-            .collect();
-        (halves, step)
-    }
-
-    /// Largest radius needed on one side: all values, and bars unless they are out of all proportion.
-    fn peak(&self, side: Side) -> f64 {
-        let samples = || {
-            self.series
-                .iter()
-                .filter(|s| s.side == side)
-                .flat_map(|s| &s.samples)
+        let half = |(side, peak): (Side, f64)| {
+            let factor = if peak > 0.0 {
+                enlargement(full / peak)
+            } else {
+                1.0
+            };
+            Half {
+                side,
+                origin,
+                full: full / factor,
+                step: step / factor,
+                factor,
+            }
         };
-        let top = samples().fold(0.0_f64, |m, s| m.max(s.value));
-        let tip = samples().fold(0.0_f64, |m, s| m.max(s.value + s.se.unwrap_or(0.0)));
-        if top > 0.0 { tip.min(1.3 * top) } else { tip }
+        peaks.into_iter().map(half).collect()
     }
 
-    fn flat_lines(&self) -> impl Iterator<Item = (Side, f64)> {
-        [
-            (Side::Reflected, self.flat_reflection_deg),
-            (Side::Transmitted, self.flat_refraction_deg),
-        ]
-        .into_iter()
-        .filter(|(side, _)| self.sides.include(*side))
-        .filter_map(|(side, angle)| angle.map(|a| (side, a)))
+    /// The guide line of a side, out to the radius of `full`.
+    fn flat_direction(&self, side: Side, full: f64) -> Option<Curve> {
+        let angle = match side {
+            Side::Reflected => self.flat_reflection_deg,
+            Side::Transmitted => self.flat_refraction_deg,
+        };
+        let name = "directions at a flat surface";
+        Some(Curve::guide(
+            name,
+            Style::Guide,
+            [(angle?, 0.0), (angle?, full)],
+        ))
     }
 
-    fn draw_flat_directions(&self, scene: &mut Scene, origin: Xy) {
-        for (side, angle) in self.flat_lines() {
-            scene.line(&[origin, polar(origin, side, angle, RADIUS)], Pen::guide());
+    /// The surface, and the arrow of the light, which lies beneath the lobes: it is known, they are the result.
+    fn draw_surface_and_light(&self, scene: &mut Scene, origin: Xy) {
+        let reach = RADIUS + SURFACE_END;
+        let ends = [(origin.0 - reach, origin.1), (origin.0 + reach, origin.1)];
+        scene.line(&ends, Pen::solid(theme::INK, 1.6));
+        // Far enough from the circle to leave room for the number of the outer ring.
+        for (text, side, align) in [("−90°", -1.0, Align::Right), ("90°", 1.0, Align::Left)] {
+            let look = TextLook::new(theme::TICK_SIZE, align, Level::Middle);
+            let gap = if side < 0.0 { 18.0 } else { 5.0 };
+            scene.text(text, (origin.0 + side * (reach + gap), origin.1), look);
         }
+        let start = match self.sides {
+            Sides::Transmitted => (ARROW_ROOM - 12.0).min(RADIUS),
+            Sides::Reflected | Sides::Both => RADIUS,
+        };
+        let at = |radius| polar(origin, Side::Reflected, -self.theta_i_deg, radius);
+        scene.arrow(at(start), at(TIP_RADIUS), light_pen());
     }
 
-    /// Numbers of the rings, along the surface: on its empty side if there is one, else on the backward side of
-    /// the half plane, where lobes are weakest.
-    fn draw_ring_numbers(
-        &self,
-        scene: &mut Scene,
-        origin: Xy,
-        half: &Half,
-        step: f64,
-        exponent: i32,
-    ) -> Result<(), PlotError> {
-        let step = step / half.factor;
-        let decimals = decimals(scale_down(step, exponent));
-        // The arrow comes from the upper left; nothing else is ever in a half plane without lobes.
-        let (across, down) = match (self.sides, half.side) {
+    fn entries(&self, series: &[&Series], exponent: i32) -> Vec<Entry> {
+        let of_series = series.iter().map(|s| s.curve());
+        let sides = [Side::Reflected, Side::Transmitted].into_iter();
+        let guides = sides
+            .filter(|side| self.sides.include(*side))
+            .filter_map(|side| self.flat_direction(side, 1.0));
+        let curves: Vec<Curve> = of_series.chain(guides).collect();
+        let theta = angle_text(self.theta_i_deg);
+        let mut entries = vec![Entry::new(
+            Key::Arrow(light_pen()),
+            format!("incident light, θᵢ = {theta}°"),
+        )];
+        entries.extend(curve_entries(&curves));
+        let unit = per_steradian(exponent);
+        entries.push(Entry::note(format!(
+            "Radius: f |cos θₒ| {unit}, the cosine-weighted BSDF."
+        )));
+        entries.push(Entry::note(
+            "Angles: from the normal of each side, forward positive.",
+        ));
+        entries
+    }
+
+    /// Where the numbers of the rings stand, along the surface: on its empty side if there is one, else on the
+    /// backward side of the half plane, where lobes are weakest. The arrow comes from the upper left.
+    fn number_place(&self, side: Side) -> (f64, f64) {
+        match (self.sides, side) {
             (Sides::Transmitted, _) => (1.0, -1.0),
             (Sides::Both, Side::Reflected) => (-1.0, -1.0),
             _ => (-1.0, 1.0),
+        }
+    }
+}
+
+/// Largest radius needed on one side: all values, and bars unless they are out of all proportion.
+fn peak(series: &[&Series], side: Side) -> f64 {
+    let points = || {
+        let of_side = series.iter().filter(|s| s.side == side);
+        of_side.flat_map(|s| &s.points)
+    };
+    let top = points().fold(0.0_f64, |m, p| m.max(p.y));
+    let tip = points().fold(0.0_f64, |m, p| m.max(p.bar()[1]));
+    if top > 0.0 { tip.min(1.3 * top) } else { tip }
+}
+
+impl Plane for Half {
+    fn at(&self, theta_deg: f64, value: f64) -> Option<Xy> {
+        // Compared first: the quotient of infinite or vanishing scales is not a number.
+        let share = match value >= self.full {
+            true => 1.0,
+            false => (value / self.full).max(0.0),
         };
-        for i in 1..=ring_count(half, step) {
-            let value = i as f64 * step;
+        Some(polar(self.origin, self.side, theta_deg, share * RADIUS))
+    }
+
+    fn floor(&self) -> f64 {
+        0.0
+    }
+
+    fn clip(&self, a: Xy, b: Xy) -> Option<(Xy, Xy)> {
+        Some((a, b))
+    }
+
+    fn clip_path(&self, path: &[Xy]) -> Vec<Vec<Xy>> {
+        vec![path.to_vec()]
+    }
+
+    fn contains(&self, _: Xy) -> bool {
+        true
+    }
+}
+
+impl Half {
+    fn rings(&self) -> impl Iterator<Item = f64> {
+        let count = ((self.full / self.step * (1.0 + 1e-9)) as usize).min(MOST_RINGS);
+        let step = self.step;
+        (1..=count).map(move |i| i as f64 * step)
+    }
+
+    /// Rings at multiples of the step, spokes each 30 degrees, and their angles.
+    fn draw_grid(&self, scene: &mut Scene) {
+        let grid = Pen::solid(theme::GRID, 1.0);
+        let at = |theta, radius| polar(self.origin, self.side, theta, radius);
+        let arc = |radius: f64| -> Vec<Xy> {
+            (-45..=45).map(|t| at(2.0 * f64::from(t), radius)).collect()
+        };
+        for value in self.rings() {
+            scene.line(&arc(value / self.full * RADIUS), grid);
+        }
+        let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
+        for theta in [-60.0, -30.0, 0.0, 30.0, 60.0] {
+            scene.line(&[self.origin, at(theta, RADIUS)], grid);
+            scene.text(
+                &format!("{}°", fixed(theta, 0)),
+                at(theta, RADIUS + 17.0),
+                look,
+            );
+        }
+        scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
+    }
+
+    /// Numbers of the rings in the quadrant `across`, `down`. One that would hide a point is left out.
+    fn draw_ring_numbers(
+        &self,
+        scene: &mut Scene,
+        (across, down): (f64, f64),
+        exponent: i32,
+        curves: &[Curve],
+    ) -> Result<(), PlotError> {
+        let decimals = decimals(scale_down(self.step, exponent));
+        let points: Vec<Xy> = curves
+            .iter()
+            .flat_map(|curve| curve.places(self).flatten())
+            .collect();
+        for value in self.rings() {
             let text = fixed(scale_down(value, exponent), decimals);
             let at = (
-                origin.0 + across * value / half.full * RADIUS,
-                origin.1 + down * (0.75 * theme::NOTE_SIZE + 2.0),
+                self.origin.0 + across * value / self.full * RADIUS,
+                self.origin.1 + down * (0.75 * theme::NOTE_SIZE + 2.0),
             );
             let half_width = 0.5 * text_width(&text, theme::NOTE_SIZE)? + 2.0;
-            let half_height = 0.5 * theme::NOTE_SIZE + 1.0;
-            let plate = Rect {
-                left: at.0 - half_width,
-                top: at.1 - half_height,
-                right: at.0 + half_width,
-                bottom: at.1 + half_height,
-            };
-            scene.polygon(plate.corners().to_vec(), theme::WHITE);
+            let plate = Rect::around(at, half_width, 0.5 * theme::NOTE_SIZE + 1.0);
+            if points.iter().any(|point| plate.contains(*point)) {
+                continue;
+            }
+            scene.rect(plate, theme::WHITE);
             let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
             scene.text(&text, at, look.muted());
         }
         Ok(())
     }
 
-    /// Names a half plane in the corner outside its circle.
-    fn draw_side_text(&self, scene: &mut Scene, origin: Xy, half: &Half) {
-        let mut text = match half.side {
-            Side::Reflected => "reflected".to_owned(),
-            Side::Transmitted => "transmitted".to_owned(),
+    /// Names the half plane in the corner outside its circle.
+    fn draw_side_text(&self, scene: &mut Scene) {
+        let reach = RADIUS + ANGLE_ROOM - 10.0;
+        let (name, y, level) = match self.side {
+            Side::Reflected => ("reflected", self.origin.1 - reach, Level::Top),
+            Side::Transmitted => ("transmitted", self.origin.1 + reach, Level::Baseline),
         };
-        if half.factor > 1.0 {
-            text = format!("{text}, enlarged {:.0} times", half.factor);
-        }
-        let (y, level) = match half.side {
-            Side::Reflected => (origin.1 - RADIUS - ANGLE_ROOM + 10.0, Level::Top),
-            Side::Transmitted => (origin.1 + RADIUS + ANGLE_ROOM - 10.0, Level::Baseline),
+        let text = match self.factor > 1.0 {
+            true => format!("{name}, enlarged {:.0} times", self.factor),
+            false => name.to_owned(),
         };
         let look = TextLook::new(theme::LABEL_SIZE, Align::Left, level);
         scene.text(&text, (theme::MARGIN, y), look);
     }
+}
+
+fn light_pen() -> Pen {
+    Pen::solid(theme::INK, 1.8)
 }
 
 /// The largest of 1, 5, 10, 20, 25, 50, 100, ... not above `ratio`; factors of two would only confuse.
@@ -363,10 +408,6 @@ fn enlargement(ratio: f64) -> f64 {
     best
 }
 
-fn ring_count(half: &Half, step: f64) -> usize {
-    ((half.full / step * (1.0 + 1e-9)) as usize).min(20)
-}
-
 /// Place at a signed angle and a radius in points.
 fn polar(origin: Xy, side: Side, theta_deg: f64, radius: f64) -> Xy {
     let (sin, cos) = theta_deg.to_radians().sin_cos();
@@ -375,69 +416,6 @@ fn polar(origin: Xy, side: Side, theta_deg: f64, radius: f64) -> Xy {
         Side::Transmitted => 1.0,
     };
     (origin.0 + radius * sin, origin.1 + up * radius * cos)
-}
-
-/// Rings at multiples of the step, spokes each 30 degrees, and their angles.
-fn draw_grid(scene: &mut Scene, origin: Xy, half: &Half, step: f64) {
-    let grid = Pen::solid(theme::GRID, 1.0);
-    let step = step / half.factor;
-    let arc = |radius: f64| -> Vec<Xy> {
-        (-45..=45)
-            .map(|t| polar(origin, half.side, 2.0 * f64::from(t), radius))
-            .collect()
-    };
-    for i in 1..=ring_count(half, step) {
-        scene.line(&arc(i as f64 * step / half.full * RADIUS), grid);
-    }
-    for i in -2..=2 {
-        let theta = 30.0 * f64::from(i);
-        let end = polar(origin, half.side, theta, RADIUS);
-        scene.line(&[origin, end], grid);
-        let at = polar(origin, half.side, theta, RADIUS + 17.0);
-        let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
-        scene.text(&format!("{}°", fixed(theta, 0)), at, look);
-    }
-    scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
-}
-
-fn draw_lobe(scene: &mut Scene, origin: Xy, half: &Half, series: &Series, look: &Look) {
-    let place = |theta: f64, value: f64| {
-        let radius = (value / half.full).clamp(0.0, 1.0) * RADIUS;
-        polar(origin, half.side, theta, radius)
-    };
-    let samples = series.sorted();
-    let bar = |scene: &mut Scene, sample: &Sample, pen: Pen| {
-        if let Some(se) = sample.se {
-            let low = place(sample.theta_deg, sample.value - se);
-            let high = place(sample.theta_deg, sample.value + se);
-            scene.line(&[low, high], pen);
-        }
-    };
-    match series.kind {
-        SeriesKind::Explicit => {
-            for sample in &samples {
-                bar(scene, sample, look.bar());
-            }
-            for sample in &samples {
-                let at = place(sample.theta_deg, sample.value);
-                scene.marker(at, look.marker, look.colour);
-            }
-        }
-        SeriesKind::Model => {
-            for sample in &samples {
-                bar(
-                    scene,
-                    sample,
-                    Pen::solid(look.colour, 0.5 * theme::BAR_WIDTH),
-                );
-            }
-            let path: Vec<Xy> = samples
-                .iter()
-                .map(|s| place(s.theta_deg, s.value))
-                .collect();
-            scene.line(&path, look.curve());
-        }
-    }
 }
 
 /// Degrees with as many decimals as needed, three at most.

@@ -4,7 +4,7 @@ use asperity_analysis::{
     SlopeCovariance, smith_lit, smith_lit_as_printed, smith_visibility, v_cavity_lit,
 };
 use asperity_optics::{Incidence, from_spherical};
-use asperity_plot::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves};
+use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 
@@ -44,7 +44,7 @@ fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
     let curves = sigmas.iter().enumerate().map(|(i, &sigma)| Curve {
         name: format!("σ = {}", short(sigma)),
         colour: ramp(i, sigmas.len()),
-        style: CurveStyle::Joined(i),
+        style: Style::Joined(i),
         points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
     });
     Curves {
@@ -63,11 +63,11 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
     let phi = outcome.config.light.phi.0.to_radians();
     let (mut curves, mut lines) = (Vec::new(), Vec::new());
     for (i, &sigma) in outcome.models_at.iter().enumerate() {
-        let colour = CurveColour::Nth(i);
+        let colour = Colour::Nth(i);
         curves.push(Curve {
             name: format!("explicit, σ = {}", short(sigma)),
             colour,
-            style: CurveStyle::Points(i),
+            style: Style::Points(i),
             points: measured(of_sigma(outcome, sigma), |row| (row.theta, row.lit)),
         });
         let Ok(slopes) = SlopeCovariance::isotropic(tau / sigma) else {
@@ -77,9 +77,9 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
             // The pattern tells the model: one entry of each is enough.
             name: if i == 0 { name.into() } else { String::new() },
             colour,
-            style: CurveStyle::Line(dash),
+            style: Style::Line(dash),
             points: degrees()
-                .map(|theta| CurvePoint::exact(theta, of(theta.to_radians())))
+                .map(|theta| Point::exact(theta, of(theta.to_radians())))
                 .collect(),
         };
         let w = |theta: f64| from_spherical(theta, phi);
@@ -115,12 +115,12 @@ fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
     let fine =
         move || (0..=STEPS).map(move |i| least + (most - least) * f64::from(i) / f64::from(STEPS));
     for (i, &theta) in outcome.over_sigma_at.iter().enumerate() {
-        let colour = CurveColour::Nth(i);
+        let colour = Colour::Nth(i);
         let rows = lights(outcome).filter(|row| row.theta == theta);
         curves.push(Curve {
             name: format!("explicit, θᵢ = {}°", short(theta)),
             colour,
-            style: CurveStyle::Points(i),
+            style: Style::Points(i),
             points: measured(rows, |row| (row.sigma, row.lit)),
         });
         let Ok(wi) = Incidence::from_degrees(theta, phi).map(Incidence::wi) else {
@@ -128,20 +128,20 @@ fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
         };
         let smith = |sigma: f64| {
             let slopes = SlopeCovariance::isotropic(tau / sigma).ok()?;
-            Some(CurvePoint::exact(sigma, smith_lit(&slopes, wi)))
+            Some(Point::exact(sigma, smith_lit(&slopes, wi)))
         };
-        let printed = |sigma: f64| CurvePoint::exact(sigma, smith_lit_as_printed(sigma, wi));
+        let printed = |sigma: f64| Point::exact(sigma, smith_lit_as_printed(sigma, wi));
         let name = |name: &str| if i == 0 { name.into() } else { String::new() };
         lines.push(Curve {
             name: name("Smith"),
             colour,
-            style: CurveStyle::Line(0),
+            style: Style::Line(0),
             points: fine().filter_map(smith).collect(),
         });
         lines.push(Curve {
             name: name("Smith as the 2019 paper prints it"),
             colour,
-            style: CurveStyle::Line(3),
+            style: Style::Line(3),
             points: fine().map(printed).collect(),
         });
     }
@@ -166,7 +166,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
     let (mut curves, mut lines) = (Vec::new(), Vec::new());
     for (i, &theta) in thetas.iter().enumerate() {
         let of_light: Vec<&VisibilityRow> = of_sigma().filter(|row| row.theta == theta).collect();
-        let colour = CurveColour::Nth(i);
+        let colour = Colour::Nth(i);
         let middle = |row: &VisibilityRow| 0.5 * (row.height_min + row.height_max);
         let points = of_light.iter().filter_map(|row| {
             let shown = row.visibility.filter(|_| row.points >= FEWEST_POINTS)?;
@@ -179,7 +179,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
                 short(round3(of_light[0].x))
             ),
             colour,
-            style: CurveStyle::Points(0),
+            style: Style::Points(0),
             points: points.collect(),
         });
         let name = |name: &str| if i == 0 { name.into() } else { String::new() };
@@ -192,9 +192,9 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             lines.push(Curve {
                 name: name("Smith: Φ(h / σ) to the power Λ(θᵢ)"),
                 colour,
-                style: CurveStyle::Line(0),
+                style: Style::Line(0),
                 points: heights
-                    .map(|h| CurvePoint::exact(h, smith_visibility(&slopes, light.wi(), h)))
+                    .map(|h| Point::exact(h, smith_visibility(&slopes, light.wi(), h)))
                     .collect(),
             });
         }
@@ -202,8 +202,8 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
         lines.push(Curve {
             name: name("Xu and Sun, Eq. 24, at height zero"),
             colour,
-            style: CurveStyle::Hollow(3),
-            points: at_zero.map(|v| CurvePoint::exact(0.0, v)).collect(),
+            style: Style::Hollow(3),
+            points: at_zero.map(|v| Point::exact(0.0, v)).collect(),
         });
     }
     curves.append(&mut lines);
@@ -237,8 +237,8 @@ fn round3(value: f64) -> f64 {
     (1000.0 * value).round() / 1000.0
 }
 
-fn ramp(i: usize, count: usize) -> CurveColour {
-    CurveColour::Ramp(i as f64 / (count.max(2) - 1) as f64)
+fn ramp(i: usize, count: usize) -> Colour {
+    Colour::Ramp(i as f64 / (count.max(2) - 1) as f64)
 }
 
 fn axis(label: &str, range: Option<[f64; 2]>) -> CurveAxis {
@@ -248,12 +248,8 @@ fn axis(label: &str, range: Option<[f64; 2]>) -> CurveAxis {
     }
 }
 
-fn point(x: f64, estimate: Estimate) -> CurvePoint {
-    CurvePoint {
-        x,
-        y: estimate.mean,
-        se: estimate.se,
-    }
+fn point(x: f64, estimate: Estimate) -> Point {
+    Point::with_error(x, estimate.mean, estimate.se)
 }
 
 /// Rows of the first view, which the lit share does not depend on.
@@ -273,8 +269,8 @@ fn of_sigma(outcome: &AttenuationOutcome, sigma: f64) -> impl Iterator<Item = &A
 fn measured<'a>(
     rows: impl Iterator<Item = &'a AttenuationRow>,
     of: impl Fn(&AttenuationRow) -> (f64, Estimate),
-) -> Vec<CurvePoint> {
-    let mut points: Vec<CurvePoint> = rows
+) -> Vec<Point> {
+    let mut points: Vec<Point> = rows
         .map(|row| {
             let (x, estimate) = of(row);
             point(x, estimate)

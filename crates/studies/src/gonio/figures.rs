@@ -3,8 +3,8 @@
 use asperity_simulate::short;
 
 use asperity_plot::{
-    ColourScale, Figure, Hemisphere, Hemispheres, PlotError, ProfileGrid, ProfilePart, Sample,
-    Side as PlotSide,
+    Figure, Hemisphere, Hemispheres, PlotError, Point, ProfileComponent, ProfileGrid,
+    SharedColours, Side as PlotSide,
 };
 use asperity_tally::{Side, TallySpec};
 use rayon::prelude::*;
@@ -172,9 +172,9 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             .map(|angle| format!("{}°", short(*angle)))
             .collect(),
         bins: bins(&outcome.spec),
-        scale: match outcome.config.output.scale {
-            PlotScale::Common => ColourScale::Common,
-            PlotScale::Rows => ColourScale::Rows,
+        colours: match outcome.config.output.scale {
+            PlotScale::Common => SharedColours::Common,
+            PlotScale::Rows => SharedColours::Rows,
         },
         cells: cells.collect(),
         columns,
@@ -202,7 +202,7 @@ fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
         column_title,
         rows: names.iter().map(|name| name.to_string()).collect(),
         bins: bins(&outcome.spec),
-        scale: ColourScale::Rows,
+        colours: SharedColours::Rows,
         cells: cells.collect(),
         columns,
     }
@@ -213,20 +213,16 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
     let names = component_names(spec);
     let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
     let settings = 0..outcome.settings.len();
-    let samples = |part: usize, setting: usize| -> Vec<Sample> {
+    let points = |part: usize, setting: usize| -> Vec<Point> {
         let results = outcome.direction(setting, theta, 0).results.as_ref();
         let bins = 0..spec.in_plane_filter(side).len();
-        let sample = |i: usize| {
+        let point = |i: usize| {
             let flux = results?.parts[part].in_plane(spec, side, i)?;
             let bsdf = over(flux, projected_in_plane(spec, i));
             let [from, to] = spec.in_plane_filter(side).theta_deg(i);
-            Some(Sample {
-                theta_deg: 0.5 * (from + to),
-                value: bsdf.mean,
-                se: bsdf.se,
-            })
+            Some(Point::with_error(0.5 * (from + to), bsdf.mean, bsdf.se))
         };
-        bins.filter_map(sample).collect()
+        bins.filter_map(point).collect()
     };
     let incidence = outcome.directions[theta * outcome.phis.len()].incidence;
     // Light goes back where it came from on the near side alone; into a medium it goes on in no direction.
@@ -245,14 +241,14 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
         panels: labels.iter().map(|label| labelled(&title, label)).collect(),
         light_deg,
         mirror_deg,
-        parts: names
+        components: names
             .iter()
             .enumerate()
-            .map(|(part, name)| ProfilePart {
+            .map(|(part, name)| ProfileComponent {
                 name: name.to_string(),
-                samples: settings
+                points: settings
                     .clone()
-                    .map(|setting| samples(part, setting))
+                    .map(|setting| points(part, setting))
                     .collect(),
             })
             .collect(),

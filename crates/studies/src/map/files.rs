@@ -164,8 +164,8 @@ fn figure(outcome: &MapOutcome, light: LightShare) -> ValidityMap {
                         Some(MappedCell {
                             distance: of_model.distances(light).total_variation,
                             verdict: match judged.verdict {
-                                CellVerdict::Holds => MapVerdict::Holds,
-                                CellVerdict::Fails => MapVerdict::Fails,
+                                CellVerdict::Holds => MapVerdict::Within,
+                                CellVerdict::Fails => MapVerdict::Beyond,
                                 CellVerdict::NotResolved => MapVerdict::NotResolved,
                             },
                         })

@@ -1,19 +1,15 @@
-//! Plain curves, for ordinary, degenerate and bad input.
-#![allow(
-    clippy::unwrap_used,
-    reason = "helpers of tests fail like the tests themselves"
-)]
+//! Plain curves.
 
-use asperity_plot::{Curve, CurveAxis, CurveColour, CurvePoint, CurveStyle, Curves, PlotError};
+use asperity_plot::{Colour, Curve, CurveAxis, Curves, PlotError, Point, Style};
 
-fn curve(name: &str, style: CurveStyle, points: &[(f64, f64, Option<f64>)]) -> Curve {
+fn curve(name: &str, style: Style, points: &[(f64, f64, Option<f64>)]) -> Curve {
     Curve {
         name: name.into(),
-        colour: CurveColour::Ramp(0.5),
+        colour: Colour::Ramp(0.5),
         style,
         points: points
             .iter()
-            .map(|&(x, y, se)| CurvePoint { x, y, se })
+            .map(|&(x, y, se)| Point::with_error(x, y, se))
             .collect(),
     }
 }
@@ -37,11 +33,11 @@ fn figure(curves: Vec<Curve>) -> Curves {
 fn every_style_is_drawn_and_named_curves_have_entries() {
     let points = [(0.0, 1.0, Some(0.1)), (1.0, 2.0, Some(0.2))];
     let curves = vec![
-        curve("points & <bars>", CurveStyle::Points(0), &points),
-        curve("hollow", CurveStyle::Hollow(3), &points),
-        curve("joined", CurveStyle::Joined(2), &points),
-        curve("line", CurveStyle::Line(1), &points),
-        curve("", CurveStyle::Line(7), &points),
+        curve("points & <bars>", Style::Points(0), &points),
+        curve("hollow", Style::Hollow(3), &points),
+        curve("joined", Style::Joined(2), &points),
+        curve("line", Style::Line(1), &points),
+        curve("", Style::Line(7), &points),
     ];
     let drawn = figure(curves).draw().unwrap();
     let svg = drawn.svg().unwrap();
@@ -62,7 +58,7 @@ fn every_style_is_drawn_and_named_curves_have_entries() {
     }
     assert!(drawn.png().unwrap().starts_with(b"\x89PNG"));
     // Equal input, equal bytes.
-    let again = figure(vec![curve("x", CurveStyle::Points(0), &points)]);
+    let again = figure(vec![curve("x", Style::Points(0), &points)]);
     assert_eq!(
         again.draw().unwrap().svg().unwrap(),
         again.clone().draw().unwrap().svg().unwrap()
@@ -71,7 +67,7 @@ fn every_style_is_drawn_and_named_curves_have_entries() {
 
 #[test]
 fn one_point_has_a_figure_and_what_lies_outside_a_range_is_left_out() {
-    let mut one = figure(vec![curve("", CurveStyle::Points(0), &[(3.0, 3.0, None)])]);
+    let mut one = figure(vec![curve("", Style::Points(0), &[(3.0, 3.0, None)])]);
     assert!(!one.draw().unwrap().svg().unwrap().contains("Bars"));
     let shapes = |curves: &Curves| {
         let svg = curves.draw().unwrap().svg().unwrap();
@@ -89,8 +85,7 @@ fn numbers_without_meaning_are_refused() {
         refuse(figure(Vec::new())),
         PlotError::NothingToDraw { .. }
     ));
-    let of =
-        |point: (f64, f64, Option<f64>)| figure(vec![curve("a", CurveStyle::Line(0), &[point])]);
+    let of = |point: (f64, f64, Option<f64>)| figure(vec![curve("a", Style::Line(0), &[point])]);
     for bad in [
         (f64::NAN, 0.0, None),
         (0.0, f64::INFINITY, None),

@@ -1,0 +1,114 @@
+//! A page: header, remarks, and one panel with its legend beside it.
+
+use super::axis::Axis;
+use super::curve::Curve;
+use super::geometry::Rect;
+use super::legend::{Entry, Legend};
+use super::panel::{Panel, X_AXIS_DEPTH, y_axis_room};
+use super::render::Figure;
+use super::scene::{Align, Level, Scene, TextLook};
+use super::text::wrap;
+use super::theme;
+use crate::PlotError;
+
+/// A scene that is filled from top to bottom.
+pub(crate) struct Page {
+    pub(crate) scene: Scene,
+    pub(crate) width: f64,
+    /// Below what is drawn so far.
+    pub(crate) y: f64,
+}
+
+impl Page {
+    /// A page `width` points wide with a title and a subtitle.
+    pub(crate) fn new(title: &str, subtitle: &str, width: f64) -> Result<Self, PlotError> {
+        let mut page = Page {
+            scene: Scene::new(title),
+            width: width.round(),
+            y: theme::MARGIN,
+        };
+        let look = |size| TextLook::new(size, Align::Left, Level::Top);
+        page.lines(title, look(theme::TITLE_SIZE))?;
+        page.lines(subtitle, look(theme::SUBTITLE_SIZE).muted())?;
+        Ok(page)
+    }
+
+    /// Text in lines as wide as the page.
+    pub(crate) fn lines(&mut self, text: &str, look: TextLook) -> Result<(), PlotError> {
+        for line in wrap(text, look.size, self.width - 2.0 * theme::MARGIN)? {
+            self.scene.text(&line, (theme::MARGIN, self.y), look);
+            self.y += 1.45 * look.size;
+        }
+        Ok(())
+    }
+
+    /// A remark in small type.
+    pub(crate) fn note(&mut self, text: &str) -> Result<(), PlotError> {
+        let look = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Top);
+        self.lines(text, look.muted())
+    }
+
+    /// A legend in rows as wide as the page.
+    pub(crate) fn legend(&mut self, entries: Vec<Entry>) -> Result<(), PlotError> {
+        let legend = Legend::rows(entries, self.width - 2.0 * theme::MARGIN)?;
+        legend.draw(&mut self.scene, (theme::MARGIN, self.y));
+        self.y += legend.height;
+        Ok(())
+    }
+
+    /// The figure, which ends a margin below `bottom`.
+    pub(crate) fn finish(mut self, bottom: f64) -> Figure {
+        self.scene.width = self.width as u32;
+        self.scene.height = (bottom + theme::MARGIN).round() as u32;
+        Figure::new(self.scene)
+    }
+}
+
+/// Texts in lines, centred about their x, so that all last lines are at one height; returns their depth.
+pub(crate) fn stacked_at_bottom(
+    scene: &mut Scene,
+    top: f64,
+    texts: &[(f64, Vec<String>)],
+    size: f64,
+) -> f64 {
+    let look = TextLook::new(size, Align::Centre, Level::Top);
+    let line = 1.35 * size;
+    let most = texts.iter().map(|text| text.1.len()).max().unwrap_or(1);
+    for (x, lines) in texts {
+        for (k, text) in lines.iter().enumerate() {
+            let above = (most - lines.len() + k) as f64;
+            scene.text(text, (*x, top + above * line), look);
+        }
+    }
+    most as f64 * line
+}
+
+/// One panel with its legend at the right.
+pub(crate) struct Chart<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) subtitle: &'a str,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    /// Width and height of the panel.
+    pub(crate) size: (f64, f64),
+    pub(crate) legend_width: f64,
+    pub(crate) curves: &'a [Curve],
+    pub(crate) entries: Vec<Entry>,
+}
+
+impl Chart<'_> {
+    pub(crate) fn draw(self) -> Result<Figure, PlotError> {
+        const LEGEND_GAP: f64 = 26.0;
+        let left = theme::MARGIN + y_axis_room(&self.y)?;
+        let right = left + self.size.0 + LEGEND_GAP;
+        let width = right + self.legend_width + theme::MARGIN;
+        let mut page = Page::new(self.title, self.subtitle, width)?;
+        let top = page.y + 16.0;
+        let frame = Rect::at((left, top), self.size.0, self.size.1);
+        Panel::new(frame, self.x, self.y)?.draw(&mut page.scene, self.curves);
+        let legend = Legend::column(self.entries, self.legend_width)?;
+        legend.draw(&mut page.scene, (right, top));
+        let bottom = (frame.bottom + X_AXIS_DEPTH).max(top + legend.height);
+        Ok(page.finish(bottom))
+    }
+}

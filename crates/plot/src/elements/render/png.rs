@@ -1,0 +1,109 @@
+//! PNG files, drawn larger than asked and averaged, which smooths every edge alike.
+
+use plotters::backend::BitMapBackend;
+use plotters::style::RGBColor;
+
+use super::{Replay, backend_error};
+use crate::PlotError;
+use crate::elements::scene::{Picture, Scene};
+use crate::elements::{text, theme};
+
+/// The scene as a PNG file.
+pub(super) fn render(scene: &Scene) -> Result<Vec<u8>, PlotError> {
+    let scale = theme::PNG_PIXELS_PER_POINT * theme::PNG_OVERSAMPLING;
+    let (width, height) = (scene.width * scale, scene.height * scale);
+    let mut pixels = vec![255u8; width as usize * height as usize * 3];
+    for picture in &scene.pictures {
+        paint(picture, &mut pixels, width as usize, f64::from(scale));
+    }
+    {
+        let mut backend = BitMapBackend::with_buffer(&mut pixels, (width, height));
+        // The rasteriser takes the line height for the size and puts the baseline at half of it.
+        Replay {
+            backend: &mut backend,
+            scale: f64::from(scale),
+            size_per_em: text::LINE_HEIGHT_PER_EM,
+            baseline_per_em: 0.5 * text::LINE_HEIGHT_PER_EM,
+        }
+        .all(&scene.items)?;
+    }
+    let averaged = average_blocks(
+        &pixels,
+        width as usize * 3,
+        theme::PNG_OVERSAMPLING as usize,
+    );
+    encode(
+        &averaged,
+        scene.width * theme::PNG_PIXELS_PER_POINT,
+        scene.height * theme::PNG_PIXELS_PER_POINT,
+    )
+}
+
+fn encode(pixels: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PlotError> {
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    // A point is 1/96 inch, as in CSS.
+    let per_metre = (96.0 * f64::from(theme::PNG_PIXELS_PER_POINT) / 0.0254).round() as u32;
+    encoder.set_pixel_dims(Some(png::PixelDimensions {
+        xppu: per_metre,
+        yppu: per_metre,
+        unit: png::Unit::Meter,
+    }));
+    let mut writer = encoder.write_header().map_err(backend_error)?;
+    writer.write_image_data(pixels).map_err(backend_error)?;
+    writer.finish().map_err(backend_error)?;
+    Ok(file)
+}
+
+/// Stretches a picture into an RGB buffer, `width` pixels to a row; each pixel takes the colour below its centre.
+fn paint(picture: &Picture, buffer: &mut [u8], width: usize, scale: f64) {
+    let rows = picture.pixels.len() / picture.columns.max(1);
+    let Picture { frame, columns, .. } = picture;
+    let span = |from: f64, to: f64| (from * scale).round() as usize..(to * scale).round() as usize;
+    let cell = |pixel: usize, from: f64, length: f64, cells: usize| {
+        let t = ((pixel as f64 + 0.5) / scale - from) / length;
+        ((t * cells as f64) as usize).min(cells.saturating_sub(1))
+    };
+    for y in span(frame.top, frame.bottom) {
+        let row = cell(y, frame.top, frame.height(), rows);
+        for x in span(frame.left, frame.right) {
+            let column = cell(x, frame.left, frame.width(), *columns);
+            let index = picture.pixels[row * columns + column];
+            let RGBColor(r, g, b) = picture.palette[usize::from(index)];
+            if let Some(pixel) = buffer.get_mut(3 * (y * width + x)..3 * (y * width + x) + 3) {
+                pixel.copy_from_slice(&[r, g, b]);
+            }
+        }
+    }
+}
+
+/// Averages blocks of `n` by `n` pixels of an RGB buffer with `stride` bytes to a row.
+fn average_blocks(pixels: &[u8], stride: usize, n: usize) -> Vec<u8> {
+    let count = (n * n) as u32;
+    pixels
+        .chunks_exact(stride * n)
+        .flat_map(|rows| {
+            (0..stride / n).map(move |i| {
+                let (column, channel) = (i / 3, i % 3);
+                let sum: u32 = (0..n * n)
+                    .map(|k| u32::from(rows[(k / n) * stride + (column * n + k % n) * 3 + channel]))
+                    .sum();
+                ((sum + count / 2) / count) as u8
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn averaging_keeps_the_mean_of_each_channel() {
+        // Two by two pixels of one block: red 0..=3, green constant, blue alternating.
+        let pixels = [0, 9, 0, 1, 9, 8, 2, 9, 0, 3, 9, 8];
+        assert_eq!(average_blocks(&pixels, 6, 2), vec![2, 9, 4]);
+    }
+}
