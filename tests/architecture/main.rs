@@ -184,6 +184,18 @@ fn assert_layers(name: &str, layers: &[(&str, &[&str])]) {
 }
 
 #[test]
+fn figures_stand_on_elements_alone_and_elements_know_no_figure() {
+    let graph = graph(&modules("plot"));
+    let is_figure = |module: &str| module.starts_with("figures::");
+    assert!(graph.keys().any(|module| is_figure(module)));
+    for (module, used) in graph {
+        for used in used.iter().filter(|used| is_figure(used)) {
+            assert!(module == *used, "plot/{module} uses {used}");
+        }
+    }
+}
+
+#[test]
 fn single_precision_and_obvhs_stay_in_the_accelerators() {
     for (module, code) in modules("tracer") {
         if module.split("::").next() != Some("accelerators") {

@@ -19,7 +19,8 @@
 //! # Conventions
 //! Angles are in degrees here (this is the user's edge) and *signed*: measured from the normal of the side on
 //! which the light leaves, positive in the forward direction, that is towards +x for light which travels
-//! towards +x. Lobes and curves show the cosine-weighted BSDF f |cos θₒ| in 1/sr: it stays finite at grazing angles, where f itself may not.
+//! towards +x. Lobes and curves show the cosine-weighted BSDF f |cos θₒ| in 1/sr: it
+//! stays finite at grazing angles, where f itself may not.
 //!
 //! # Example
 //! ```
@@ -55,6 +56,7 @@ mod figures;
 pub use elements::curve::{Colour, Curve, Point, Style};
 pub use elements::render::Figure;
 pub use elements::series::{Series, Side, Source};
+pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
 pub use figures::curves::{CurveAxis, Curves};
 pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
@@ -63,4 +65,4 @@ pub use figures::hemispheres::{Hemisphere, Hemispheres, SharedColours};
 pub use figures::in_plane_curves::InPlaneCurves;
 pub use figures::polar_lobes::{PolarLobes, Sides};
 pub use figures::profile_grid::{ProfileComponent, ProfileGrid};
-pub use figures::validity_map::{MapVerdict, MappedCell, ValidityMap};
+pub use figures::validity_map::{MappedCell, ValidityMap};

@@ -1,8 +1,9 @@
 //! Elements that figures are made of. Nothing here knows a figure.
 //!
 //! From below: [`theme`] (sizes, colours), [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
-//! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`legend`], [`colour_scale`]; [`panel`] and [`page`], on
-//! which figures stand; [`units`] for lengths, [`series`] and [`disc`] for light in the plane of incidence and over a hemisphere.
+//! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`legend`], [`colour_scale`]; [`panel`], [`polar`],
+//! [`matrix`] and [`page`], on which figures stand. [`series`], [`disc`], [`units`] and [`verdict`] show light in the
+//! plane of incidence, light over a hemisphere, lengths and verdicts.
 
 pub(crate) mod axis;
 pub(crate) mod colour_scale;
@@ -10,12 +11,15 @@ pub(crate) mod curve;
 pub(crate) mod disc;
 pub(crate) mod geometry;
 pub(crate) mod legend;
+pub(crate) mod matrix;
 pub(crate) mod numbers;
 pub(crate) mod page;
 pub(crate) mod panel;
+pub(crate) mod polar;
 pub(crate) mod render;
 pub(crate) mod scene;
 pub(crate) mod series;
 pub(crate) mod text;
 pub(crate) mod theme;
 pub(crate) mod units;
+pub(crate) mod verdict;

@@ -64,25 +64,6 @@ impl Page {
     }
 }
 
-/// Texts in lines, centred about their x, so that all last lines are at one height; returns their depth.
-pub(crate) fn stacked_at_bottom(
-    scene: &mut Scene,
-    top: f64,
-    texts: &[(f64, Vec<String>)],
-    size: f64,
-) -> f64 {
-    let look = TextLook::new(size, Align::Centre, Level::Top);
-    let line = 1.35 * size;
-    let most = texts.iter().map(|text| text.1.len()).max().unwrap_or(1);
-    for (x, lines) in texts {
-        for (k, text) in lines.iter().enumerate() {
-            let above = (most - lines.len() + k) as f64;
-            scene.text(text, (*x, top + above * line), look);
-        }
-    }
-    most as f64 * line
-}
-
 /// One panel with its legend at the right.
 pub(crate) struct Chart<'a> {
     pub(crate) title: &'a str,

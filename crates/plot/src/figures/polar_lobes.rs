@@ -1,15 +1,13 @@
 //! Lobes around the surface, as the transmission paper draws them.
 
-use crate::elements::curve::{Curve, Plane, Style, curve_entries, draw_curves};
-use crate::elements::geometry::{Rect, Xy};
+use crate::elements::curve::{Curve, Style, curve_entries, draw_curves};
+use crate::elements::geometry::Xy;
 use crate::elements::legend::{Entry, Key, Legend};
-use crate::elements::numbers::{
-    decimals, display_exponent, fixed, per_steradian, round_step_below, scale_down,
-};
+use crate::elements::numbers::{display_exponent, fixed, per_steradian, round_step_below};
 use crate::elements::page::Page;
+use crate::elements::polar::{ANGLE_ROOM, HalfPlane, RADIUS, polar};
 use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
 use crate::elements::series::{shown, stacked};
-use crate::elements::text::text_width;
 use crate::elements::theme;
 use crate::error::Valid;
 use crate::{Figure, PlotError, Series, Side};
@@ -84,32 +82,16 @@ pub struct PolarLobes {
 }
 
 const FIGURE_WIDTH: f64 = 970.0;
-const RADIUS: f64 = 285.0;
-/// Room around the circle for the texts of angles.
-const ANGLE_ROOM: f64 = 48.0;
 const LEGEND_GAP: f64 = 14.0;
 /// Height of the half plane that only shows the arrow.
 const ARROW_ROOM: f64 = 150.0;
 const CENTRE_X: f64 = theme::MARGIN + ANGLE_ROOM + RADIUS;
 /// At least so many ring spacings fit below the peak.
 const RINGS: f64 = 2.5;
-const MOST_RINGS: usize = 20;
 /// The tip of the arrow keeps this distance from the origin, where the points of dark directions crowd.
 const TIP_RADIUS: f64 = 6.0;
 /// The line of the surface ends so far beyond the circle.
 const SURFACE_END: f64 = 6.0;
-
-/// One half plane and its radial scale.
-struct Half {
-    side: Side,
-    origin: Xy,
-    /// Value at the outer ring.
-    full: f64,
-    /// Difference of values between rings.
-    step: f64,
-    /// Radial enlargement against the other side.
-    factor: f64,
-}
 
 impl PolarLobes {
     /// Lays the figure out.
@@ -179,7 +161,7 @@ impl PolarLobes {
     }
 
     /// Chooses the radial scales: one round step for the stronger side, and a round enlargement for the weaker.
-    fn halves(&self, series: &[&Series], origin: Xy) -> Vec<Half> {
+    fn halves(&self, series: &[&Series], origin: Xy) -> Vec<HalfPlane> {
         let sides = [Side::Reflected, Side::Transmitted].into_iter();
         let sides = sides.filter(|side| self.sides.include(*side));
         let peaks: Vec<(Side, f64)> = sides.map(|side| (side, peak(series, side))).collect();
@@ -198,7 +180,7 @@ impl PolarLobes {
             } else {
                 1.0
             };
-            Half {
+            HalfPlane {
                 side,
                 origin,
                 full: full / factor,
@@ -287,109 +269,6 @@ fn peak(series: &[&Series], side: Side) -> f64 {
     if top > 0.0 { tip.min(1.3 * top) } else { tip }
 }
 
-impl Plane for Half {
-    fn at(&self, theta_deg: f64, value: f64) -> Option<Xy> {
-        // Compared first: the quotient of infinite or vanishing scales is not a number.
-        let share = match value >= self.full {
-            true => 1.0,
-            false => (value / self.full).max(0.0),
-        };
-        Some(polar(self.origin, self.side, theta_deg, share * RADIUS))
-    }
-
-    fn floor(&self) -> f64 {
-        0.0
-    }
-
-    fn clip(&self, a: Xy, b: Xy) -> Option<(Xy, Xy)> {
-        Some((a, b))
-    }
-
-    fn clip_path(&self, path: &[Xy]) -> Vec<Vec<Xy>> {
-        vec![path.to_vec()]
-    }
-
-    fn contains(&self, _: Xy) -> bool {
-        true
-    }
-}
-
-impl Half {
-    fn rings(&self) -> impl Iterator<Item = f64> {
-        let count = ((self.full / self.step * (1.0 + 1e-9)) as usize).min(MOST_RINGS);
-        let step = self.step;
-        (1..=count).map(move |i| i as f64 * step)
-    }
-
-    /// Rings at multiples of the step, spokes each 30 degrees, and their angles.
-    fn draw_grid(&self, scene: &mut Scene) {
-        let grid = Pen::solid(theme::GRID, 1.0);
-        let at = |theta, radius| polar(self.origin, self.side, theta, radius);
-        let arc = |radius: f64| -> Vec<Xy> {
-            (-45..=45).map(|t| at(2.0 * f64::from(t), radius)).collect()
-        };
-        for value in self.rings() {
-            scene.line(&arc(value / self.full * RADIUS), grid);
-        }
-        let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
-        for theta in [-60.0, -30.0, 0.0, 30.0, 60.0] {
-            scene.line(&[self.origin, at(theta, RADIUS)], grid);
-            scene.text(
-                &format!("{}°", fixed(theta, 0)),
-                at(theta, RADIUS + 17.0),
-                look,
-            );
-        }
-        scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
-    }
-
-    /// Numbers of the rings in the quadrant `across`, `down`. One that would hide a point is left out.
-    fn draw_ring_numbers(
-        &self,
-        scene: &mut Scene,
-        (across, down): (f64, f64),
-        exponent: i32,
-        curves: &[Curve],
-    ) -> Result<(), PlotError> {
-        let decimals = decimals(scale_down(self.step, exponent));
-        let points: Vec<Xy> = curves
-            .iter()
-            .flat_map(|curve| curve.places(self).flatten())
-            .collect();
-        for value in self.rings() {
-            let text = fixed(scale_down(value, exponent), decimals);
-            let at = (
-                self.origin.0 + across * value / self.full * RADIUS,
-                self.origin.1 + down * (0.75 * theme::NOTE_SIZE + 2.0),
-            );
-            let half_width = 0.5 * text_width(&text, theme::NOTE_SIZE)? + 2.0;
-            let plate = Rect::around(at, half_width, 0.5 * theme::NOTE_SIZE + 1.0);
-            if points.iter().any(|point| plate.contains(*point)) {
-                continue;
-            }
-            scene.rect(plate, theme::WHITE);
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
-            scene.text(&text, at, look.muted());
-        }
-        Ok(())
-    }
-
-    /// Names the half plane in the corner outside its circle.
-    fn draw_side_text(&self, scene: &mut Scene) {
-        let reach = RADIUS + ANGLE_ROOM - 10.0;
-        let (name, y, level) = match self.side {
-            Side::Reflected => ("reflected", self.origin.1 - reach, Level::Top),
-            Side::Transmitted => ("transmitted", self.origin.1 + reach, Level::Baseline),
-        };
-        let text = match self.factor > 1.0 {
-            true => format!("{name}, enlarged {:.0} times", self.factor),
-            false => name.to_owned(),
-        };
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Left, level);
-        scene.text(&text, (theme::MARGIN, y), look);
-    }
-}
-
 fn light_pen() -> Pen {
     Pen::solid(theme::INK, 1.8)
 }
@@ -408,16 +287,6 @@ fn enlargement(ratio: f64) -> f64 {
     best
 }
 
-/// Place at a signed angle and a radius in points.
-fn polar(origin: Xy, side: Side, theta_deg: f64, radius: f64) -> Xy {
-    let (sin, cos) = theta_deg.to_radians().sin_cos();
-    let up = match side {
-        Side::Reflected => -1.0,
-        Side::Transmitted => 1.0,
-    };
-    (origin.0 + radius * sin, origin.1 + up * radius * cos)
-}
-
 /// Degrees with as many decimals as needed, three at most.
 fn angle_text(degrees: f64) -> String {
     let text = fixed(degrees, 3);
@@ -427,14 +296,6 @@ fn angle_text(degrees: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn forward_light_goes_right_and_transmitted_light_down() {
-        let (x, y) = polar((0.0, 0.0), Side::Transmitted, 30.0, 1.0);
-        assert!(x > 0.49 && y > 0.8);
-        let (x, y) = polar((0.0, 0.0), Side::Reflected, -30.0, 1.0);
-        assert!(x < -0.49 && y < -0.8);
-    }
 
     #[test]
     fn enlargements_are_round_and_never_too_large() {

@@ -2,27 +2,18 @@
 
 use crate::elements::axis::Axis;
 use crate::elements::colour_scale::{ColourScale, draw_bar, that_fits};
-use crate::elements::geometry::{Rect, Xy};
+use crate::elements::geometry::Rect;
 use crate::elements::legend::{Entry, Key};
+use crate::elements::matrix::{draw_column_texts, draw_row_texts, stacked_at_bottom};
 use crate::elements::numbers::{decimals, fixed};
-use crate::elements::page::{Page, stacked_at_bottom};
+use crate::elements::page::Page;
 use crate::elements::panel::X_AXIS_DEPTH;
 use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
 use crate::elements::text::{text_width, widest, wrap};
 use crate::elements::theme;
+use crate::elements::verdict::{MapVerdict, draw_sign, draw_swatch, draw_tolerance_mark};
 use crate::error::{Valid, check_length};
 use crate::{Figure, PlotError};
-
-/// The verdict on a cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MapVerdict {
-    /// Within the tolerances: a white disc.
-    Within,
-    /// Beyond a tolerance: a cross.
-    Beyond,
-    /// Errors too large to tell: a question mark.
-    NotResolved,
-}
 
 /// One cell of a panel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,7 +92,6 @@ const BAR_GAP: f64 = 22.0;
 const BAR_ROOM: f64 = 104.0;
 const MIN_BAR_HEIGHT: f64 = 100.0;
 const MOST_DECADES: i32 = 4;
-const SIGN: f64 = 4.4;
 
 /// Places of the panels.
 struct Layout {
@@ -313,68 +303,6 @@ impl Layout {
 
 fn numbers(values: &[f64]) -> Vec<String> {
     values.iter().map(|v| fixed(*v, decimals(*v))).collect()
-}
-
-/// A triangle whose tip, at `at`, points to the right.
-fn draw_tolerance_mark(scene: &mut Scene, (x, y): Xy) {
-    let corners = vec![(x, y), (x - 7.0, y - 4.5), (x - 7.0, y + 4.5)];
-    scene.polygon(corners, theme::INK);
-}
-
-fn draw_swatch(scene: &mut Scene, at: Xy, verdict: MapVerdict) {
-    let colour = ColourScale::linear(0.0, 1.0).colour(0.45);
-    scene.rect(Rect::around(at, 9.0, 9.0), colour);
-    draw_sign(scene, at, verdict);
-}
-
-/// The sign of a verdict, with an edge that keeps it apart from any colour beneath.
-fn draw_sign(scene: &mut Scene, (x, y): Xy, verdict: MapVerdict) {
-    match verdict {
-        MapVerdict::Within => {
-            scene.disc((x, y), SIGN + 1.0, theme::INK);
-            scene.disc((x, y), SIGN, theme::WHITE);
-        }
-        MapVerdict::Beyond => {
-            for (pen, r) in [
-                (Pen::solid(theme::WHITE, 4.2), SIGN + 0.9),
-                (Pen::solid(theme::INK, 2.0), SIGN),
-            ] {
-                scene.line(&[(x - r, y - r), (x + r, y + r)], pen);
-                scene.line(&[(x - r, y + r), (x + r, y - r)], pen);
-            }
-        }
-        MapVerdict::NotResolved => {
-            scene.disc((x, y), SIGN + 3.2, theme::WHITE);
-            let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
-            scene.text("?", (x, y), look);
-        }
-    }
-}
-
-/// Texts below columns, as many as have room.
-fn draw_column_texts(scene: &mut Scene, frame: Rect, texts: &[String]) -> Result<(), PlotError> {
-    let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Top);
-    let w = frame.width() / texts.len() as f64;
-    let mut free_from = f64::NEG_INFINITY;
-    for (i, text) in texts.iter().enumerate() {
-        let x = frame.left + (i as f64 + 0.5) * w;
-        let half = 0.5 * text_width(text, theme::TICK_SIZE)?;
-        if x - half >= free_from {
-            scene.text(text, (x, frame.bottom + 6.0), look);
-            free_from = x + half + 3.0;
-        }
-    }
-    Ok(())
-}
-
-/// Texts beside rows, the smoothest on top.
-fn draw_row_texts(scene: &mut Scene, frame: Rect, texts: &[String]) {
-    let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
-    let h = frame.height() / texts.len() as f64;
-    for (i, text) in texts.iter().enumerate() {
-        let y = frame.bottom - (i as f64 + 0.5) * h;
-        scene.text(text, (frame.left - 6.0, y), look);
-    }
 }
 
 /// A name in lines of at most `width`, broken after hyphens.

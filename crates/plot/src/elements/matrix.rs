@@ -1,0 +1,56 @@
+//! Names of the rows and columns of a matrix.
+
+use super::geometry::Rect;
+use super::scene::{Align, Level, Scene, TextLook};
+use super::text::text_width;
+use super::theme;
+use crate::PlotError;
+
+/// Texts in lines, centred about their x, so that all last lines are at one height; returns their depth.
+pub(crate) fn stacked_at_bottom(
+    scene: &mut Scene,
+    top: f64,
+    texts: &[(f64, Vec<String>)],
+    size: f64,
+) -> f64 {
+    let look = TextLook::new(size, Align::Centre, Level::Top);
+    let line = 1.35 * size;
+    let most = texts.iter().map(|text| text.1.len()).max().unwrap_or(1);
+    for (x, lines) in texts {
+        for (k, text) in lines.iter().enumerate() {
+            let above = (most - lines.len() + k) as f64;
+            scene.text(text, (*x, top + above * line), look);
+        }
+    }
+    most as f64 * line
+}
+
+/// Texts below columns, as many as have room.
+pub(crate) fn draw_column_texts(
+    scene: &mut Scene,
+    frame: Rect,
+    texts: &[String],
+) -> Result<(), PlotError> {
+    let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Top);
+    let w = frame.width() / texts.len() as f64;
+    let mut free_from = f64::NEG_INFINITY;
+    for (i, text) in texts.iter().enumerate() {
+        let x = frame.left + (i as f64 + 0.5) * w;
+        let half = 0.5 * text_width(text, theme::TICK_SIZE)?;
+        if x - half >= free_from {
+            scene.text(text, (x, frame.bottom + 6.0), look);
+            free_from = x + half + 3.0;
+        }
+    }
+    Ok(())
+}
+
+/// Texts beside rows, the smoothest on top.
+pub(crate) fn draw_row_texts(scene: &mut Scene, frame: Rect, texts: &[String]) {
+    let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
+    let h = frame.height() / texts.len() as f64;
+    for (i, text) in texts.iter().enumerate() {
+        let y = frame.bottom - (i as f64 + 0.5) * h;
+        scene.text(text, (frame.left - 6.0, y), look);
+    }
+}
