@@ -88,13 +88,11 @@ impl ProfileGrid {
         let width = left + columns as f64 * (PANEL.0 + GAP) - GAP + theme::MARGIN;
         let mut page = Page::new(&self.title, &self.subtitle, width.max(560.0))?;
         page.y += 8.0;
-        let legend: Vec<Curve> = self
-            .guides(1.0, 2.0)
-            .chain(self.curves(0, -f64::MAX))
-            .collect();
-        let (notes, entries): (Vec<_>, Vec<_>) = curve_entries(legend.iter().rev())
+        let mut curves: Vec<Curve> = self.curves(0, -f64::MAX).collect();
+        curves.reverse();
+        curves.extend(self.guides(0.0, 1.0));
+        let (notes, entries): (Vec<_>, Vec<_>) = curve_entries(&curves)
             .into_iter()
-            .rev()
             .partition(|entry| matches!(entry.key, Key::Note));
         page.legend(entries)?;
 
@@ -106,7 +104,7 @@ impl ProfileGrid {
         let (linear, log) = (self.linear_axis(&even), self.log_axis(&steep));
         let rows = self.panels.len().div_ceil(columns);
         let row_height = NAME_DEPTH + PANEL.1 + GAP + 6.0;
-        let top = page.y + 2.0;
+        let top = page.y + 8.0;
         for (i, name) in self.panels.iter().enumerate() {
             let (row, column) = (i / columns, i % columns);
             let x = left + column as f64 * (PANEL.0 + GAP);
@@ -137,6 +135,9 @@ impl ProfileGrid {
         let mut note = "Angles are positive forward, away from the light.".to_owned();
         for more in notes {
             note = format!("{note} {}", more.text);
+        }
+        if self.is_symmetric() {
+            note.push_str(" Left and right show the same values, averaged over azimuth.");
         }
         page.note(&note)?;
         let bottom = page.y;
@@ -187,6 +188,15 @@ impl ProfileGrid {
         ];
         lines.into_iter().filter_map(move |(angle, name, style)| {
             Some(Curve::guide(name, style, [(angle?, lo), (angle?, hi)]))
+        })
+    }
+
+    /// Whether each value stands at the opposite angle as well, as for vertical light averaged over azimuth.
+    fn is_symmetric(&self) -> bool {
+        let profiles = self.components.iter().flat_map(|c| &c.points);
+        profiles.filter(|points| points.len() > 1).all(|points| {
+            let mut pairs = points.iter().zip(points.iter().rev());
+            pairs.all(|(a, b)| a.y == b.y && (a.x + b.x).abs() < 1e-9)
         })
     }
 
@@ -343,5 +353,17 @@ mod tests {
         );
         assert_eq!(outlined([0.1, 2.0, 5.0, 2.0, 0.1]).len(), 5);
         assert_eq!(outlined([0.0; 5]).len(), 5);
+    }
+
+    #[test]
+    fn mirrored_profiles_are_said_to_be() {
+        let says = |grid: &ProfileGrid| {
+            let svg = grid.draw().unwrap().svg().unwrap();
+            svg.contains("averaged over azimuth")
+        };
+        let mut grid = grid(2);
+        assert!(says(&grid));
+        grid.components[0].points[1][0].y = 0.3;
+        assert!(!says(&grid));
     }
 }

@@ -93,13 +93,11 @@ const BAR_ROOM: f64 = 104.0;
 const MIN_BAR_HEIGHT: f64 = 100.0;
 const MOST_DECADES: i32 = 4;
 
-/// Places of the panels.
+/// Places of the panels; the label of the smoothness axis stands at `beside`.
 struct Layout {
     left: f64,
-    /// Right end of the texts of the smoothness axis.
     beside: f64,
     right: f64,
-    /// Size of a panel.
     width: f64,
     height: f64,
 }
@@ -154,9 +152,13 @@ impl ValidityMap {
             page.y += height + ROW_GAP;
         }
         page.y -= ROW_GAP;
-        self.draw_angle_label(&mut page, &layout)?;
+        let label_right = self.draw_angle_label(&mut page, &layout)?;
         let bar_height = (page.y - top).max(MIN_BAR_HEIGHT);
-        let bar = Rect::at((right + BAR_GAP, top), BAR_WIDTH, bar_height);
+        let bar = Rect::at(
+            (right.max(label_right) + BAR_GAP, top),
+            BAR_WIDTH,
+            bar_height,
+        );
         self.draw_colour_bar(&mut page.scene, bar, &scale)?;
         page.y = (page.y + X_AXIS_DEPTH).max(bar.bottom) + 8.0;
         page.legend(self.entries())?;
@@ -238,15 +240,15 @@ impl ValidityMap {
         scene.rect_outline(frame, Pen::solid(theme::INK, theme::FRAME_WIDTH));
     }
 
-    /// The label of the angles, below all panels and not beyond the margin.
-    fn draw_angle_label(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
+    /// The label of the angles, below all panels and not beyond the margin; returns its right end.
+    fn draw_angle_label(&self, page: &mut Page, layout: &Layout) -> Result<f64, PlotError> {
         let label = "angle of incidence θᵢ (°)";
         let half = 0.5 * text_width(label, theme::LABEL_SIZE)?;
         let x = (0.5 * (layout.left + layout.right)).max(theme::MARGIN + half);
         let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         let below = page.y + theme::TICK_SIZE + 14.0;
         page.scene.text(label, (x, below), look);
-        Ok(())
+        Ok(x + half)
     }
 
     /// The bar, with a mark at the tolerance.
