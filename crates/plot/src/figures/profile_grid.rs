@@ -89,7 +89,6 @@ impl ProfileGrid {
         let mut page = Page::new(&self.title, &self.subtitle, width.max(560.0))?;
         page.y += 8.0;
         let mut curves: Vec<Curve> = self.curves(0, -f64::MAX).collect();
-        curves.reverse();
         curves.extend(self.guides(0.0, 1.0));
         let (notes, entries): (Vec<_>, Vec<_>) = curve_entries(&curves)
             .into_iter()
@@ -162,14 +161,14 @@ impl ProfileGrid {
         Ok(())
     }
 
-    /// The curves of a panel, all light above its components. Values below `least` become it: on a logarithmic axis
+    /// The curves of a panel; dashed components stand above all light, so that both show where they agree. Values below `least` become it: on a logarithmic axis
     /// a curve leaves the panel below.
     fn curves(&self, panel: usize, least: f64) -> impl Iterator<Item = Curve> {
         let raised = move |mut point: Point| {
             point.y = if point.y < least { least } else { point.y };
             point
         };
-        let components = self.components.iter().enumerate().rev();
+        let components = self.components.iter().enumerate();
         components.map(move |(i, component)| Curve {
             name: component.name.clone(),
             colour: Colour::Component(i),
