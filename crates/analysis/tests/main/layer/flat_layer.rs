@@ -395,7 +395,7 @@ fn layers_without_a_model_are_refused() {
         assert!(refusal(name, 1.5, white).contains("Lambertian"));
         assert!(refusal(name, -1.0, Bottom::Open).contains("eta is -1"));
     }
-    assert!(refusal("hanrahan-krueger", 1.5, Bottom::Mirror).contains("flat-layer has"));
+    assert!(refusal("hanrahan-krueger", 1.5, Bottom::Mirror).contains("use flat-layer"));
     assert!(refusal("kubelka-munk", 1.5, Bottom::Open).contains("hanrahan-krueger, flat-layer"));
     for name in FlatLayer::NAMES {
         let layer = slab(0.5, 0.0, 1.0, Bottom::Open);
