@@ -120,7 +120,7 @@ fn layers_are_refused_what_their_models_cannot_do() {
         ),
         (
             "hanrahan-krueger --theta 30 --scattering 1 --thickness 1 --bottom mirror",
-            "flat-layer has",
+            "use flat-layer",
         ),
         (
             "smith --smoothness 3 --theta 30 --scattering 1",
