@@ -15,7 +15,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::{ControlMean, Estimator, RaySettings, Scene, Silent, trace};
 use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
 use asperity_surface::{Border, Psd, Synthesis};
-use asperity_tally::{Component, Entry, Estimate, Side, TallySpec, TallyStatistics};
+use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::HalfSpace;
 
 /// What is done for each case.
@@ -68,7 +68,7 @@ impl Scores {
     /// be the same, as all that a mirror reflects, differs by rounding alone.
     fn new(entries: &[Entry], plain: &TallyStatistics, controlled: &TallyStatistics) -> Self {
         let score = |&i: &Entry| {
-            let [p, c] = [plain, controlled].map(|statistics| statistics.estimate(i));
+            let [p, c] = [plain, controlled].map(|statistics| statistics.at(i));
             let difference = c.mean - p.mean;
             let told = p.mean.max(c.mean) >= 1e-4 && difference.abs() >= 1e-13;
             told.then(|| difference / (squared_error(p) + squared_error(c)).sqrt())
@@ -229,7 +229,7 @@ fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
             let statistics = &run.cases[number].statistics;
             let bins = run.spec.grid_entries(asperity_tally::Component::All);
             bins.iter()
-                .map(|i| squared_error(statistics.estimate(i)))
+                .map(|i| squared_error(statistics.at(i)))
                 .sum::<f64>()
         });
         let ratio = plain / controlled;
@@ -274,7 +274,7 @@ fn bins_below_zero_are_reported_as_they_are() {
     let bins = run.spec.grid_entries(asperity_tally::Component::All);
     let negative = bins
         .iter()
-        .map(|i| statistics.estimate(i))
+        .map(|i| statistics.at(i))
         .filter(|e| e.mean < 0.0);
     let scores: Vec<f64> = negative.map(|e| e.mean / e.se.unwrap()).collect();
     println!("{scores:?}");

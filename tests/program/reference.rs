@@ -100,7 +100,7 @@ fn compare_bins(
     for (i, ((entry, value), error)) in entries.zip(values).zip(errors).enumerate() {
         family.compare(
             &format!("{what} bin {i}"),
-            statistics.estimate(entry),
+            statistics.at(entry),
             value,
             error,
         );
@@ -154,7 +154,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
         let statistics = &outcome.statistics;
         let budget: f64 = statistics.means().budget().total();
         assert!((budget - 1.0).abs() < 1e-12);
-        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
+        assert_eq!(statistics.means().budget().lost, 0.0);
 
         let mut family = Family::default();
         for (side, letter) in [(Side::Reflected, "R"), (Side::Transmitted, "T")] {
@@ -169,7 +169,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
             let orders = numbers(&config[format!("{letter}_by_exact_order_1_to_11_then_12plus")]);
             let errors = numbers(&config[format!("{letter}_by_exact_order_se")]);
             for order in 1..=11 {
-                let found = statistics.estimate(spec.order_entry(side, order));
+                let found = statistics.at(spec.order_entry(side, order));
                 let what = format!("{letter} order {order} at {theta} deg");
                 family.compare(&what, found, orders[order - 1], errors[order - 1]);
             }
@@ -288,9 +288,9 @@ fn fresh_surfaces_agree_with_an_independent_ensemble() {
             .find(|(e, t, _)| (e - eta).abs() < 1e-6 && *t == theta)
             .unwrap();
         let statistics = &case.statistics;
-        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
+        assert_eq!(statistics.means().budget().lost, 0.0);
         let [r, t, r1, t1] = *row;
-        let single = |side| statistics.estimate(spec.order_entry(side, 1));
+        let single = |side| statistics.at(spec.order_entry(side, 1));
         for (what, found, [reference, se]) in [
             ("R", statistics.budget().reflected, r),
             ("T", statistics.budget().transmitted, t),

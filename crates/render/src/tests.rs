@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
-use asperity_tally::Layout;
+use asperity_tally::{TallyResult, TallySpec};
 use asperity_tracer::{
     BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, TracedLayer, Tracer,
 };
@@ -175,8 +175,8 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
             let mut rng = ChaCha8Rng::seed_from_u64(8);
             rng.set_stream(block);
             let light = Illumination::new(towards, false);
-            let (record, _) = tracer.batch(&light, 16, Layout::default(), None, &mut rng);
-            sums.push(&[record[Layout::REFLECTED]]);
+            let (tally, _) = tracer.batch(&light, 16, TallySpec::default(), None, &mut rng);
+            sums.push(&[tally.budget().reflected]);
         }
         let sent = sums.estimate(0);
         let difference = mean(&seen.picture.radiance) - sent.mean;

@@ -166,7 +166,7 @@ impl VerifyConfig {
                 let transmits = case.material.transmitting_index().is_some();
                 let beyond = Side::BOTH.into_iter().any(|side| {
                     let leaves = transmits || side == Side::Reflected;
-                    leaves && self.run.side.ask(side) && !model.sides().includes(side)
+                    leaves && self.run.side.includes(side) && !model.sides().includes(side)
                 });
                 if beyond {
                     return Err(ModelError::ReflectionAlone(model.name()).into());

@@ -44,7 +44,7 @@ use asperity_simulate::{Case, Observer};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
-use asperity_tally::TallySpec;
+use asperity_tally::TallyResult;
 use serde::Serialize;
 
 use crate::config::ConfigError;
@@ -372,8 +372,6 @@ impl ConvergeWork {
         self.generate_seconds += run.spent.generate;
         self.build_seconds += run.spent.build;
         self.trace_seconds += run.spent.trace;
-        self.lost = self
-            .lost
-            .max(run.statistics.means()[TallySpec::BUDGET.lost].abs());
+        self.lost = self.lost.max(run.statistics.means().budget().lost.abs());
     }
 }

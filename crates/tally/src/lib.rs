@@ -34,7 +34,7 @@ mod filters;
 mod finder;
 mod grid;
 mod in_plane;
-mod legacy;
+
 mod result;
 mod sides;
 mod spec;
@@ -51,7 +51,7 @@ pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
-pub use legacy::{Control, History, Layout, LayoutError, OrderClass, Record, Share};
+
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
 pub use sides::Sides;
 pub use spec::{MAX_LISTED_PATH, SpecError, TallySpec};

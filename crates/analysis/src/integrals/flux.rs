@@ -44,7 +44,7 @@ pub(crate) fn fluxes_into_bins(
     let vertical = wi.x == 0.0 && wi.y == 0.0;
     let mirror = mirror_sum(wi, n_phi);
     let mut fluxes = vec![0.0; grid.len()];
-    for side in Side::BOTH.into_iter().filter(|&side| sides.ask(side)) {
+    for side in Side::BOTH.into_iter().filter(|&side| sides.includes(side)) {
         let first_of_side = side.index() * grid.bins_per_side();
         fluxes[first_of_side..][..grid.bins_per_side()]
             .par_chunks_exact_mut(n_phi)

@@ -198,7 +198,7 @@ mod tests {
 
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
-    use asperity_tally::TallyStatistics;
+    use asperity_tally::{TallyResult, TallyStatistics};
     use asperity_tracer::{BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
@@ -266,7 +266,7 @@ mod tests {
             assert_eq!(statistics.batches(), expected);
             assert_eq!(work.rays, 9 * expected);
             assert_eq!(progress.advanced.into_inner(), 9 * expected);
-            assert_eq!(statistics.means()[TallySpec::BUDGET.reflected], 1.0);
+            assert_eq!(statistics.means().budget().reflected, 1.0);
         }
     }
 

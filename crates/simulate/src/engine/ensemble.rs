@@ -411,6 +411,8 @@ impl Group<'_> {
 
 #[cfg(test)]
 mod tests {
+    use asperity_tally::TallyResult;
+
     use super::*;
     use asperity_optics::{Incidence, Material};
     use asperity_surface::Psd;
@@ -463,7 +465,7 @@ mod tests {
         let mut reflected: Vec<f64> = ensemble
             .tallies
             .iter()
-            .map(|record| record[TallySpec::BUDGET.reflected])
+            .map(|record| record.budget().reflected)
             .collect();
         reflected.sort_by(f64::total_cmp);
         reflected.dedup();

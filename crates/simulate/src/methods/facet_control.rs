@@ -119,6 +119,8 @@ fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
 mod tests {
     use asperity_surface::{Psd, Synthesis};
 
+    use asperity_tally::TallyResult;
+
     use super::*;
 
     /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
@@ -157,12 +159,9 @@ mod tests {
                 "{facets} {lost}"
             );
             let record = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, spec);
-            println!(
-                "{border:?}: {} against {sum}",
-                record[TallySpec::BUDGET.absorbed]
-            );
+            println!("{border:?}: {} against {sum}", record.budget().absorbed);
             // Some 1e4 weights, each with a few roundings.
-            assert!((record[TallySpec::BUDGET.absorbed] / sum - 1.0).abs() < 1e-12);
+            assert!((record.budget().absorbed / sum - 1.0).abs() < 1e-12);
         }
     }
 }

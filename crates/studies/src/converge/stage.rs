@@ -8,7 +8,7 @@ use asperity_analysis::{
 };
 use asperity_optics::Material;
 use asperity_surface::Synthesis;
-use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
 use asperity_tracer::{PathSettings, Work};
 
 use super::config::Plan;
@@ -280,7 +280,7 @@ impl<'a> Stage<'a> {
     fn sample(&self, run: &Run, target: &Target, exact: Option<&Target>) -> RunSample {
         let fluxes = self.fluxes(run);
         let means = run.statistics.means();
-        let left = means[TallySpec::BUDGET.reflected] + means[TallySpec::BUDGET.transmitted];
+        let left = means.budget().reflected + means.budget().transmitted;
         RunSample {
             seconds: run.seconds,
             rays_a_surface: run.rays_a_surface,

@@ -200,7 +200,7 @@ impl CellResults {
             size: case.size,
             spacing: case.spacing,
             deviation_bound: case.deviation_bound,
-            lost: case.statistics.means()[TallySpec::BUDGET.lost],
+            lost: case.statistics.means().budget().lost,
             models: models.collect(),
         }
     }

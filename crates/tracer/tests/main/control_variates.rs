@@ -210,7 +210,7 @@ fn controlled_and_plain_means_agree() {
             let mut worst = (0.0_f64, TallySpec::BUDGET.lost);
             let mut compared = 0;
             for i in setting.entries() {
-                let (a, b) = (plain.estimate(i), other.estimate(i));
+                let (a, b) = (plain.at(i), other.at(i));
                 let se = a.se.unwrap().hypot(b.se.unwrap());
                 // Sums that must come out the same differ by rounding alone.
                 let difference = b.mean - a.mean;
@@ -278,7 +278,7 @@ fn a_mean_without_its_cosine_is_noticed() {
         .entries()
         .into_iter()
         .map(|i| {
-            let (a, b) = (plain.estimate(i), controlled.estimate(i));
+            let (a, b) = (plain.at(i), controlled.at(i));
             let se = a.se.unwrap().hypot(b.se.unwrap());
             if se > 0.0 && a.mean > 1e-3 {
                 (b.mean - a.mean).abs() / se

@@ -6,7 +6,7 @@
 use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{
-    Component, Entry, HemisphereGrid, Side, TallySpec, TallyStatistics, TallyValues,
+    Component, Entry, HemisphereGrid, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace,
@@ -227,7 +227,7 @@ fn assert_agreement(
     }
     let (mut worst, mut compared) = (0.0_f64, 0);
     for (entry, i) in &entries {
-        let [a, b] = [together, alone].map(|statistics| statistics.estimate(*i));
+        let [a, b] = [together, alone].map(|statistics| statistics.at(*i));
         let rare = ENOUGH / (BATCHES as f64 * PATHS);
         if a.mean.abs() < rare && b.mean.abs() < rare {
             continue;
@@ -245,7 +245,7 @@ fn assert_agreement(
     }
     println!("{name}: largest |z| of {compared}: {worst:.2}");
     for statistics in [together, alone] {
-        assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0, "{name}");
+        assert_eq!(statistics.means().budget().lost, 0.0, "{name}");
     }
 }
 

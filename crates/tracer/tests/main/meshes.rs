@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use crate::common::{Run, rugged, waves};
 use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
-use asperity_tally::{MAX_LISTED_ORDER, Side, TallySpec, TallyStatistics};
+use asperity_tally::{MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, MeshBvh,
     MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
@@ -250,12 +250,12 @@ fn a_mushroom_keeps_the_budget() {
             assert_eq!(mesh.repairs(), Default::default());
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
             assert_eq!(
-                statistics.means()[TallySpec::BUDGET.lost],
+                statistics.means().budget().lost,
                 0.0,
                 "{border} {incident:?}"
             );
             assert!((budget(&statistics) - 1.0).abs() < 1e-12);
-            assert!(statistics.means()[TallySpec::BUDGET.transmitted] > 0.4);
+            assert!(statistics.means().budget().transmitted > 0.4);
         }
     }
 }
@@ -391,12 +391,12 @@ fn an_exported_tile_is_traced_as_the_height_field_itself() {
         let (expected, work) = trace(&surface, AcceleratorKind::Auto, incident, theta);
         let (found, own) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
         let spec = TallySpec::default();
-        assert_eq!(found.means()[TallySpec::BUDGET.lost], 0.0);
+        assert_eq!(found.means().budget().lost, 0.0);
         let orders = Side::BOTH.into_iter().flat_map(|side| {
             (1..=MAX_LISTED_ORDER).map(move |order| spec.order_entry(side, order))
         });
         for i in orders.chain([TallySpec::BUDGET.reflected, TallySpec::BUDGET.transmitted]) {
-            let (a, b) = (expected.estimate(i), found.estimate(i));
+            let (a, b) = (expected.at(i), found.at(i));
             let error = a.se.unwrap().hypot(b.se.unwrap());
             assert!((a.mean - b.mean).abs() <= 3.0 * error, "{i}: {a:?} {b:?}");
         }
@@ -574,8 +574,8 @@ fn light_that_passes_by_an_open_patch_is_truncated() {
         let mesh = surface(mesh, Border::Open);
         for (incident, theta) in [(HalfSpace::Above, 0.0), (HalfSpace::Below, 60.0)] {
             let (statistics, _) = trace(&mesh, AcceleratorKind::Auto, incident, theta);
-            assert_eq!(statistics.means()[TallySpec::BUDGET.lost], 0.0);
-            assert!(statistics.means()[TallySpec::BUDGET.left_patch] > 1e-4);
+            assert_eq!(statistics.means().budget().lost, 0.0);
+            assert!(statistics.means().budget().left_patch > 1e-4);
             assert!((budget(&statistics) - 1.0).abs() < 1e-12);
         }
     }

@@ -204,7 +204,7 @@ pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
                 );
                 let segments = work.segments + work.segments_skipped;
                 row.segments += segments;
-                row.lost += u64::from(values[TallySpec::BUDGET.lost] != 0.0);
+                row.lost += u64::from(values.budget().lost != 0.0);
                 let sum: f64 = values.budget().total();
                 row.book((sum - 1.0).abs(), segments);
                 let expected = first.get_or_insert_with(|| values.clone());

@@ -1,7 +1,7 @@
 //! Analog random walk: one branch, weight one, escape by chance. It tests the walk with expectations.
 
 use asperity_optics::{Material, dielectric, reflect, refract};
-use asperity_tally::{Event, EventPath, Exit, Loss, Side, Tally};
+use asperity_tally::{Event, EventPath, Exit, Loss, Side, Tally, TallyResult};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -172,7 +172,7 @@ mod tests {
                     .chain(paths(side))
             });
             let z = |i: Entry| {
-                let (a, b) = (analog.estimate(i), expectation.estimate(i));
+                let (a, b) = (analog.at(i), expectation.at(i));
                 (a.mean - b.mean) / a.se.unwrap().hypot(b.se.unwrap())
             };
             // The analog walk counts rays: below some 40 they are not normally distributed.
@@ -218,7 +218,7 @@ mod tests {
                     (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut record));
                     let values = record.into_fractions(80);
                     let orders = (31..=64).map(|k| values[spec.order_entry(Side::Reflected, k)]);
-                    [orders.sum(), values[TallySpec::BUDGET.truncated]]
+                    [orders.sum(), values.budget().truncated]
                 })
                 .collect();
             let [high, ended] = [0, 1].map(|k| {

@@ -118,13 +118,13 @@ fn single_scattering_is_the_exact_closed_form() {
     for (side, event, energy) in sides {
         let path = spec.event_path_entry(side, EventPath::default().then(event));
         for entry in [spec.order_entry(side, 1), path] {
-            let estimate = found.statistics().estimate(entry);
+            let estimate = found.statistics().at(entry);
             assert!((estimate.mean - energy).abs() < 1e-14);
             assert!(estimate.se.unwrap() < 1e-15);
         }
         let multiple = found
             .statistics()
-            .estimate(spec.flux_entry(side, Component::Multiple));
+            .at(spec.flux_entry(side, Component::Multiple));
         assert!(multiple.mean > 0.0 && multiple.se.unwrap() > 0.0);
     }
 }
@@ -177,10 +177,7 @@ fn an_unrecorded_side_stays_empty_and_changes_nothing() {
             assert_eq!(both[..n], one_side[..n]);
             assert!(one_side[n..].iter().all(|&flux| flux == 0.0));
         }
-        assert_eq!(one_side[TallySpec::BUDGET.transmitted], 0.0);
-        assert_eq!(
-            both[TallySpec::BUDGET.reflected],
-            one_side[TallySpec::BUDGET.reflected]
-        );
+        assert_eq!(one_side.budget().transmitted, 0.0);
+        assert_eq!(both.budget().reflected, one_side.budget().reflected);
     }
 }

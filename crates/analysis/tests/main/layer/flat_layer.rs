@@ -362,15 +362,13 @@ fn unrecorded_sides_and_azimuths_stay_empty() {
     let model = model(1.5, &slab(0.9, 0.5, 0.3, Bottom::Open), LayerPaths::All);
     let reflected = spec(3, 4, 0.1).with_sides(Sides::Reflected);
     let record = tally(&model, 30.0, &reflected);
-    assert!(
-        record[TallySpec::BUDGET.reflected] > 0.0 && record[TallySpec::BUDGET.transmitted] == 0.0
-    );
+    assert!(record.budget().reflected > 0.0 && record.budget().transmitted == 0.0);
     assert_eq!(
         record.flux(Side::Transmitted, Component::ScatteredOnce),
         0.0
     );
     assert!(
-        record[TallySpec::BUDGET.not_recorded] > 0.5,
+        record.budget().not_recorded > 0.5,
         "the unscattered light, which would have gone there"
     );
     // From straight above, all bins of a ring hold the same.

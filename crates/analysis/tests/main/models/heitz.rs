@@ -60,7 +60,7 @@ fn sampled(
 }
 
 fn z_score(statistics: &TallyStatistics, i: Entry, expected: f64) -> f64 {
-    let found = statistics.estimate(i);
+    let found = statistics.at(i);
     (found.mean - expected) / found.se.unwrap()
 }
 
@@ -85,11 +85,12 @@ fn the_budget_of_each_ray_closes() {
                 // Some tens of products and sums a path.
                 assert!((total - 1.0).abs() < 1e-13, "{total}");
                 assert!(
-                    values[..3].iter().all(|&v| v >= 0.0) && values[TallySpec::BUDGET.lost] == 0.0
+                    values.budget().parts()[..3].iter().all(|&v| v >= 0.0)
+                        && values.budget().lost == 0.0
                 );
-                absorbed += values[TallySpec::BUDGET.absorbed];
+                absorbed += values.budget().absorbed;
                 if material.transmitting_index().is_none() {
-                    assert_eq!(values[TallySpec::BUDGET.transmitted], 0.0);
+                    assert_eq!(values.budget().transmitted, 0.0);
                 }
             }
             assert_eq!(absorbed > 0.0, material == conductor);
@@ -113,7 +114,7 @@ fn white_furnace_conserves_energy_and_a_rough_metal_absorbs_more() {
             let (statistics, _) = sampled(&model, spec, 20_000, 2, |_| from_spherical(1.0, 0.0));
             // Roulette takes as much as it gives.
             z_values.push(z_score(&statistics, TallySpec::BUDGET.truncated, 0.0));
-            absorbed.push(statistics.means()[TallySpec::BUDGET.absorbed]);
+            absorbed.push(statistics.means().budget().absorbed);
         }
     }
     println!("z of truncated {z_values:.2?}, absorbed {absorbed:.4?}");
@@ -262,7 +263,7 @@ fn double_reflection_agrees_with_the_integral_over_two_facets() {
         let model = Heitz::new(isotropic(s), Material::Mirror).unwrap();
         let (statistics, _) = sampled(&model, spec, 200_000, seed, |_| DVec3::Z);
         let (coarse, expected) = (reflected_twice(s, 60), reflected_twice(s, 120));
-        let found = statistics.estimate(spec.event_path_entry(Side::Reflected, twice));
+        let found = statistics.at(spec.event_path_entry(Side::Reflected, twice));
         // Of second order the finer one is off by a third of the difference; at kinks by somewhat more.
         let error = found.se.unwrap().hypot((coarse - expected) / 2.0);
         let z = (found.mean - expected) / error;
@@ -309,7 +310,7 @@ fn exchange(slopes: SlopeCovariance, eta: Option<f64>, spec: TallySpec) -> Vec<V
             (0..grid.len())
                 .map(|to| {
                     let own = if from_below { upside_down(to) } else { to };
-                    let flux = statistics.estimate(spec.grid_entries(Component::Multiple).get(own));
+                    let flux = statistics.at(spec.grid_entries(Component::Multiple).get(own));
                     (projected * flux.mean, projected * flux.se.unwrap())
                 })
                 .collect()

@@ -6,7 +6,7 @@
 
 use asperity_analysis::{SamplingEffort, SlopeCovariance, create_model, expect};
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallySpec};
+use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, TallyResult, TallySpec};
 
 /// Flux fractions of orders 2 and 3 and of all above one on explicit Gaussian surfaces, by an independent
 /// program: `ensemble_s3.json` (12 surfaces) and `explicit_s2_eta1.5.json` (one).
@@ -62,7 +62,7 @@ fn multiple_scattering_is_within_the_band_of_explicit_surfaces() {
                 spec.flux_entry(side, Component::Multiple),
             ];
             let [second, third, all] = [0, 1, 2].map(|k| {
-                let found = expected.statistics().estimate(entries[k]);
+                let found = expected.statistics().at(entries[k]);
                 (found.mean / explicit[k], found.se.unwrap() / explicit[k])
             });
             println!(

@@ -4,7 +4,9 @@ use asperity_analysis::{
     Heitz, ScatteringModel, SlopeCovariance, hemispherical_energy, sidak_z_threshold,
 };
 use asperity_optics::{Material, from_spherical};
-use asperity_tally::{Azimuth, Component, HemisphereGrid, Side, Tally, TallySpec, TallyStatistics};
+use asperity_tally::{
+    Azimuth, Component, HemisphereGrid, Side, Tally, TallyResult, TallySpec, TallyStatistics,
+};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +52,7 @@ fn second_order_of_a_smooth_mirror_is_the_rest_of_the_first() {
         let once = hemispherical_energy(model.density().unwrap(), wi).reflected;
         let expected = 1.0 - once;
         let statistics = sampled(&model, wi, 20_000, 70 + seed as u64);
-        let found = statistics.estimate(spec().flux_entry(Side::Reflected, Component::Multiple));
+        let found = statistics.at(spec().flux_entry(Side::Reflected, Component::Multiple));
         let z = (found.mean - expected) / found.se.unwrap();
         println!("s = {s}, {theta} deg: {found:?} of {expected:.3e}, z = {z:.2}");
         z_values.push(z);

@@ -319,7 +319,7 @@ fn double_scattering_is_by_two_independent_facets() {
                 _ => Side::Reflected,
             };
             let entry = spec().event_path_entry(side, EventPath::from_code(2, code as u32));
-            let found = walked.statistics().estimate(entry);
+            let found = walked.statistics().at(entry);
             let mean = sums[code] / f64::from(rays);
             let variance = (squares[code] / f64::from(rays) - mean * mean) / f64::from(rays);
             let z = (found.mean - mean) / found.se.unwrap().hypot(variance.sqrt());

@@ -205,10 +205,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     let known = CellResults::of(&outcome, &outcome.cases[0]);
     let statistics = outcome.cases[0].models[0].expectation.statistics();
     let errors = spec.grid_entries(Component::All);
-    let errors: f64 = errors
-        .iter()
-        .map(|i| statistics.estimate(i).se.unwrap())
-        .sum();
+    let errors: f64 = errors.iter().map(|i| statistics.at(i).se.unwrap()).sum();
     let [sampled, exact] = [0, 1].map(|i| known.models[i].own.noise_95.unwrap());
     let quantile = (sampled - bound) / (0.5 * errors);
     println!("errors of bins {errors}, quantile {quantile}");

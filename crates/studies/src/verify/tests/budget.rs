@@ -45,7 +45,7 @@ fn parts_add_to_the_error_that_surfaces_show_or_rays_explain_all() {
             let [rays, surfaces, total] =
                 [errors.rays, errors.surfaces, errors.total].map(Option::unwrap);
             let sampled = rays.hypot(surfaces);
-            let se = case.statistics.estimate(i).se.unwrap();
+            let se = case.statistics.at(i).se.unwrap();
             if surfaces == 0.0 {
                 assert!(sampled >= se * (1.0 - 1e-12));
                 explained += 1;

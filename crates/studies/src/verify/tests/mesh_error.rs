@@ -80,7 +80,7 @@ fn second_order_is_seen_on_a_smooth_surface() {
     assert!((order - 2.0).abs() < 0.4, "{order}");
     // What is reported, less the rest that is left of its mesh, is Richardson's value.
     let extrapolated = refinement.extrapolated(multiple).unwrap();
-    let found = case.statistics.estimate(multiple);
+    let found = case.statistics.at(multiple);
     let remaining = case.errors.at(multiple).mesh.unwrap();
     assert!((found.mean - remaining - extrapolated.mean).abs() < 1e-12);
     assert!((extrapolated.se.unwrap() / found.se.unwrap() - 1.0).abs() < 0.2);

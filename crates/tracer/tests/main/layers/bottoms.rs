@@ -13,15 +13,12 @@ fn a_mirror_below_a_clear_layer_returns_all_and_a_black_bottom_nothing() {
     let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
     let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror)).trace(4, 10);
     assert!(
-        (found.means()[TallySpec::BUDGET.reflected] + found.means()[TallySpec::BUDGET.truncated]
-            - 1.0)
-            .abs()
-            < 1e-13
+        (found.means().budget().reflected + found.means().budget().truncated - 1.0).abs() < 1e-13
     );
-    assert_eq!(found.means()[TallySpec::BUDGET.absorbed], 0.0);
+    assert_eq!(found.means().budget().absorbed, 0.0);
     let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Absorbing)).trace(4, 10);
-    assert!((found.means()[TallySpec::BUDGET.reflected] - f).abs() < 1e-13);
-    assert!((found.means()[TallySpec::BUDGET.absorbed] - (1.0 - f)).abs() < 1e-13);
+    assert!((found.means().budget().reflected - f).abs() < 1e-13);
+    assert!((found.means().budget().absorbed - (1.0 - f)).abs() < 1e-13);
 }
 
 #[test]
@@ -86,11 +83,7 @@ fn the_budget_closes_over_every_bottom_and_border() {
                 };
                 let (found, work) = scene.trace(2, 20);
                 assert!((budget(&found) - 1.0).abs() < 1e-12, "{border} {bottom:?}");
-                assert_eq!(
-                    found.means()[TallySpec::BUDGET.lost],
-                    0.0,
-                    "{border} {bottom:?}"
-                );
+                assert_eq!(found.means().budget().lost, 0.0, "{border} {bottom:?}");
                 assert!(work.scatterings > 0);
             }
         }
@@ -167,8 +160,8 @@ fn paths_end_at_the_order_asked_for_at_bottoms_too() {
         };
         let (found, _) = scene.trace(2, 10);
         let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
-        assert!((found.means()[TallySpec::BUDGET.reflected] - f).abs() < 1e-13);
-        assert!((found.means()[TallySpec::BUDGET.truncated] - (1.0 - f)).abs() < 1e-13);
+        assert!((found.means().budget().reflected - f).abs() < 1e-13);
+        assert!((found.means().budget().truncated - (1.0 - f)).abs() < 1e-13);
         assert_eq!(found.means()[spec.order_entry(Side::Reflected, 2)], 0.0);
     }
 }

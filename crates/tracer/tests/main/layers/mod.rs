@@ -112,6 +112,6 @@ fn budget(statistics: &TallyStatistics) -> f64 {
 
 /// Difference of one entry between two runs over its standard error.
 fn z_between(a: &TallyStatistics, b: &TallyStatistics, entry: Entry) -> f64 {
-    let (a, b) = (a.estimate(entry), b.estimate(entry));
+    let (a, b) = (a.at(entry), b.at(entry));
     crate::common::z_score(a, b.mean, b.se.unwrap())
 }

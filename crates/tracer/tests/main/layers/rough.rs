@@ -57,7 +57,7 @@ fn light_from_however_far_below_finds_the_surface() {
                 )
             };
             let (far, _) = scene.trace(16, 24);
-            assert_eq!(far.means()[TallySpec::BUDGET.lost], 0.0);
+            assert_eq!(far.means().budget().lost, 0.0);
             if border == Border::Periodic {
                 let z = z_between(&far, &near, TallySpec::BUDGET.reflected);
                 println!("{mean_free_path}: z {z:.2}");
@@ -152,7 +152,7 @@ fn scaling_all_lengths_changes_no_byte() {
         scene.trace(2, 20).0.into_means()
     };
     let reference = scene(1.0);
-    assert!(reference[TallySpec::BUDGET.transmitted] > 0.01);
+    assert!(reference.budget().transmitted > 0.01);
     for scale in [1.0 / 1024.0, 4.0] {
         assert!(scene(scale) == reference);
     }
@@ -170,11 +170,11 @@ fn the_accelerator_changes_no_byte() {
                 theta_deg: 70.0,
                 ..Scene::new(surface(), slab(medium(3.0, 0.95), 24.0, bottom))
             };
-            scene.trace(1, 20).0.means().to_vec()
+            scene.trace(1, 20).0.into_means()
         };
         let reference = found(AcceleratorKind::BruteForce);
         for kind in [AcceleratorKind::Pyramid, AcceleratorKind::Mesh] {
-            assert_eq!(found(kind), reference, "{border} {kind}");
+            assert!(found(kind) == reference, "{border} {kind}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use asperity_optics::Material;
 use asperity_surface::Border;
-use asperity_tally::TallySpec;
+use asperity_tally::TallyResult;
 use asperity_tracer::{Branching, MeshBvh, PathSettings, Surface};
 
 use super::{GLASS, budget, exhaustive, glass};
@@ -33,14 +33,14 @@ fn white_furnace_loses_nothing() {
                 };
                 let (statistics, _) = run.go(4, 6);
                 assert_eq!(
-                    statistics.means()[TallySpec::BUDGET.lost],
+                    statistics.means().budget().lost,
                     0.0,
                     "{material:?} {theta_deg}"
                 );
-                assert_eq!(statistics.means()[TallySpec::BUDGET.absorbed], 0.0);
+                assert_eq!(statistics.means().budget().absorbed, 0.0);
                 assert!((budget(&statistics) - 1.0).abs() < 1e-12);
                 if material == Material::Mirror {
-                    assert!((statistics.means()[TallySpec::BUDGET.reflected] - 1.0).abs() < 1e-12);
+                    assert!((statistics.means().budget().reflected - 1.0).abs() < 1e-12);
                 }
             }
         }
@@ -71,7 +71,7 @@ fn tall_surfaces_and_grazing_light_lose_nothing() {
             };
             let (statistics, work) = run.go(4, 12);
             assert_eq!(
-                statistics.means()[TallySpec::BUDGET.lost],
+                statistics.means().budget().lost,
                 0.0,
                 "{theta_deg} {material:?}"
             );
@@ -93,11 +93,11 @@ fn conductor_absorbs_what_it_does_not_reflect() {
     let (statistics, _) = run.go(4, 8);
     let values = statistics.means();
     assert!((budget(&statistics) - 1.0).abs() < 1e-12);
-    assert!(values[TallySpec::BUDGET.absorbed] > 0.01);
-    assert_eq!(values[TallySpec::BUDGET.transmitted], 0.0);
+    assert!(values.budget().absorbed > 0.01);
+    assert_eq!(values.budget().transmitted, 0.0);
     // Each reflection keeps at most as much as grazing light and at least as much as normal light.
     let flat_loss = 1.0 - asperity_optics::conductor(1.0, 0.21, 3.272).reflected;
-    assert!(values[TallySpec::BUDGET.absorbed] < 12.0 * flat_loss);
+    assert!(values.budget().absorbed < 12.0 * flat_loss);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn bounce_limit_is_booked_as_truncated() {
         ..Run::new(&surface, &bvh, Material::Mirror)
     };
     let (statistics, _) = run.go(2, 8);
-    assert!(statistics.means()[TallySpec::BUDGET.truncated] > 0.01);
+    assert!(statistics.means().budget().truncated > 0.01);
     assert!((budget(&statistics) - 1.0).abs() < 1e-12);
 }
 
@@ -124,7 +124,7 @@ fn an_open_patch_books_what_leaves_it_sideways() {
     };
     let (statistics, _) = run.go(2, 16);
     let values = statistics.means();
-    assert!(values[TallySpec::BUDGET.left_patch] > 0.01);
-    assert_eq!(values[TallySpec::BUDGET.lost], 0.0);
+    assert!(values.budget().left_patch > 0.01);
+    assert_eq!(values.budget().lost, 0.0);
     assert!((budget(&statistics) - 1.0).abs() < 1e-12);
 }

@@ -48,9 +48,9 @@ fn samplings_agree_and_even_ones_scatter_less() {
         TallySpec::BUDGET.transmitted,
         once,
     ] {
-        let reference = random.estimate(i);
+        let reference = random.at(i);
         let variances = [stratified, quasi_random].map(|other| {
-            let estimate = other.estimate(i);
+            let estimate = other.at(i);
             let z = z_score(estimate, reference.mean, reference.se.unwrap());
             let variance = (estimate.se.unwrap() / reference.se.unwrap()).powi(2);
             println!("entry {i}: z = {z:.2}, {variance:.2} of the variance");
@@ -95,8 +95,8 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     let mut compared = 0_u32;
     let mut squares = 0.0;
     let mut check = |i: Entry| {
-        let reference = found.estimate(i);
-        let z = z_score(free.estimate(i), reference.mean, reference.se.unwrap());
+        let reference = found.at(i);
+        let z = z_score(free.at(i), reference.mean, reference.se.unwrap());
         // 2000 entries: one family in 70 has a |z| above 4.5; the seeds are fixed.
         assert!(z.abs() < 4.5, "entry {i}: z = {z}");
         compared += 1;
@@ -127,7 +127,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
                     Side::Transmitted => 17 - i,
                 };
                 // Rays are not counted by class; relative errors say how many there are.
-                if free.estimate(ring).se.unwrap() < free.means()[ring] / 40.0 {
+                if free.at(ring).se.unwrap() < free.means()[ring] / 40.0 {
                     check(ring);
                     let slice = spec.in_plane_entries(side, class);
                     for entry in [18 + from_normal, 17 - from_normal].map(|i| slice.get(i)) {

@@ -142,7 +142,7 @@ fn mirrored_border_of_a_symmetric_tile_equals_its_periodic_continuation() {
     }
     let mut compared = 0;
     for i in entries {
-        let (found, reference) = (a.estimate(i), b.estimate(i));
+        let (found, reference) = (a.at(i), b.at(i));
         let enough = |e: asperity_tally::Estimate| e.se.unwrap() < e.mean / 20_f64.sqrt();
         if enough(found) && enough(reference) {
             let z = z_score(found, reference.mean, reference.se.unwrap());
