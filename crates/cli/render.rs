@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use asperity_io::{PictureFormat, SurfaceFormat, write_picture};
+use asperity_io::{PictureFormat, SurfaceFormat, check_folder_of, write_picture};
 use asperity_optics::Incidence;
 use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
@@ -36,7 +36,7 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     let image = &command.image;
     for path in &image.output {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
-        check_folder(path)?;
+        check_folder_of(path).map_err(Failure::failed)?;
     }
     if image.exposure.is_some_and(|factor| factor <= 0.0) {
         return Err(Failure::usage("the exposure must be a factor above zero"));
@@ -112,20 +112,6 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     print(&report(&name, &outcome, factor, &notes, command))
-}
-
-/// Refuses a file in a folder that is not there, before light is followed.
-fn check_folder(path: &Path) -> Result<(), Failure> {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            Err(Failure::failed(format!(
-                "there is no folder {} to write {} to",
-                folder.display(),
-                path.display()
-            )))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// What a picture is of.

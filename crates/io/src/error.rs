@@ -14,6 +14,6 @@ pub use write::WriteError;
 fn ending_found(path: &Path) -> String {
     match path.extension() {
         Some(ending) => format!("the unknown ending `.{}`", ending.display()),
-        None => "no ending that tells its format".to_owned(),
+        None => "no ending to tell its format".to_owned(),
     }
 }

@@ -86,7 +86,7 @@ pub(crate) fn check_plain_data(
         return Err(ReadError::malformed(
             path,
             format,
-            format_args!("{extra} bytes follow its {nx} x {ny} samples, where the file should end"),
+            format_args!("{extra} bytes follow its {nx} x {ny} samples"),
         ));
     }
     Ok(shape)

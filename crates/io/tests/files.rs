@@ -11,8 +11,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
-    HeightMapFormat, ReadError, WriteError, check_output_folder, create_output_folder,
-    read_height_map, write_atomically, write_bytes, write_height_map,
+    HeightMapFormat, ReadError, WriteError, check_folder_of, check_output_folder,
+    create_output_folder, read_height_map, write_atomically, write_bytes, write_height_map,
 };
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Provenance, Psd};
 
@@ -185,14 +185,14 @@ fn png_maps_heights_linearly_and_says_how() {
 }
 
 #[test]
-fn a_flat_surface_is_no_bomb() {
+fn flat_surface_passes_the_compression_limit() {
     // Zeros are what deflate compresses best, hence nearest to the limit on what a file may claim.
     let flat = HeightField::new(vec![0.0; 1 << 20], [1 << 10, 1 << 10], [1.0, 1.0]).unwrap();
     assert!(round_trip("a.exr", &flat) == flat);
 }
 
 #[test]
-fn a_large_map_is_ordinary() {
+fn large_maps_are_read_back() {
     // 2048^2 here to keep the tests quick; time and memory grow with the area.
     let n = 2048;
     let heights: Vec<f64> = (0..n * n).map(|i| ((i * 7919) % 10007) as f64).collect();
@@ -286,7 +286,7 @@ fn the_reference_field_is_read() {
 }
 
 #[test]
-fn names_that_cannot_be_read_are_told_apart() {
+fn unreadable_files_have_errors_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let error = |name: &str| read_height_map(at(name)).unwrap_err();
@@ -344,7 +344,7 @@ fn surfaces_that_a_format_cannot_hold_are_refused() {
 }
 
 #[test]
-fn a_failing_writer_leaves_what_was_there() {
+fn failing_writer_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.txt");
     let fail = || {
@@ -393,11 +393,15 @@ fn a_full_disk_is_an_error() {
 }
 
 #[test]
-fn files_and_folders_in_the_way_are_told() {
+fn files_and_folders_in_the_way_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     let error = write_bytes(at("no/where.txt"), b"").unwrap_err();
     assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
+    let error = check_folder_of(at("no/where.txt")).unwrap_err();
+    assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
+    check_folder_of(at("where.txt")).unwrap();
+    check_folder_of("where.txt").unwrap();
     create_output_folder(at("new/deep")).unwrap();
     create_output_folder(at("new/deep")).unwrap();
     assert_eq!(entries(&at("new/deep")).len(), 0);
@@ -436,7 +440,7 @@ fn a_folder_is_checked_without_a_trace() {
 
 #[cfg(unix)]
 #[test]
-fn folders_that_let_nothing_in_are_told() {
+fn folders_without_permission_to_write_are_reported() {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().unwrap();
     let closed = folder.path().join("closed");
@@ -463,7 +467,7 @@ fn folders_that_let_nothing_in_are_told() {
 
 #[cfg(unix)]
 #[test]
-fn modes_are_those_of_an_ordinary_program_and_links_are_followed() {
+fn file_modes_follow_the_umask_and_links_are_followed() {
     use std::os::unix::fs::PermissionsExt;
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);

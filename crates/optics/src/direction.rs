@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spherical_coordinates_come_back() {
+    fn spherical_coordinates_are_recovered() {
         for theta_deg in [0.0, 1e-6, 30.0, 89.999_999, 90.0, 120.0, 180.0 - 1e-6] {
             for phi_deg in [0.0, 45.0, 180.0, 359.0] {
                 let (theta, phi) = (f64::to_radians(theta_deg), f64::to_radians(phi_deg));

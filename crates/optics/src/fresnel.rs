@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn matched_indices_let_light_pass_unchanged() {
+    fn matched_indices_transmit_undeviated() {
         for c in [0.0, 1e-9, 0.3, 1.0] {
             let f = dielectric(c, 1.0);
             assert_eq!((f.reflected, f.transmitted, f.cos_theta_t), (0.0, 1.0, c));
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn light_beyond_the_critical_angle_is_reflected_whole() {
+    fn light_beyond_the_critical_angle_is_totally_reflected() {
         let eta: f64 = 1.0 / 1.5;
         let critical = (1.0 - eta * eta).sqrt();
         assert_eq!(dielectric(critical * 0.999, eta).reflected, 1.0);

@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn light_passes_only_where_there_is_a_way_out() {
+    fn only_clear_half_spaces_open_bottoms_and_interfaces_transmit() {
         let slab = |bottom| Layer::slab(medium(1.0), 2.0, bottom).unwrap();
         assert!(!Layer::half_space(medium(1.0)).transmits());
         assert!(Layer::half_space(medium(0.0)).transmits());
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_layers_are_refused() {
+    fn invalid_layers_are_refused() {
         let refusal = |thickness, bottom| {
             let layer = Layer::slab(medium(1.0), thickness, bottom);
             layer.unwrap_err().to_string()

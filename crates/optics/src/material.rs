@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refuses_indices_that_no_medium_has() {
+    fn indices_out_of_range_are_refused() {
         assert_eq!(Material::dielectric(0.0), Err(MaterialError::BadEta(0.0)));
         assert_eq!(Material::dielectric(-1.5), Err(MaterialError::BadEta(-1.5)));
         assert!(Material::dielectric(f64::INFINITY).is_err());

@@ -127,7 +127,7 @@ mod tests {
     const PHASE: PhaseFunction = PhaseFunction::Isotropic;
 
     #[test]
-    fn both_ways_of_naming_a_medium_agree() {
+    fn mean_free_path_and_coefficients_agree() {
         let by_path = ParticipatingMedium::from_mean_free_path(0.5, 0.75, PHASE).unwrap();
         let by_coefficients = ParticipatingMedium::from_coefficients(0.5, 1.5, PHASE).unwrap();
         assert_eq!(by_path, by_coefficients);
@@ -135,13 +135,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_clear() {
+    fn medium_without_interactions_is_clear() {
         let clear = ParticipatingMedium::from_coefficients(0.0, 0.0, PHASE).unwrap();
         assert!(clear.is_clear() && clear.mean_free_path().is_infinite());
     }
 
     #[test]
-    fn impossible_media_are_refused() {
+    fn invalid_media_are_refused() {
         let coefficients =
             |a, s| ParticipatingMedium::from_coefficients(a, s, PHASE).map_err(|e| e.to_string());
         assert!(coefficients(-1.0, 1.0).unwrap_err().contains("absorption"));

@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_cosines_of_no_density_are_refused() {
+    fn mean_cosines_out_of_range_are_refused() {
         for g in [-1.0, 1.0, 1.5, f64::NAN] {
             assert!(PhaseFunction::henyey_greenstein(g).is_err());
         }

@@ -331,7 +331,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn refuses_what_is_no_surface() {
+    fn invalid_grids_and_heights_are_refused() {
         let new = HeightField::new;
         assert!(matches!(
             new(vec![0.0], [1, 1], [1.0, 1.0]),

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_come_back_as_the_same_doubles() {
+    fn numbers_are_read_back_as_the_same_doubles() {
         for value in [0.1, 1.0 / 3.0, 5e-324, f64::MAX, -2.5e-8, 1e15, 1e16, 3.0] {
             let text = line(&[value.into()]);
             assert_eq!(text.trim_end().parse::<f64>().unwrap(), value, "{text}");

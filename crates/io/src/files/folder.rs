@@ -69,6 +69,23 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     rehearse().map_err(WriteError::folder(path))
 }
 
+/// Checks that the folder of the file `path` exists.
+///
+/// # Errors
+/// [`WriteError::NoFolder`] if it does not.
+pub fn check_folder_of(path: impl AsRef<Path>) -> Result<(), WriteError> {
+    let path = path.as_ref();
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            Err(WriteError::NoFolder {
+                path: path.to_owned(),
+                folder: folder.to_owned(),
+            })
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Refuses a folder whose name, or that of a folder above it, belongs to a file.
 fn refuse_files(path: &Path) -> Result<(), WriteError> {
     if let Some(file) = path

@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn json_comes_back_and_errors_name_the_place() {
+    fn json_is_read_back_and_errors_name_line_and_column() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.json");
         crate::write_json(&path, &[0.1, 1.0 / 3.0]).unwrap();

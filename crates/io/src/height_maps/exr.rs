@@ -92,7 +92,7 @@ fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeig
         let n = found[iy];
         return Err(malformed(
             path,
-            format_args!("{n} samples stand in row {iy}, where {columns} are needed"),
+            format_args!("row {iy} has {n} samples, but {columns} are needed"),
         ));
     }
 
@@ -261,9 +261,7 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
             text.parse::<u64>().map_err(|_| {
                 malformed(
                     path,
-                    format_args!(
-                        "its attribute {name} is `{text}`, where a whole number is needed"
-                    ),
+                    format_args!("its attribute {name} is `{text}`, but a whole number is needed"),
                 )
             })
         })

@@ -106,7 +106,7 @@ impl Header {
             value.parse::<u64>().ok().filter(|n| *n > 0).ok_or_else(|| {
                 malformed(
                     path,
-                    format_args!("{name} is `{value}`, where a positive whole number is needed"),
+                    format_args!("{name} is `{value}`, but a positive whole number is needed"),
                 )
             })
         };
@@ -117,7 +117,7 @@ impl Header {
             number.filter(|x| x.is_finite() && *x > 0.0).ok_or_else(|| {
                 malformed(
                     path,
-                    format_args!("{name} is `{value}`, where a positive finite number is needed"),
+                    format_args!("{name} is `{value}`, but a positive finite number is needed"),
                 )
             })
         };
@@ -127,7 +127,7 @@ impl Header {
             {
                 return Err(malformed(
                     path,
-                    format_args!("{name} is `{value}`, where a number is needed"),
+                    format_args!("{name} is `{value}`, but a number is needed"),
                 ));
             }
         }

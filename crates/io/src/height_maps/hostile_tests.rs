@@ -168,7 +168,7 @@ fn no_damage_causes_a_panic() {
 }
 
 #[test]
-fn one_format_named_as_another_is_told() {
+fn content_of_another_format_is_reported() {
     for format in formats() {
         let bytes = valid(format);
         for other in formats().filter(|other| *other != format) {
@@ -192,7 +192,7 @@ fn refused(format: HeightMapFormat, bytes: &[u8], words: &str) -> ReadError {
 }
 
 #[test]
-fn png_is_refused_for_want_of_a_scale() {
+fn png_is_refused_since_it_has_no_scale() {
     let error = crate::read_height_map(Path::new("height.png")).unwrap_err();
     assert!(
         error

@@ -138,7 +138,7 @@ fn check_header_text(path: &Path, text: &str, length: u64) -> Result<(), ReadErr
         if count != 1 {
             return Err(malformed(
                 path,
-                format_args!("its header has {name} {count} times, where once is needed"),
+                format_args!("its header has {name} {count} times, but once is needed"),
             ));
         }
     }

@@ -38,7 +38,7 @@ pub(crate) fn read<R: BufRead>(
         number += 1;
         let line = |text| Line { path, number, text };
         let text = std::str::from_utf8(&bytes).map_err(|e| {
-            let what = "bytes that are not UTF-8 text were found, where numbers are needed";
+            let what = "bytes that are not UTF-8 text were found, but numbers are needed";
             line("").refuse_at(e.valid_up_to(), what)
         })?;
         let byte_order_mark = if number == 1 { "\u{feff}" } else { "" };
@@ -85,7 +85,7 @@ impl Matrix {
         if found != expected {
             return Err(line.refuse_at(
                 line.text.trim_end().len(),
-                format_args!("this row has {found} numbers, where {expected} are needed"),
+                format_args!("this row has {found} numbers, but {expected} are needed"),
             ));
         }
         self.rows += 1;
@@ -139,7 +139,7 @@ fn read_row(line: Line<'_>, heights: &mut Vec<f64>) -> Result<(), ReadError> {
                 return Err(line.refuse(
                     field,
                     format_args!(
-                        "`{}` is no number; numbers with a decimal point are needed, or nan or bad for missing points",
+                        "`{}` is not a number; numbers with a decimal point are needed, or nan or bad for missing points",
                         short(field)
                     ),
                 ));
@@ -192,7 +192,7 @@ impl Header {
             line.refuse_at(
                 0,
                 format_args!(
-                    "{} is `{}`, where {needed} is needed",
+                    "{} is `{}`, but {needed} is needed",
                     short(name),
                     short(value)
                 ),
@@ -239,9 +239,7 @@ impl Header {
             }
         };
         if again {
-            return Err(
-                line.refuse_at(0, format_args!("the header field {name} stands here again"))
-            );
+            return Err(line.refuse_at(0, format_args!("the header field {name} is given twice")));
         }
         Ok(())
     }

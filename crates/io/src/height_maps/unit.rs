@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn prefixes_are_told_apart() {
+    fn si_prefixes_are_distinguished() {
         let power = |text| PowerOfMetre::parse(text).map(|p| p.0);
         assert_eq!(power("m"), Some(0));
         assert_eq!(power(" mm "), Some(-3));

@@ -90,7 +90,7 @@ fn inline(xml: &Xml<'_>, list: Node<'_, '_>, grid: &Grid) -> Result<Vec<f64>, Re
     if nx.checked_mul(ny) != Some(count as u64) {
         return Err(malformed(
             xml.path,
-            format_args!("{count} data stand in its DataList, where {nx} x {ny} are needed"),
+            format_args!("its DataList has {count} data, but {nx} x {ny} are needed"),
         ));
     }
     let mut heights = room(xml.path, nx, ny)?;

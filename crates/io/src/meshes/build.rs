@@ -54,7 +54,7 @@ impl<'a> Builder<'a> {
     /// The number of the vertex at these coordinates, a new one if there is none yet.
     fn join(&mut self, vertex: [f64; 3]) -> Result<u32, String> {
         if vertex.iter().any(|x| !x.is_finite()) {
-            return Err(format!("{vertex:?}, where coordinates must be finite"));
+            return Err(format!("{vertex:?}, but coordinates must be finite"));
         }
         // Adding zero makes -0 the same place as +0.
         let vertex = vertex.map(|x| x + 0.0);
@@ -85,10 +85,10 @@ impl<'a> Builder<'a> {
             })
         };
         let [first, rest @ ..] = corners else {
-            return Err("no corners, where 3 are the least".to_owned());
+            return Err("no corners, at least 3 are needed".to_owned());
         };
         if rest.len() < 2 {
-            return Err(format!("{} corners, where 3 are the least", corners.len()));
+            return Err(format!("{} corners, at least 3 are needed", corners.len()));
         }
         let first = number(first)?;
         for pair in rest.windows(2) {
@@ -108,7 +108,7 @@ impl<'a> Builder<'a> {
 
     pub(super) fn finish(self) -> Result<MeshData, ReadError> {
         if self.mesh.triangles.is_empty() {
-            return Err(self.malformed("it holds no faces, where one triangle is the least"));
+            return Err(self.malformed("it holds no faces, but at least one triangle is needed"));
         }
         Ok(self.mesh)
     }
@@ -122,13 +122,13 @@ pub(super) fn coordinates<'a>(
     let mut vertex = [0.0_f64; 3];
     for (i, x) in vertex.iter_mut().enumerate() {
         let word = words.next().ok_or_else(|| {
-            let what = format_args!("this vertex has {i} coordinates, where 3 are needed");
+            let what = format_args!("this vertex has {i} coordinates, but 3 are needed");
             line.refuse(line.text, what)
         })?;
         *x = word.parse().map_err(|_| {
             line.refuse(
                 word,
-                format_args!("`{}` is no number; coordinates are needed", short(word)),
+                format_args!("`{}` is not a number; coordinates are needed", short(word)),
             )
         })?;
         if !x.is_finite() {

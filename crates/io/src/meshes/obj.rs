@@ -89,13 +89,13 @@ fn corner(line: Line<'_>, word: &str, vertices: usize) -> Result<i64, ReadError>
         Ok(k) => Err(line.refuse(
             word,
             format_args!(
-                "this face has the vertex number {k}, where {there} vertices stand before it, counted from 1, or backwards from -1"
+                "this face has the vertex number {k}, but {there} vertices come before it, counted from 1, or backwards from -1"
             ),
         )),
         Err(_) => Err(line.refuse(
             word,
             format_args!(
-                "`{}` is no corner of a face; a vertex number is needed",
+                "`{}` is not a corner of a face; a vertex number is needed",
                 short(word)
             ),
         )),

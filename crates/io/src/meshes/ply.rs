@@ -105,7 +105,7 @@ impl<R: BufRead> Elements<'_, R> {
                     line.refuse(
                         line.text,
                         format_args!(
-                            "`{}` is no {} as the header announces it: {}",
+                            "`{}` is not a {} as the header declares it: {}",
                             short(&text),
                             short(&element.name),
                             properties(element)
@@ -161,7 +161,7 @@ impl<R: BufRead> Elements<'_, R> {
                 .is_empty(),
         };
         if more {
-            let what = "more data follow its last element, where the file should end";
+            let what = "more data follow its last element";
             return Err(mesh.malformed(what));
         }
         Ok(())
@@ -175,7 +175,7 @@ fn header_error(mesh: &Builder<'_>, path: &Path, error: &ParseError) -> ReadErro
     match error.line() {
         Some(1) => mesh.malformed("its first line is not `ply`"),
         Some(line) => mesh.malformed(format_args!(
-            "line {line} is none of the header of a PLY file, version 1.0"
+            "line {line} is not valid in the header of a PLY file, version 1.0"
         )),
         None => mesh.malformed(
             "its header is not text with a line `format ascii 1.0`, `format binary_little_endian 1.0` or `format binary_big_endian 1.0`",
@@ -208,7 +208,7 @@ fn check_vertices(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> 
             Some(PropertyType::Scalar(_)) => {}
             Some(PropertyType::List(..)) => {
                 return Err(mesh.malformed(format_args!(
-                    "the property {name} of its vertices is a list, where a number is needed"
+                    "the property {name} of its vertices is a list, but a number is needed"
                 )));
             }
             None => {
@@ -234,7 +234,10 @@ fn check_faces(mesh: &Builder<'_>, header: &Header) -> Result<(), ReadError> {
     }
     for p in lists.filter(|p| is_corners(&p.name)) {
         if !matches!(&p.data_type, PropertyType::List(_, item) if is_whole(item)) {
-            let what = format_args!("the {} of its faces are no list of whole numbers", p.name);
+            let what = format_args!(
+                "the {} of its faces are not a list of whole numbers",
+                p.name
+            );
             return Err(mesh.malformed(what));
         }
     }
@@ -285,7 +288,7 @@ fn check_size(
         return Err(ReadError::truncated(
             path,
             format_args!(
-                "its header announces {}, which take {least} bytes or more, but the whole file has {length}",
+                "its header declares {}, which take {least} bytes or more, but the whole file has {length}",
                 counts.join(", ")
             ),
         ));

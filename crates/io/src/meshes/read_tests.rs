@@ -140,7 +140,7 @@ fn corners(mesh: &MeshData) -> Vec<[[f64; 3]; 3]> {
 }
 
 #[test]
-fn every_way_of_writing_a_mesh_is_read() {
+fn every_variant_of_each_mesh_format_is_read() {
     for format in MeshFormat::ALL {
         for (i, bytes) in victims(format).iter().enumerate() {
             let mesh = read(format, bytes).unwrap();
@@ -151,7 +151,7 @@ fn every_way_of_writing_a_mesh_is_read() {
 }
 
 #[test]
-fn what_is_written_comes_back() {
+fn written_meshes_are_read_back() {
     let mut mesh = tent();
     mesh.vertices[4] = [1.0 / 3.0, 1e-300, -7e20];
     for format in [MeshFormat::Ply, MeshFormat::Obj] {
@@ -250,7 +250,7 @@ fn ply_headers_are_refused_before_allocation() {
     refused(
         Ply,
         &ply(&vertex("18446744073709551615"), &[0; 64]),
-        "announces",
+        "declares",
     );
     refused(
         Ply,
@@ -289,12 +289,12 @@ fn ply_headers_are_refused_before_allocation() {
         (
             "list uchar int vertex_indices",
             "int vertex_indices",
-            "no list of whole numbers",
+            "not a list of whole numbers",
         ),
         (
             "list uchar int",
             "list uchar float",
-            "no list of whole numbers",
+            "not a list of whole numbers",
         ),
         ("list uchar int", "list float int", "not of a whole type"),
         ("element face", "element strip", "no element `face`"),
@@ -337,14 +337,14 @@ fn ply_data_are_checked() {
     refused(
         Ply,
         &swap("3 0 1 4 7", "4 0 1 4"),
-        "line 23, column 1: `4 0 1 4` is no face",
+        "line 23, column 1: `4 0 1 4` is not a face",
     );
     refused(
         Ply,
         &swap("255 0 2 0.0", "255 0 two 0.0"),
-        "`255 0 two 0.0` is no vertex as the header announces it: red z x y",
+        "`255 0 two 0.0` is not a vertex as the header declares it: red z x y",
     );
-    refused(Ply, &swap("255 0 2 0.0", "256 0 2 0.0"), "is no vertex");
+    refused(Ply, &swap("255 0 2 0.0", "256 0 2 0.0"), "is not a vertex");
     refused(Ply, &swap("255 0 2 0.0", "255 0 2 1e999"), "must be finite");
     refused(
         Ply,
@@ -391,7 +391,7 @@ fn obj_errors_name_line_and_column() {
 }
 
 #[test]
-fn stl_is_told_apart_by_its_length_and_checked() {
+fn binary_stl_is_recognised_by_its_length_and_checked() {
     use MeshFormat::Stl;
     let own = written(Stl, &tent());
     refused(
@@ -418,7 +418,7 @@ fn stl_is_told_apart_by_its_length_and_checked() {
     refused(
         Stl,
         &swap("  vertex 2 0 0\n", ""),
-        "2 vertices make no triangle",
+        "a triangle has 3 vertices, not 2",
     );
     refused(Stl, &swap("endloop", "vertex 1 2 3"), "a fourth vertex");
     refused(Stl, &swap("vertex 2 0 0", "vertex 2 0"), "line 5, column 1");
@@ -427,7 +427,7 @@ fn stl_is_told_apart_by_its_length_and_checked() {
         &swap("vertex 2 0 0", "vertex 2 0 inf"),
         "line 5, column 14",
     );
-    refused(Stl, &swap("outer", "other"), "`other` is no statement");
+    refused(Stl, &swap("outer", "other"), "`other` is not a statement");
     refused(Stl, &swap("endsolid", "facet"), "no `endsolid`");
     refused(Stl, b"solid nothing\nendsolid nothing\n", "holds no faces");
     refused(Stl, b"\n", "less than the header");

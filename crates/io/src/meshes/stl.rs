@@ -57,7 +57,7 @@ pub(super) fn read<R: BufRead + Seek>(
             ),
         ),
         Some(expected) => mesh.malformed(format_args!(
-            "{} bytes follow its {} triangles, where the file should end",
+            "{} bytes follow its {} triangles",
             length - expected,
             count.unwrap_or(0)
         )),
@@ -106,14 +106,14 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
             "outer" => corners.clear(),
             "vertex" => {
                 if corners.len() == 3 {
-                    let what = "this loop has a fourth vertex, where triangles are needed";
+                    let what = "this loop has a fourth vertex, but only triangles are allowed";
                     return Err(line.refuse(word, what));
                 }
                 corners.push(coordinates(line, &mut words)?);
             }
             "endloop" => {
                 let triangle = corners.as_slice().try_into().map_err(|_| {
-                    let what = format_args!("{} vertices make no triangle", corners.len());
+                    let what = format_args!("a triangle has 3 vertices, not {}", corners.len());
                     line.refuse(word, what)
                 })?;
                 mesh.triangle(triangle)
@@ -125,7 +125,7 @@ fn read_text<R: BufRead>(path: &Path, mut reader: R) -> Result<MeshData, ReadErr
                 return Err(line.refuse(
                     word,
                     format_args!(
-                        "`{}` is no statement of an STL file; allowed are solid, facet, outer loop, vertex, endloop, endfacet and endsolid",
+                        "`{}` is not a statement of an STL file; allowed are solid, facet, outer loop, vertex, endloop, endfacet and endsolid",
                         short(word)
                     ),
                 ));

@@ -98,7 +98,7 @@ fn tiny_and_huge_facets_have_normals_too() {
 }
 
 #[test]
-fn what_is_no_mesh_is_refused_and_leaves_nothing() {
+fn invalid_meshes_are_refused_and_leave_no_file() {
     let beyond = MeshView {
         vertices: &VERTICES,
         triangles: &[[0, 1, 4]],

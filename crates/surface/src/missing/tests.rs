@@ -128,7 +128,7 @@ fn large_gap_settles_quickly() {
 }
 
 #[test]
-fn refuses_by_default_and_when_nothing_is_left() {
+fn missing_points_are_refused_by_default_and_when_all_are_missing() {
     let raw = || map([4, 5], [1.0, 1.0], |x, _| x, |ix, iy| (ix, iy) == (3, 2));
     assert_eq!(raw().missing(), 1);
     let refused = raw()

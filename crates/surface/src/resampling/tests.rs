@@ -156,7 +156,7 @@ fn a_refined_surface_is_that_drawn_on_the_finer_grid() {
 }
 
 #[test]
-fn refuses_what_has_no_finer_or_coarser_grid() {
+fn grids_without_finer_or_coarser_one_are_refused() {
     let open = jumble([4, 4], Border::Open);
     assert_eq!(open.refined(), Err(RefinementError::Open));
     let refused = |shape, border| jumble(shape, border).coarsened().unwrap_err();

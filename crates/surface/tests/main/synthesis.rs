@@ -271,7 +271,7 @@ const PUBLISHED: [(usize, usize, f64); 4] = [
 ];
 
 #[test]
-fn refuses_what_the_grid_cannot_resolve_or_hold() {
+fn unresolved_spectra_and_small_tiles_are_refused() {
     let psd = Psd::gaussian(1.0, 3.0).unwrap();
     let coarse = Synthesis::new(psd, [64, 64], [0.5, 1.0], false).unwrap_err();
     assert!(matches!(

@@ -57,7 +57,7 @@ impl<'a, R: Read + Seek> Parts<'a, R> {
         let archive = ZipArchive::new(reader).map_err(|e| {
             malformed(
                 path,
-                format_args!("it is no complete ZIP archive ({e}); it may be cut short"),
+                format_args!("it is not a complete ZIP archive ({e}); it may be cut short"),
             )
         })?;
         Ok(Self {
@@ -110,7 +110,7 @@ impl<'a, R: Read + Seek> Parts<'a, R> {
             return Err(malformed(
                 path,
                 format_args!(
-                    "its part `{name}` claims {size} bytes, which is not what it can or should hold"
+                    "its part `{name}` claims {size} bytes, which is more than it can hold or not what its grid needs"
                 ),
             ));
         }

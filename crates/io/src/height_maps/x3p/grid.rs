@@ -23,7 +23,7 @@ impl Grid {
             return Err(malformed(
                 xml.path,
                 format_args!(
-                    "the root of its main.xml is `{}`, where ISO5436_2 is needed",
+                    "the root of its main.xml is `{}`, but ISO5436_2 is needed",
                     root.tag_name().name()
                 ),
             ));
@@ -152,7 +152,7 @@ fn matrix_size(xml: &Xml<'_>, root: Node<'_, '_>) -> Result<[usize; 2], ReadErro
         text.parse::<u64>().map_err(|_| {
             malformed(
                 xml.path,
-                format_args!("{name} is `{text}`, where a positive whole number is needed"),
+                format_args!("{name} is `{text}`, but a positive whole number is needed"),
             )
         })
     };

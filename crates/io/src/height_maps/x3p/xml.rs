@@ -57,7 +57,7 @@ impl Xml<'_> {
             malformed(
                 self.path,
                 format_args!(
-                    "{name} is `{}`, where a number is needed",
+                    "{name} is `{}`, but a number is needed",
                     text.chars().take(40).collect::<String>()
                 ),
             )
