@@ -107,7 +107,10 @@ fn a_missing_folder_is_told_before_light_is_followed_and_nothing_is_written() {
     let (_keep, folder) = with_surface();
     let command = "render h.exr --samples 1e8 -o q1.exr -o nowhere/q.png";
     let sentence = refused(&folder, &words(command), 1);
-    assert!(sentence.contains("no folder nowhere"), "{sentence}");
+    assert!(
+        sentence.contains("the folder `nowhere` does not exist"),
+        "{sentence}"
+    );
     assert_eq!(files(&folder), ["h.exr"]);
 }
 
