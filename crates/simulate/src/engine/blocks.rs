@@ -103,7 +103,7 @@ impl Blocks {
             Sampling::Random | Sampling::Stratified => (rays.div_ceil(count) - 1).isqrt() + 1,
             Sampling::QuasiRandom => {
                 let side = rays.div_ceil(count).isqrt();
-                (1 << side.ilog2()).min(Sampling::MOST_QUASI_RANDOM_STRATA.into())
+                (1 << side.ilog2()).min(Sampling::MAX_QUASI_RANDOM_STRATA.into())
             }
         };
         let count = rays.div_ceil(strata * strata).max(fewest.min(rays));

@@ -16,7 +16,7 @@ use crate::geometry::Geometry;
 use crate::ray::{Hit, Query};
 
 /// Facets that one hierarchy can hold.
-const MOST_FACETS: usize = 1 << 31;
+const MAX_FACETS: usize = 1 << 31;
 
 /// Eight-wide compressed hierarchy over the triangles of one tile.
 pub struct MeshBvh {
@@ -46,10 +46,10 @@ impl MeshBvh {
     /// [`BuildError::TooManyFacets`] if there are more facets than 31 bits can number.
     pub fn build<G: Geometry>(geometry: &G) -> Result<Self, BuildError> {
         let facets = geometry.facet_count();
-        if facets > MOST_FACETS {
+        if facets > MAX_FACETS {
             return Err(BuildError::TooManyFacets {
                 facets,
-                most: MOST_FACETS,
+                most: MAX_FACETS,
             });
         }
         let handover = Handover::new(geometry);

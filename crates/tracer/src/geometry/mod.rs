@@ -1,4 +1,6 @@
-//! What rays meet: triangles in one tile of a plane that goes on as its border says.
+//! Geometry: the triangles that rays meet, in one tile of a surface that continues as its border says.
+//!
+//! `height_field` is a grid of heights, `mesh` any triangles, and `export.rs` writes either as a list of triangles.
 
 pub(crate) mod export;
 pub(crate) mod height_field;
@@ -74,7 +76,7 @@ pub trait Geometry: Sized + Send + Sync {
         }
     }
 
-    /// Makes ready what [`Geometry::nearby`] looks at; once is enough.
+    /// Prepares the bounds that [`Geometry::nearby`] uses; once is enough.
     fn prepare_nearby(&self) {}
 
     /// Whether a point at the border of the tile lies on the other side of the surface than `half_space`;

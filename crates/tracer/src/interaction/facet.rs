@@ -1,4 +1,4 @@
-//! What a facet does with light: reflects, transmits and absorbs it.
+//! Facet: reflects, transmits and absorbs light by the Fresnel equations and Snell's law.
 
 use asperity_optics::{Material, dielectric, reflect, refract};
 use asperity_tally::Event;
@@ -6,12 +6,12 @@ use glam::DVec3;
 
 /// What becomes of light at a facet, as shares of the flux that arrives.
 pub(crate) struct Scattered {
-    /// Ways on from the facet; one that carries nothing has the share zero, and need have no direction.
+    /// Transmission and reflection; a branch without flux has the share zero, and need have no direction.
     pub(crate) branches: [Branch; 2],
     pub(crate) absorbed: f64,
 }
 
-/// One of the ways on from a facet.
+/// One of the directions in which light leaves a facet.
 #[derive(Clone, Copy)]
 pub(crate) struct Branch {
     pub(crate) event: Event,
@@ -40,20 +40,20 @@ pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -
     } else {
         0.0
     };
-    let onward = |event, share, direction| Branch {
+    let branch = |event, share, direction| Branch {
         event,
         direction,
         share,
     };
-    let behind = if transmitted > 0.0 {
+    let wt = if transmitted > 0.0 {
         refract(wi, m, eta, fresnel.cos_theta_t)
     } else {
         DVec3::ZERO
     };
     Scattered {
         branches: [
-            onward(Event::Transmission, transmitted, behind),
-            onward(Event::Reflection, fresnel.reflected, reflect(wi, m)),
+            branch(Event::Transmission, transmitted, wt),
+            branch(Event::Reflection, fresnel.reflected, reflect(wi, m)),
         ],
         absorbed: fresnel.transmitted - transmitted,
     }

@@ -1,4 +1,4 @@
-//! What lies below a surface that light is traced on: a medium, and the bottom that it ends on.
+//! Layer: a medium below a surface, and the bottom that it ends on, in the tile coordinates of the surface.
 
 use asperity_optics::{Bottom, Layer, PhaseFunction};
 use glam::DVec3;
@@ -89,14 +89,14 @@ pub enum TracedLayerError {
 }
 
 /// Mean free paths over the largest coordinate, at the least: shorter steps would drown in its rounding.
-const SHORTEST: f64 = 1e-12;
+const MIN_FREE_PATH: f64 = 1e-12;
 
 /// Mean free paths and thicknesses over the tile, at the most: of a place so far away it is still known over which
 /// part of a column it lies. Flat faces are alike everywhere, and have no such limit.
-const LONGEST: f64 = 1e10;
+const MAX_LENGTH: f64 = 1e10;
 
 /// The same of a thickness down to a bottom with a shape, whose heights are told from its depth.
-const DEEPEST: f64 = 1e6;
+const MAX_DEPTH: f64 = 1e6;
 
 /// One of the two surfaces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,15 +150,15 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
             })
         };
         if traced.mean_free_path.is_finite() {
-            let least = SHORTEST * extent.max(high);
-            let most = LONGEST * extent;
+            let least = MIN_FREE_PATH * extent.max(high);
+            let most = MAX_LENGTH * extent;
             within("the mean free path", traced.mean_free_path, least, most)?;
         }
         let Some(slab) = layer.end() else {
             traced.shape = BottomShape::Flat;
             return Ok(traced);
         };
-        let most = if own { DEEPEST } else { LONGEST } * extent;
+        let most = if own { MAX_DEPTH } else { MAX_LENGTH } * extent;
         within("the thickness", slab.thickness / unit, 0.0, most)?;
         traced.bottom = Some(slab.bottom);
         traced.bottom_z = top.mean_plane() - slab.thickness / unit;
@@ -245,7 +245,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.phase.density(mu)
     }
 
-    /// How far it is to a flat bottom; infinite if there is none on the way.
+    /// Distance to a flat bottom; infinite if there is none ahead.
     #[inline]
     pub(crate) fn to_flat_bottom(&self, heading: &Heading) -> f64 {
         let fall = -heading.direction.z;
@@ -260,7 +260,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         origin.z = self.bottom_z;
     }
 
-    /// A heading between the coordinates of the upper surface and those of `face`.
+    /// A heading in the coordinates of the upper surface, in those of `interface`.
     #[inline]
     pub(crate) fn to_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
         if interface == Interface::Bottom {
@@ -269,7 +269,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         heading
     }
 
-    /// The same way back.
+    /// The same heading in the coordinates of the upper surface.
     #[inline]
     pub(crate) fn from_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
         if interface == Interface::Bottom {
@@ -278,7 +278,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         heading
     }
 
-    /// The faces in the order in which light inside comes to them.
+    /// The interfaces in the order in which light inside comes to them.
     #[inline]
     pub(crate) fn interfaces_ahead(direction: DVec3) -> [Interface; 2] {
         if direction.z > 0.0 {
@@ -290,7 +290,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
 }
 
 impl Interface {
-    /// The half space of this face in which the layer lies.
+    /// The half space of this interface in which the layer lies.
     pub(crate) const fn inner_side(self) -> HalfSpace {
         match self {
             Self::Top => HalfSpace::Below,

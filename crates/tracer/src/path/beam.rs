@@ -1,4 +1,4 @@
-//! Collimated light on its way to a surface: where its rays start.
+//! Beam: the collimated light that falls on a surface, and where its rays start.
 
 use asperity_optics::Incidence;
 use asperity_surface::Border;

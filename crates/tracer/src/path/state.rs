@@ -113,7 +113,7 @@ pub(super) enum RayKind<F> {
     Visibility(Box<Arrival<F>>),
 }
 
-/// One segment of a path, on its way from tile to tile.
+/// One segment of a path, from tile to tile.
 pub(super) struct PathSegment<F> {
     pub(super) traversal: Traversal,
     pub(super) state: PathState,

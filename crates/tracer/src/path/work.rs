@@ -1,4 +1,4 @@
-//! What a batch took.
+//! Work: counts what a batch took.
 
 use crate::geometry::Escape;
 use crate::periodic::TraversalEnd;
@@ -12,7 +12,7 @@ pub struct Work {
     pub segments: u64,
     /// Segments that needed no search, free flights inside a medium among them.
     pub segments_skipped: u64,
-    /// Those of them that the slopes nearby excused, not those of the whole surface.
+    /// Those of them skipped by the slope bounds nearby, not those of the whole surface.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_recorded: u64,
@@ -23,7 +23,7 @@ pub struct Work {
 }
 
 impl Work {
-    /// Counts a segment that met nothing, by how its way ended.
+    /// Counts a segment that met nothing, by how its traversal ended.
     pub(super) fn count(&mut self, end: TraversalEnd) {
         if let TraversalEnd::EscapedUnsearched(escape) = end {
             self.segments_skipped += 1;

@@ -29,13 +29,13 @@ pub enum Sampling {
 impl Sampling {
     /// Most strata along a side that a batch of quasi-random rays may have: its `2^20` points take
     /// 24 MiB while they are drawn and 12 MiB afterwards.
-    pub const MOST_QUASI_RANDOM_STRATA: u32 = 1 << 10;
+    pub const MAX_QUASI_RANDOM_STRATA: u32 = 1 << 10;
 
     /// Whether a batch of quasi-random rays may have `strata` along a side: powers of two up to
-    /// [`Sampling::MOST_QUASI_RANDOM_STRATA`]. Other batches may have any number.
+    /// [`Sampling::MAX_QUASI_RANDOM_STRATA`]. Other batches may have any number.
     #[must_use]
     pub const fn quasi_random_strata(strata: u32) -> bool {
-        strata.is_power_of_two() && strata <= Self::MOST_QUASI_RANDOM_STRATA
+        strata.is_power_of_two() && strata <= Self::MAX_QUASI_RANDOM_STRATA
     }
 }
 

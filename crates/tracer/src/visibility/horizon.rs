@@ -68,7 +68,7 @@ impl<'a> Horizons<'a> {
     /// [`HorizonError::Mirrored`].
     ///
     /// # Panics
-    /// If `least` is not above zero: a walk might not end.
+    /// If `least` is not above zero: a line might not end.
     pub fn new(surface: &'a Surface, azimuth: f64, least: f64) -> Result<Self, HorizonError> {
         assert!(least > 0.0, "a least rise of {least}");
         if surface.border() == Border::Mirrored {
@@ -97,30 +97,30 @@ impl<'a> Horizons<'a> {
     pub fn of(&self, facet: Facet, point: DVec3) -> Horizon {
         let m = self.surface.normal(facet);
         let own = -self.along.dot(m.truncate()) / m.z;
-        let mut walk = Walk::new(point.truncate(), self.rate, facet);
+        let mut line = FacetLine::new(point.truncate(), self.rate, facet);
         let mut beyond = self.least;
         let climb = self.highest - point.z;
         let mut end = climb / beyond;
-        // The way out of the own facet adds nothing to its rise but rounding.
-        let (mut edge, distance) = walk.leave();
+        // Leaving its own facet adds nothing to its rise but rounding.
+        let (mut edge, distance) = line.leave();
         let mut distance = distance.max(0.0);
-        while walk.pass(edge, self.cells, self.surface.border()) {
-            if walk.enters_block(edge, self.cells) {
+        while line.pass(edge, self.cells, self.surface.border()) {
+            if line.enters_block(edge, self.cells) {
                 let sight = |distance: f64| point.z + beyond * distance;
-                match self.skip(&mut walk, distance, end, sight) {
+                match self.skip(&mut line, distance, end, sight) {
                     Some(onward) => distance = onward,
                     None => break,
                 }
             }
             let next;
-            (edge, next) = walk.leave();
-            // On a way along diagonals rounding says anything about where it crosses one. It is not
+            (edge, next) = line.leave();
+            // On a line along diagonals, rounding decides where it crosses one. It is not
             // before the facet was entered.
             distance = distance.max(next);
             if distance >= end {
                 break;
             }
-            let rise = self.height_at(&walk, edge, distance) - point.z;
+            let rise = self.height_at(&line, edge, distance) - point.z;
             // At a corner of the mesh crossings lie at no distance, where rounding would be a cliff.
             if rise > beyond * distance + self.rounding {
                 beyond = rise / distance;
@@ -130,22 +130,22 @@ impl<'a> Horizons<'a> {
         Horizon { own, beyond }
     }
 
-    /// Passes over blocks that lie below the line `sight` where the walk enters them; the distance that it
+    /// Passes over blocks that lie below the line `sight` where the line enters them; the distance that it
     /// has come, or `None` if it comes to its end there, be it that of an open patch.
     fn skip(
         &self,
-        walk: &mut Walk,
+        line: &mut FacetLine,
         mut distance: f64,
         end: f64,
         sight: impl Fn(f64) -> f64,
     ) -> Option<f64> {
         let row = self.cells[0].div_ceil(BLOCK);
         while distance < end {
-            let [bx, by] = walk.tile.map(|place| place / BLOCK);
+            let [bx, by] = line.tile.map(|place| place / BLOCK);
             if self.blocks[by * row + bx] >= sight(distance) {
                 return Some(distance);
             }
-            match walk.leave_block(self.cells, self.surface.border()) {
+            match line.leave_block(self.cells, self.surface.border()) {
                 Some(after) => distance = after,
                 None => return None,
             }
@@ -153,11 +153,11 @@ impl<'a> Horizons<'a> {
         None
     }
 
-    /// z where a walk leaves its facet.
-    fn height_at(&self, walk: &Walk, edge: Edge, distance: f64) -> f64 {
+    /// z where a line leaves its facet.
+    fn height_at(&self, line: &FacetLine, edge: Edge, distance: f64) -> f64 {
         let row = self.cells[0] + 1;
-        let corner = walk.tile[1] * row + walk.tile[0];
-        let local = walk.start + distance * walk.rate - walk.cell;
+        let corner = line.tile[1] * row + line.tile[0];
+        let local = line.start + distance * line.rate - line.cell;
         let (from, to, share) = match edge {
             Edge::Right => (1, row + 1, local.y),
             Edge::Left => (0, row, local.y),
@@ -198,8 +198,8 @@ enum Edge {
     Diagonal,
 }
 
-/// A straight way over the mesh, from facet to facet.
-struct Walk {
+/// A straight line over the mesh, from facet to facet.
+struct FacetLine {
     start: DVec2,
     rate: DVec2,
     inverse: DVec2,
@@ -212,7 +212,7 @@ struct Walk {
     triangle: Triangle,
 }
 
-impl Walk {
+impl FacetLine {
     fn new(start: DVec2, rate: DVec2, facet: Facet) -> Self {
         let diagonal = rate.x - rate.y;
         Self {
@@ -239,7 +239,7 @@ impl Walk {
                 nearest = (edge, distance);
             }
         };
-        // A facet can be left only by those of its edges that the way runs against.
+        // A facet can be left only by those of its edges that the line runs against.
         match self.triangle {
             Triangle::Lower => {
                 if self.rate.x > 0.0 {
@@ -334,7 +334,7 @@ impl Walk {
         let axis = usize::from(at[1] < at[0]);
         let other = 1 - axis;
         let distance = at[axis];
-        // The last cell of the block on the way.
+        // The last cell of the block on the line.
         let beside = self.start[other] + distance * self.rate[other] - low[other];
         let beside = beside.floor().clamp(0.0, (count[other] - 1) as f64);
         let onward = self.rate[axis] > 0.0;

@@ -3,7 +3,7 @@
 //! Facets are flat, so what enters through one goes on as a beam of parallel rays, a prism below the facet.
 //! Which prisms hold a given point is found by a binary tree over the facets: a node knows the box of its
 //! facets, and the bounds of the directions in which light goes on from them. A point of the medium that is
-//! scattered light on its way to the eye so finds the sun, which chance alone would hardly find behind a
+//! scattered light on its way to the eye so finds the light, which random paths would hardly find behind a
 //! refracting surface. Beams end after some tiles, so that a place looks into few of them; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
@@ -32,7 +32,7 @@ pub struct LightBeams<G: Geometry> {
     /// A complete binary tree, root first; the children of node `i` are `2 i + 1` and `2 i + 2`.
     nodes: Vec<Node>,
     leaves: usize,
-    /// Length of beams, tile coordinates: what comes from farther away is left to chance.
+    /// Length of beams, tile coordinates: light from farther away is left to random paths.
     farthest: f64,
     /// Whether the light comes from above the horizon.
     is_up: bool,

@@ -1,4 +1,4 @@
-//! Whether points of a surface see the sky: by rays, many at a time.
+//! Visibility rays: tell whether points of a surface see the sky, many at a time.
 
 use glam::DVec3;
 
@@ -7,7 +7,7 @@ use crate::geometry::Geometry;
 use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
 use crate::ray::HalfSpace;
 
-/// A point of the surface, and where it looks.
+/// A ray from a point of the surface towards the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisibilityRay {
     /// A point on a facet, tile coordinates.
@@ -16,48 +16,48 @@ pub struct VisibilityRay {
     pub direction: DVec3,
 }
 
-/// What a point sees along a direction.
+/// What a visibility ray comes to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Visibility {
     /// The sky.
     Visible,
     /// Another facet.
     Blocked,
-    /// It cannot be told: the way crosses more than [`crate::periodic::MAX_TILES`] tiles.
+    /// It cannot be told: the ray crosses more than [`crate::periodic::MAX_TILES`] tiles.
     Lost,
 }
 
-/// Looks followed together: enough to fill wide searches, few enough for them to stay in cache.
-const TOGETHER: usize = 1024;
+/// Rays that are searched together: enough to fill wide searches, few enough for them to stay in cache.
+const MAX_IN_FLIGHT: usize = 1024;
 
-/// Follows each look above the surface; `seen` is cleared and gets one entry a look.
+/// Traces each ray above the surface; `found` is cleared and gets one entry per ray.
 ///
-/// Facets hide nothing from points on themselves: a look that rises from its facet never meets it again
+/// A facet blocks no ray from itself: a ray that rises from its facet never meets it again
 /// (see the crate page), so no distance is kept from the surface.
 pub fn trace_visibility<G: Geometry>(
     geometry: &G,
     accelerator: &dyn Accelerator<G>,
-    looks: &[VisibilityRay],
-    seen: &mut Vec<Visibility>,
+    rays: &[VisibilityRay],
+    found: &mut Vec<Visibility>,
 ) {
-    seen.clear();
-    seen.resize(looks.len(), Visibility::Blocked);
-    let mut waiting = looks.iter().enumerate();
-    let (mut queries, mut ways, mut hits) = (Vec::new(), Vec::new(), Vec::new());
+    found.clear();
+    found.resize(rays.len(), Visibility::Blocked);
+    let mut waiting = rays.iter().enumerate();
+    let (mut queries, mut traversals, mut hits) = (Vec::new(), Vec::new(), Vec::new());
     loop {
-        while queries.len() < TOGETHER
-            && let Some((index, look)) = waiting.next()
+        while queries.len() < MAX_IN_FLIGHT
+            && let Some((index, ray)) = waiting.next()
         {
             let mut heading = Heading {
-                origin: look.origin,
-                direction: look.direction,
+                origin: ray.origin,
+                direction: ray.direction,
                 mirrored: [false; 2],
             };
             match begin(geometry, &mut heading, HalfSpace::Above) {
-                Some(end) => seen[index] = end.into(),
+                Some(end) => found[index] = end.into(),
                 None => {
                     queries.push(heading.query(geometry, HalfSpace::Above));
-                    ways.push((index, Traversal::begin(&heading)));
+                    traversals.push((index, Traversal::begin(&heading)));
                 }
             }
         }
@@ -71,18 +71,18 @@ pub fn trace_visibility<G: Geometry>(
             if hits[i].is_some() {
                 continue;
             }
-            let (index, way) = &mut ways[i];
-            match way.step(geometry, &mut queries[i]) {
-                Some(end) => seen[*index] = end.into(),
+            let (index, traversal) = &mut traversals[i];
+            match traversal.step(geometry, &mut queries[i]) {
+                Some(end) => found[*index] = end.into(),
                 None => {
                     queries.swap(kept, i);
-                    ways.swap(kept, i);
+                    traversals.swap(kept, i);
                     kept += 1;
                 }
             }
         }
         queries.truncate(kept);
-        ways.truncate(kept);
+        traversals.truncate(kept);
     }
 }
 

@@ -7,10 +7,10 @@ use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 
 /// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
-pub(super) const MOST_LEVELS: usize = 15;
+pub(super) const MAX_LEVELS: usize = 15;
 
 /// Cells that one pyramid can hold.
-const MOST_CELLS: usize = 1 << 30;
+const MAX_CELLS: usize = 1 << 30;
 
 /// Steps into which the heights are divided for the bounds; two halves of a word, one per half space.
 const STEPS: f32 = 65_000.0;
@@ -31,9 +31,9 @@ pub(super) struct Bounds {
     /// Highest level; level 0 is a cell, and has no node.
     pub(super) top: usize,
     /// First node of a level.
-    pub(super) first: [i32; MOST_LEVELS + 1],
+    pub(super) first: [i32; MAX_LEVELS + 1],
     /// Nodes in a row of a level.
-    pub(super) width: [i32; MOST_LEVELS + 1],
+    pub(super) width: [i32; MAX_LEVELS + 1],
     /// Largest magnitude of any height.
     pub(super) reach: f32,
     /// How far a height in f32, or a point of a ray, may be from where it should be: 2^-20 of the
@@ -55,12 +55,12 @@ impl Bounds {
         if !Self::hold([cx, cy]) {
             return Err(BuildError::TooManyFacets {
                 facets: 2 * cx * cy,
-                most: 2 * MOST_CELLS,
+                most: 2 * MAX_CELLS,
             });
         }
-        let top = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MOST_LEVELS);
+        let top = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MAX_LEVELS);
         let shape = |level: usize| [cx, cy].map(|n| n.div_ceil(1 << level));
-        let (mut first, mut width) = ([0; MOST_LEVELS + 1], [0; MOST_LEVELS + 1]);
+        let (mut first, mut width) = ([0; MAX_LEVELS + 1], [0; MAX_LEVELS + 1]);
         let mut count = 0;
         for level in 1..=top {
             let [nx, ny] = shape(level);
@@ -112,7 +112,7 @@ impl Bounds {
 
     /// Whether so many cells, `[columns, rows]`, can be bounded.
     pub(super) const fn hold([cx, cy]: [usize; 2]) -> bool {
-        cx.saturating_mul(cy) <= MOST_CELLS && cx <= 1 << 24 && cy <= 1 << 24
+        cx.saturating_mul(cy) <= MAX_CELLS && cx <= 1 << 24 && cy <= 1 << 24
     }
 
     /// Number of bytes held.

@@ -2,7 +2,7 @@
 
 use asperity_surface::Triangle;
 
-use super::lanes::MOST_LANES;
+use super::lanes::MAX_LANES;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 use crate::ray::{Query, TileRay};
@@ -98,7 +98,7 @@ pub(super) struct Rays {
 impl Rays {
     /// Takes in the rays of `queries` instead of those that were there.
     pub(super) fn load(&mut self, surface: &Surface, queries: &[Query]) {
-        self.make_room(queries.len() + MOST_LANES);
+        self.make_room(queries.len() + MAX_LANES);
         self.count = 0;
         self.answers.count = 0;
         let cells = surface.cells();

@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use super::bounds::{Bounds, MOST_LEVELS};
+use super::bounds::{Bounds, MAX_LEVELS};
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
 use super::rays::{Answers, Code, ROUNDING, Rays};
 use super::walk;
@@ -172,8 +172,8 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn new(lanes: L, bounds: &'b Bounds) -> Self {
         let mut tables = [[0; 16]; 2];
-        tables[0][..=MOST_LEVELS].copy_from_slice(&bounds.first);
-        tables[1][..=MOST_LEVELS].copy_from_slice(&bounds.width);
+        tables[0][..=MAX_LEVELS].copy_from_slice(&bounds.first);
+        tables[1][..=MAX_LEVELS].copy_from_slice(&bounds.width);
         Self {
             lanes,
             bounds,
@@ -198,8 +198,8 @@ impl<'b, L: Lanes> Search<'b, L> {
                 self.step(&mut a);
                 self.step(&mut b);
             }
-            self.look_into_cells(&mut a);
-            self.look_into_cells(&mut b);
+            self.test_cells(&mut a);
+            self.test_cells(&mut b);
         }
     }
 
@@ -424,7 +424,7 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     /// Looks at the facets of cells: a hit, a doubt, or on to the next cell.
     #[inline(always)]
-    fn look_into_cells(&self, state: &mut State<L>) {
+    fn test_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;
         let at_cell = state.active & self.at_cell(state);
         let exit = self.exit(state, lanes.splat_i(0));

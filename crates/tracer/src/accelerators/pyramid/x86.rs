@@ -14,7 +14,7 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
-use super::lanes::{Floats, Integers, Lanes, MOST_LANES, Mask, Task};
+use super::lanes::{Floats, Integers, Lanes, MAX_LANES, Mask, Task};
 
 /// Implements an operator by an intrinsic.
 macro_rules! operator {
@@ -236,7 +236,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn refill(self, mask: M8, source: &[f32], old: F8) -> F8 {
-        assert!(source.len() >= MOST_LANES);
+        assert!(source.len() >= MAX_LANES);
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_ps(source.as_ptr());
@@ -246,7 +246,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn refill_i(self, mask: M8, source: &[i32], old: I8) -> I8 {
-        assert!(source.len() >= MOST_LANES);
+        assert!(source.len() >= MAX_LANES);
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_si256(source.as_ptr().cast());
@@ -270,7 +270,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn store_some(self, mask: M8, value: I8, out: &mut [i32]) {
-        assert!(out.len() >= MOST_LANES);
+        assert!(out.len() >= MAX_LANES);
         // SAFETY: as above; `out` has room for eight entries.
         unsafe {
             let packed =
@@ -554,7 +554,7 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn refill(self, mask: M16, source: &[f32], old: F16) -> F16 {
-        assert!(source.len() >= MOST_LANES);
+        assert!(source.len() >= MAX_LANES);
         // SAFETY: as above; `source` holds sixteen entries at least.
         unsafe {
             let next = _mm512_loadu_ps(source.as_ptr());
@@ -563,7 +563,7 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn refill_i(self, mask: M16, source: &[i32], old: I16) -> I16 {
-        assert!(source.len() >= MOST_LANES);
+        assert!(source.len() >= MAX_LANES);
         // SAFETY: as above; `source` holds sixteen entries at least.
         unsafe {
             let next = _mm512_loadu_epi32(source.as_ptr());
@@ -576,7 +576,7 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn store_some(self, mask: M16, value: I16, out: &mut [i32]) {
-        assert!(out.len() >= MOST_LANES);
+        assert!(out.len() >= MAX_LANES);
         // SAFETY: as above; `out` has room for sixteen entries.
         unsafe {
             let packed = _mm512_maskz_compress_epi32(mask.0, value.0);

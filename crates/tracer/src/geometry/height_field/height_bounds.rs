@@ -1,8 +1,8 @@
-//! Bounds on the heights of a surface, block by block: what lets a short stretch of a ray pass without a
-//! search.
+//! Height bounds: lowest and highest points of a surface, block by block, by which a short stretch of a ray passes
+//! without a search.
 //!
-//! Many rays over long ways are searched together, by an accelerator. Free flights inside a medium are
-//! short, and follow one another: for these a look at few blocks around is quicker.
+//! Many rays over long distances are searched together, by an accelerator. Free flights inside a medium are
+//! short, and follow one another: for these the bounds of a few blocks are faster.
 
 use crate::ray::HalfSpace;
 

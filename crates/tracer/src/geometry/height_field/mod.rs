@@ -322,7 +322,7 @@ impl Geometry for Surface {
 
     #[inline]
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Facet> {
-        self.look_nearby(ray, half_space, reach)
+        self.find_nearby(ray, half_space, reach)
     }
 
     fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {

@@ -1,4 +1,4 @@
-//! What a short stretch of a ray meets on a surface, told without a search.
+//! Nearby hits: tells what a short stretch of a ray meets on a surface without a search.
 
 use crate::geometry::{Geometry, Nearby, is_beside};
 use crate::ray::{HalfSpace, Hit, TileRay};
@@ -7,17 +7,17 @@ use super::Surface;
 use super::cell::Facet;
 use super::height_bounds::{Cells, HeightBounds};
 
-/// Columns or rows of cells that are looked at one by one.
+/// Columns or rows of cells that are tested one by one.
 const FEW: u32 = 2;
 
-/// Columns or rows under a stretch beyond which a search, of many at once, is quicker than a look nearby.
+/// Columns or rows under a stretch beyond which a search, of many at once, is faster.
 const FAR: u32 = 8;
 
 impl Surface {
     /// By the heights of blocks of cells under the stretch, or by slopes; where these do not tell and the
     /// stretch is short, half by half, down to the cells.
     #[inline]
-    pub(super) fn look_nearby(
+    pub(super) fn find_nearby(
         &self,
         ray: &TileRay,
         half_space: HalfSpace,

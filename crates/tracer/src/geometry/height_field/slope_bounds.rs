@@ -1,4 +1,4 @@
-//! Bounds on the slopes that a ray has ahead: what lets it escape without a search.
+//! Slope bounds: the steepest facets that a ray has ahead, by which it escapes without a search.
 //!
 //! The gradients of the facets of a block are bounded by their support function: for a horizontal
 //! direction u, the steepest rise `max(g . u)`. It is kept in eight directions, axes and diagonals;
