@@ -17,7 +17,7 @@ const STEPS: f32 = 65_000.0;
 
 /// Heights in f32, and bounds of nodes.
 ///
-/// All heights are tile coordinates. The cells have no bounds of their own, since looking at the four
+/// All heights are tile coordinates. The cells have no bounds of their own, since testing the four
 /// heights of a cell says more and costs as much. A bound is kept for either half space: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.

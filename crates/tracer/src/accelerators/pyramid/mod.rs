@@ -5,9 +5,9 @@
 //! lies above it. Three searches use the bounds:
 //!
 //! - `quadtree.rs`, one ray in f64: the clear one, which decides as brute force does;
-//! - `walk.rs`, one ray in f32: it answers only where rounding cannot have changed the answer, and
+//! - `scalar.rs`, one ray in f32: it answers only where rounding cannot have changed the answer, and
 //!   hands the few other rays to the quadtree;
-//! - `wide.rs`, many rays at a time, each lane doing what `walk.rs` does.
+//! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does.
 //!
 //! Where a ray is met is computed in f64, and which facet of a cell it is wherever rounding in f32
 //! might decide. So all give the facet that brute force gives.
@@ -16,7 +16,7 @@ mod bounds;
 mod lanes;
 mod quadtree;
 mod rays;
-mod walk;
+mod scalar;
 mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;

@@ -1,4 +1,4 @@
-//! Many rays through the pyramid at a time, a ray a lane: `walk.rs` with selections for branches.
+//! Wide search: many rays through the pyramid at a time, one ray per lane: `scalar.rs` with selections for branches.
 //!
 //! Every lane goes its own way: down a level where its ray may come under the bound of its node, on
 //! to the next node where it cannot, up a level where it passes from one parent to the next. Lanes
@@ -10,7 +10,7 @@ use std::fmt;
 use super::bounds::{Bounds, MAX_LEVELS};
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
 use super::rays::{Answers, Code, ROUNDING, Rays};
-use super::walk;
+use super::scalar;
 #[cfg(target_arch = "x86_64")]
 use super::x86::{Avx2, Avx512};
 
@@ -60,7 +60,7 @@ impl fmt::Display for Instructions {
     }
 }
 
-/// Steps from node to node a look into cells: rays take some nine of those and three of these.
+/// Steps from node to node per test of cells: rays take some nine of those and three of these.
 const STEPS: usize = 3;
 
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
@@ -71,7 +71,7 @@ pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instruction
         Instructions::Avx512 if let Some(lanes) = Avx512::detect() => lanes.run(task),
         #[cfg(target_arch = "x86_64")]
         Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(task),
-        _ => walk::search(task.bounds, task.rays),
+        _ => scalar::search(task.bounds, task.rays),
     }
 }
 
@@ -136,7 +136,7 @@ struct State<L: Lanes> {
     /// The cell that it is in there.
     ix: L::I,
     iy: L::I,
-    /// The level at which it is looked at; 0 is the cell itself.
+    /// The level at which it is searched; 0 is the cell itself.
     level: L::I,
     /// Whether the ray goes on.
     active: L::M,
@@ -338,7 +338,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         }
     }
 
-    /// Which rays are looked at in a cell.
+    /// Which rays are tested against a cell.
     #[inline(always)]
     fn at_cell(&self, state: &State<L>) -> L::M {
         self.lanes.equal_i(state.level, self.lanes.splat_i(0))
@@ -350,11 +350,11 @@ impl<'b, L: Lanes> Search<'b, L> {
         self.lanes.less(self.lanes.splat(0.0), state.dz)
     }
 
-    /// Looks at nodes above the cells: down a level, or on.
+    /// Tests nodes above the cells: goes down a level, or on to the next node.
     #[inline(always)]
     fn step(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let walking = state.active & !self.at_cell(state);
+        let above_cells = state.active & !self.at_cell(state);
         let exit = self.exit(state, state.level);
         let node = lanes.lookup(&self.first, state.level)
             + lanes
@@ -373,9 +373,9 @@ impl<'b, L: Lanes> Search<'b, L> {
         let at = lanes.select(self.rising(state), state.t.min(early), exit.t + exit.late);
         let lowest = at.times_plus(state.dz, state.z);
         let clear = lanes.less(bound, lowest);
-        let down = walking & !clear;
+        let down = above_cells & !clear;
         state.level = lanes.select_i(down, state.level - lanes.splat_i(1), state.level);
-        self.advance(state, walking & clear, &exit);
+        self.advance(state, above_cells & clear, &exit);
     }
 
     /// Goes on to the next nodes; ends the rays that leave the tile or have risen above it.
@@ -422,7 +422,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.active = state.active & !(left | doubtful);
     }
 
-    /// Looks at the facets of cells: a hit, a doubt, or on to the next cell.
+    /// Tests the facets of cells: a hit, a doubt, or on to the next cell.
     #[inline(always)]
     fn test_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;

@@ -13,7 +13,7 @@ use super::rays::{Code, ROUNDING, Ray, Rays};
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
     for i in 0..rays.len() {
         let ray = rays.ray(i);
-        let answer = walk(bounds, &ray);
+        let answer = closest_cell(bounds, &ray);
         rays.answers.push(ray.place, answer);
     }
 }
@@ -35,14 +35,14 @@ struct Exit {
 }
 
 /// What the facets of a cell do to a ray.
-enum Look {
+enum CellTest {
     Met(Code),
     Clear,
     Doubtful,
 }
 
 /// Follows one ray to its answer, in the words of [`Code`].
-fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
+fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let high = ray.z > 0.999 * bounds.reach;
     let mut level = if high {
         Bounds::FIRST_LEVEL.min(bounds.top as i32)
@@ -54,10 +54,10 @@ fn walk(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     loop {
         let exit = leave(ray, cell, level);
         if level == 0 {
-            match look(bounds, ray, cell, t, &exit) {
-                Look::Met(code) => return Code::met(cell, code),
-                Look::Doubtful => return Code::DOUBTFUL,
-                Look::Clear => {}
+            match test_cell(bounds, ray, cell, t, &exit) {
+                CellTest::Met(code) => return Code::met(cell, code),
+                CellTest::Doubtful => return Code::DOUBTFUL,
+                CellTest::Clear => {}
             }
         } else {
             let node = cell.map(|i| (i >> level) as usize);
@@ -136,8 +136,8 @@ fn leave(ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
     }
 }
 
-/// Looks at the facets of a cell, which the ray enters at `t`.
-fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look {
+/// Tests the facets of a cell, which the ray enters at `t`.
+fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> CellTest {
     let [h00, h10, h01, h11] = bounds.corners(cell).map(|h| h * ray.side);
     // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
     let u = ray.x - (cell[0] - ray.cell[0]) as f32;
@@ -145,7 +145,7 @@ fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look
     let (w, dw) = (u - v, ray.dx - ray.dy);
     let (w_in, w_out) = (w + t * dw, w + exit.t * dw);
     if exit.tied || least(w_in.abs(), w_out.abs()) < 2.0 * exit.rounding {
-        return Look::Doubtful;
+        return CellTest::Doubtful;
     }
     let (lower_in, lower_out) = (w_in > 0.0, w_out > 0.0);
     let slopes = |lower: bool| {
@@ -177,7 +177,7 @@ fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look
     let on_diagonal_margin = margin + late * rate_in.abs();
     let on_leaving_margin = margin + exit.late * rate_out.abs();
     if on_entry + margin <= 0.0 {
-        return Look::Doubtful;
+        return CellTest::Doubtful;
     }
     // The facet is sure if the ray comes to it from clearly above; otherwise it is in the cell.
     let code = |lower: bool| match (on_entry > margin, lower) {
@@ -186,15 +186,15 @@ fn look(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Look
         (false, _) => Code::Either,
     };
     if on_diagonal + on_diagonal_margin < 0.0 {
-        Look::Met(code(lower_in))
+        CellTest::Met(code(lower_in))
     } else if on_diagonal <= on_diagonal_margin {
-        Look::Doubtful
+        CellTest::Doubtful
     } else if on_leaving + on_leaving_margin < 0.0 {
-        Look::Met(code(lower_out))
+        CellTest::Met(code(lower_out))
     } else if on_leaving <= on_leaving_margin {
-        Look::Doubtful
+        CellTest::Doubtful
     } else {
-        Look::Clear
+        CellTest::Clear
     }
 }
 
