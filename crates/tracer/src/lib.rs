@@ -2,10 +2,21 @@
 //!
 //! A [`Surface`] is a height field seen as the triangles that are traced: cell `(ix, iy)` split
 //! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`; a [`MeshSurface`] is any
-//! triangles, also with overhangs. An [`Accelerator`] finds
-//! where a ray meets one tile of it; [`periodic`] carries rays across periodic, mirrored and open
-//! borders without copying geometry; [`Tracer`] follows light from interaction to interaction and
-//! hands what leaves to a record.
+//! triangles, also with overhangs. An [`Accelerator`] finds where a ray meets one tile of it, [`traverse`] takes
+//! rays across periodic, mirrored and open borders without copying geometry, and a [`Tracer`] follows light from
+//! interaction to interaction and hands what leaves to a tally.
+//!
+//! # Where to find what
+//! | folder | what |
+//! |---|---|
+//! | `reference` | one path at a time, on one page: start reading here |
+//! | `geometry` | input: height fields and meshes as triangles |
+//! | `accelerators` | search: where a ray meets one tile |
+//! | `periodic` | search: from tile to tile |
+//! | `interaction` | physics: scattering at a facet, the layer below a surface |
+//! | `path` | engine: many paths at a time |
+//! | `sampling` | where paths start |
+//! | `visibility` | visibility rays, horizons, light beams |
 //!
 //! # Why no epsilon is needed
 //! A ray above the surface can only pass a facet downwards, a ray below only upwards. The

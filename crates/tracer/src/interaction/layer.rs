@@ -134,32 +134,24 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         };
         let extent = top.extent().into_iter().fold(0.0, f64::max);
         let [low, high] = top.z_range();
-        let own = matches!(&traced.shape, BottomShape::Surface { .. }) && layer.end().is_some();
-        let flat = low == high && !own;
-        let within = |what, value: f64, least: f64, most: f64| {
-            let most = if flat { f64::MAX } else { most };
-            if (least..=most).contains(&value) {
-                return Ok(());
-            }
-            Err(TracedLayerError::OutOfProportion {
-                what,
-                value: value * unit,
-                extent: extent * unit,
-                least: least * unit,
-                most: most * unit,
-            })
+        let has_shape =
+            matches!(&traced.shape, BottomShape::Surface { .. }) && layer.end().is_some();
+        let range = LengthRange {
+            extent,
+            unit,
+            is_limited: low != high || has_shape,
         };
         if traced.mean_free_path.is_finite() {
             let least = MIN_FREE_PATH * extent.max(high);
             let most = MAX_LENGTH * extent;
-            within("the mean free path", traced.mean_free_path, least, most)?;
+            range.check("the mean free path", traced.mean_free_path, least, most)?;
         }
         let Some(slab) = layer.end() else {
             traced.shape = BottomShape::Flat;
             return Ok(traced);
         };
-        let most = if own { MAX_DEPTH } else { MAX_LENGTH } * extent;
-        within("the thickness", slab.thickness / unit, 0.0, most)?;
+        let most = if has_shape { MAX_DEPTH } else { MAX_LENGTH } * extent;
+        range.check("the thickness", slab.thickness / unit, 0.0, most)?;
         traced.bottom = Some(slab.bottom);
         traced.bottom_z = top.mean_plane() - slab.thickness / unit;
         let mut height = 0.0;
@@ -167,21 +159,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
             if slab.bottom == Bottom::Open {
                 return Err(TracedLayerError::OpenShape);
             }
-            let tile = |of: &G| of.extent().map(|e| e * of.unit());
-            let same = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
-                // Spacings that were read from files may differ by rounding.
-                (a - c).abs() <= 1e-9 * a && (b - d).abs() <= 1e-9 * b
-            };
-            let same_cells =
-                same(top.extent(), geometry.extent()) && same([unit; 2], [geometry.unit(); 2]);
-            if !same_cells || top.border() != geometry.border() {
-                return Err(TracedLayerError::OtherTile {
-                    top: tile(top),
-                    top_border: top.border(),
-                    bottom: tile(geometry),
-                    bottom_border: geometry.border(),
-                });
-            }
+            check_tile(top, *geometry)?;
             geometry.prepare_nearby();
             traced.shift = geometry.mean_plane() - traced.bottom_z;
             height = geometry.z_range()[1] - geometry.mean_plane();
@@ -287,6 +265,57 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
             [Interface::Top, Interface::Bottom]
         }
     }
+}
+
+/// The range of lengths that rounding allows below a tile, in tile coordinates.
+struct LengthRange {
+    /// The longer side of the tile.
+    extent: f64,
+    unit: f64,
+    /// Whether there is a largest length: flat interfaces are alike everywhere, and have none.
+    is_limited: bool,
+}
+
+impl LengthRange {
+    fn check(
+        &self,
+        what: &'static str,
+        value: f64,
+        least: f64,
+        most: f64,
+    ) -> Result<(), TracedLayerError> {
+        let most = if self.is_limited { most } else { f64::MAX };
+        if (least..=most).contains(&value) {
+            return Ok(());
+        }
+        Err(TracedLayerError::OutOfProportion {
+            what,
+            value: value * self.unit,
+            extent: self.extent * self.unit,
+            least: least * self.unit,
+            most: most * self.unit,
+        })
+    }
+}
+
+/// Checks that a bottom has the same tile as the surface above it.
+fn check_tile<G: Geometry>(top: &G, bottom: &G) -> Result<(), TracedLayerError> {
+    let same = |[a, b]: [f64; 2], [c, d]: [f64; 2]| {
+        // Spacings that were read from files may differ by rounding.
+        (a - c).abs() <= 1e-9 * a && (b - d).abs() <= 1e-9 * b
+    };
+    let same_cells =
+        same(top.extent(), bottom.extent()) && same([top.unit(); 2], [bottom.unit(); 2]);
+    if same_cells && top.border() == bottom.border() {
+        return Ok(());
+    }
+    let tile = |of: &G| of.extent().map(|e| e * of.unit());
+    Err(TracedLayerError::OtherTile {
+        top: tile(top),
+        top_border: top.border(),
+        bottom: tile(bottom),
+        bottom_border: bottom.border(),
+    })
 }
 
 impl Interface {

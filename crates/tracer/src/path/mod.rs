@@ -38,6 +38,32 @@ pub use illumination::{Illumination, Starts};
 pub use work::Work;
 
 /// Follows light that falls on a surface.
+///
+/// # Examples
+/// A plane of glass reflects 4 % of vertical light:
+/// ```
+/// use asperity_optics::{Incidence, Material};
+/// use asperity_surface::HeightField;
+/// use asperity_tally::{Component, HemisphereGrid, Side, TallyResult, TallySpec};
+/// use asperity_tracer::{
+///     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface, Tracer,
+/// };
+/// use rand::SeedableRng;
+///
+/// let field = HeightField::new(vec![0.0; 64], [8, 8], [1.0, 1.0])?;
+/// let surface = Surface::new(field);
+/// let accelerator = surface.accelerator(AcceleratorKind::Auto)?;
+/// let glass = Material::dielectric(1.5)?;
+/// let tracer = Tracer::new(&surface, &*accelerator, glass, HalfSpace::Above, PathSettings::default());
+///
+/// let light = Illumination::new(Incidence::from_degrees(0.0, 0.0)?, false);
+/// let spec = TallySpec::new(HemisphereGrid::new(6, 12)?, 0.1)?;
+/// let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
+/// let (fluxes, work) = tracer.batch(&light, 10, spec, None, &mut rng);
+/// assert_eq!(work.rays, 100);
+/// assert!((fluxes.flux(Side::Reflected, Component::All) - 0.04).abs() < 1e-12);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Tracer<'a, G: Geometry> {
     geometry: &'a G,
     accelerator: &'a dyn Accelerator<G>,

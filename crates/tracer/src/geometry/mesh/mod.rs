@@ -1,15 +1,14 @@
-//! Any triangle mesh as what light meets, also one that is no height field: with overhangs, caves,
-//! or closed bodies.
+//! Mesh surface: any triangle mesh, also one that is no height field, with overhangs, caves or closed bodies.
 //!
 //! Tile coordinates are the coordinates of the mesh times one factor, so that normals and angles
 //! stay: the tile is the bounding box in x and y, and the longest side of the box has the length
 //! [`LONGEST`].
 //!
 //! # Why no ray slips through
-//! A ray and a triangle are looked at along the ray: each corner is projected by a function of the
+//! A triangle is projected along the ray: each corner is projected by a function of the
 //! corner and the ray alone, rounding included, and the ray passes where the edge functions of the
 //! projected triangle are of one sign or zero (Woop, Benthin, Wald 2013, Watertight Ray/Triangle
-//! Intersection). Two triangles of an edge see the same projected corners, and [`turn`] is exact in
+//! Intersection). Two triangles of an edge see the same projected corners, and `turn` is exact in
 //! its sign, so that what one triangle leaves out its neighbour takes in. A ray exactly through an
 //! edge or a corner is met by all triangles there; the smallest number decides.
 //!
@@ -18,6 +17,7 @@
 //! [`HAIR`], is met at once by a ray that goes against it.
 
 mod intake;
+mod triangle;
 
 use asperity_surface::Border;
 use glam::DVec3;
@@ -26,6 +26,7 @@ use self::intake::{
     Frame, align, check_edges, check_ground, check_indices, faces_away, is_degenerate,
     lies_on_border,
 };
+use self::triangle::{ProjectedTriangle, closest_point};
 use crate::geometry::{Escape, Geometry};
 use crate::ray::{HalfSpace, TileRay};
 
@@ -257,34 +258,18 @@ impl MeshSurface {
         (self.extent * self.unit).to_array()
     }
 
-    /// The facet's corners seen along the ray, and how its edges turn around the ray.
-    fn project(&self, facet: u32, ray: &TileRay) -> Projected {
-        let d = ray.direction;
-        let kz = d.abs().max_position();
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        // A shear along the ray, times d[kz] so that nothing is divided.
-        let [a, b, c] = self.corners(facet).map(|p| {
-            let p = p - ray.origin;
-            Seen {
-                x: p[kx] * d[kz] - d[kx] * p[kz],
-                y: p[ky] * d[kz] - d[ky] * p[kz],
-                depth: p[kz] / d[kz],
-            }
-        });
-        // The area is d[kz] times d . n; a ray above meets a facet where d . n is negative.
-        let sign = -d[kz].signum();
-        Projected {
-            corners: [a, b, c],
-            turns: [turn(b, c), turn(c, a), turn(a, b)].map(|e| sign * e),
-        }
-    }
-
     /// Whether the ray passes the edge opposite to `corner` on its outer side only by what the way
     /// over the border of the tile may have cost.
     ///
     /// The neighbour of such an edge is met in the next tile by a ray that was translated or mirrored,
     /// which rounds its origin: corners that are the same place are no longer seen at the same point.
-    fn is_on_seam(&self, facet: u32, corner: usize, seen: &Projected, ray: &TileRay) -> bool {
+    fn is_on_seam(
+        &self,
+        facet: u32,
+        corner: usize,
+        seen: &ProjectedTriangle,
+        ray: &TileRay,
+    ) -> bool {
         if self.border == Border::Open {
             return false;
         }
@@ -350,7 +335,7 @@ impl Geometry for MeshSurface {
 
     fn intersect(&self, facet: u32, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
         let q = half_space.sign();
-        let mut seen = self.project(facet, ray);
+        let mut seen = ProjectedTriangle::new(self.corners(facet), ray);
         for e in &mut seen.turns {
             *e *= q;
         }
@@ -383,34 +368,6 @@ impl Geometry for MeshSurface {
     }
 }
 
-/// A corner seen along a ray: where it is beside the ray, and at which ray parameter.
-#[derive(Clone, Copy)]
-struct Seen {
-    x: f64,
-    y: f64,
-    depth: f64,
-}
-
-/// A triangle seen along a ray that is above.
-struct Projected {
-    corners: [Seen; 3],
-    /// Edge functions, each of the edge opposite to a corner: all positive if the ray passes.
-    turns: [f64; 3],
-}
-
-/// Twice the signed area of the triangle of the ray, `p` and `q`; exact in its sign, and exactly the
-/// negative of `turn(q, p)`.
-fn turn(p: Seen, q: Seen) -> f64 {
-    let (left, right) = (p.x * q.y, p.y * q.x);
-    if left == right {
-        // What rounding took from the two products, which a fused multiplication gives exactly.
-        // Rounding is monotone, so where the products differ their order is the true one.
-        p.x.mul_add(q.y, -left) - p.y.mul_add(q.x, -right)
-    } else {
-        left - right
-    }
-}
-
 /// The mean of z over the signed projected area; the middle if there is none.
 fn mean_plane(vertices: &[DVec3], triangles: &[[u32; 3]], half_range: f64) -> f64 {
     let (mut area, mut moment, mut all) = (0.0, 0.0, 0.0);
@@ -436,93 +393,9 @@ fn steepest(normals: &[DVec3]) -> Option<f64> {
     })
 }
 
-/// The point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-fn closest_point([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + d1 / (d1 - d3) * ab;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + d2 / (d2 - d6) * ac;
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (d4 - d3) / (d4 - d3 + d5 - d6) * (c - b);
-    }
-    let sum = va + vb + vc;
-    a + vb / sum * ab + vc / sum * ac
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn turns_are_exact_in_sign_and_antisymmetric() {
-        // Whole numbers of 53 bits, of which i128 holds the products.
-        let mut state = 1_u64;
-        let mut next = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (state >> 11) as i64
-        };
-        let seen = |x: i64, y: i64| Seen {
-            x: x as f64,
-            y: y as f64,
-            depth: 0.0,
-        };
-        let mut close = 0;
-        for i in 0..10_000 {
-            let (a, b) = (next(), next());
-            // Nearly or exactly along the first.
-            let (c, d) = match i % 3 {
-                0 => (next(), next()),
-                1 => (a - 1, b - (i % 2)),
-                _ => (a / 3, b / 3),
-            };
-            let exact = i128::from(a) * i128::from(d) - i128::from(b) * i128::from(c);
-            let (p, q) = (seen(a, b), seen(c, d));
-            close += usize::from(p.x * q.y == p.y * q.x && exact != 0);
-            assert_eq!(turn(p, q).partial_cmp(&0.0).unwrap(), exact.cmp(&0));
-            assert_eq!(turn(p, q), -turn(q, p));
-        }
-        assert!(close > 10, "{close} products rounded to the same double");
-    }
-
-    #[test]
-    fn the_closest_point_is_on_the_triangle() {
-        let t = [
-            DVec3::ZERO,
-            DVec3::new(4.0, 0.0, 0.0),
-            DVec3::new(0.0, 4.0, 0.0),
-        ];
-        for (p, expected) in [
-            ([1.0, 1.0, 5.0], [1.0, 1.0, 0.0]),
-            ([-1.0, -2.0, 3.0], [0.0, 0.0, 0.0]),
-            ([2.0, -2.0, 3.0], [2.0, 0.0, 0.0]),
-            ([-2.0, 1.0, 3.0], [0.0, 1.0, 0.0]),
-            ([3.0, 3.0, 1.0], [2.0, 2.0, 0.0]),
-            ([9.0, 1.0, 1.0], [4.0, 0.0, 0.0]),
-            ([1.0, 9.0, 1.0], [0.0, 4.0, 0.0]),
-        ] {
-            assert_eq!(closest_point(t, p.into()), expected.into());
-        }
-    }
 
     #[test]
     fn single_precision_borders_still_match() {
