@@ -20,7 +20,7 @@
 //!
 //! # Why no epsilon is needed
 //! A ray above the surface can only pass a facet downwards, a ray below only upwards. The
-//! intersection test asks for just that: the signed height above the facet falls along the ray and
+//! intersection test checks just that: the signed height above the facet falls along the ray and
 //! is negative where the ray leaves the facet's footprint. The facet that was just left is never
 //! hit again, and since neighbouring facets share the heights of their common edge, no ray slips
 //! between them.

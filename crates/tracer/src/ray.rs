@@ -1,4 +1,4 @@
-//! Rays in the coordinates of one tile, and where they meet it.
+//! Rays: in the coordinates of one tile, with the half space that they are in, and where they meet the tile.
 
 use glam::DVec3;
 
@@ -39,7 +39,7 @@ impl HalfSpace {
 pub struct TileRay {
     /// Start, tile coordinates.
     pub origin: DVec3,
-    /// Direction, tile coordinates a unit of `t`.
+    /// Direction, tile coordinates per unit of `t`.
     pub direction: DVec3,
 }
 

@@ -23,7 +23,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
 
-    /// The same for many rays; `hits` is cleared and gets one entry a query.
+    /// The same for many rays; `hits` is cleared and gets one entry per query.
     fn closest_hits(&self, geometry: &G, queries: &[Query], hits: &mut Vec<Option<Hit<G::Facet>>>) {
         hits.clear();
         hits.extend(queries.iter().map(|q| self.closest_hit(geometry, q)));
@@ -62,7 +62,7 @@ pub enum BuildError {
         "the accelerator {kind} needs a height field, but this is a triangle mesh; take auto, mesh or brute-force"
     )]
     NeedsHeightField {
-        /// The accelerator asked for.
+        /// The requested accelerator.
         kind: AcceleratorKind,
     },
 }

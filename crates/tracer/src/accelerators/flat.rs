@@ -9,7 +9,7 @@ use crate::ray::{Hit, Query};
 /// By how much a point may be moved by rounding, relative to the size of the tile, and far more.
 const WIDENING: f64 = 1e-9;
 
-/// Fall of a ray, relative to its length, below which rounding may move its way through the plane by
+/// Fall of a ray, relative to its length, below which rounding may move its crossing of the plane by
 /// cells: those rays are left to brute force.
 const LEVEL: f64 = 1e-6;
 

@@ -11,7 +11,7 @@ pub enum MeshError {
     /// Vertices are numbered by 32 bits.
     #[error("a mesh of {vertices} vertices is too large; 4,294,967,295 is the most")]
     TooLarge {
-        /// Number of vertices asked for.
+        /// Number of vertices of the mesh.
         vertices: usize,
     },
 }
@@ -24,7 +24,7 @@ pub enum MeshError {
 pub struct TriangleMesh {
     /// `[x, y, z]` in length units, row by row.
     pub vertices: Vec<[f64; 3]>,
-    /// Vertex numbers, counter-clockwise seen from above; two triangles a cell, row by row.
+    /// Vertex numbers, counter-clockwise seen from above; two triangles per cell, row by row.
     pub triangles: Vec<[u32; 3]>,
 }
 

@@ -31,7 +31,7 @@ pub trait Geometry: Sized + Send + Sync {
     /// What turns the y component of a physical direction into tile coordinates.
     fn aspect(&self) -> f64;
 
-    /// Lengths of the world a unit of tile coordinates.
+    /// Lengths of the world per unit of tile coordinates.
     fn unit(&self) -> f64;
 
     /// Lowest and highest z, `[-a, a]`.
@@ -81,7 +81,7 @@ pub trait Geometry: Sized + Send + Sync {
 
     /// Whether a point at the border of the tile lies on the other side of the surface than `half_space`;
     /// false where the geometry cannot tell.
-    fn is_beyond(&self, _p: DVec3, _medium: HalfSpace) -> bool {
+    fn is_beyond(&self, _p: DVec3, _half_space: HalfSpace) -> bool {
         false
     }
 

@@ -2,8 +2,7 @@
 
 use asperity_tally::Tally;
 
-use super::flight::LayerRay;
-use super::state::SegmentQueue;
+use super::state::{LayerRay, SegmentQueue};
 use super::work::Work;
 
 /// Segments that are searched together: enough to fill wide searches, few enough for them and the surface

@@ -12,7 +12,7 @@ use rand::{Rng, RngExt};
 
 use super::Tracer;
 use super::batch::Batch;
-use super::state::{Arrival, Departure, PathSegment, PathState, RayKind, Region};
+use super::state::{Arrival, Departure, LayerRay, PathSegment, PathState, RayKind, Region};
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
@@ -24,12 +24,6 @@ use crate::ray::{HalfSpace, Hit, Query};
 /// A path that is scattered goes on for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
 /// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
 const ROULETTE_FACTOR: f64 = 30.0;
-
-/// A ray that begins inside the layer, in the coordinates of the upper surface.
-pub(super) struct LayerRay {
-    pub(super) heading: Heading,
-    pub(super) state: PathState,
-}
 
 /// A straight flight through the layer, in the coordinates of the upper surface.
 struct Flight {

@@ -64,7 +64,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Continues the straight line of incident light behind the first facet that it has met, with the probability
-    /// that the control variate asks for.
+    /// that the control variate sets.
     #[inline(never)]
     pub(super) fn trace_behind_first_facet<R: Rng>(
         &self,

@@ -5,8 +5,7 @@ use rand::Rng;
 
 use super::Tracer;
 use super::batch::Batch;
-use super::flight::LayerRay;
-use super::state::{Arrival, Departure, PathRay, PathSegment, RayKind, Region};
+use super::state::{Arrival, Departure, LayerRay, PathRay, PathSegment, RayKind, Region};
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Traversal, TraversalEnd, begin};

@@ -22,7 +22,7 @@ pub use self::traversal::{TraversalEnd, TraversalResult, traverse};
 /// Tiles that a ray may cross before it is given up as lost.
 ///
 /// [`tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
-/// rays that are horizontal to rounding and find nothing in their way.
+/// rays that are horizontal to rounding and meet nothing.
 pub const MAX_TILES: u32 = 100_000;
 
 /// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the

@@ -29,7 +29,7 @@ pub enum TraversalEnd {
     Escaped,
     /// It escapes, and needed no search.
     EscapedUnsearched(Escape),
-    /// It leaves an open patch on its way to surface that is not there, or comes from beneath such
+    /// It leaves an open patch towards surface that is not there, or comes from beneath such
     /// surface.
     LeftPatch,
     /// It should have met the surface and did not.

@@ -68,7 +68,7 @@ impl FromStr for Sampling {
 ///
 /// A start is `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: shares
 /// of the period along x and y, and of a full turn. Each start taken at random is uniform; where no
-/// azimuth is asked for, it is 0. Order: along a Morton curve.
+/// azimuth is requested, it is 0. Order: along a Morton curve.
 pub(crate) struct Places {
     order: Order,
     any_azimuth: bool,

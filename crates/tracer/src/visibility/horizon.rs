@@ -50,7 +50,7 @@ pub struct Horizons<'a> {
     blocks: Vec<f64>,
     /// Unit direction in physical lengths.
     along: DVec2,
-    /// The same in tile coordinates a unit of distance.
+    /// The same in tile coordinates per unit of distance.
     rate: DVec2,
     least: f64,
     /// What differences of heights are rounded by.

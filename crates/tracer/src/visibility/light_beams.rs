@@ -16,7 +16,7 @@ use crate::interaction::facet::scatter;
 use crate::periodic::can_traverse;
 use crate::sampling::morton::morton_code;
 
-/// Facets of a leaf: few enough to look at, many enough for the tree to be small beside the surface.
+/// Facets of a leaf: few enough to test, many enough for the tree to be small beside the surface.
 const LEAF: usize = 8;
 
 /// Length of beams in shorter sides of the tile, where it has neighbours: a place in the medium looks into

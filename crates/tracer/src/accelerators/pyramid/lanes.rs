@@ -1,4 +1,4 @@
-//! What the wide search asks of an instruction set: a few operations on lanes of f32 and i32.
+//! Lanes: what the wide search needs of an instruction set, a few operations on lanes of f32 and i32.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 

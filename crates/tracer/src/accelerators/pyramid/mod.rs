@@ -82,10 +82,10 @@ impl Pyramid {
     }
 }
 
-/// Answers that the heights of a cell are asked for ahead of their use.
+/// How many answers ahead of their use the heights of a cell are prefetched.
 const AHEAD: usize = 16;
 
-/// Asks for the heights of a cell, where the machine takes such requests.
+/// Prefetches the heights of a cell, where the machine can.
 fn fetch(surface: &Surface, [ix, iy]: [u32; 2]) {
     #[cfg(target_arch = "x86_64")]
     {

@@ -1,4 +1,4 @@
-//! Rays as the wide search takes them: in f32, each from a cell of its own, field by field.
+//! Rays of the wide search: in f32, each from a cell of its own, field by field.
 
 use asperity_surface::Triangle;
 
@@ -30,7 +30,7 @@ pub(super) enum Answer {
     Doubtful,
 }
 
-/// Which facet of a cell is met, in the words of an answer.
+/// Which facet of a cell is met, as coded in an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Code {
     Lower = 0,
@@ -72,7 +72,7 @@ pub(super) struct Ray {
 /// Rays field by field; an entry a ray, and room behind the last for a full load of lanes.
 ///
 /// x and y are measured from the corner of the cell that the ray starts in, so that they are exact
-/// to a few 2^-24 of the way travelled, however large the tile; z and its rate are signed by half space,
+/// to a few 2^-24 of the distance travelled, however large the tile; z and its rate are signed by half space,
 /// so that every ray is above.
 #[derive(Default)]
 pub(super) struct Rays {
@@ -222,7 +222,7 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    /// Notes the answer to the ray at `place`, in the words of [`Code`].
+    /// Notes the answer to the ray at `place`, as a [`Code`].
     #[inline(always)]
     pub(super) fn push(&mut self, place: i32, [column, row]: [i32; 2]) {
         let [places, columns, rows] = self.next(1);
@@ -309,7 +309,7 @@ fn cell(p: f64, rate: f32, count: usize) -> Option<(i32, f64)> {
     // A place in the tile is not below zero, but for rounding.
     let index = f64::from((p as i32).clamp(0, (count - 1) as i32));
     let within = p - index;
-    // On the border of the tile, on the way inwards, only the border's own cell is possible.
+    // On the border of the tile, going inwards, only the border's own cell is possible.
     let from_low = index == 0.0 && rate > 0.0 && within > -edge;
     let from_high = index == (count - 1) as f64 && rate < 0.0 && within < 1.0 + edge;
     let sure = (within > edge || from_low) && (within < 1.0 - edge || from_high);

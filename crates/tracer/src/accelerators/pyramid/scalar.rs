@@ -34,14 +34,14 @@ struct Exit {
     tied: bool,
 }
 
-/// What the facets of a cell do to a ray.
+/// What a ray meets in a cell.
 enum CellTest {
     Met(Code),
     Clear,
     Doubtful,
 }
 
-/// Follows one ray to its answer, in the words of [`Code`].
+/// Follows one ray to its answer, as a [`Code`].
 fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let high = ray.z > 0.999 * bounds.reach;
     let mut level = if high {

@@ -1,6 +1,6 @@
 //! Wide search: many rays through the pyramid at a time, one ray per lane: `scalar.rs` with selections for branches.
 //!
-//! Every lane goes its own way: down a level where its ray may come under the bound of its node, on
+//! Every lane does its own steps: down a level where its ray may come under the bound of its node, on
 //! to the next node where it cannot, up a level where it passes from one parent to the next. Lanes
 //! whose rays have ended get new ones. In f32, with bounds on what rounding may do: a ray that comes
 //! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
@@ -120,7 +120,7 @@ struct State<L: Lanes> {
     slow_x: L::F,
     slow_y: L::F,
     slow: L::F,
-    /// How far, in columns, rounding may move it a unit of `t`.
+    /// How far, in columns, rounding may move it per unit of `t`.
     drift: L::F,
     /// By how many bits the bound of its half space is shifted in a word.
     half: L::I,

@@ -23,7 +23,7 @@ macro_rules! operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                // SAFETY: lanes exist only where the processor has been asked.
+                // SAFETY: lanes exist only where the processor has been checked.
                 Self(unsafe { $intrinsic(self.0, other.0) })
             }
         }
@@ -36,7 +36,7 @@ macro_rules! methods {
         $(
             #[inline(always)]
             fn $method(self $(, $other: Self)?) -> Self {
-                // SAFETY: lanes exist only where the processor has been asked.
+                // SAFETY: lanes exist only where the processor has been checked.
                 Self(unsafe { $intrinsic(self.0 $(, $other.0)?) })
             }
         )*
@@ -83,7 +83,7 @@ impl Not for M8 {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe {
             Self(_mm256_xor_ps(
                 self.0,
@@ -96,12 +96,12 @@ impl Not for M8 {
 impl Floats for F8 {
     #[inline(always)]
     fn times_plus(self, factor: Self, other: Self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm256_fmadd_ps(self.0, factor.0, other.0)) }
     }
     #[inline(always)]
     fn minus_times(self, a: Self, b: Self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm256_fnmadd_ps(a.0, b.0, self.0)) }
     }
     methods! {
@@ -111,7 +111,7 @@ impl Floats for F8 {
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm256_andnot_ps(_mm256_set1_ps(-0.0), self.0)) }
     }
 }
@@ -128,7 +128,7 @@ impl Integers for I8 {
 impl Mask for M8 {
     #[inline(always)]
     fn bits(self) -> u32 {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { _mm256_movemask_ps(self.0) as u32 }
     }
 }
@@ -327,7 +327,7 @@ static NAMED: [u64; 256] = {
 /// They must lie within the table.
 #[inline(always)]
 unsafe fn four_entries(table: &[u32], at: &[u32; 16], k: usize) -> __m128i {
-    // SAFETY: the caller's, as above; lanes exist only where the processor has been asked.
+    // SAFETY: the caller's, as above; lanes exist only where the processor has been checked.
     unsafe {
         let entry = |k: usize| *table.get_unchecked(at[k] as usize) as i32;
         let one = _mm_cvtsi32_si128(entry(k));
@@ -417,12 +417,12 @@ impl Not for M16 {
 impl Floats for F16 {
     #[inline(always)]
     fn times_plus(self, factor: Self, other: Self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm512_fmadd_ps(self.0, factor.0, other.0)) }
     }
     #[inline(always)]
     fn minus_times(self, a: Self, b: Self) -> Self {
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm512_fnmadd_ps(a.0, b.0, self.0)) }
     }
     methods! {
@@ -433,7 +433,7 @@ impl Floats for F16 {
     #[inline(always)]
     fn floor(self) -> Self {
         const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
-        // SAFETY: lanes exist only where the processor has been asked.
+        // SAFETY: lanes exist only where the processor has been checked.
         unsafe { Self(_mm512_roundscale_ps::<DOWN>(self.0)) }
     }
 }

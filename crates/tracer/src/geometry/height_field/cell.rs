@@ -1,4 +1,4 @@
-//! The two facets of a cell, and where a ray passes through them.
+//! Cell: the two facets between four samples, and where a ray passes through them.
 
 use asperity_surface::Triangle;
 use glam::DVec3;
@@ -106,7 +106,7 @@ impl Size {
     ///
     /// Coordinates and parameters are off by a few 2^-53 of how far the ray has come, heights by
     /// that times the slope, be it the neighbour's. Either the height on entering is within that, or
-    /// the way that the ray has gone, since `t`, across the side by which it enters: along that side
+    /// the distance that the ray has gone, since `t`, across the side by which it enters: along that side
     /// nothing tells where it crosses it. `sides`: footprint coordinates at the origin, and their rates.
     #[cold]
     fn comes_from_beneath(

@@ -130,7 +130,7 @@ impl Surface {
         self.size.steepest
     }
 
-    /// z of the grid points of row `iy`, one a cell, tile coordinates; rows wrap.
+    /// z of the grid points of row `iy`, one per cell, tile coordinates; rows wrap.
     pub fn row(&self, iy: usize) -> impl Iterator<Item = f64> {
         grid_row(&self.field, iy).iter().map(|&h| self.scale.z(h))
     }
@@ -242,7 +242,7 @@ impl Geometry for Surface {
         self.mean
     }
 
-    /// Two a cell.
+    /// Two per cell.
     fn facet_count(&self) -> usize {
         let [cx, cy] = self.cells();
         2 * cx * cy

@@ -138,7 +138,7 @@ impl SlopeBounds {
         self.all.0.into_iter().fold(0.0, f64::max)
     }
 
-    /// Whether a ray of horizontal direction `u` that rises by `rise` a unit of `t` is steeper than
+    /// Whether a ray of horizontal direction `u` that rises by `rise` per unit of `t` is steeper than
     /// every facet.
     #[inline]
     pub(crate) fn is_below_all(&self, u: DVec2, rise: f64) -> bool {

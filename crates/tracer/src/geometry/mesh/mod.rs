@@ -125,7 +125,7 @@ pub enum MeshSurfaceError {
         from: [f64; 3],
         /// Its other end.
         to: [f64; 3],
-        /// The border asked for.
+        /// The requested border.
         border: Border,
     },
     /// A tile that goes on beyond its border, by a mesh that does not part above from below.
@@ -135,7 +135,7 @@ pub enum MeshSurfaceError {
     NotOneGround {
         /// Layers that face up, less those that face down: none for a closed body.
         layers: i64,
-        /// The border asked for.
+        /// The requested border.
         border: Border,
     },
 }
@@ -258,8 +258,8 @@ impl MeshSurface {
         (self.extent * self.unit).to_array()
     }
 
-    /// Whether the ray passes the edge opposite to `corner` on its outer side only by what the way
-    /// over the border of the tile may have cost.
+    /// Whether the ray passes the edge opposite to `corner` on its outer side only by what crossing
+    /// the border of the tile may have rounded.
     ///
     /// The neighbour of such an edge is met in the next tile by a ray that was translated or mirrored,
     /// which rounds its origin: corners that are the same place are no longer seen at the same point.
