@@ -41,6 +41,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let incidence = Incidence::from_degrees(60.0, 0.0)?;
     let scene = Scene::new(Material::dielectric(1.5)?, incidence);
     let outcome = trace(crate_of_eggs, None, &scene, &settings, &Silent)?;
-    print!("{}", energy_table(&spec, &outcome.statistics));
+    print!("{}", energy_table(&outcome.statistics));
     Ok(())
 }

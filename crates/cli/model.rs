@@ -152,7 +152,7 @@ fn bins(
     let mut out = format!(
         "{}\n{effort}\n{}",
         model.description(),
-        energy_table(&spec, expectation.statistics())
+        energy_table(expectation.statistics())
     );
     let accounted: f64 = expectation.statistics().means().budget().total();
     if model.scope() == Scope::AllOrders && (1.0 - accounted).abs() > UNACCOUNTED {

@@ -187,8 +187,8 @@ pub(crate) fn run(command: &Trace, common: &Common) -> Result<(), Failure> {
         "{name}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
         light_line(&scene, command),
         statistics.batches(),
-        energy_table(&spec, statistics),
-        errors_table(&spec, &outcome.errors),
+        energy_table(statistics),
+        errors_table(&outcome.errors),
         work_line(&outcome.work),
     );
     if let Some(line) = outcome.stopping.as_ref().and_then(Stopping::line) {

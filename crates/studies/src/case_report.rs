@@ -84,7 +84,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
 
     out.push_str(&flux_table(outcome, case));
     out.push('\n');
-    out.push_str(&errors_table(&outcome.spec, &case.errors));
+    out.push_str(&errors_table(&case.errors));
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }

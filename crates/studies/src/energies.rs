@@ -46,7 +46,8 @@ fn by_medium(spec: &TallySpec, statistics: &TallyStatistics, side: Side) -> Opti
 
 /// The energies of one run, by side, order of scattering and number of scatterings inside a medium.
 #[must_use]
-pub fn energy_table(spec: &TallySpec, statistics: &TallyStatistics) -> String {
+pub fn energy_table(statistics: &TallyStatistics) -> String {
+    let spec = statistics.spec();
     let energies = spec.sides().map(|side| {
         let all = spec.flux_entry(side, Component::All);
         (side.to_string(), all)
@@ -91,7 +92,8 @@ fn by_order(statistics: &TallyStatistics, side: Side) -> Option<String> {
 
 /// The errors of the energies by their source.
 #[must_use]
-pub fn errors_table(spec: &TallySpec, budget: &ErrorBudget) -> String {
+pub fn errors_table(budget: &ErrorBudget) -> String {
+    let spec = budget.spec();
     let errors = |side: &Side| budget.flux(*side, Component::All);
     let table = Table::new()
         .column(Column::new("errors", "", |side: &Side| side.to_string()))

@@ -1,4 +1,4 @@
-//! ControlVariate variate: unshadowed single scattering, whose mean is known before any light is traced.
+//! Control variate: unshadowed single scattering, whose mean is known before any light is traced.
 
 use crate::filters::Half;
 use crate::values::{TallyValues, single_path};
@@ -7,7 +7,7 @@ use crate::{Component, Entry, Side, TallyResult, TallySpec};
 /// Mean fluxes of *unshadowed single scattering*: every facet that faces the light is lit and sends its
 /// light away undisturbed, those included that reflect downwards or refract upwards, which are left out.
 ///
-/// Flux fractions, not yet weighted by any share; they may add to more than one.
+/// Flux fractions, not yet weighted by any fraction; they may add to more than one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UnshadowedFluxes {
     /// Into the bins of the grid, in its order.
@@ -25,7 +25,7 @@ pub struct UnshadowedFluxes {
 ///
 /// Any fractions leave the mean of an estimate as it is; the true ones make its variance least.
 #[derive(Clone, Debug, PartialEq)]
-pub struct VisibleShares {
+pub struct VisibleFractions {
     /// Neither shadowed nor masked, by side and ring of polar angle.
     pub rings: [Vec<f64>; 2],
     /// Not shadowed.
@@ -39,7 +39,7 @@ pub struct VisibleShares {
 /// sums stay sums.
 #[derive(Clone, Debug)]
 pub struct ControlVariate {
-    shares: VisibleShares,
+    fractions: VisibleFractions,
     expected: TallyValues,
     shadow_probability: f64,
 }
@@ -52,22 +52,22 @@ impl ControlVariate {
     /// # Panics
     /// If fractions or fluxes are of other bins than the spec.
     #[must_use]
-    pub fn new(spec: TallySpec, shares: VisibleShares, fluxes: &UnshadowedFluxes) -> Self {
+    pub fn new(spec: TallySpec, fractions: VisibleFractions, fluxes: &UnshadowedFluxes) -> Self {
         let grid = spec.grid();
         let n_theta = grid.n_theta();
         let mut expected = TallyValues::zeros(spec);
-        expected[TallySpec::BUDGET.absorbed] = shares.absorbed * fluxes.absorbed;
+        expected[TallySpec::BUDGET.absorbed] = fractions.absorbed * fluxes.absorbed;
         for side in Side::BOTH {
-            let shares = &shares.rings[side.index()];
+            let fractions = &fractions.rings[side.index()];
             let rings = &fluxes.rings[side.index()];
             let in_plane = &fluxes.in_plane[side.index()];
             let filter = spec.in_plane_filter(side);
             assert_eq!(
-                [shares.len(), rings.len(), in_plane.len()],
+                [fractions.len(), rings.len(), in_plane.len()],
                 [n_theta, n_theta, filter.len()],
                 "rings of another spec"
             );
-            let of_side: f64 = shares.iter().zip(rings).map(|(s, flux)| s * flux).sum();
+            let of_side: f64 = fractions.iter().zip(rings).map(|(s, flux)| s * flux).sum();
             if !spec.records(side) {
                 expected[TallySpec::BUDGET.not_recorded] += of_side;
                 expected[TallySpec::BUDGET.truncated] += of_side;
@@ -78,22 +78,22 @@ impl ControlVariate {
             }
             let bins = &fluxes.bins[side.index() * grid.bins_per_side()..][..grid.bins_per_side()];
             for component in FIRST_ORDER {
-                for (ring, share) in shares.iter().enumerate() {
-                    expected[spec.ring_entries(side, component).get(ring)] = share * rings[ring];
+                for (ring, fraction) in fractions.iter().enumerate() {
+                    expected[spec.ring_entries(side, component).get(ring)] = fraction * rings[ring];
                     for half in Half::BOTH {
                         let i = filter.number(ring, half);
                         expected[spec.in_plane_entries(side, component).get(i)] =
-                            share * in_plane[i];
+                            fraction * in_plane[i];
                     }
                 }
                 let entries = &mut expected[spec.bin_entries(side, component)];
                 for (i, (entry, flux)) in entries.iter_mut().zip(bins).enumerate() {
-                    *entry = shares[i / grid.n_phi()] * flux;
+                    *entry = fractions[i / grid.n_phi()] * flux;
                 }
             }
         }
         Self {
-            shares,
+            fractions,
             expected,
             shadow_probability: 1.0,
         }
@@ -102,9 +102,9 @@ impl ControlVariate {
     /// The same with all fractions, and so all that is added, times `factor`.
     #[must_use]
     pub fn weakened(mut self, factor: f64) -> Self {
-        let rings = self.shares.rings.iter_mut().flatten();
+        let rings = self.fractions.rings.iter_mut().flatten();
         rings
-            .chain([&mut self.shares.absorbed])
+            .chain([&mut self.fractions.absorbed])
             .chain(self.expected.iter_mut())
             .for_each(|value| *value *= factor);
         self
@@ -133,22 +133,22 @@ impl ControlVariate {
         self.shadow_probability
     }
 
-    /// The share of light that leaves on `side` within `ring` of polar angle, counted from +z.
+    /// The fraction of light that leaves on `side` within `ring` of polar angle, counted from +z.
     #[must_use]
-    pub fn share(&self, side: Side, ring: usize) -> f64 {
-        self.shares.rings[side.index()][ring]
+    pub fn fraction(&self, side: Side, ring: usize) -> f64 {
+        self.fractions.rings[side.index()][ring]
     }
 
-    /// The share of light that is absorbed.
+    /// The fraction of light that is absorbed.
     #[must_use]
-    pub const fn absorbed_share(&self) -> f64 {
-        self.shares.absorbed
+    pub const fn absorbed_fraction(&self) -> f64 {
+        self.fractions.absorbed
     }
 
-    /// The shares of unshadowed single scattering that are subtracted.
+    /// The fractions of unshadowed single scattering that are subtracted.
     #[must_use]
-    pub const fn shares(&self) -> &VisibleShares {
-        &self.shares
+    pub const fn fractions(&self) -> &VisibleFractions {
+        &self.fractions
     }
 
     /// What is taken off completed tallies, on average, where the fluxes of what is traced are `fluxes`
@@ -161,7 +161,7 @@ impl ControlVariate {
     #[must_use]
     pub fn removed(&self, fluxes: &UnshadowedFluxes) -> TallyValues {
         let spec = *self.expected.spec();
-        let mut removed = Self::new(spec, self.shares.clone(), fluxes).expected;
+        let mut removed = Self::new(spec, self.fractions.clone(), fluxes).expected;
         let known = self.expected.budget().total();
         let scale = if known == 0.0 {
             0.0
@@ -189,7 +189,7 @@ impl ControlVariate {
         let known = self.expected.budget().total();
         let mut least = TallyValues::zeros(*spec);
         for part in parts {
-            // Light carries its share of what it began with.
+            // Light carries its fraction of what it began with.
             let one_ray = self.expected[part] / known / rays as f64;
             for entry in first_order_entries(spec, part) {
                 if self.expected[entry] != 0.0 {
@@ -266,7 +266,7 @@ mod tests {
         TallySpec::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
     }
 
-    /// A tenth of the light is reflected, half is transmitted, a fifth absorbed, before shares.
+    /// A tenth of the light is reflected, half is transmitted, a fifth absorbed, before fractions.
     fn control(spec: TallySpec) -> ControlVariate {
         let fluxes = UnshadowedFluxes {
             bins: [vec![0.1 / 6.0; 6], vec![0.5 / 6.0; 6]].concat(),
@@ -274,11 +274,11 @@ mod tests {
             in_plane: [vec![0.001; 4], vec![0.005; 4]],
             absorbed: 0.2,
         };
-        let shares = VisibleShares {
+        let fractions = VisibleFractions {
             rings: [vec![0.5, 0.0], vec![1.0, 0.8]],
             absorbed: 0.9,
         };
-        ControlVariate::new(spec, shares, &fluxes)
+        ControlVariate::new(spec, fractions, &fluxes)
     }
 
     #[test]
@@ -354,7 +354,7 @@ mod tests {
         for (a, b) in full.expected().iter().zip(half.expected().iter()) {
             assert_eq!(0.5 * a, *b);
         }
-        assert_eq!(half.share(Side::Transmitted, 0), 0.5);
-        assert_eq!(half.absorbed_share(), 0.45);
+        assert_eq!(half.fraction(Side::Transmitted, 0), 0.5);
+        assert_eq!(half.absorbed_fraction(), 0.45);
     }
 }

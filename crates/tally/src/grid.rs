@@ -136,7 +136,7 @@ impl HemisphereGrid {
         2 * self.bins_per_side()
     }
 
-    /// Never: a grid has at least one bin a side.
+    /// Never: a grid has at least one bin per side.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         false

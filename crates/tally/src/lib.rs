@@ -27,6 +27,7 @@
 mod budget;
 mod component;
 mod control;
+mod describe;
 mod entry;
 mod events;
 mod exit;
@@ -35,6 +36,7 @@ mod finder;
 mod grid;
 mod in_plane;
 
+mod places;
 mod result;
 mod sides;
 mod spec;
@@ -45,16 +47,17 @@ mod values;
 
 pub use budget::Budget;
 pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
-pub use control::{ControlVariate, UnshadowedFluxes, VisibleShares};
+pub use control::{ControlVariate, UnshadowedFluxes, VisibleFractions};
 pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 
+pub use places::MAX_LISTED_PATH;
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
 pub use sides::Sides;
-pub use spec::{MAX_LISTED_PATH, SpecError, TallySpec};
+pub use spec::{SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};
 pub use tally::{Azimuth, Tally};
 pub use tally_statistics::TallyStatistics;

@@ -5,25 +5,10 @@
 use std::ops::Range;
 
 use crate::component::MAX_LISTED_ORDER;
-use crate::entry::{Entries, Entry, EntryDescription, Score};
+use crate::entry::{Entries, Entry, Score};
 use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
+use crate::places::{MAX_LISTED_PATH, ORDERS_START, PATH_ENTRIES, PATHS_START, Places};
 use crate::{Budget, Component, EventPath, HemisphereGrid, Side, Sides};
-
-/// Longest event path that has an entry of its own; longer ones share one entry per side.
-pub const MAX_LISTED_PATH: usize = 6;
-
-/// Event paths of 1 to `MAX_LISTED_PATH` interactions, and one entry for longer ones.
-const PATH_ENTRIES: usize = (1 << (MAX_LISTED_PATH + 1)) - 1;
-
-/// Components of bins: single, multiple, all.
-const BIN_COMPONENTS: usize = 3;
-/// Components of rings and in-plane bins: [`Component::ORDERS`] and all.
-const RING_COMPONENTS: usize = Component::ORDERS.len() + 1;
-
-const MULTIPLE_START: usize = 7;
-const ORDERS_START: usize = MULTIPLE_START + 2;
-const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
-const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 
 /// Why a tally spec is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -197,10 +182,23 @@ impl TallySpec {
         }
     }
 
+    /// Number of in-plane bins per side.
+    #[must_use]
+    pub const fn in_plane_len(&self) -> usize {
+        2 * self.grid.n_theta()
+    }
+
+    pub(crate) const fn places(&self) -> Places {
+        Places {
+            grid: self.grid,
+            components: self.components,
+        }
+    }
+
     /// Number of entries.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.components_start() + self.components.len() * self.entries_of_component()
+        self.places().len()
     }
 
     /// Never: a spec has at least its budget.
@@ -219,11 +217,11 @@ impl TallySpec {
     pub fn keeps(&self, score: Score, component: Component) -> bool {
         let side = Side::Reflected;
         match score {
-            Score::Flux => self.find_flux(side, component).is_some(),
-            Score::BinFlux => self.find_bins(side, component).is_some(),
-            Score::BinHits => self.find_hits(side, component).is_some(),
-            Score::RingFlux => self.find_rings(side, component).is_some(),
-            Score::InPlaneFlux => self.find_in_plane(side, component).is_some(),
+            Score::Flux => self.places().find_flux(side, component).is_some(),
+            Score::BinFlux => self.places().find_bins(side, component).is_some(),
+            Score::BinHits => self.places().find_hits(side, component).is_some(),
+            Score::RingFlux => self.places().find_rings(side, component).is_some(),
+            Score::InPlaneFlux => self.places().find_in_plane(side, component).is_some(),
             _ => component == Component::All,
         }
     }
@@ -234,7 +232,7 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn flux_entry(&self, side: Side, component: Component) -> Entry {
-        let found = self.find_flux(side, component);
+        let found = self.places().find_flux(side, component);
         Entry(found.unwrap_or_else(|| not_kept("flux", component)))
     }
 
@@ -284,7 +282,7 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn bin_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.find_bins(side, component);
+        let found = self.places().find_bins(side, component);
         let start = found.unwrap_or_else(|| not_kept("bins", component));
         Entries::new(start, self.grid.bins_per_side())
     }
@@ -298,7 +296,7 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn hit_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.find_hits(side, component);
+        let found = self.places().find_hits(side, component);
         let start = found.unwrap_or_else(|| not_kept("rays in bins", component));
         Entries::new(start, self.grid.bins_per_side())
     }
@@ -351,7 +349,7 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn ring_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.find_rings(side, component);
+        let found = self.places().find_rings(side, component);
         let start = found.unwrap_or_else(|| not_kept("rings", component));
         Entries::new(start, self.grid.n_theta())
     }
@@ -362,241 +360,10 @@ impl TallySpec {
     /// If the component is not kept; see the table above.
     #[must_use]
     pub fn in_plane_entries(&self, side: Side, component: Component) -> Entries {
-        let found = self.find_in_plane(side, component);
+        let found = self.places().find_in_plane(side, component);
         let start = found.unwrap_or_else(|| not_kept("in-plane bins", component));
         Entries::new(start, self.in_plane_len())
     }
-
-    /// What an entry counts.
-    ///
-    /// # Panics
-    /// If the entry is of a larger spec.
-    #[must_use]
-    pub fn describe(&self, entry: Entry) -> EntryDescription {
-        let found = self
-            .sections()
-            .into_iter()
-            .find(|(entries, _)| entries.range().contains(&entry.0));
-        match found {
-            Some((entries, first)) => EntryDescription {
-                index: first.index + entry.0 - entries.start,
-                ..first
-            },
-            None => panic!("entry {} of a spec of {}", entry.0, self.len()),
-        }
-    }
-
-    /// Entries that are alike, each with the description of its first.
-    fn sections(&self) -> Vec<(Entries, EntryDescription)> {
-        let mut sections = Vec::new();
-        let mut add = |entries: Entries, score, side, component| {
-            let description = EntryDescription {
-                score,
-                side,
-                component,
-                index: 0,
-            };
-            sections.push((entries, description));
-        };
-        let budget = Self::BUDGET;
-        for (entry, score) in [
-            (budget.absorbed, Score::Absorbed),
-            (budget.truncated, Score::Truncated),
-            (budget.lost, Score::Lost),
-            (budget.left_patch, Score::LeftPatch),
-            (budget.not_recorded, Score::NotRecorded),
-        ] {
-            add(Entries::new(entry.0, 1), score, None, Component::All);
-        }
-        let surface = [Component::All, Component::Multiple].into_iter();
-        let orders = (1..MAX_LISTED_ORDER as u8).map(Component::Order);
-        let last = Component::OrderAndAbove(MAX_LISTED_ORDER as u8);
-        let components = surface.chain(orders).chain([last, Component::Single]);
-        let components = components
-            .chain(Component::ORDERS)
-            .chain(self.components.iter().copied());
-        let mut listed: Vec<Component> = Vec::new();
-        for component in components {
-            if listed.contains(&component) {
-                continue;
-            }
-            listed.push(component);
-            for side in Side::BOTH {
-                let n_theta = self.grid.n_theta();
-                for (start, len, score) in [
-                    (self.find_flux(side, component), 1, Score::Flux),
-                    (
-                        self.find_bins(side, component),
-                        self.grid.bins_per_side(),
-                        Score::BinFlux,
-                    ),
-                    (
-                        self.find_hits(side, component),
-                        self.grid.bins_per_side(),
-                        Score::BinHits,
-                    ),
-                    (self.find_rings(side, component), n_theta, Score::RingFlux),
-                    (
-                        self.find_in_plane(side, component),
-                        2 * n_theta,
-                        Score::InPlaneFlux,
-                    ),
-                ] {
-                    if let Some(start) = start {
-                        add(Entries::new(start, len), score, Some(side), component);
-                    }
-                }
-            }
-        }
-        for side in Side::BOTH {
-            let start = PATHS_START + side.index() * PATH_ENTRIES;
-            let paths = Entries::new(start, PATH_ENTRIES);
-            add(paths, Score::EventPathFlux, Some(side), Component::All);
-        }
-        sections
-    }
-
-    pub(crate) fn find_flux(&self, side: Side, component: Component) -> Option<usize> {
-        const LAST: u8 = MAX_LISTED_ORDER as u8;
-        let order = |n: u8| ORDERS_START + side.index() * MAX_LISTED_ORDER + usize::from(n) - 1;
-        match component {
-            Component::All => Some(side.index()),
-            Component::Multiple | Component::OrderAndAbove(2) => {
-                Some(MULTIPLE_START + side.index())
-            }
-            Component::Single => Some(order(1)),
-            Component::Order(n @ 1..LAST) | Component::OrderAndAbove(n @ LAST) => Some(order(n)),
-            _ => Some(self.find_component(component)? + side.index()),
-        }
-    }
-
-    pub(crate) fn find_bins(&self, side: Side, component: Component) -> Option<usize> {
-        let of_side = side.index() * self.grid.bins_per_side();
-        let place = match component {
-            Component::Single | Component::Order(1) => 0,
-            Component::Multiple | Component::OrderAndAbove(2) => 1,
-            Component::All => 2,
-            _ => return Some(self.find_component(component)? + 2 + of_side),
-        };
-        Some(self.bins_start(place) + of_side)
-    }
-
-    fn find_hits(&self, side: Side, component: Component) -> Option<usize> {
-        let of_side = side.index() * self.grid.bins_per_side();
-        let place = match component {
-            Component::Single | Component::Order(1) => 0,
-            Component::Multiple | Component::OrderAndAbove(2) => 1,
-            Component::All => return None,
-            _ => {
-                return Some(self.find_component(component)? + 2 + self.grid.len() + of_side);
-            }
-        };
-        Some(self.hits_start(place) + of_side)
-    }
-
-    pub(crate) fn find_rings(&self, side: Side, component: Component) -> Option<usize> {
-        match order_place(component) {
-            Some(place) => Some(self.rings_start(side, place)),
-            None => Some(self.rings_of_component(self.find_component(component)?, side)),
-        }
-    }
-
-    pub(crate) fn find_in_plane(&self, side: Side, component: Component) -> Option<usize> {
-        match order_place(component) {
-            Some(place) => Some(self.in_plane_start(side, place)),
-            None => Some(self.in_plane_of_component(self.find_component(component)?, side)),
-        }
-    }
-
-    /// First entry of one of the components kept in full.
-    fn find_component(&self, component: Component) -> Option<usize> {
-        let place = self.components.iter().position(|c| *c == component)?;
-        Some(self.component_start(place))
-    }
-
-    /// First entry of the bins of both sides: of single, multiple or all light, by number.
-    #[inline]
-    pub(crate) const fn bins_start(&self, place: usize) -> usize {
-        BINS_START + place * self.grid.len()
-    }
-
-    /// First entry of the rays in bins of both sides: of single or multiple light, by number.
-    #[inline]
-    pub(crate) const fn hits_start(&self, place: usize) -> usize {
-        self.hits_base() + place * self.grid.len()
-    }
-
-    /// First entry of the rings of one of [`Component::ORDERS`], or of all light, by number.
-    #[inline]
-    pub(crate) const fn rings_start(&self, side: Side, place: usize) -> usize {
-        let n = self.grid.n_theta();
-        self.rings_base() + (side.index() * RING_COMPONENTS + place) * n
-    }
-
-    /// First entry of the in-plane bins of one of [`Component::ORDERS`], or of all light, by number.
-    #[inline]
-    pub(crate) const fn in_plane_start(&self, side: Side, place: usize) -> usize {
-        let n = self.in_plane_len();
-        self.in_plane_base() + (side.index() * RING_COMPONENTS + place) * n
-    }
-
-    /// First entry of component number `place` of those kept in full: its flux by side, its bins, the
-    /// rays in them, its rings and its in-plane bins.
-    #[inline]
-    pub(crate) const fn component_start(&self, place: usize) -> usize {
-        self.components_start() + place * self.entries_of_component()
-    }
-
-    /// First entry of the rings of a component whose first entry is `start`.
-    #[inline]
-    pub(crate) const fn rings_of_component(&self, start: usize, side: Side) -> usize {
-        start + 2 + 2 * self.grid.len() + side.index() * self.grid.n_theta()
-    }
-
-    /// First entry of the in-plane bins of a component whose first entry is `start`.
-    #[inline]
-    pub(crate) const fn in_plane_of_component(&self, start: usize, side: Side) -> usize {
-        let rings = start + 2 + 2 * self.grid.len();
-        rings + 2 * self.grid.n_theta() + side.index() * self.in_plane_len()
-    }
-
-    /// Number of in-plane bins per side.
-    #[inline]
-    #[must_use]
-    pub const fn in_plane_len(&self) -> usize {
-        2 * self.grid.n_theta()
-    }
-
-    const fn entries_of_component(&self) -> usize {
-        2 + 2 * self.grid.len() + 2 * (self.grid.n_theta() + self.in_plane_len())
-    }
-
-    const fn components_start(&self) -> usize {
-        self.hits_base() + 2 * self.grid.len()
-    }
-
-    #[inline]
-    const fn rings_base(&self) -> usize {
-        BINS_START + BIN_COMPONENTS * self.grid.len()
-    }
-
-    #[inline]
-    const fn in_plane_base(&self) -> usize {
-        self.rings_base() + 2 * RING_COMPONENTS * self.grid.n_theta()
-    }
-
-    #[inline]
-    const fn hits_base(&self) -> usize {
-        self.in_plane_base() + 2 * RING_COMPONENTS * self.in_plane_len()
-    }
-}
-
-/// Number of a component among [`Component::ORDERS`] and all.
-fn order_place(component: Component) -> Option<usize> {
-    if component == Component::All {
-        return Some(Component::ORDERS.len());
-    }
-    Component::ORDERS.iter().position(|c| *c == component)
 }
 
 fn not_kept(score: &str, component: Component) -> usize {
@@ -618,46 +385,6 @@ impl Default for TallySpec {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_entry_has_one_description() {
-        let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
-        for spec in [spec, spec.with_medium()] {
-            let mut seen = vec![0_u32; spec.len()];
-            for (entries, _) in spec.sections() {
-                entries.iter().for_each(|entry| seen[entry.0] += 1);
-            }
-            assert!(seen.iter().all(|&n| n == 1), "{seen:?}");
-        }
-    }
-
-    #[test]
-    fn descriptions_lead_back_to_their_entries() {
-        let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1)
-            .unwrap()
-            .with_medium();
-        for entry in spec.entries() {
-            let EntryDescription {
-                score,
-                side,
-                component,
-                index,
-            } = spec.describe(entry);
-            let Some(side) = side else {
-                assert!(TallySpec::BUDGET.parts().contains(&entry) || entry.0 < MULTIPLE_START);
-                continue;
-            };
-            let entries = match score {
-                Score::BinFlux => spec.bin_entries(side, component),
-                Score::BinHits => spec.hit_entries(side, component),
-                Score::RingFlux => spec.ring_entries(side, component),
-                Score::InPlaneFlux => spec.in_plane_entries(side, component),
-                Score::Flux => Entries::new(spec.flux_entry(side, component).0, 1),
-                _ => continue,
-            };
-            assert_eq!(entries.get(index), entry);
-        }
-    }
 
     #[test]
     fn long_paths_and_high_orders_share_the_last_entry() {

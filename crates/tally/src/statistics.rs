@@ -12,7 +12,8 @@ pub struct Estimate {
     pub se: Option<f64>,
 }
 
-/// Running mean and variance of many quantities over equally weighted batches.
+/// Running mean and variance of several quantities over equally weighted batches; of tallies,
+/// [`TallyStatistics`](crate::TallyStatistics).
 ///
 /// Welford's recurrence, so that nothing cancels; batches are added in the order of their index, so
 /// that the bytes of the result do not depend on the number of threads.
@@ -21,8 +22,6 @@ pub struct BatchStatistics {
     batches: u64,
     mean: Vec<f64>,
     squares: Vec<f64>,
-    /// Errors below which none is reported, if any are.
-    least_errors: Vec<f64>,
 }
 
 impl BatchStatistics {
@@ -33,24 +32,7 @@ impl BatchStatistics {
             batches: 0,
             mean: vec![0.0; len],
             squares: vec![0.0; len],
-            least_errors: Vec::new(),
         }
-    }
-
-    /// Means that are known without any batch, with `errors` that they surely do not exceed.
-    ///
-    /// # Panics
-    /// If there are not as many errors as means.
-    #[must_use]
-    pub fn known(mean: Vec<f64>, errors: Vec<f64>) -> Self {
-        let squares = vec![0.0; mean.len()];
-        Self {
-            batches: 0,
-            mean,
-            squares,
-            least_errors: Vec::new(),
-        }
-        .with_least_errors(errors)
     }
 
     /// Adds one batch.
@@ -61,24 +43,6 @@ impl BatchStatistics {
         assert_eq!(batch.len(), self.mean.len(), "a batch of another layout");
         self.batches += 1;
         add_batch(self.batches, &mut self.mean, &mut self.squares, batch);
-    }
-
-    /// The same, which reports no standard error below those given, one a quantity: where rare events
-    /// decide, batches without any scatter not at all, and yet the mean is not exact.
-    ///
-    /// # Panics
-    /// If the number of quantities is another.
-    #[must_use]
-    pub fn with_least_errors(self, least_errors: Vec<f64>) -> Self {
-        assert_eq!(
-            least_errors.len(),
-            self.mean.len(),
-            "errors of another layout"
-        );
-        Self {
-            least_errors,
-            ..self
-        }
     }
 
     /// Number of batches.
@@ -105,11 +69,7 @@ impl BatchStatistics {
     pub fn estimate(&self, i: usize) -> Estimate {
         Estimate {
             mean: self.mean[i],
-            se: standard_error(
-                self.batches,
-                self.squares[i],
-                self.least_errors.get(i).copied(),
-            ),
+            se: standard_error(self.batches, self.squares[i], None),
         }
     }
 }
@@ -158,27 +118,6 @@ mod tests {
                 se: Some(0.0)
             }
         );
-    }
-
-    #[test]
-    fn no_error_is_reported_below_the_least() {
-        let mut statistics = BatchStatistics::new(2);
-        statistics.push(&[1.0, 1.0]);
-        statistics.push(&[1.0, 3.0]);
-        let statistics = statistics.with_least_errors(vec![0.5, 0.5]);
-        assert_eq!(statistics.estimate(0).se, Some(0.5));
-        assert_eq!(statistics.estimate(1).se, Some(1.0));
-    }
-
-    #[test]
-    fn what_is_known_has_its_error_without_a_batch() {
-        let statistics = BatchStatistics::known(vec![0.5], vec![1e-6]);
-        let known = Estimate {
-            mean: 0.5,
-            se: Some(1e-6),
-        };
-        assert_eq!(statistics.estimate(0), known);
-        assert_eq!(statistics.batches(), 0);
     }
 
     #[test]

@@ -28,8 +28,8 @@ pub enum Azimuth {
 /// Sums over one batch of rays.
 ///
 /// Under a [`ControlVariate`] it holds what is left when that is subtracted: visible light that is
-/// scattered once counts with what its visible share leaves of it, and light that would be scattered
-/// so but is shadowed or masked counts with minus that share. [`ControlVariate::complete`] adds the
+/// scattered once counts with what its visible fraction leaves of it, and light that would be scattered
+/// so but is shadowed or masked counts with minus that fraction. [`ControlVariate::complete`] adds the
 /// mean of what was subtracted.
 ///
 /// # Examples
@@ -108,7 +108,7 @@ impl<'c> Tally<'c> {
     pub fn add_exit(&mut self, exit: &Exit) {
         let ring = self.finder.ring(exit.side, exit.wo);
         let left = match self.control_variate {
-            Some(control) if exit.path.order() == 1 => 1.0 - control.share(exit.side, ring),
+            Some(control) if exit.path.order() == 1 => 1.0 - control.fraction(exit.side, ring),
             _ => 1.0,
         };
         self.book(exit, left * exit.flux, ring);
@@ -124,25 +124,25 @@ impl<'c> Tally<'c> {
         };
         if let (true, Some(control)) = (away, self.control_variate) {
             let ring = self.finder.ring(exit.side, exit.wo);
-            self.book(exit, -control.share(exit.side, ring) * exit.flux, ring);
+            self.book(exit, -control.fraction(exit.side, ring) * exit.flux, ring);
         }
     }
 
     /// Adds flux that was absorbed at the first interaction.
     pub fn add_first_absorbed(&mut self, flux: f64) {
-        let share = self.absorbed_share();
-        self.add_loss(Loss::Absorbed, (1.0 - share) * flux);
+        let fraction = self.absorbed_fraction();
+        self.add_loss(Loss::Absorbed, (1.0 - fraction) * flux);
     }
 
     /// Subtracts, under a control variate, flux that a shadowed facet would absorb if it were lit.
     pub fn add_shadowed_absorbed(&mut self, flux: f64) {
-        let share = self.absorbed_share();
-        self.add_loss(Loss::Absorbed, -share * flux);
+        let fraction = self.absorbed_fraction();
+        self.add_loss(Loss::Absorbed, -fraction * flux);
     }
 
-    fn absorbed_share(&self) -> f64 {
+    fn absorbed_fraction(&self) -> f64 {
         self.control_variate
-            .map_or(0.0, ControlVariate::absorbed_share)
+            .map_or(0.0, ControlVariate::absorbed_fraction)
     }
 
     /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
@@ -162,7 +162,7 @@ impl<'c> Tally<'c> {
         let multiple = usize::from(path.order() > 1);
         self.values[spec.order_entry(side, path.order() as usize).0] += flux;
         self.values[spec.event_path_entry(side, path).0] += flux;
-        self.values[spec.rings_start(side, group) + ring] += flux;
+        self.values[spec.places().rings_start(side, group) + ring] += flux;
 
         let grid = spec.grid();
         let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
@@ -175,11 +175,11 @@ impl<'c> Tally<'c> {
             },
             Some(slice) => {
                 let bin = first + self.finder.sector(wo);
-                self.values[spec.bins_start(multiple) + bin] += flux;
+                self.values[spec.places().bins_start(multiple) + bin] += flux;
                 let half = slice.half(wo);
                 let in_plane = half.map(|half| spec.in_plane_filter(side).number(ring, half));
                 if let Some(i) = in_plane {
-                    self.values[spec.in_plane_start(side, group) + i] += flux;
+                    self.values[spec.places().in_plane_start(side, group) + i] += flux;
                 }
                 Direction {
                     ring,
@@ -188,7 +188,7 @@ impl<'c> Tally<'c> {
                 }
             }
         };
-        self.values[spec.hits_start(multiple) + direction.bin] += 1.0;
+        self.values[spec.places().hits_start(multiple) + direction.bin] += 1.0;
         if !spec.components().is_empty() {
             self.book_components(exit, flux, direction);
         }
@@ -207,16 +207,16 @@ impl<'c> Tally<'c> {
             if !component.accepts(exit) {
                 continue;
             }
-            let start = spec.component_start(place);
+            let start = spec.places().component_start(place);
             self.values[start + side.index()] += flux;
-            self.values[spec.rings_of_component(start, side) + ring] += flux;
+            self.values[spec.places().rings_of_component(start, side) + ring] += flux;
             let bins = start + 2;
             self.values[bins + spec.grid().len() + bin] += 1.0;
             if self.slice.is_some() {
                 self.values[bins + bin] += flux;
             }
             if let Some(i) = in_plane {
-                self.values[spec.in_plane_of_component(start, side) + i] += flux;
+                self.values[spec.places().in_plane_of_component(start, side) + i] += flux;
             }
         }
     }
@@ -248,7 +248,7 @@ impl<'c> Tally<'c> {
                 for ring in 0..spec.grid().n_theta() {
                     self.spread(side, ring);
                     for place in 0..spec.components().len() {
-                        self.spread_component(side, ring, spec.component_start(place));
+                        self.spread_component(side, ring, spec.places().component_start(place));
                     }
                 }
             }
@@ -256,14 +256,15 @@ impl<'c> Tally<'c> {
         for side in Side::BOTH {
             self.sum_orders(side);
             for i in 0..spec.ring_filter(side).len() {
-                self.sum_groups(|group| spec.rings_start(side, group) + i);
+                self.sum_groups(|group| spec.places().rings_start(side, group) + i);
             }
             for i in 0..spec.in_plane_filter(side).len() {
-                self.sum_groups(|group| spec.in_plane_start(side, group) + i);
+                self.sum_groups(|group| spec.places().in_plane_start(side, group) + i);
             }
         }
         for i in 0..spec.grid().len() {
-            let [single, multiple, all] = [0, 1, 2].map(|place| spec.bins_start(place) + i);
+            let [single, multiple, all] =
+                [0, 1, 2].map(|place| spec.places().bins_start(place) + i);
             self.values[all] = self.values[single] + self.values[multiple];
         }
         let per_ray = 1.0 / rays as f64;
@@ -275,13 +276,16 @@ impl<'c> Tally<'c> {
     fn spread(&mut self, side: Side, ring: usize) {
         let spec = self.spec;
         let fluxes = [0, 1, 2, 3].map(|group| {
-            let flux = self.values[spec.rings_start(side, group) + ring];
-            self.spread_in_plane(side, ring, spec.in_plane_start(side, group), flux);
+            let flux = self.values[spec.places().rings_start(side, group) + ring];
+            self.spread_in_plane(side, ring, spec.places().in_plane_start(side, group), flux);
             flux
         });
         let [first, second, third, more] = fluxes;
         for (place, flux) in [(0, first), (1, second + third + more)] {
-            let [bins, hits] = [spec.bins_start(place), spec.hits_start(place)];
+            let [bins, hits] = [
+                spec.places().bins_start(place),
+                spec.places().hits_start(place),
+            ];
             self.spread_over_bins(side, ring, [bins, hits], flux);
         }
     }
@@ -289,8 +293,13 @@ impl<'c> Tally<'c> {
     /// The same for the component whose first entry is `start`.
     fn spread_component(&mut self, side: Side, ring: usize, start: usize) {
         let spec = self.spec;
-        let flux = self.values[spec.rings_of_component(start, side) + ring];
-        self.spread_in_plane(side, ring, spec.in_plane_of_component(start, side), flux);
+        let flux = self.values[spec.places().rings_of_component(start, side) + ring];
+        self.spread_in_plane(
+            side,
+            ring,
+            spec.places().in_plane_of_component(start, side),
+            flux,
+        );
         let bins = start + 2;
         self.spread_over_bins(side, ring, [bins, bins + spec.grid().len()], flux);
     }

@@ -307,13 +307,16 @@ impl TallyValues {
             assert_eq!(entries.len(), fluxes.len(), "fluxes of other bins");
             entries.iter_mut().zip(fluxes).for_each(|(a, b)| *a += b);
         };
-        if let Some(start) = spec.find_flux(side, component) {
+        if let Some(start) = spec.places().find_flux(side, component) {
             self.values[start] += fluxes.total;
         }
         for (start, fluxes) in [
-            (spec.find_bins(side, component), &fluxes.bins),
-            (spec.find_rings(side, component), &fluxes.rings),
-            (spec.find_in_plane(side, component), &fluxes.in_plane),
+            (spec.places().find_bins(side, component), &fluxes.bins),
+            (spec.places().find_rings(side, component), &fluxes.rings),
+            (
+                spec.places().find_in_plane(side, component),
+                &fluxes.in_plane,
+            ),
         ] {
             if let Some(start) = start {
                 add(&mut self.values[start..start + fluxes.len()], fluxes);

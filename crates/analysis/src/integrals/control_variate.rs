@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use asperity_optics::{Incidence, Material};
-use asperity_tally::{ControlVariate, Side, TallySpec, VisibleShares};
+use asperity_tally::{ControlVariate, Side, TallySpec, VisibleFractions};
 use rayon::prelude::*;
 
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
@@ -61,7 +61,7 @@ pub fn unshadowed_control_variate(
 ) -> Result<ControlVariate, ModelError> {
     let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
     let all = vec![1.0; spec.grid().n_theta()];
-    let shares = VisibleShares {
+    let shares = VisibleFractions {
         rings: [all.clone(), all],
         absorbed: 1.0,
     };
@@ -84,7 +84,7 @@ pub fn visible_fractions(
     material: Material,
     incidence: Incidence,
     spec: &TallySpec,
-) -> Result<VisibleShares, ModelError> {
+) -> Result<VisibleFractions, ModelError> {
     let interface = valid_interface(*slopes, material)?;
     let distribution = &interface.distribution;
     let unshadowed = |wi, wo| interface.unshadowed_bsdf(wi, wo);
@@ -120,7 +120,7 @@ pub fn visible_fractions(
             })
             .collect()
     });
-    Ok(VisibleShares {
+    Ok(VisibleFractions {
         rings,
         absorbed: rounded_fraction(distribution.g1(incidence.wi())),
     })

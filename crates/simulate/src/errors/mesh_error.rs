@@ -412,7 +412,7 @@ impl FirstOrder<'_> {
         } = *self.case;
         let control = control_variate(&slopes(&psd)?, material, incidence, self.spec)?;
         let fluxes = self.fluxes(&self.slopes(synthesis)?)?;
-        let of_mesh = ControlVariate::new(*self.spec, control.shares().clone(), &fluxes);
+        let of_mesh = ControlVariate::new(*self.spec, control.fractions().clone(), &fluxes);
         let mut shift = of_mesh
             .expected()
             .zip_map(control.expected(), |mesh, surface| {

@@ -9,7 +9,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{
     Component, ControlVariate, Entry, HemisphereGrid, Sides, TallyResult, TallySpec,
-    TallyStatistics, TallyValues, VisibleShares,
+    TallyStatistics, TallyValues, VisibleFractions,
 };
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
@@ -68,7 +68,7 @@ impl Setting {
             both,
             facets,
         );
-        let shares = VisibleShares {
+        let shares = VisibleFractions {
             rings: [
                 (0..n).map(|i| 0.9 - 0.12 * i as f64).collect(),
                 (0..n).map(|i| 0.4 + 0.1 * i as f64).collect(),
@@ -266,7 +266,7 @@ fn a_mean_without_its_cosine_is_noticed() {
             sum.update(&part, |sum, value| *sum += cos_theta_m * value);
         }
         let n = both.grid().n_theta();
-        let shares = VisibleShares {
+        let shares = VisibleFractions {
             rings: [vec![0.8; n], vec![0.8; n]],
             absorbed: 0.8,
         };

@@ -459,7 +459,10 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     let bins = &control.expected()[spec.grid_entries(Component::Single)];
     for (i, (expected, flux)) in bins.iter().zip(&fluxes.bins).enumerate() {
         if i < spec.grid().bins_per_side() {
-            assert_eq!(*expected, flux * control.share(Side::Reflected, i / n_phi));
+            assert_eq!(
+                *expected,
+                flux * control.fraction(Side::Reflected, i / n_phi)
+            );
         } else {
             assert_eq!(*expected, 0.0);
         }
@@ -467,7 +470,7 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     let rings = &control.expected()[spec.ring_entries(Side::Reflected, Component::Single)];
     let sum: f64 = rings.iter().sum();
     assert!((sum - control.expected().budget().reflected).abs() < 1e-14);
-    let absorbed = control.absorbed_share() * fluxes.absorbed;
+    let absorbed = control.absorbed_fraction() * fluxes.absorbed;
     assert_eq!(control.expected().budget().absorbed, absorbed);
     // Smith's masking sends away less than falls in, and at 70 deg most of it.
     assert!((0.5..1.0).contains(&(sum + absorbed)), "{sum} {absorbed}");
