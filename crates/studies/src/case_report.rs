@@ -9,7 +9,7 @@ use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
 use crate::compared::{COMPARED, key};
-use crate::conclusion::{conclusion, strongest_deviation, verdict_word};
+use crate::conclusion::{conclusion, strongest_deviation, verdict_name};
 use crate::energies::{endings, errors_table, flux_with_error, lost_warning, recorded_orders};
 use crate::models::{ComparedComponent, ModelOutcome};
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
@@ -273,7 +273,7 @@ fn distribution_table(
             row.compared
                 .verdict
                 .as_ref()
-                .map(|verdict| verdict_word(verdict).to_owned())
+                .map(|verdict| verdict_name(verdict).to_owned())
         }));
     if part != Component::All && case.models.iter().any(|m| m.judged_part() == part) {
         let heading = format!("total variation from {orders}");
@@ -351,7 +351,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
         }))
         .column(Column::new("multiple", "", multiple).format(Format::Fixed(5)))
         .column(Column::new("verdict", "", |row: &Row<'_>| {
-            row.compared.verdict.as_ref().map(verdict_word)
+            row.compared.verdict.as_ref().map(verdict_name)
         }))
         .text(judged)
 }

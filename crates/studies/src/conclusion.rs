@@ -54,8 +54,8 @@ fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e6).round() / 1e6
 }
 
-/// One word for a verdict.
-pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
+/// A verdict as summary.json has it.
+pub(crate) const fn verdict_key(verdict: &Verdict) -> &'static str {
     match verdict {
         Verdict::Holds => "holds",
         Verdict::Fails => "fails",
@@ -63,8 +63,16 @@ pub(crate) fn verdict_word(verdict: &Verdict) -> &'static str {
     }
 }
 
-/// The sentences that say which models hold within the error: one for each share of the light that a
-/// model claims.
+/// A verdict in words. A model that is not rejected may still be wrong by less than the error.
+pub(crate) const fn verdict_name(verdict: &Verdict) -> &'static str {
+    match verdict {
+        Verdict::Holds => "not rejected",
+        Verdict::Fails => "rejected",
+        Verdict::NotResolved(_) => "not resolved",
+    }
+}
+
+/// The sentences that say which models are rejected: one for each component of the light that a model describes.
 pub(crate) fn conclusion(spec: &TallySpec, case: &CaseOutcome) -> String {
     let level = short(round_to(case.level, 2));
     let sentences: Vec<String> = [
@@ -85,59 +93,70 @@ pub(crate) fn conclusion(spec: &TallySpec, case: &CaseOutcome) -> String {
     sentences.join("\n")
 }
 
-/// What is said of the models that claim a part of the light; `None` if none does.
+/// The test of one model.
+#[derive(Clone, Copy)]
+struct Tested<'a> {
+    name: &'a str,
+    comparison: &'a Comparison,
+    verdict: &'a Verdict,
+}
+
+/// What is said of the models that describe a component of the light; `None` if none does.
 fn clauses(spec: &TallySpec, case: &CaseOutcome, part: Component) -> Option<String> {
-    let claims: Vec<(&str, &Comparison, &Verdict)> = case
-        .models
-        .iter()
-        .filter_map(|model| {
-            let part = model.compared(part)?;
-            Some((model.model.name(), &part.comparison, part.verdict.as_ref()?))
+    let tested = case.models.iter().filter_map(|model| {
+        let compared = model.compared(part)?;
+        Some(Tested {
+            name: model.model.name(),
+            comparison: &compared.comparison,
+            verdict: compared.verdict.as_ref()?,
         })
-        .collect();
-    let named = |wanted: &str| -> Vec<(&str, &Comparison, &Verdict)> {
-        let mut claims = claims.clone();
-        claims.retain(|(_, _, verdict)| verdict_word(verdict) == wanted);
-        claims
-    };
-    let list = |claims: &[(&str, &Comparison, &Verdict)]| {
-        let names: Vec<&str> = claims.iter().map(|claim| claim.0).collect();
-        match names.as_slice() {
-            [] => String::new(),
-            [one] => (*one).to_owned(),
-            [most @ .., last] => format!("{} and {last}", most.join(", ")),
-        }
-    };
-    let (holds, fails, open) = (named("holds"), named("fails"), named("not resolved"));
+    });
+    let tested: Vec<Tested<'_>> = tested.collect();
+    let of = |is: fn(&Verdict) -> bool| tested.iter().copied().filter(move |t| is(t.verdict));
+    let not_rejected = of(|verdict| matches!(verdict, Verdict::Holds));
+    let rejected = of(|verdict| matches!(verdict, Verdict::Fails));
+    let not_resolved = of(|verdict| matches!(verdict, Verdict::NotResolved(_)));
     let mut clauses = Vec::new();
-    if !holds.is_empty() {
-        let seen = holds
-            .iter()
-            .filter_map(|(_, comparison, _)| comparison.total_variation.noise_95)
-            .fold(0.0, f64::max);
-        clauses.push(format!(
-            "{} {} within the error (in total variation, noise alone reaches {})",
-            list(&holds),
-            if holds.len() == 1 { "holds" } else { "hold" },
-            distance(seen),
-        ));
-    }
-    for (name, comparison, _) in &fails {
-        let found = &comparison.total_variation;
-        let noise = found.noise.unwrap_or(0.0);
-        let place = strongest_deviation(comparison, spec).unwrap_or_default();
-        clauses.push(format!(
-            "{name} fails, most clearly in {place} (total variation {}, noise alone {})",
+    clauses.extend(clause_not_rejected(&not_rejected.collect::<Vec<_>>()));
+    clauses.extend(rejected.map(|tested| {
+        let found = &tested.comparison.total_variation;
+        let place = strongest_deviation(tested.comparison, spec).unwrap_or_default();
+        format!(
+            "{} is rejected, most clearly in {place} (total variation {}, noise alone {})",
+            tested.name,
             distance(found.observed),
-            distance(noise),
-        ));
-    }
-    if let Some((_, _, Verdict::NotResolved(reason))) = open.first() {
-        clauses.push(format!(
-            "{} {} not resolved ({reason})",
-            list(&open),
-            if open.len() == 1 { "is" } else { "are" },
-        ));
+            distance(found.noise.unwrap_or(0.0)),
+        )
+    }));
+    let not_resolved: Vec<Tested<'_>> = not_resolved.collect();
+    if let Some(Verdict::NotResolved(reason)) = not_resolved.first().map(|tested| tested.verdict) {
+        let (names, are) = named(&not_resolved);
+        clauses.push(format!("{names} {are} not resolved ({reason})"));
     }
     (!clauses.is_empty()).then(|| clauses.join("; "))
+}
+
+fn clause_not_rejected(tested: &[Tested<'_>]) -> Option<String> {
+    if tested.is_empty() {
+        return None;
+    }
+    let noise = tested
+        .iter()
+        .filter_map(|tested| tested.comparison.total_variation.noise_95)
+        .fold(0.0, f64::max);
+    let (names, are) = named(tested);
+    Some(format!(
+        "{names} {are} not rejected (in total variation, noise alone reaches {})",
+        distance(noise),
+    ))
+}
+
+/// The names of models, and the verb that goes with them.
+fn named(tested: &[Tested<'_>]) -> (String, &'static str) {
+    let names: Vec<&str> = tested.iter().map(|tested| tested.name).collect();
+    match names.as_slice() {
+        [] => (String::new(), "are"),
+        [one] => ((*one).to_owned(), "is"),
+        [most @ .., last] => (format!("{} and {last}", most.join(", ")), "are"),
+    }
 }

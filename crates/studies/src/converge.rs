@@ -34,6 +34,7 @@ mod config;
 mod deviation;
 mod files;
 mod fit;
+mod json;
 mod method;
 mod stage;
 mod tables;
@@ -52,8 +53,9 @@ use crate::verify::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};
 pub use deviation::RepeatedError;
-pub use files::{converge_report, converge_summary};
+pub use files::converge_report;
 pub use fit::{Fit, SecondsTo};
+pub use json::converge_summary;
 pub use method::{Effort, Method};
 pub use tables::converge_table;
 

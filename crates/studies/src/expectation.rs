@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use asperity_analysis::{Expectation, ScatteringModel};
+use asperity_analysis::{Expectation, ScatteringModel, Scope};
 use asperity_io::WriteError;
-use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
+use asperity_tally::{Component, Estimate, Side, TallyResult, TallyStatistics};
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::output::{Column, Table, bin_columns, over, projected_solid_angle, solid_angle_column};
-use crate::summary::orders;
+use crate::output::{
+    Column, Head, Table, bin_columns, over, projected_solid_angle, solid_angle_column,
+};
+use crate::summary::{Order, orders};
 
 /// Writes a row per bin: its place, solid angle, flux and BSDF with standard errors, and the flux scattered
 /// once and more often apart. Errors are zero where nothing was sampled.
@@ -54,30 +57,55 @@ fn table(statistics: &TallyStatistics) -> Table<'_, usize> {
         ))
 }
 
+#[derive(Serialize)]
+struct Summary {
+    #[serde(flatten)]
+    head: Head,
+    model: &'static str,
+    description: &'static str,
+    valid_range: &'static str,
+    scope: Scope,
+    rays: u64,
+    energy: Energy,
+    orders: Orders,
+}
+
+#[derive(Serialize)]
+struct Energy {
+    /// `None` on a side that is not recorded.
+    reflected: Option<Estimate>,
+    transmitted: Option<Estimate>,
+    absorbed: Estimate,
+    truncated: Estimate,
+}
+
+#[derive(Serialize)]
+struct Orders {
+    reflected: Vec<Order>,
+    transmitted: Vec<Order>,
+}
+
 /// The energies that a model expects, in all and by order of scattering.
 #[must_use]
 pub fn expectation_json(model: &dyn ScatteringModel, expectation: &Expectation) -> Value {
     let statistics = expectation.statistics();
     let budget = statistics.budget();
-    let orders = |side| json!(orders(statistics, side));
-    json!({
-        "schema": 1,
-        "command": "model",
-        "version": env!("CARGO_PKG_VERSION"),
-        "model": model.name(),
-        "description": model.description(),
-        "valid_range": model.valid_range(),
-        "scope": model.scope(),
-        "rays": expectation.rays(),
-        "energy": {
-            "reflected": budget.reflected,
-            "transmitted": budget.transmitted,
-            "absorbed": budget.absorbed,
-            "truncated": budget.truncated,
+    json!(Summary {
+        head: Head::of("model"),
+        model: model.name(),
+        description: model.description(),
+        valid_range: model.valid_range(),
+        scope: model.scope(),
+        rays: expectation.rays(),
+        energy: Energy {
+            reflected: budget.reflected,
+            transmitted: budget.transmitted,
+            absorbed: budget.absorbed,
+            truncated: budget.truncated,
         },
-        "orders": {
-            "reflected": orders(Side::Reflected),
-            "transmitted": orders(Side::Transmitted),
+        orders: Orders {
+            reflected: orders(statistics, Side::Reflected),
+            transmitted: orders(statistics, Side::Transmitted),
         },
     })
 }

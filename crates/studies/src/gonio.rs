@@ -7,6 +7,7 @@
 mod config;
 mod figures;
 mod files;
+mod json;
 mod plan;
 mod results;
 mod sample;
@@ -28,10 +29,11 @@ use crate::verify::{VerifyError, VerifyOutcome, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
 pub use files::gonio_report;
+pub use json::gonio_summary;
 pub use results::{DirectionResults, Means, MeasuredPart};
 pub use sample::{Sample, SampleShape};
 pub use setting::Setting;
-pub use summary::{gonio_summary, gonio_table};
+pub use summary::gonio_table;
 
 use plan::{Plan, Work};
 

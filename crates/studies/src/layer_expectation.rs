@@ -7,9 +7,10 @@ use asperity_analysis::{FlatLayer, LayerPaths, UnscatteredBeam};
 use asperity_io::WriteError;
 use asperity_optics::{Incidence, Layer};
 use asperity_tally::{Component, Side, TallyResult, TallyValues};
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::output::{Column, Table, bin_columns, projected_solid_angle, solid_angle_column};
+use crate::output::{Column, Head, Table, bin_columns, projected_solid_angle, solid_angle_column};
 
 /// The components that such a model describes.
 const DESCRIBED: [Component; 2] = [Component::Unscattered, Component::ScatteredOnce];
@@ -97,6 +98,40 @@ pub fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String>
     beams.iter().map(sentence).collect()
 }
 
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    head: Head,
+    model: &'static str,
+    description: &'static str,
+    valid_range: &'static str,
+    layer: &'a Layer,
+    optical_thickness: f64,
+    energy: Energy,
+    unscattered: Vec<Beam>,
+}
+
+#[derive(Serialize)]
+struct Energy {
+    unscattered: Sides,
+    once: Sides,
+}
+
+#[derive(Serialize)]
+struct Sides {
+    reflected: f64,
+    transmitted: f64,
+}
+
+/// A direction into which unscattered light goes.
+#[derive(Serialize)]
+struct Beam {
+    side: Side,
+    theta_deg: f64,
+    phi_deg: f64,
+    flux: f64,
+}
+
 /// The energies that a model of `layer` expects, and where unscattered light goes. An infinite optical
 /// thickness is null.
 #[must_use]
@@ -106,31 +141,31 @@ pub fn layer_expectation_json(
     expected: &TallyValues,
 ) -> Value {
     let paths: LayerPaths = model.paths();
-    let beams: Vec<Value> = model
-        .unscattered(incidence.wi())
-        .iter()
-        .map(|beam| {
-            let [theta, phi] = beam.angles_deg();
-            json!({"side": beam.side, "theta_deg": theta, "phi_deg": phi, "flux": beam.flux})
-        })
-        .collect();
-    let energy = |component| {
-        let of = |side| expected.flux(side, component);
-        json!({"reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted)})
+    let beams = model.unscattered(incidence.wi());
+    let beams = beams.iter().map(|beam| {
+        let [theta_deg, phi_deg] = beam.angles_deg();
+        Beam {
+            side: beam.side,
+            theta_deg,
+            phi_deg,
+            flux: beam.flux,
+        }
+    });
+    let sides = |component| Sides {
+        reflected: expected.flux(Side::Reflected, component),
+        transmitted: expected.flux(Side::Transmitted, component),
     };
-    json!({
-        "schema": 1,
-        "command": "model",
-        "version": env!("CARGO_PKG_VERSION"),
-        "model": paths.name(),
-        "description": paths.description(),
-        "valid_range": paths.valid_range(),
-        "layer": layer,
-        "optical_thickness": model.optical_thickness(),
-        "energy": {
-            "unscattered": energy(Component::Unscattered),
-            "once": energy(Component::ScatteredOnce),
+    json!(Summary {
+        head: Head::of("model"),
+        model: paths.name(),
+        description: paths.description(),
+        valid_range: paths.valid_range(),
+        layer,
+        optical_thickness: model.optical_thickness(),
+        energy: Energy {
+            unscattered: sides(Component::Unscattered),
+            once: sides(Component::ScatteredOnce),
         },
-        "unscattered": beams,
+        unscattered: beams.collect(),
     })
 }

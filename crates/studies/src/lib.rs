@@ -11,6 +11,7 @@ mod case_model;
 mod case_report;
 mod cases;
 mod compared;
+mod comparison_json;
 mod conclusion;
 mod config;
 mod converge;

@@ -7,6 +7,7 @@ mod cell;
 mod config;
 mod files;
 mod interval;
+mod json;
 mod summary;
 mod tables;
 #[cfg(test)]
@@ -22,8 +23,9 @@ use crate::verify::{VerifyError, verify};
 
 pub use cell::{CellDistances, CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare};
 pub use config::{MapConfig, ToleranceConfig};
-pub use files::{map_report, map_summary};
+pub use files::map_report;
 pub use interval::{CellVerdict, Interval};
+pub use json::map_summary;
 pub use summary::{ModelSummary, map_table, summarise};
 
 use config::CellPlan;

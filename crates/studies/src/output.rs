@@ -3,6 +3,7 @@
 mod align;
 mod checkpoints;
 mod columns;
+mod head;
 mod number;
 mod place;
 mod table;
@@ -16,6 +17,7 @@ pub(crate) use columns::{
     bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle, ray_count,
     solid_angle_column,
 };
+pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use table::{Cell, Column, Format, Table};

@@ -3,19 +3,17 @@
 use asperity_io::{ResultFolder, ResultFolderError, WriteError, write_bytes, write_json};
 use asperity_plot::PlotError;
 use asperity_simulate::{Observer, TraceOutcome};
-use asperity_tally::{Component, Side, TallySpec};
+use asperity_tally::TallySpec;
 use rayon::prelude::*;
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use serde_json::{Value, json};
 
-use crate::case_model::CaseModel;
 use crate::case_report::{case_table, verify_table, warnings};
-use crate::compared::{COMPARED, key};
-use crate::conclusion::{conclusion, verdict_word};
+use crate::comparison_json::ComparisonJson;
 use crate::config::{ConfigError, VerifyConfig};
 use crate::figures::{self, Light};
 use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
-use crate::models::ComparedComponent;
-use crate::output::{Place, figure_files, of_cases};
+use crate::output::{Head, Place, figure_files, of_cases};
 use crate::summary::Summary;
 use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
 
@@ -226,27 +224,39 @@ fn write_case(
     plots
 }
 
+#[derive(Serialize)]
+struct SummaryOfCases {
+    #[serde(flatten)]
+    head: Head,
+    seed: u64,
+    config: Value,
+    cases: Vec<CaseInFolder>,
+    seconds: f64,
+}
+
+#[derive(Serialize)]
+struct CaseInFolder {
+    folder: String,
+    summary: Summary,
+}
+
 /// The contents of summary.json of a verification: that of its case, or, of several, a list of all
 /// with their folders.
 #[must_use]
 pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
-    let value = |case| serde_json::to_value(case_summary(outcome, case)).unwrap_or(Value::Null);
     if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
-        return value(case);
+        return json!(case_summary(outcome, case));
     }
-    let cases: Vec<Value> = outcome
-        .cases
-        .iter()
-        .map(|case| json!({ "folder": case.case.folder(), "summary": value(case) }))
-        .collect();
-    json!({
-        "schema": 1,
-        "command": "verify",
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.run.seed,
-        "config": config_json(outcome),
-        "cases": cases,
-        "seconds": outcome.seconds,
+    let cases = outcome.cases.iter().map(|case| CaseInFolder {
+        folder: case.case.folder(),
+        summary: case_summary(outcome, case),
+    });
+    json!(SummaryOfCases {
+        head: Head::of("verify"),
+        seed: outcome.config.run.seed,
+        config: config_json(outcome),
+        cases: cases.collect(),
+        seconds: outcome.seconds,
     })
 }
 
@@ -262,7 +272,7 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
         case.work.clone(),
     )
     .with_errors(case.errors.to_json())
-    .with_comparison(comparison_json(&outcome.spec, case))
+    .with_comparison(json!(ComparisonJson::of(&outcome.spec, case)))
     .with_warnings(warnings(outcome, case))
     .with_stopping(case.stopping.clone())
     .with_deviation_bound(case.deviation_bound)
@@ -278,61 +288,4 @@ fn config_json(outcome: &VerifyOutcome) -> Value {
         run.remove("rays");
     }
     config
-}
-
-/// Verdicts, p values and distances of one case.
-fn comparison_json(spec: &TallySpec, case: &CaseOutcome) -> Value {
-    let models: Vec<Value> = case
-        .models
-        .iter()
-        .map(|model| {
-            let against = |part: &ComparedComponent| {
-                let distance = &part.comparison.total_variation;
-                let test = part.comparison.test.as_ref().ok();
-                json!({
-                    "total_variation": distance.observed,
-                    "total_variation_noise": distance.noise,
-                    "total_variation_noise_95": distance.noise_95,
-                    "bins_tested": part.comparison.bins.iter().filter(|bin| bin.tested).count(),
-                    "p": test.map(|t| t.p),
-                    "scales": test.map(|t| &t.scales),
-                    "least_p": test.map(|t| t.min_p),
-                    "sign_flips": test.map(|t| t.flips),
-                    "verdict": part.verdict.as_ref().map(verdict_word),
-                })
-            };
-            let energy = |part| {
-                let of = |side| model.energy(part, side).filter(|_| spec.records(side));
-                json!({ "reflected": of(Side::Reflected), "transmitted": of(Side::Transmitted) })
-            };
-            let judged = |side| {
-                let energy = model.energy(model.judged_part(), side);
-                energy
-                    .filter(|_| spec.records(side))
-                    .map(|energy| energy.mean)
-            };
-            let mut found = json!({
-                "model": model.model.name(),
-                "scope": model.model.scope(),
-                "reflected": judged(Side::Reflected),
-                "transmitted": judged(Side::Transmitted),
-                "rays": (!model.expectation.is_exact()).then(|| model.expectation.rays()),
-                "verdict": model.judged().verdict.as_ref().map(verdict_word),
-            });
-            let of_layer = matches!(model.model, CaseModel::Layer(_));
-            let parts = COMPARED
-                .into_iter()
-                .filter(|c| *c == Component::All || c.is_of_medium() == of_layer);
-            let mut energies = Map::new();
-            for part in parts {
-                let name = key(part).into_owned();
-                let described = model.describes(part).then(|| energy(part));
-                energies.insert(name.clone(), json!(described));
-                found[name] = json!(model.compared(part).map(against));
-            }
-            found["energy"] = json!(energies);
-            found
-        })
-        .collect();
-    json!({ "level": case.level, "models": models, "conclusion": conclusion(spec, case).replace('\n', " ") })
 }

@@ -6,6 +6,8 @@ use asperity_tally::{
 };
 use serde::Serialize;
 
+use crate::output::Head;
+
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
     /// `None` on a side that is not asked for.
@@ -55,10 +57,9 @@ struct Inside {
 /// The contents of summary.json.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    schema: u32,
-    command: &'static str,
+    #[serde(flatten)]
+    head: Head,
     config: serde_json::Value,
-    version: &'static str,
     seed: u64,
     /// What the standard errors come from: `surfaces` or `ray blocks`.
     errors_from: &'static str,
@@ -101,10 +102,8 @@ impl Summary {
         let orders = |side| spec.records(side).then(|| orders(statistics, side));
         let budget = statistics.budget();
         Self {
-            schema: 1,
-            command,
+            head: Head::of(command),
             config,
-            version: env!("CARGO_PKG_VERSION"),
             seed,
             errors_from,
             batches: statistics.batches(),

@@ -3,12 +3,13 @@
 use asperity_simulate::Observer;
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::tables::attenuation_table;
-use super::{AttenuationConfig, AttenuationOutcome, figures, tables};
+use super::{AttenuationConfig, AttenuationOutcome, AttenuationWork, figures, tables};
 use crate::figures::save;
-use crate::output::{Place, figure_files};
+use crate::output::{Head, Place, figure_files};
 use crate::report::ReportError;
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
@@ -71,24 +72,36 @@ impl AttenuationConfig {
     }
 }
 
+#[derive(Serialize)]
+struct Summary<'a> {
+    #[serde(flatten)]
+    head: Head,
+    seed: u64,
+    config: &'a AttenuationConfig,
+    mesh_slope_deficit: f64,
+    rows: Value,
+    demarcation: Value,
+    visibility: Value,
+    columns: Value,
+    work: &'a AttenuationWork,
+}
+
 /// The contents of summary.json.
 #[must_use]
 pub fn attenuation_summary(outcome: &AttenuationOutcome) -> Value {
-    json!({
-        "schema": 1,
-        "command": "attenuation",
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.run.seed,
-        "config": outcome.config,
-        "mesh_slope_deficit": outcome.mesh_slope_deficit,
-        "rows": tables::attenuation().json(&outcome.rows),
-        "demarcation": tables::demarcation().json(&outcome.demarcation),
-        "visibility": tables::visibility().json(&outcome.visibility),
-        "columns": {
+    json!(Summary {
+        head: Head::of("attenuation"),
+        seed: outcome.config.run.seed,
+        config: &outcome.config,
+        mesh_slope_deficit: outcome.mesh_slope_deficit,
+        rows: tables::attenuation().json(&outcome.rows),
+        demarcation: tables::demarcation().json(&outcome.demarcation),
+        visibility: tables::visibility().json(&outcome.visibility),
+        columns: json!({
             "attenuation.csv": tables::attenuation().description(),
             "demarcation.csv": tables::demarcation().description(),
             "visibility.csv": tables::visibility().description(),
-        },
-        "work": outcome.work,
+        }),
+        work: &outcome.work,
     })
 }

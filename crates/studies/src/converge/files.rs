@@ -4,9 +4,9 @@ use asperity_simulate::Observer;
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
-use serde_json::{Value, json};
 
-use super::tables::{case_table, converge_table, convergence, method_name, write_convergence};
+use super::json::{case_summary, converge_summary};
+use super::tables::{case_table, converge_table, method_name, write_convergence};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
 use crate::config::ConfigError;
 use crate::figures;
@@ -91,84 +91,6 @@ fn write_case(
         figures::save(&[place], "convergence", &figure)?;
     }
     Ok(())
-}
-
-/// The contents of summary.json: that of the case, or, of several, a list of all with their folders.
-#[must_use]
-pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
-    if let ([case], false) = (outcome.cases.as_slice(), outcome.several()) {
-        return case_summary(outcome, case);
-    }
-    let cases: Vec<Value> = outcome
-        .cases
-        .iter()
-        .map(|case| json!({ "folder": case.case.folder(), "summary": case_summary(outcome, case) }))
-        .collect();
-    json!({
-        "schema": 1,
-        "command": "converge",
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.converge.seed,
-        "config": outcome.config,
-        "cases": cases,
-        "seconds": outcome.seconds,
-    })
-}
-
-fn case_summary(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Value {
-    let methods: Vec<Value> = case
-        .methods
-        .iter()
-        .map(|method| method_summary(outcome, case, method))
-        .collect();
-    json!({
-        "schema": 1,
-        "command": "converge",
-        "config": { "converge": outcome.config, "case": case.case },
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.converge.seed,
-        "reference": case.reference,
-        "exact": case.is_exact,
-        "methods": methods,
-        "columns": { "convergence.csv": convergence(case).description() },
-        "work": case.work,
-    })
-}
-
-fn method_summary(
-    outcome: &ConvergeOutcome,
-    case: &ConvergedCase,
-    method: &MethodOutcome,
-) -> Value {
-    let of = &method.method;
-    let seconds_to: Vec<Value> = outcome
-        .errors
-        .iter()
-        .map(|&error| {
-            let to = method.fit.and_then(|fit| fit.seconds_to(error));
-            json!({
-                "error": error,
-                "seconds": to.map(|to| to.seconds),
-                "extrapolated": to.map(|to| to.extrapolated),
-                "plain_random_over_this": case.speedup(method, error).map(|gain| gain.seconds),
-            })
-        })
-        .collect();
-    json!({
-        "name": method_name(case, of),
-        "estimator": of.estimator,
-        "sampling": of.sampling,
-        "accelerator": of.accelerator,
-        "spacing": of.spacing,
-        "setup_seconds": method.setup_seconds,
-        "measurements": method.measurements,
-        "slope": method.fit.map(|fit| fit.slope),
-        "slope_se": method.fit.and_then(|fit| fit.slope_se),
-        "error_at_one_second": method.fit.map(|fit| fit.error_at_one_second),
-        "fitted": method.fit.map_or(0, |fit| fit.points),
-        "seconds_to": seconds_to,
-        "efficiency": case.efficiency(method),
-    })
 }
 
 /// Error over seconds of one case.

@@ -8,8 +8,9 @@ use asperity_io::{
 };
 use asperity_tally::{Side, TallySpec};
 
+use super::json::gonio_summary;
 use super::plan::Plan;
-use super::summary::{gonio_summary, gonio_table};
+use super::summary::gonio_table;
 use super::tables::{self, Measured, measured};
 use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
 use crate::config::ConfigError;

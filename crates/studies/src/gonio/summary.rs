@@ -1,15 +1,10 @@
-//! A measurement in words and as JSON.
+//! A measurement in words: report.txt.
 
 use std::fmt::Write;
 
-use asperity_tally::Side;
-use serde_json::{Value, json};
-
 use super::GonioOutcome;
-use super::results::component_names;
 use super::setting::Distinction;
-use super::tables::{self, Measured, measured, report};
-use crate::config::Azimuth;
+use super::tables::{Measured, measured, report};
 
 /// The summary as text: report.txt.
 #[must_use]
@@ -97,76 +92,4 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
         warnings.extend(results.warnings.iter().map(named));
     }
     warnings
-}
-
-/// The contents of summary.json.
-#[must_use]
-pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
-    let mut config = json!(outcome.config);
-    if let Some(run) = config.get_mut("run").and_then(Value::as_object_mut) {
-        // How long a run was given does not belong to the measurement; numbers that were not asked for neither.
-        run.remove("max_time");
-        if outcome.config.run.target_error.is_some() {
-            run.remove("rays");
-        }
-        if outcome.config.run.target_error.is_some() || outcome.sample.is_some() {
-            run.remove("realisations");
-        }
-    }
-    if outcome.sample.is_some()
-        && let Some(config) = config.as_object_mut()
-    {
-        config.remove("surface");
-    }
-    let spec = &outcome.spec;
-    let directions = outcome.directions.iter().map(|direction| {
-        let results = direction.results.as_ref().map(|results| {
-            let parts = results.parts.iter().map(|part| {
-                let of = |side| part.side(spec, side);
-                let sides = json!({
-                    "reflected": of(Side::Reflected),
-                    "transmitted": of(Side::Transmitted),
-                });
-                (part.name.clone(), sides)
-            });
-            json!({
-                "flux": parts.collect::<serde_json::Map<_, _>>(),
-                "absorbed": results.budget.estimate(0),
-                "truncated": results.budget.estimate(1),
-                "lost": results.budget.estimate(2),
-                "surfaces": results.surfaces,
-                "rays": results.rays,
-                "errors_from": results.errors_from,
-            })
-        });
-        json!({
-            "direction": direction.name,
-            "setting": direction.setting,
-            "theta_i_deg": direction.incidence.theta_deg(),
-            "phi_i_deg": direction.incidence.phi_deg(),
-            "results": results,
-        })
-    });
-    json!({
-        "schema": 1,
-        "command": "gonio",
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.run.seed,
-        "config": config,
-        "sample": outcome.sample.as_ref().map(|(_, description, _)| description),
-        "azimuth": if outcome.config.any_azimuth() { Azimuth::Random } else { Azimuth::Fixed },
-        "settings": outcome.settings,
-        "thetas_deg": outcome.thetas,
-        "phis_deg": outcome.phis,
-        "parts": component_names(spec),
-        "complete": outcome.missing() == 0,
-        "missing": outcome.missing(),
-        "directions": directions.collect::<Vec<_>>(),
-        "columns": {
-            "gonio.csv": tables::directions(spec).description(),
-            "in_plane.csv": tables::in_plane(spec).description(),
-            "bsdf.csv": tables::bsdf(spec).description(),
-        },
-        "warnings": warnings(outcome),
-    })
 }

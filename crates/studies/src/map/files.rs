@@ -4,13 +4,11 @@ use asperity_simulate::short;
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
-use serde_json::{Value, json};
 
 use super::cell::LightShare;
 use super::interval::CellVerdict;
-use super::summary::{
-    grooves, map_table, material_name, materials, smoothness, summarise, thetas, warnings,
-};
+use super::json::map_summary;
+use super::summary::{grooves, map_table, material_name, materials, smoothness, thetas};
 use super::{FOLDER, MapConfig, MapOutcome, tables};
 use crate::config::ConfigError;
 use crate::figures;
@@ -68,78 +66,6 @@ impl MapConfig {
         names.extend(cells.map(|cell| format!("{FOLDER}/{}.json", cell.case.folder())));
         Ok(names)
     }
-}
-
-/// The contents of summary.json.
-#[must_use]
-pub fn map_summary(outcome: &MapOutcome) -> Value {
-    let mut config = json!(outcome.config);
-    if let Some(run) = config.get_mut("run").and_then(Value::as_object_mut) {
-        // How long a run was given does not belong to the map; numbers that were not asked for neither.
-        run.remove("max_time");
-        if outcome.config.run.target_error.is_some() {
-            run.remove("realisations");
-            run.remove("rays");
-        }
-    }
-    let cells: Vec<Value> = outcome
-        .cells
-        .iter()
-        .map(|cell| {
-            let models = cell.results.as_ref().map(|results| {
-                let models = results.models.iter().map(|model| {
-                    let of = |light| {
-                        let judged = results.judge(model, light, &outcome.config.map);
-                        let distances = model.distances(light);
-                        json!({
-                            "verdict": judged.verdict.name(),
-                            "decided_by": judged.decided_by(),
-                            "measures": judged.measures.iter().map(|measure| {
-                                (measure.name.to_owned(), json!({
-                                    "value": measure.interval.value,
-                                    "range_95": measure.interval.range,
-                                    "verdict": measure.verdict.name(),
-                                }))
-                            }).collect::<serde_json::Map<_, _>>(),
-                            "found": distances,
-                        })
-                    };
-                    json!({
-                        "model": model.name,
-                        "all_orders": model.all_orders,
-                        "rays": Some(model.rays).filter(|rays| *rays > 0),
-                        "own": of(LightShare::Own),
-                        "all": of(LightShare::All),
-                    })
-                });
-                models.collect::<Vec<Value>>()
-            });
-            json!({
-                "case": cell.case,
-                "cell": cell.case.folder(),
-                "surfaces": cell.results.as_ref().map(|r| r.surfaces),
-                "rays": cell.results.as_ref().map(|r| r.rays),
-                "size": cell.results.as_ref().map(|r| r.size),
-                "spacing": cell.results.as_ref().map(|r| r.spacing),
-                "deviation_bound": cell.results.as_ref().and_then(|r| r.deviation_bound),
-                "lost": cell.results.as_ref().map(|r| r.lost),
-                "models": models,
-            })
-        })
-        .collect();
-    json!({
-        "schema": 1,
-        "command": "map",
-        "version": env!("CARGO_PKG_VERSION"),
-        "seed": outcome.config.run.seed,
-        "config": config,
-        "complete": outcome.missing() == 0,
-        "missing": outcome.missing(),
-        "summary": summarise(outcome),
-        "cells": cells,
-        "columns": { "map.csv": tables::map().description() },
-        "warnings": warnings(outcome),
-    })
 }
 
 /// The heat map of one share of the light.

@@ -165,7 +165,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     }
     let _ = writeln!(
         out,
-        "holds: total variation within {}, energy of each side within {} of the incident flux, peaks within {} deg,\nwith 95 % of one measure in one cell, not corrected over the map; not resolved: the error leaves it open",
+        "holds: total variation within {}, energy of each side within {} of the incident\nflux, peaks within {} deg, at 95 % confidence for one measure in one cell, not\ncorrected over the map; not resolved: the error leaves it open",
         short(tolerances.total_variation.0),
         short(tolerances.energy.0),
         short(tolerances.peak.0),

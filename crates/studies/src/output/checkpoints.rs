@@ -255,7 +255,7 @@ impl Checkpoints<'_> {
             Err(error) => return Ok(Found::Damaged(error.to_string())),
         };
         // Another form or build may have other fields, so these are compared first.
-        if let Some(difference) = self.other_build(&value) {
+        if let Some(difference) = other_build(&value, SCHEMA, self.study) {
             return Err(self.other_run(&path, difference));
         }
         let checkpoint: Checkpoint<C::Results> = match serde_json::from_value(value) {
@@ -275,25 +275,6 @@ impl Checkpoints<'_> {
         })
     }
 
-    /// What tells a checkpoint from those of this study and results epoch.
-    fn other_build(&self, checkpoint: &Value) -> Option<String> {
-        let schema = checkpoint.get("schema").and_then(Value::as_u64);
-        if let Some(found) = schema.filter(|found| *found != SCHEMA) {
-            return Some(format!("schema {found}, this program writes {SCHEMA}"));
-        }
-        let study = checkpoint.get("study").and_then(Value::as_str);
-        if let Some(found) = study.filter(|found| *found != self.study) {
-            return Some(format!("study {found} in place of {}", self.study));
-        }
-        let epoch = checkpoint
-            .pointer("/build/results_epoch")
-            .and_then(Value::as_u64);
-        let found = epoch.filter(|found| *found != u64::from(RESULTS_EPOCH))?;
-        Some(format!(
-            "results epoch {found}, that of this program is {RESULTS_EPOCH}"
-        ))
-    }
-
     fn other_run(&self, path: &Path, difference: String) -> CheckpointError {
         CheckpointError::OtherRun {
             path: path.to_owned(),
@@ -307,6 +288,25 @@ impl<T> Found<T> {
     const fn is_complete(&self) -> bool {
         matches!(self, Self::Results(_))
     }
+}
+
+/// What tells a checkpoint from those of this form, study and results epoch; `None` if nothing does.
+pub(super) fn other_build(checkpoint: &Value, schema: u64, study: &str) -> Option<String> {
+    let found = checkpoint.get("schema").and_then(Value::as_u64);
+    if let Some(found) = found.filter(|found| *found != schema) {
+        return Some(format!("schema {found}, this program writes {schema}"));
+    }
+    let found = checkpoint.get("study").and_then(Value::as_str);
+    if let Some(found) = found.filter(|found| *found != study) {
+        return Some(format!("study {found} in place of {study}"));
+    }
+    let epoch = checkpoint.pointer("/build/results_epoch");
+    let found = epoch
+        .and_then(Value::as_u64)
+        .filter(|found| *found != u64::from(RESULTS_EPOCH))?;
+    Some(format!(
+        "results epoch {found}, that of this program is {RESULTS_EPOCH}"
+    ))
 }
 
 /// Over the results as they are written.

@@ -1,0 +1,27 @@
+//! Head of summary.json: what wrote a result.
+
+use asperity_io::Build;
+use serde::Serialize;
+
+/// Form of the files; another number is another form.
+const SCHEMA: u32 = 1;
+
+/// The first keys of every summary: form, command, version, results epoch and commit.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Head {
+    schema: u32,
+    command: &'static str,
+    #[serde(flatten)]
+    build: Build,
+}
+
+impl Head {
+    /// Of a result of `command`, written by this build.
+    pub(crate) fn of(command: &'static str) -> Self {
+        Self {
+            schema: SCHEMA,
+            command,
+            build: Build::current(),
+        }
+    }
+}
