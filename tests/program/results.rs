@@ -124,6 +124,10 @@ fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
     assert_eq!(manifest["command"], "verify");
     assert_eq!(manifest["complete"], true);
     assert!(manifest["commit"].is_string() && manifest["results_epoch"].is_u64());
+    let summary = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
+    for key in ["version", "results_epoch", "commit"] {
+        assert_eq!(summary[key], manifest[key], "{key}");
+    }
     let listed: Vec<&str> = manifest["files"]
         .as_array()
         .unwrap()

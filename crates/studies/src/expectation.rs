@@ -72,9 +72,8 @@ struct Summary {
 
 #[derive(Serialize)]
 struct Energy {
-    /// `None` on a side that is not recorded.
-    reflected: Option<Estimate>,
-    transmitted: Option<Estimate>,
+    reflected: Estimate,
+    transmitted: Estimate,
     absorbed: Estimate,
     truncated: Estimate,
 }

@@ -1,5 +1,6 @@
 //! The contents of summary.json of a measurement.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use asperity_tally::{Estimate, Side, TallySpec};
@@ -24,7 +25,7 @@ struct Summary<'a> {
     settings: &'a [Setting],
     thetas_deg: &'a [f64],
     phis_deg: &'a [f64],
-    parts: Vec<&'static str>,
+    parts: Vec<Cow<'static, str>>,
     complete: bool,
     missing: usize,
     directions: Vec<Direction<'a>>,
