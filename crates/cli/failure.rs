@@ -5,10 +5,10 @@ use std::process::ExitCode;
 
 use crate::output::say;
 
-/// Why a command did not do what it was asked for.
+/// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// It was asked for something that makes no sense: exit code 2.
+    /// Wrong usage: exit code 2.
     Usage(String),
     /// It could not be done: exit code 1.
     Failed(String),

@@ -3,41 +3,52 @@
 use std::path::Path;
 
 use asperity_io::write_bytes;
-use asperity_studies::height_map_figure;
+use asperity_studies::settings::Document;
+use asperity_studies::{MeasuredConfig, height_map_figure};
 use asperity_surface::{HeightField, Roughness};
+use serde::Deserialize;
 
-use crate::args::{Common, Inspect};
+use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{check_height_map_output, name_of, read_surface, write_surface};
+use crate::input::{check_height_map_output, name_of, read_surface, required_file, write_surface};
 use crate::output::{print, print_json};
 use crate::text::roughness_table;
 
-pub(crate) fn run(command: &Inspect, common: &Common) -> Result<(), Failure> {
-    let plot = command
+/// What is read.
+#[derive(Deserialize)]
+struct Settings {
+    measured: MeasuredConfig,
+}
+
+pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+    let Settings { measured } = document.read().map_err(Failure::usage)?;
+    let results = Results::of(document).map_err(Failure::usage)?;
+    let file = required_file(&measured, document.command())?;
+    let plot = results
         .plot
         .as_deref()
         .map(PlotFormat::from_path)
         .transpose()?;
-    if let Some(path) = &command.output {
+    if let Some(path) = &results.output {
         check_height_map_output(path)?;
     }
-    let mut input = read_surface(&command.file, &command.reading, common)?;
+    let mut input = read_surface(file, &measured, common)?;
     let roughness = Roughness::of(&input.field);
-    if let (Some(path), Some(format)) = (&command.plot, plot) {
-        draw(path, format, &input.field, &name_of(&command.file))?;
+    if let (Some(path), Some(format)) = (&results.plot, plot) {
+        draw(path, format, &input.field, &name_of(file))?;
         common.say(|| format!("{} drawn", path.display()));
     }
-    if let Some(path) = &command.output {
+    if let Some(path) = &results.output {
         input.notes.extend(write_surface(path, &input.field)?);
         common.say(|| format!("{} written", path.display()));
     }
-    if command.json {
+    if results.json {
         return print_json(&roughness);
     }
     if common.quiet {
         return Ok(());
     }
-    print(&roughness_table(&command.file, &input, &roughness))
+    print(&roughness_table(file, &input, &roughness))
 }
 
 /// Formats of a plot, by file ending.

@@ -1,11 +1,14 @@
 //! asperity: light on explicit rough surfaces, against the statistical models.
 
-mod args;
 mod attenuation;
+mod command_line;
+mod common;
 mod converge;
 mod failure;
 mod generate;
+mod given;
 mod gonio;
+mod help;
 mod input;
 mod inspect;
 mod interrupt;
@@ -21,63 +24,43 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use asperity_studies::settings::{Command, Document};
 
-use crate::args::{Arguments, Command, Common};
+use crate::command_line::{Stop, parse};
+use crate::common::Common;
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
-        Ok(arguments) => arguments,
-        Err(error) if error.use_stderr() && !is_help(&error) => {
-            return Failure::usage(one_sentence(&error.render().to_string())).report();
-        }
+    let document = match parse(std::env::args_os().collect()) {
+        Ok(document) => document,
+        Err(Stop::Failure(failure)) => return failure.report(),
         // Help and version are no errors; clap knows where they go.
-        Err(error) => {
-            let _ = error.print();
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        Err(Stop::Shown(text)) => {
+            let _ = text.print();
+            return ExitCode::from(u8::try_from(text.exit_code()).unwrap_or(2));
         }
     };
-    match run(&arguments) {
+    match run(&document) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
 }
 
-/// Whether clap shows its help because no command was given.
-fn is_help(error: &clap::Error) -> bool {
-    error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
-}
-
-/// What clap has to say, without its heading, usage and hints, in one line.
-fn one_sentence(message: &str) -> String {
-    let sentences: Vec<String> = message
-        .split("\n\n")
-        .filter(|part| !part.starts_with("Usage:") && !part.starts_with("For more information"))
-        .map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "))
-        .collect();
-    let sentence = sentences.join("; ");
-    sentence
-        .strip_prefix("error: ")
-        .unwrap_or(&sentence)
-        .to_owned()
-}
-
-fn run(arguments: &Arguments) -> Result<(), Failure> {
-    set_threads(&arguments.common)?;
-    let common = &arguments.common;
-    match &arguments.command {
-        Command::Generate(command) => generate::run(command, common),
-        Command::Inspect(command) => inspect::run(command, common),
-        Command::Mesh(command) => mesh::run(command, common),
-        Command::Trace(command) => trace::run(command, common),
-        Command::Render(command) => render::run(command, common),
-        Command::Verify(command) => verify::run(command, common),
-        Command::Map(command) => map::run(command, common),
-        Command::Gonio(command) => gonio::run(command, common),
-        Command::Converge(command) => converge::run(command, common),
-        Command::Attenuation(command) => attenuation::run(command, common),
-        Command::Model(command) => model::run(command, common),
+fn run(document: &Document) -> Result<(), Failure> {
+    let common = &Common::of(document).map_err(Failure::usage)?;
+    set_threads(common)?;
+    match document.command() {
+        Command::Generate => generate::run(document, common),
+        Command::Inspect => inspect::run(document, common),
+        Command::Mesh => mesh::run(document, common),
+        Command::Trace => trace::run(document, common),
+        Command::Render => render::run(document, common),
+        Command::Verify => verify::run(document, common),
+        Command::Map => map::run(document, common),
+        Command::Gonio => gonio::run(document, common),
+        Command::Converge => converge::run(document, common),
+        Command::Attenuation => attenuation::run(document, common),
+        Command::Model => model::run(document, common),
     }
 }
 

@@ -1,43 +1,22 @@
 //! `asperity map`: where each model holds.
 
 use asperity_simulate::StoppedBy;
-use asperity_studies::{
-    MapConfig, MapError, Number, VerifyError, map, map_report, map_summary, map_table,
-};
+use asperity_studies::settings::Document;
+use asperity_studies::{MapConfig, MapError, VerifyError, map, map_report, map_summary, map_table};
 
-use crate::args::{Common, Map};
+use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{read_config, refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
-use crate::verify::override_verification;
 
-pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
-    let of_verify = &command.verify;
-    let file = of_verify.config.as_deref();
-    let mut config = read_config(file, "map", MapConfig::from_toml)?;
-    let alone = config.check().err().map(|error| error.to_string());
-    let parts = (&mut config.surface, &mut config.material, &mut config.light);
-    let efforts = (&mut config.run, &mut config.compare, &mut config.output);
-    override_verification(parts, efforts, of_verify)?;
-    if of_verify.medium.is_given() {
-        return Err(Failure::usage(
-            "a map is of models of surfaces alone, which know of no medium below",
-        ));
-    }
-    let tolerances = &mut config.map;
-    for (flag, tolerance) in [
-        (
-            command.tolerance_total_variation,
-            &mut tolerances.total_variation,
-        ),
-        (command.tolerance_energy, &mut tolerances.energy),
-        (command.tolerance_peak, &mut tolerances.peak),
-    ] {
-        *tolerance = flag.map_or(*tolerance, Number);
-    }
-    let refuse = |error: &dyn std::fmt::Display| refuse_config(file, alone.as_deref(), error);
+pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+    document.check_required().map_err(Failure::usage)?;
+    let refuse = |error: &dyn std::fmt::Display| refuse_config(document, error);
+    let config: MapConfig = document.read().map_err(Failure::usage)?;
+    let results = Results::of(document).map_err(Failure::usage)?;
+    let path = results.required();
     // Everything is checked before a ray is traced.
     config.check().map_err(|error| match error {
         VerifyError::Synthesis(error) => refuse_surface(error),
@@ -45,7 +24,7 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
         error => refuse(&error),
     })?;
     let names = config.files().map_err(|error| refuse(&error))?;
-    let folder = result_folder(&of_verify.output, "map", &[file], &names)?;
+    let folder = result_folder(&path, "map", &[document.file()], &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
@@ -73,7 +52,7 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
             outcome.cells.len()
         ));
     }
-    if of_verify.json {
+    if results.json {
         return print_json(&map_summary(&outcome));
     }
     if common.quiet {
@@ -82,6 +61,6 @@ pub(crate) fn run(command: &Map, common: &Common) -> Result<(), Failure> {
     print(&format!(
         "{}\nresults in {}\n",
         map_table(&outcome),
-        of_verify.output.display()
+        path.display()
     ))
 }

@@ -10,11 +10,15 @@ use asperity_analysis::{
 };
 use asperity_io::{CsvField as Field, write_csv};
 use asperity_optics::{Incidence, Material, from_spherical};
-use asperity_studies::{energy_table, expectation_json, write_expectation};
+use asperity_studies::settings::Document;
+use asperity_studies::{
+    MaterialConfig, MediumConfig, energy_table, expectation_json, write_expectation,
+};
 use asperity_surface::Psd;
-use asperity_tally::{Azimuth, Side, TallyResult, TallySpec};
+use asperity_tally::{Azimuth, HemisphereGrid, Side, TallyResult, TallySpec};
+use serde::Deserialize;
 
-use crate::args::{Common, Model};
+use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::output::{print, print_json};
 
@@ -27,56 +31,118 @@ const UNACCOUNTED: f64 = 0.01;
 /// Batches that errors come from.
 const BATCHES: u64 = 64;
 
-pub(crate) fn run(command: &Model, common: &Common) -> Result<(), Failure> {
-    let (Some(name), Some(theta)) = (&command.name, command.theta) else {
+/// What is evaluated.
+#[derive(Deserialize)]
+pub(crate) struct Settings {
+    model: Directions,
+    surface: Roughness,
+    material: MaterialConfig,
+    medium: Option<MediumConfig>,
+    light: LightDirection,
+    run: Run,
+    results: Results,
+}
+
+/// The model, and where it is evaluated.
+#[derive(Deserialize)]
+struct Directions {
+    name: Option<String>,
+    list: bool,
+    step: Option<f64>,
+    sphere: bool,
+}
+
+/// The roughness, if the model is of rough surfaces.
+#[derive(Deserialize)]
+struct Roughness {
+    smoothness: Option<f64>,
+    smoothness_y: Option<f64>,
+    azimuth: Option<f64>,
+}
+
+/// The direction towards the light, degrees.
+#[derive(Deserialize)]
+struct LightDirection {
+    theta: f64,
+    phi: f64,
+}
+
+/// Bins, and the effort of a model that follows rays.
+#[derive(Deserialize)]
+struct Run {
+    rays: Option<u64>,
+    seed: Option<u64>,
+    bins: Option<HemisphereGrid>,
+}
+
+pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+    let settings: Settings = document.read().map_err(Failure::usage)?;
+    if settings.model.list {
         return print(&list()?);
-    };
-    let material = command.interface.material()?;
-    let incidence = Incidence::from_degrees(theta, command.phi).map_err(Failure::usage)?;
-    if FlatLayer::NAMES.contains(&name.as_str()) {
-        return layer::run(command, common, name, material, incidence);
     }
-    if !MODEL_NAMES.contains(&name.as_str()) {
+    let Some(name) = &settings.model.name else {
+        return Err(Failure::usage("model needs NAME, or --list"));
+    };
+    let material = settings.material.material().map_err(Failure::usage)?;
+    let light = &settings.light;
+    let incidence = Incidence::from_degrees(light.theta, light.phi).map_err(Failure::usage)?;
+    if FlatLayer::NAMES.contains(&name.as_str()) {
+        return layer::run(document, &settings, common, (material, incidence));
+    }
+    let model = rough_model(name, &settings, material)?;
+    let walks = model.random_walk().is_some();
+    if !walks && (settings.run.rays.is_some() || settings.run.seed.is_some()) {
+        return Err(Failure::usage(format!(
+            "the model {name} has a closed form and follows no rays; leave out --rays and --seed"
+        )));
+    }
+    match (model.density(), settings.run.bins) {
+        (Some(density), None) if !settings.results.json && !walks => {
+            let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
+            let description = (model.description(), &[][..]);
+            directions(&settings, common, &incidence, description, bsdf)
+        }
+        _ if settings.model.step.is_some() || settings.model.sphere => {
+            Err(Failure::usage(format!(
+                "the model {name} follows rays and has no value at a single direction; ask for --bins in place of --step and --sphere"
+            )))
+        }
+        _ => bins(&settings, common, model.as_ref(), incidence),
+    }
+}
+
+/// The model of a rough surface of that name.
+fn rough_model(
+    name: &str,
+    settings: &Settings,
+    material: Material,
+) -> Result<Box<dyn ScatteringModel>, Failure> {
+    if !MODEL_NAMES.contains(&name) {
         let known = [MODEL_NAMES, &FlatLayer::NAMES].concat();
         return Err(Failure::usage(format!(
             "there is no model `{name}`; the models are {}",
             known.join(", ")
         )));
     }
-    if command.medium.is_given() {
+    if settings.medium.is_some() {
         return Err(Failure::usage(format!(
             "the model {name} is of a surface with nothing below it that scatters; a medium is for {}",
             FlatLayer::NAMES.join(" and ")
         )));
     }
-    let smoothness = command.smoothness.ok_or_else(|| {
+    let roughness = &settings.surface;
+    let smoothness = roughness.smoothness.ok_or_else(|| {
         Failure::usage(format!(
             "the model {name} is of rough surfaces: give their --smoothness"
         ))
     })?;
-    let slopes = slopes(smoothness, command.smoothness_y, command.azimuth)?;
-    let model = create_model(name, slopes, material).map_err(Failure::usage)?;
-    if model.random_walk().is_none() && (command.rays.is_some() || command.seed.is_some()) {
-        return Err(Failure::usage(format!(
-            "the model {name} has a closed form and follows no rays; leave out --rays and --seed"
-        )));
+    if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {
+        return Err(Failure::usage(
+            "--azimuth is that of the first principal axis: give --smoothness-y too",
+        ));
     }
-    match (model.density(), command.bins) {
-        (Some(density), None) if !command.json && model.random_walk().is_none() => {
-            let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
-            directions(
-                command,
-                common,
-                &incidence,
-                (model.description(), &[]),
-                bsdf,
-            )
-        }
-        _ if command.step.is_some() || command.sphere => Err(Failure::usage(format!(
-            "the model {name} follows rays and has no value at a single direction; ask for --bins in place of --step and --sphere"
-        ))),
-        _ => bins(command, common, model.as_ref(), incidence),
-    }
+    let slopes = slopes(smoothness, roughness.smoothness_y, roughness.azimuth)?;
+    create_model(name, slopes, material).map_err(Failure::usage)
 }
 
 /// Every model with its source and where it is meant to hold.
@@ -112,12 +178,12 @@ fn slopes(s: f64, s_y: Option<f64>, azimuth: Option<f64>) -> Result<SlopeCovaria
 
 /// Means over bins, and energies by order.
 fn bins(
-    command: &Model,
+    settings: &Settings,
     common: &Common,
     model: &dyn ScatteringModel,
     incidence: Incidence,
 ) -> Result<(), Failure> {
-    let grid = command.bins.unwrap_or_default();
+    let grid = settings.run.bins.unwrap_or_default();
     let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH)
         .map_err(Failure::usage)?
         .with_sides(model.sides());
@@ -127,15 +193,15 @@ fn bins(
         Azimuth::From(incidence.phi() + PI)
     };
     let effort = SamplingEffort {
-        rays: command.rays.unwrap_or(1_000_000),
+        rays: settings.run.rays.unwrap_or(1_000_000),
         batches: BATCHES,
-        seed: command.seed.unwrap_or(1),
+        seed: settings.run.seed.unwrap_or(1),
     };
     let expectation = expect(model, incidence, &spec, azimuth, effort);
-    if let Some(path) = &command.output {
+    if let Some(path) = &settings.results.output {
         write_expectation(path, &expectation).map_err(Failure::failed)?;
     }
-    if command.json {
+    if settings.results.json {
         return print_json(&expectation_json(model, &expectation));
     }
     if common.quiet {
@@ -161,7 +227,7 @@ fn bins(
             1.0 - accounted
         ));
     }
-    if let Some(path) = &command.output {
+    if let Some(path) = &settings.results.output {
         out.push_str(&format!(
             "{}: {} bins\n",
             path.display(),
@@ -174,19 +240,14 @@ fn bins(
 /// Values at single directions, by polar angle and azimuth in radians, of the model of that description;
 /// `notes` are said beside them.
 fn directions(
-    command: &Model,
+    settings: &Settings,
     common: &Common,
     incidence: &Incidence,
     (description, notes): (&str, &[String]),
     bsdf: impl Fn(f64, f64) -> f64,
 ) -> Result<(), Failure> {
-    let step = command.step.unwrap_or(1.0);
-    if !(step > 0.0 && step <= 45.0) {
-        return Err(Failure::usage(format!(
-            "--step is {step} deg; it must be above 0 and at most 45"
-        )));
-    }
-    let rows = if command.sphere {
+    let step = settings.model.step.unwrap_or(1.0);
+    let rows = if settings.model.sphere {
         64_800.0 / (step * step)
     } else {
         360.0 / step
@@ -197,7 +258,7 @@ fn directions(
         )));
     }
 
-    let directions = if command.sphere {
+    let directions = if settings.model.sphere {
         sphere(step)
     } else {
         in_plane(step, incidence)
@@ -207,7 +268,7 @@ fn directions(
         (side, theta_deg, phi_deg, value)
     });
     let header = ["side", "theta_deg", "phi_deg", "bsdf"];
-    match &command.output {
+    match &settings.results.output {
         Some(path) => {
             let rows = rows.map(|(side, theta, phi, bsdf)| {
                 [

@@ -26,7 +26,7 @@ pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
     print(&text)
 }
 
-/// Says something on standard error; if nobody can hear it, there is nothing more to do.
+/// Prints a line on standard error; a closed standard error is ignored.
 pub(crate) fn say(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{text}");
 }

@@ -1,108 +1,124 @@
 //! `asperity render`: a picture of one surface.
 
-use std::path::Path;
-use std::time::Duration;
+use std::path::PathBuf;
 
-use asperity_io::{PictureFormat, SurfaceFormat, check_folder_of, write_picture};
+use asperity_io::{PictureFormat, check_folder_of, write_picture};
 use asperity_optics::Incidence;
 use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
     render, render_mesh,
 };
 use asperity_simulate::{BottomSurface, Deadline};
-use asperity_surface::HeightField;
-use asperity_tracer::{AcceleratorKind, Branching, MeshSurface, PathSettings};
+use asperity_studies::settings::Document;
+use asperity_studies::{MaterialConfig, MeasuredConfig, MediumConfig, Seconds};
+use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
+use serde::Deserialize;
 
-use crate::args::{CameraArgument, CameraArguments, Common, LightsArguments, Render};
+use crate::common::Common;
 use crate::failure::Failure;
-use crate::input::{name_of, read_mesh_surface, read_surface};
+use crate::given::{GivenSurface, Shape};
 use crate::interrupt;
 use crate::output::{print, say};
-use crate::progress::Bar;
+use crate::progress::{Bar, duration};
 
 /// What the values of an EXR are.
 const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: share of the pixel that shows the surface";
 
-/// Flux below which roulette decides: pictures are noisy by other causes, and weak paths take long.
+/// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
 const ROULETTE: f64 = 0.2;
 
-/// Vertical field of view of a pinhole camera, degrees, unless one is given.
-const FIELD_OF_VIEW: f64 = 40.0;
+/// What is rendered, and how.
+#[derive(Deserialize)]
+struct Settings {
+    measured: MeasuredConfig,
+    material: MaterialConfig,
+    medium: Option<MediumConfig>,
+    view: ViewDirection,
+    camera: Camera,
+    lights: Lighting,
+    picture: Picture,
+    run: Run,
+}
 
-pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
-    let material = command.interface.material()?;
-    let layer = command.medium.layer(material)?;
-    let lights = command.lights.lights()?;
-    let image = &command.image;
-    for path in &image.output {
+/// The direction towards the camera, degrees.
+#[derive(Deserialize)]
+struct ViewDirection {
+    theta: f64,
+    phi: f64,
+}
+
+/// The cameras.
+#[derive(Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum CameraKind {
+    Pinhole,
+    Orthographic,
+}
+
+/// The camera.
+#[derive(Deserialize)]
+struct Camera {
+    projection: CameraKind,
+    fov: f64,
+    look_at: Option<[f64; 2]>,
+    width: Option<f64>,
+}
+
+/// What shines.
+#[derive(Deserialize)]
+struct Lighting {
+    sky: f64,
+    sun: f64,
+    sun_theta: f64,
+    sun_phi: f64,
+    sun_radius: f64,
+    patch: Option<[f64; 4]>,
+    below: f64,
+}
+
+/// The picture itself.
+#[derive(Deserialize)]
+struct Picture {
+    size: [usize; 2],
+    samples: u64,
+    exposure: Option<f64>,
+    output: Vec<PathBuf>,
+}
+
+/// The effort.
+#[derive(Deserialize)]
+struct Run {
+    seed: u64,
+    max_time: Option<Seconds>,
+}
+
+pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+    document.check_required().map_err(Failure::usage)?;
+    let settings: Settings = document.read().map_err(Failure::usage)?;
+    if settings.camera.projection == CameraKind::Orthographic && document.is_given("camera.fov") {
+        return Err(Failure::usage(
+            "--fov is of --camera pinhole alone: --width says how much is seen",
+        ));
+    }
+    let picture = &settings.picture;
+    for path in &picture.output {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
         check_folder_of(path).map_err(Failure::failed)?;
     }
-    if image.exposure.is_some_and(|factor| factor <= 0.0) {
-        return Err(Failure::usage("the exposure must be a factor above zero"));
-    }
-    let medium = command.medium.over(None)?;
-    let bottom_surface = medium
-        .as_ref()
-        .map_or(BottomSurface::Flat, |medium| medium.bottom_surface);
-    if bottom_surface == BottomSurface::Independent {
-        return Err(Failure::usage(
-            "--bottom-surface independent: one surface is seen here, and none is drawn; take flat, same or a file",
-        ));
-    }
-    let (name, subject, notes) = match &command.file {
-        Some(path) => Subject::read(path, command, common)?,
-        None => Subject::flat()?,
-    };
-    let bottom = match command.medium.bottom_file() {
-        Some(path) => Some(Subject::read(path, command, common)?.1),
-        None => None,
-    };
-    let settings = RenderSettings {
-        view: command.camera.view(subject.size())?,
-        lights,
-        size: image.size,
-        samples: image.samples,
-        seed: image.seed,
-        paths: PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER)
-            .map_err(Failure::usage)?,
-        accelerator: AcceleratorKind::Auto,
-        bottom: bottom_surface,
-        most_scatterings: match &medium {
-            Some(medium) => medium.most_scatterings().map_err(Failure::usage)?,
-            None => 0,
-        },
-    };
+    let lights = settings.lights.lights()?;
+    settings.check_bottom()?;
+    let surface = GivenSurface::required(&settings.measured, document.command(), common)?;
+    let view = settings.view(surface.extent())?;
+    let (name, notes) = (surface.name.clone(), surface.notes.clone());
 
     let bar = Bar::new(common);
     interrupt::listen();
-    let time = image.max_time.map(Duration::try_from_secs_f64);
-    let bar = Deadline::new(&bar, time.and_then(Result::ok));
-    let layer = layer.as_ref();
-    let outcome = match (subject, bottom) {
-        (Subject::Field(field), None) => render(field, None, material, layer, &settings, &bar),
-        (Subject::Mesh(mesh), None) => render_mesh(mesh, None, material, layer, &settings, &bar),
-        (Subject::Field(field), Some(Subject::Field(bottom))) => {
-            render(field, Some(bottom), material, layer, &settings, &bar)
-        }
-        (Subject::Mesh(mesh), Some(Subject::Mesh(bottom))) => {
-            render_mesh(mesh, Some(bottom), material, layer, &settings, &bar)
-        }
-        _ => {
-            return Err(Failure::usage(
-                "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
-            ));
-        }
-    };
-    let outcome = outcome.map_err(|error| match error {
-        RenderError::View(_)
-        | RenderError::Layer(_)
-        | RenderError::TooGrazing { .. }
-        | RenderError::BadSize(..) => Failure::usage(error),
-        _ => Failure::failed(error),
-    })?;
-    let factor = image.exposure.unwrap_or_else(|| exposure(&outcome.picture));
-    for path in &image.output {
+    let bar = Deadline::new(&bar, duration(settings.run.max_time));
+    let outcome = settings.rendered(surface, (view, lights), (common, &bar))?;
+    let factor = picture
+        .exposure
+        .unwrap_or_else(|| exposure(&outcome.picture));
+    for path in &picture.output {
         write_picture(path, &outcome.picture, factor, COMMENT).map_err(Failure::failed)?;
     }
     if interrupt::came() {
@@ -111,108 +127,106 @@ pub(crate) fn run(command: &Render, common: &Common) -> Result<(), Failure> {
     if common.quiet {
         return Ok(());
     }
-    print(&report(&name, &outcome, factor, &notes, command))
+    print(&report(&name, &outcome, factor, &notes, &picture.output))
 }
 
-/// What a picture is of.
-enum Subject {
-    Field(HeightField),
-    Mesh(MeshSurface),
-}
-
-impl Subject {
-    /// One flat cell.
-    fn flat() -> Result<(String, Self, Vec<String>), Failure> {
-        let field = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]);
-        let field = field.map_err(Failure::failed)?;
-        Ok(("flat surface".to_owned(), Self::Field(field), Vec::new()))
-    }
-
-    /// What a file holds, its name, and what a reader should know about it.
-    fn read(
-        path: &Path,
-        command: &Render,
-        common: &Common,
-    ) -> Result<(String, Self, Vec<String>), Failure> {
-        let name = name_of(path);
-        match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
-            SurfaceFormat::Mesh(_) => {
-                let mesh = read_mesh_surface(path, &command.reading, common)?;
-                Ok((name, Self::Mesh(mesh), Vec::new()))
-            }
-            SurfaceFormat::HeightMap(_) => {
-                let input = read_surface(path, &command.reading, common)?;
-                Ok((name, Self::Field(input.field), input.notes))
-            }
+impl Settings {
+    fn check_bottom(&self) -> Result<(), Failure> {
+        match self.bottom_surface() {
+            BottomSurface::Independent => Err(Failure::usage(
+                "--bottom-surface independent: a single surface is rendered and none is drawn; take flat, same or a file",
+            )),
+            _ => Ok(()),
         }
     }
 
-    /// Lengths of the tile along x and y.
-    fn size(&self) -> [f64; 2] {
-        match self {
-            Self::Field(field) => field.extent(),
-            Self::Mesh(mesh) => {
-                let [x, y, _] = mesh.size();
-                [x, y]
-            }
-        }
+    fn bottom_surface(&self) -> BottomSurface {
+        let medium = self.medium.as_ref();
+        medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named())
     }
-}
 
-impl CameraArguments {
-    /// The view that the flags ask for, of a tile of that size.
-    fn view(&self, size: [f64; 2]) -> Result<View, Failure> {
-        let projection = match (self.camera, self.fov) {
-            (CameraArgument::Orthographic, Some(_)) => {
-                return Err(Failure::usage(
-                    "--fov is of --camera pinhole alone: say with --width how much is seen",
-                ));
-            }
-            (CameraArgument::Orthographic, None) => Projection::Orthographic,
-            (CameraArgument::Pinhole, fov) => Projection::Pinhole {
-                field_of_view: fov.unwrap_or(FIELD_OF_VIEW).to_radians(),
+    /// The view of a tile of that extent.
+    fn view(&self, extent: [f64; 2]) -> Result<View, Failure> {
+        let camera = &self.camera;
+        let projection = match camera.projection {
+            CameraKind::Orthographic => Projection::Orthographic,
+            CameraKind::Pinhole => Projection::Pinhole {
+                field_of_view: camera.fov.to_radians(),
             },
         };
-        let towards = direction(
-            "the camera",
-            ["--view-theta", "--view-phi"],
-            self.view_theta,
-            self.view_phi,
-        )?;
-        let target = match *self.look_at {
-            [] => size.map(|length| 0.5 * length),
-            [x, y] => [x, y],
+        let target = camera
+            .look_at
+            .unwrap_or_else(|| extent.map(|length| 0.5 * length));
+        let towards =
+            Incidence::from_degrees(self.view.theta, self.view.phi).map_err(Failure::usage)?;
+        let width = camera.width.unwrap_or(extent[0]);
+        View::new(projection, towards, target, width).map_err(Failure::usage)
+    }
+
+    /// Renders `surface`.
+    fn rendered(
+        &self,
+        surface: GivenSurface,
+        (view, lights): (View, Lights),
+        (common, bar): (&Common, &Deadline<'_>),
+    ) -> Result<RenderOutcome, Failure> {
+        let material = self.material.material().map_err(Failure::usage)?;
+        let medium = self.medium.as_ref();
+        let layer = medium
+            .map(|medium| medium.layer(material))
+            .transpose()
+            .map_err(Failure::usage)?;
+        let bottom = match medium.and_then(|medium| medium.bottom_surface.file()) {
+            Some(path) => Some(GivenSurface::read(path, &self.measured, common)?.shape),
+            None => None,
+        };
+        let settings = RenderSettings {
+            view,
+            lights,
+            size: self.picture.size,
+            samples: self.picture.samples,
+            seed: self.run.seed,
+            paths: PathSettings::new(Branching::Pick, ROULETTE, PathSettings::DEFAULT_MAX_ORDER)
+                .map_err(Failure::usage)?,
+            accelerator: AcceleratorKind::Auto,
+            bottom: self.bottom_surface(),
+            most_scatterings: medium.map_or(0, |medium| medium.max_scatterings),
+        };
+        let layer = layer.as_ref();
+        let outcome = match (surface.shape, bottom) {
+            (Shape::Field(field), None) => render(field, None, material, layer, &settings, bar),
+            (Shape::Mesh(mesh), None) => render_mesh(mesh, None, material, layer, &settings, bar),
+            (Shape::Field(field), Some(Shape::Field(bottom))) => {
+                render(field, Some(bottom), material, layer, &settings, bar)
+            }
+            (Shape::Mesh(mesh), Some(Shape::Mesh(bottom))) => {
+                render_mesh(mesh, Some(bottom), material, layer, &settings, bar)
+            }
             _ => {
-                return Err(Failure::usage(format!(
-                    "--look-at got {} values; give X,Y",
-                    self.look_at.len()
-                )));
+                return Err(Failure::usage(
+                    "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
+                ));
             }
         };
-        let width = self.width.unwrap_or(size[0]);
-        View::new(projection, towards, target, width).map_err(Failure::usage)
+        outcome.map_err(|error| match error {
+            RenderError::View(_)
+            | RenderError::Layer(_)
+            | RenderError::TooGrazing { .. }
+            | RenderError::BadSize(..) => Failure::usage(error),
+            _ => Failure::failed(error),
+        })
     }
 }
 
-impl LightsArguments {
-    /// The lights that the flags ask for.
+impl Lighting {
     fn lights(&self) -> Result<Lights, Failure> {
-        let patch = match *self.patch {
-            [] => None,
-            [x0, y0, x1, y1] => Some(Patch::new([x0, y0], [x1, y1]).map_err(Failure::usage)?),
-            _ => {
-                return Err(Failure::usage(format!(
-                    "--patch got {} values; give X0,Y0,X1,Y1",
-                    self.patch.len()
-                )));
-            }
-        };
-        let towards = direction(
-            "the sun",
-            ["--sun-theta", "--sun-phi"],
-            self.sun_theta,
-            self.sun_phi,
-        )?;
+        let patch = self
+            .patch
+            .map(|[x0, y0, x1, y1]| Patch::new([x0, y0], [x1, y1]))
+            .transpose()
+            .map_err(Failure::usage)?;
+        let towards =
+            Incidence::from_degrees(self.sun_theta, self.sun_phi).map_err(Failure::usage)?;
         let radius = self.sun_radius.to_radians();
         let sun = Sun::new(towards, self.sun, radius, patch).map_err(Failure::usage)?;
         let sun = (self.sun > 0.0).then_some(sun);
@@ -220,28 +234,12 @@ impl LightsArguments {
     }
 }
 
-/// The direction towards `what`, which stands above the horizon.
-fn direction(
-    what: &str,
-    [flag, azimuth]: [&str; 2],
-    theta: f64,
-    phi: f64,
-) -> Result<Incidence, Failure> {
-    if !(0.0..90.0).contains(&theta) {
-        return Err(Failure::usage(format!(
-            "{flag} is {theta:?}; {what} stands from 0 to below 90 deg from the normal"
-        )));
-    }
-    Incidence::from_degrees(theta, phi)
-        .map_err(|error| Failure::usage(format!("{flag}, {azimuth}: {error}")))
-}
-
 fn report(
     name: &str,
     outcome: &RenderOutcome,
     factor: f64,
     notes: &[String],
-    command: &Render,
+    output: &[PathBuf],
 ) -> String {
     let picture = &outcome.picture;
     let [columns, rows] = picture.size;
@@ -270,7 +268,7 @@ fn report(
     for note in notes {
         text.push_str(&format!("note: {note}\n"));
     }
-    for path in &command.image.output {
+    for path in output {
         text.push_str(&format!("picture in {}\n", path.display()));
     }
     text

@@ -202,7 +202,7 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for (line, code, expected) in [
-        ("--estimators best", 2, "plain and controlled"),
+        ("--estimators best", 2, "plain or controlled"),
         ("--samplings random,random", 2, "given twice"),
         ("--accelerators flat", 2, "take auto"),
         ("--spacings 3", 2, "does not divide the extent"),
@@ -210,7 +210,7 @@ fn bad_convergence_runs_are_refused_in_a_sentence_and_leave_nothing() {
         ("--rays 0", 2, "1 or more"),
         ("--rays 10,100 --surfaces 1,2,3", 2, "value by value"),
         ("--reference-surfaces 1", 2, "2 or more"),
-        ("--errors 0", 2, "positive"),
+        ("--errors 0", 2, "above 0"),
         ("--theta 90", 2, "below 90"),
         (
             "--material mirror --side transmitted",

@@ -437,10 +437,14 @@ fn bad_input_gets_a_sentence() {
         (
             "gonio g.toml --surface h.npy --tau 3 -o out",
             2,
-            "take the place",
+            "cannot stand beside",
         ),
         ("gonio --surface h.npy -o out", 1, "h.npy"),
-        ("gonio --flat --border open -o out", 2, "there is none"),
+        (
+            "gonio --flat --border open -o out",
+            2,
+            "cannot stand beside",
+        ),
         (
             "gonio g.toml --material mirror -o out",
             2,
@@ -474,7 +478,7 @@ fn bad_input_gets_a_sentence() {
         fs::write(folder.join("v.toml"), of_file).unwrap();
         let said = refused(folder, &words(&format!("gonio v.toml {flags}-o out")), 2);
         let key = key.split(' ').next().unwrap();
-        let expected = format!("run.{key} is for verify and trace, not for gonio");
+        let expected = format!("run.{key} is for trace, verify and map, not for gonio");
         assert!(said.contains(&expected), "{said}");
         assert_eq!(files(folder), ["g.toml", "v.toml"]);
     }

@@ -97,7 +97,10 @@ fn layers_are_refused_what_their_models_cannot_do() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, expected) in [
         ("flat-layer --theta 30", "needs a medium"),
-        ("flat-layer --theta 30 --thickness 1", "belongs to a medium"),
+        (
+            "flat-layer --theta 30 --thickness 1",
+            "a medium needs a mean free path",
+        ),
         (
             "flat-layer --theta 30 --scattering 1 --smoothness 3",
             "flat faces",
@@ -112,7 +115,7 @@ fn layers_are_refused_what_their_models_cannot_do() {
         ),
         (
             "flat-layer --theta 30 --scattering -1",
-            "scattering coefficient is -1",
+            "--scattering -1: must be",
         ),
         (
             "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom lambertian",

@@ -16,6 +16,7 @@ mod reference;
 mod refusals;
 mod render;
 mod results;
+mod settings;
 mod stopping;
 mod support;
 mod verify;

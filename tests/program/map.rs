@@ -399,10 +399,16 @@ fn what_makes_no_map_is_refused() {
         ("map m.toml --models ggx -o out", "ggx"),
         (
             "map m.toml --tolerance-energy 0 -o out",
-            "tolerance energy is 0",
+            "--tolerance-energy 0: must be a number above 0",
         ),
-        ("map m.toml --tolerance-peak nan -o out", "finite"),
-        ("map m.toml --alpha 0.05 -o out", "has tolerances"),
+        (
+            "map m.toml --tolerance-peak nan -o out",
+            "must be a number above 0",
+        ),
+        (
+            "map m.toml --alpha 0.05 -o out",
+            "--alpha is for verify, not for map",
+        ),
         ("map m.toml --theta 90 -o out", "below 90"),
         ("map m.toml --tau 2 -o out", "--insist"),
         (

@@ -149,15 +149,15 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
     let (_guard, folder) = with_surface();
     let medium = "--mean-free-path 1 --albedo 0.9";
     for (flags, reason) in [
-        ("--absorption -1".to_owned(), "absorption coefficient is -1"),
-        ("--scattering -0.1".to_owned(), "scattering coefficient"),
+        ("--absorption -1".to_owned(), "--absorption -1: must be"),
+        ("--scattering -0.1".to_owned(), "--scattering -0.1: must be"),
         (
             "--mean-free-path 1 --albedo 1.01".to_owned(),
-            "albedo is 1.01",
+            "--albedo 1.01: must be a number from 0 to 1",
         ),
-        (format!("{medium} --g 1"), "g is 1"),
-        (format!("{medium} --g -1.5"), "g is -1.5"),
-        (format!("{medium} --thickness 0"), "thickness is 0"),
+        (format!("{medium} --g 1"), "--g 1: must be"),
+        (format!("{medium} --g -1.5"), "--g -1.5: must be"),
+        (format!("{medium} --thickness 0"), "--thickness 0: must be"),
         (format!("{medium} --thickness 5"), "invalid thickness"),
         (
             format!("{medium} --thickness 14 --bottom-surface same"),
@@ -188,9 +188,9 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             "--mean-free-path 1,2 --albedo 0.9".to_owned(),
-            "name 2 media",
+            "--mean-free-path 1,2: must be",
         ),
-        ("--g 0.5".to_owned(), "belongs to a medium"),
+        ("--g 0.5".to_owned(), "a medium needs a mean free path"),
     ] {
         let line = format!("trace h.exr --theta 30 {flags}");
         let error = refused(&folder, &words(&line), 2);
@@ -199,7 +199,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
     let line = format!("trace h.exr --theta 30 {medium} --thickness 50 --bottom-surface no.exr");
     refused(&folder, &words(&line), 1);
     let line = format!("map --theta 30 {medium} -o map");
-    assert!(refused(&folder, &words(&line), 2).contains("models of surfaces alone"));
+    assert!(refused(&folder, &words(&line), 2).contains("not for map"));
 }
 
 #[test]

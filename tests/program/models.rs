@@ -154,7 +154,10 @@ fn models_are_refused_what_they_cannot_do_by_name() {
             "model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30",
             "xu-sun-mc is defined for isotropic surfaces",
         ),
-        ("model heitz --smoothness 0 --theta 30", "smoothness is 0"),
+        (
+            "model heitz --smoothness 0 --theta 30",
+            "--smoothness 0: must be",
+        ),
         ("model heitz --theta 30", "smoothness"),
         (
             "model smith --smoothness 2 --azimuth 3 --theta 30",

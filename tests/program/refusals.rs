@@ -60,9 +60,12 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         [fixed, flags].concat()
     };
     for (arguments, expected) in [
-        (trace(&["--eta", "0"]), "eta is 0"),
-        (trace(&["--eta", "-1.5"]), "eta is -1.5"),
-        (trace(&["--eta", "x"]), "no number"),
+        (
+            trace(&["--eta", "0"]),
+            "--eta 0: must be a number from 1e-6",
+        ),
+        (trace(&["--eta", "-1.5"]), "--eta -1.5: must be"),
+        (trace(&["--eta", "x"]), "must be a number"),
         (trace(&["--kappa", "1"]), "conductor"),
         (trace(&["--rays", "-5"]), "-5"),
         (trace(&["--rays", "0"]), "1 or more"),
@@ -103,17 +106,17 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         ),
         (trace(&["--roulette", "2"]), "roulette"),
         (trace(&["--max-order", "0"]), "order"),
-        (trace(&["--max-order", "many"]), "no number"),
+        (trace(&["--max-order", "many"]), "whole number from 1"),
         (trace(&["--max-order", "1e10"]), "4294967295"),
         (
             vec!["verify", "--accelerator", "flat", "-o", "out"],
             "take auto",
         ),
-        (trace(&["--in-plane-half-width", "0"]), "half width"),
         (
-            trace(&["--side", "left"]),
-            "both, reflected and transmitted",
+            trace(&["--in-plane-half-width", "0"]),
+            "half-width 0: must be a number above 0, up to 90",
         ),
+        (trace(&["--side", "left"]), "both, reflected or transmitted"),
         (
             trace(&["--side", "transmitted", "--material", "mirror"]),
             "nothing is transmitted",
@@ -137,7 +140,10 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         (trace(&["--border", "round"]), "periodic"),
         (trace(&["--remove", "sphere"]), "parabola"),
         (vec!["trace", "h.exr", "--theta", "90"], "below 90"),
-        (vec!["trace", "h.exr", "--theta", "-1"], "theta is -1"),
+        (
+            vec!["trace", "h.exr", "--theta", "-1"],
+            "--theta -1: must be a number from 0 to below 90",
+        ),
         (vec!["trace", "--theta", "30"], "FILE"),
         (generate(&["--tau", "3", "--smoothness", "2"]), "or insist"),
         (
@@ -146,7 +152,7 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         ),
         (
             generate(&["--tau", "16", "--smoothness", "0"]),
-            "smoothness is 0",
+            "--smoothness 0: must be a number above 0",
         ),
         (generate(&["--tau", "-4", "--sigma", "1"]), "tau"),
         (

@@ -122,8 +122,8 @@ fn bad_targets_and_times_get_a_sentence() {
     let trace =
         |flags: &'static str| [&words("trace h.exr --theta 30")[..], &words(flags)].concat();
     for (flags, expected) in [
-        ("--target-error 0", "target error is 0"),
-        ("--target-error -1", "target error is -1"),
+        ("--target-error 0", "--target-error 0: must be"),
+        ("--target-error -1", "--target-error -1: must be"),
         ("--target-error nan", "nan"),
         ("--target-error 1e-3 --of ring", "in-plane"),
         ("--of bins", "no target error"),
@@ -137,9 +137,9 @@ fn bad_targets_and_times_get_a_sentence() {
             "not recorded",
         ),
         ("--target-error 1e-3 --rays 1e4", "--rays"),
-        ("--max-time 0", "no time"),
-        ("--max-time -5", "no time"),
-        ("--max-time soon", "no time"),
+        ("--max-time 0", "a time above 0"),
+        ("--max-time -5", "a time above 0"),
+        ("--max-time soon", "a time above 0"),
     ] {
         for arguments in [trace(flags), verify(flags, &["-o", "out"])] {
             let sentence = refused(&folder, &arguments, 2);
@@ -175,7 +175,7 @@ fn flags_say_whether_the_target_of_a_file_holds() {
     fs::write(folder.join("v.toml"), text).unwrap();
     let error = refused(folder, &words("verify v.toml -o out"), 2);
     assert!(
-        error.contains("v.toml") && error.contains("either target_error"),
+        error.contains("v.toml") && error.contains("cannot stand beside"),
         "{error}"
     );
 }

@@ -1,17 +1,17 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
-use asperity_simulate::{Case, Estimator};
+use asperity_simulate::{Case, Estimator, short};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
-use asperity_optics::{Incidence, Layer, Material};
-use asperity_surface::Psd;
+use asperity_optics::{Layer, Material};
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace};
 
 use crate::case_model::CaseModel;
 use crate::config::{Azimuth, ConfigError, VerifyConfig};
-use crate::values::{Count, Number, OneOrMany};
+use crate::sweep::Sweep;
+use crate::values::Count;
 
 impl VerifyConfig {
     /// Every combination of smoothness, material, medium and polar angle, in that order of nesting.
@@ -19,58 +19,16 @@ impl VerifyConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn cases(&self) -> Result<Vec<Case>, ConfigError> {
-        let surface = &self.surface;
-        let tau = surface.tau.0;
-        let tau_y = surface.tau_y.map_or(tau, |t| t.0);
-        let by_smoothness = |s: Number| (s.0, tau / s.0);
-        if let Some(OneOrMany::One(s)) = &surface.smoothness {
-            check_smoothness(s.0)?;
-        }
-        if let Some(OneOrMany::Many(list)) = &surface.smoothness {
-            list.iter().try_for_each(|s| check_smoothness(s.0))?;
-        }
-        let by_sigma = |sigma: Number| (tau / sigma.0, sigma.0);
-        let heights: Vec<(f64, f64)> = match (&surface.smoothness, &surface.sigma) {
-            (Some(_), Some(_)) => {
-                return Err(ConfigError::Contradiction(
-                    "give either smoothness or sigma, not both: smoothness = tau / sigma".into(),
-                ));
-            }
-            (Some(s), None) => s
-                .values("smoothness")?
-                .into_iter()
-                .map(by_smoothness)
-                .collect(),
-            (None, Some(s)) => s.values("sigma")?.into_iter().map(by_sigma).collect(),
-            (None, None) => vec![by_smoothness(Number(3.0))],
-        };
-        let azimuth = surface.azimuth.0.to_radians();
-        let materials = self.material.materials()?;
-        let thetas = self.light.theta.values("theta")?;
-        let mut cases = Vec::new();
-        for (smoothness, sigma) in heights {
-            let psd = Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?;
-            for &material in &materials {
-                let layers = match &self.medium {
-                    Some(medium) => medium.layers(material)?.into_iter().map(Some).collect(),
-                    None => vec![None],
-                };
-                for layer in layers {
-                    for theta in &thetas {
-                        let incidence = Incidence::from_degrees(theta.0, self.light.phi.0)?;
-                        cases.push(Case {
-                            smoothness,
-                            psd,
-                            material,
-                            layer,
-                            incidence,
-                        });
-                    }
-                }
-            }
-        }
+        let sweep = self.sweep()?;
+        Ok(sweep.cases.into_iter().map(|swept| swept.case).collect())
+    }
+
+    /// The cases, each with its own configuration, checked.
+    pub(crate) fn sweep(&self) -> Result<Sweep, ConfigError> {
+        let sweep = Sweep::of(self)?;
+        let cases: Vec<Case> = sweep.cases.iter().map(|swept| swept.case).collect();
         self.check(&cases)?;
-        Ok(cases)
+        Ok(sweep)
     }
 
     /// Samples `[ny, nx]` of each surface.
@@ -127,12 +85,6 @@ impl VerifyConfig {
                 "on an anisotropic surface the azimuth of the light matters; it cannot be random",
             );
         }
-        if !(self.compare.alpha > 0.0 && self.compare.alpha < 1.0) {
-            return Err(ConfigError::Contradiction(format!(
-                "alpha is {}; the level of a test lies between 0 and 1",
-                self.compare.alpha
-            )));
-        }
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
@@ -151,7 +103,7 @@ impl VerifyConfig {
         }
         let mut folders = BTreeSet::new();
         for case in cases {
-            if !folders.insert(case.folder()) {
+            if !folders.insert((case.folder(), short(case.incidence.phi_deg()))) {
                 return Err(ConfigError::Contradiction(format!(
                     "two cases would share the same folder {}; give each value once, and values that differ in six digits",
                     case.folder()
@@ -221,15 +173,6 @@ pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), Conf
     Ok(())
 }
 
-fn check_smoothness(smoothness: f64) -> Result<(), ConfigError> {
-    if smoothness.is_finite() && smoothness > 0.0 {
-        return Ok(());
-    }
-    Err(ConfigError::Contradiction(format!(
-        "smoothness is {smoothness}; tau / sigma must be positive and finite"
-    )))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -277,19 +220,22 @@ mod tests {
         for (text, expected) in [
             (
                 "[surface]\nsmoothness = 3\nsigma = 2",
-                "either smoothness or sigma",
+                "cannot stand beside",
             ),
-            ("[surface]\nsmoothness = []", "empty list"),
-            ("[surface]\nsmoothness = -1", "smoothness is -1"),
-            ("[material]\neta = 0", "eta is 0"),
+            ("[surface]\nsmoothness = []", "one or several"),
+            (
+                "[surface]\nsmoothness = -1",
+                "smoothness = -1: must be a number above 0",
+            ),
+            ("[material]\neta = 0", "eta = 0: must be a number from 1e-6"),
             ("[material]\neta = 1", "delta"),
             ("[material]\nkappa = 1", "absorption"),
             ("[material]\nkind = \"conductor\"\neta = 0.2", "needs both"),
             ("[material]\nkind = \"mirror\"\neta = 2", "mirror"),
             ("[light]\ntheta = 90", "below 90"),
-            ("[light]\ntheta = \"x\"", "no number"),
-            ("[light]\ntheta = [3, true]", "expected a number"),
-            ("[surface]\nsize = [64, 64, 64]", "3 values"),
+            ("[light]\ntheta = \"x\"", "must be a number"),
+            ("[light]\ntheta = [3, true]", "must be a number"),
+            ("[surface]\nsize = [64, 64, 64]", "one for both axes"),
             ("[surface]\nsize = [64, 0]", "1 or more"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
             ("[compare]\nmodels = [\"smith\", \"smith\"]", "twice"),
@@ -309,13 +255,19 @@ mod tests {
             ),
             ("[surface]\ntau_y = 8", "isotropic"),
             ("[compare]\nmodel_rays = 0", "1 or more"),
-            ("[run]\ntarget_error = 0", "target error is 0"),
-            ("[run]\ntarget_error = -1e-3", "target error is -0.001"),
+            (
+                "[run]\ntarget_error = 0",
+                "target_error = 0: must be a number above 0",
+            ),
+            (
+                "[run]\ntarget_error = -1e-3",
+                "target_error = -1e-3: must be a number above 0",
+            ),
             ("[run]\ntarget_error = nan", "above 0"),
             ("[run]\ntarget_error = inf", "above 0"),
             (
                 "[run]\ntarget_error = 1e-3\nrays = 1e5",
-                "either target_error",
+                "cannot stand beside",
             ),
             ("[run]\ntarget_error = 1e-3\nof = \"ring\"", "ring"),
             ("[run]\nof = \"bins\"", "no target error"),
@@ -331,8 +283,8 @@ mod tests {
                 "[run]\ntarget_error = 1e-3\nof = \"reflected\"\nside = \"transmitted\"",
                 "not recorded",
             ),
-            ("[run]\nmax_time = 0", "no time"),
-            ("[run]\nmax_time = \"1d\"", "no time"),
+            ("[run]\nmax_time = 0", "a time above 0"),
+            ("[run]\nmax_time = \"1d\"", "a time above 0"),
             ("surface = 3", "line 1"),
             ("[surface", "line 1"),
         ] {

@@ -1,27 +1,27 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, Heitz, LayerPaths, ModelError, Smith, XuSun};
+use asperity_analysis::{DEFAULT_LEVEL, LayerPaths, ModelError};
 use asperity_optics::{IncidenceError, Material, MaterialError};
 use asperity_simulate::{Estimator, Quantity, RaySettings, Target};
-use asperity_surface::PsdError;
+use asperity_surface::{Psd, PsdError};
 use asperity_tally::{HemisphereGrid, Sides, SpecError, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, Branching, HalfSpace, PathSettings, PathSettingsError, Sampling,
 };
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::medium::{BottomKind, MediumConfig};
-use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds, order};
+use crate::settings::{Command, Document, SettingError, defaults};
+use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds};
 use asperity_simulate::{BottomSurface, TargetError};
 
 /// Why a configuration is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// The file is no such configuration; the sentence names line and key.
-    #[error("{0}")]
-    Toml(String),
+    /// A value is unknown, invalid or excluded by another.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
     /// Two keys that exclude each other, or none of two that are needed.
     #[error("{0}")]
     Contradiction(String),
@@ -53,7 +53,6 @@ pub enum ConfigError {
 
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct SurfaceConfig {
     /// 1/e correlation length, length units.
     pub tau: Number,
@@ -76,21 +75,6 @@ pub struct SurfaceConfig {
     pub insist: bool,
 }
 
-impl Default for SurfaceConfig {
-    fn default() -> Self {
-        Self {
-            tau: Number(16.0),
-            tau_y: None,
-            azimuth: Number(0.0),
-            smoothness: None,
-            sigma: None,
-            size: PerAxis::Both(Count(512)),
-            spacing: PerAxis::Both(Number(1.0)),
-            insist: false,
-        }
-    }
-}
-
 /// The kinds of material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -106,7 +90,6 @@ pub enum MaterialKind {
 
 /// `[material]`: what the surface is made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct MaterialConfig {
     /// Its kind.
     pub kind: MaterialKind,
@@ -118,25 +101,52 @@ pub struct MaterialConfig {
     pub kappa: Option<Number>,
 }
 
-impl Default for MaterialConfig {
-    fn default() -> Self {
-        Self {
-            kind: MaterialKind::Dielectric,
-            eta: None,
-            kappa: None,
+impl SurfaceConfig {
+    /// The smoothness and the power spectral density of a configuration without lists.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is missing or out of range.
+    pub fn psd(&self) -> Result<(f64, Psd), ConfigError> {
+        let tau = self.tau.0;
+        let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
+            (Some(smoothness), None) => {
+                let smoothness = smoothness.one("smoothness")?.0;
+                (smoothness, tau / smoothness)
+            }
+            (None, Some(sigma)) => {
+                let sigma = sigma.one("sigma")?.0;
+                (tau / sigma, sigma)
+            }
+            _ => {
+                return Err(ConfigError::Contradiction(
+                    "give either smoothness or sigma: smoothness = tau / sigma".into(),
+                ));
+            }
+        };
+        if !(smoothness.is_finite() && smoothness > 0.0) {
+            return Err(ConfigError::Contradiction(format!(
+                "smoothness is {smoothness}; tau / sigma must be positive and finite"
+            )));
         }
+        let tau_y = self.tau_y.map_or(tau, |t| t.0);
+        let azimuth = self.azimuth.0.to_radians();
+        Ok((
+            smoothness,
+            Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?,
+        ))
     }
 }
 
 impl MaterialConfig {
-    /// The materials that it stands for.
+    /// The material of a configuration without lists.
     ///
     /// # Errors
     /// [`ConfigError`] if a key is missing, superfluous or out of range.
-    pub fn materials(&self) -> Result<Vec<Material>, ConfigError> {
+    pub fn material(&self) -> Result<Material, ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-        match (self.kind, &self.eta, self.kappa) {
-            (MaterialKind::Mirror, None, None) => Ok(vec![Material::Mirror]),
+        let eta = self.eta.as_ref().map(|eta| eta.one("eta")).transpose()?;
+        match (self.kind, eta, self.kappa) {
+            (MaterialKind::Mirror, None, None) => Ok(Material::Mirror),
             (MaterialKind::Mirror, _, _) => {
                 contradiction("a mirror reflects everything; it has neither eta nor kappa")
             }
@@ -144,19 +154,10 @@ impl MaterialConfig {
                 contradiction("kappa is the absorption index of a conductor; a dielectric has none")
             }
             (MaterialKind::Dielectric, eta, None) => {
-                let glass = OneOrMany::One(Number(1.5));
-                let eta = eta.as_ref().unwrap_or(&glass).values("eta")?;
-                Ok(eta
-                    .iter()
-                    .map(|e| Material::dielectric(e.0))
-                    .collect::<Result<_, _>>()?)
+                Ok(Material::dielectric(eta.map_or(GLASS, |eta| eta.0))?)
             }
             (MaterialKind::Conductor, Some(eta), Some(kappa)) => {
-                let eta = eta.values("eta")?;
-                Ok(eta
-                    .iter()
-                    .map(|e| Material::conductor(e.0, kappa.0))
-                    .collect::<Result<_, _>>()?)
+                Ok(Material::conductor(eta.0, kappa.0)?)
             }
             (MaterialKind::Conductor, _, _) => {
                 contradiction("a conductor needs both eta and kappa, its index being eta + i kappa")
@@ -164,6 +165,9 @@ impl MaterialConfig {
         }
     }
 }
+
+/// Index of a dielectric unless one is given.
+const GLASS: f64 = 1.5;
 
 /// The side that light comes from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -197,12 +201,11 @@ pub enum Azimuth {
 
 /// `[light]`: where the light comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct LightConfig {
     /// Polar angle of the direction towards the light, degrees, one or several.
     pub theta: OneOrMany<Number>,
     /// Azimuth of the direction towards the light, degrees.
-    pub phi: Number,
+    pub phi: OneOrMany<Number>,
     /// Random or fixed azimuth; random by default where the surface is isotropic.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth: Option<Azimuth>,
@@ -210,22 +213,11 @@ pub struct LightConfig {
     pub from: Incident,
 }
 
-impl Default for LightConfig {
-    fn default() -> Self {
-        Self {
-            theta: OneOrMany::One(Number(30.0)),
-            phi: Number(0.0),
-            azimuth: None,
-            from: Incident::Above,
-        }
-    }
-}
-
 /// `[run]`: how much is traced, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct RunConfig {
-    /// Surfaces drawn for each case.
+    /// Surfaces drawn for each case; one where the surface is given.
+    #[serde(default = "one")]
     pub realisations: Count,
     /// Rays for each case, over all its surfaces.
     pub rays: Count,
@@ -242,7 +234,6 @@ pub struct RunConfig {
     /// Flux below which roulette decides.
     pub roulette: Number,
     /// Interactions after which a path is truncated.
-    #[serde(deserialize_with = "order")]
     pub max_order: u32,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
@@ -251,6 +242,7 @@ pub struct RunConfig {
     /// How rays are spread over the mean plane and over azimuth.
     pub sampling: Sampling,
     /// Trace every surface at half the spacing as well, and report that.
+    #[serde(default)]
     pub refine: bool,
     /// The error to reach; surfaces and rays are then as many as it takes.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -265,24 +257,7 @@ pub struct RunConfig {
 
 impl Default for RunConfig {
     fn default() -> Self {
-        Self {
-            realisations: Count(32),
-            rays: Count(1_000_000),
-            seed: 1,
-            bins: HemisphereGrid::default(),
-            in_plane_half_width: Number(5.0),
-            side: Sides::Both,
-            branching: Branching::Split,
-            roulette: Number(PathSettings::DEFAULT_ROULETTE),
-            max_order: PathSettings::DEFAULT_MAX_ORDER,
-            accelerator: AcceleratorKind::Auto,
-            estimator: Estimator::Auto,
-            sampling: Sampling::Stratified,
-            refine: false,
-            target_error: None,
-            of: None,
-            max_time: None,
-        }
+        VerifyConfig::default().run
     }
 }
 
@@ -311,7 +286,6 @@ impl RunConfig {
 
 /// `[compare]`: with which models, and how strictly.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct CompareConfig {
     /// Names of the models.
     pub models: Vec<String>,
@@ -319,40 +293,34 @@ pub struct CompareConfig {
     pub model_rays: Count,
     /// Level of the tests of one case: the probability that one of its models is called failing though
     /// it holds. Cases are not corrected for each other.
-    pub alpha: f64,
+    #[serde(default = "default_level")]
+    pub level: f64,
 }
 
-/// The models that are compared unless others are named: the one under examination, the one in wide use, and the
-/// one of all orders.
-const DEFAULT_MODELS: [&str; 3] = [XuSun::NAME, Smith::NAME_CORRELATED, Heitz::NAME];
-
-impl Default for CompareConfig {
-    fn default() -> Self {
+impl CompareConfig {
+    /// No comparison.
+    pub(crate) const fn none() -> Self {
         Self {
-            models: DEFAULT_MODELS.map(str::to_owned).to_vec(),
-            model_rays: Count(1_000_000),
-            alpha: DEFAULT_LEVEL,
+            models: Vec::new(),
+            model_rays: Count(1),
+            level: DEFAULT_LEVEL,
         }
     }
 }
 
+const fn default_level() -> f64 {
+    DEFAULT_LEVEL
+}
+
 /// `[output]`: what is written beside the numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct OutputConfig {
     /// Draw plots.
     pub plots: bool,
 }
 
-impl Default for OutputConfig {
-    fn default() -> Self {
-        Self { plots: true }
-    }
-}
-
 /// A verification: surfaces, material, light, effort and models. Every key has a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VerifyConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
@@ -371,29 +339,39 @@ pub struct VerifyConfig {
     pub output: OutputConfig,
 }
 
+impl Default for VerifyConfig {
+    fn default() -> Self {
+        defaults(Command::Verify)
+    }
+}
+
 impl VerifyConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
     /// # Errors
-    /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
+    /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        let mut config: Self = parse_toml(text)?;
-        refuse_effort_beside_target(text, &config.run)?;
-        config.choose_models();
-        Ok(config)
+        Self::of_document(&Document::of_text(Command::Verify, text)?)
     }
 
-    /// Puts the model of a layer between flat faces in the place of the default models, which are of bare
-    /// surfaces, where there is a medium; none where that ends on a Lambertian bottom.
-    pub fn choose_models(&mut self) {
-        if let Some(medium) = &self.medium
-            && self.compare.models == DEFAULT_MODELS
+    /// The configuration of a document.
+    ///
+    /// With a medium the default models, which are of bare surfaces, give way to that of a layer between flat faces;
+    /// to none where that ends on a Lambertian bottom.
+    ///
+    /// # Errors
+    /// [`ConfigError::Setting`].
+    pub fn of_document(document: &Document) -> Result<Self, ConfigError> {
+        let mut config: Self = document.read()?;
+        if let Some(medium) = &config.medium
+            && !document.is_given("compare.models")
         {
-            self.compare.models = match medium.bottom {
+            config.compare.models = match medium.bottom {
                 Some(BottomKind::Lambertian) => Vec::new(),
                 _ => vec![LayerPaths::All.name().to_owned()],
             };
         }
+        Ok(config)
     }
 
     /// The settings of the rays.
@@ -407,47 +385,34 @@ impl VerifyConfig {
         };
         Ok(RaySettings {
             spec: settings.spec.with_medium(),
-            bottom: medium.bottom_surface,
-            most_scatterings: medium.most_scatterings()?,
+            bottom: medium.bottom_surface.named(),
+            most_scatterings: medium.max_scatterings,
             ..settings
         })
     }
 }
 
-/// Refuses a file that asks for an error and for an effort.
-///
-/// Both have defaults, so that the file alone says whether they were given.
-pub(crate) fn refuse_effort_beside_target(text: &str, run: &RunConfig) -> Result<(), ConfigError> {
-    let given = |key: &str| {
-        toml::from_str::<toml::Table>(text)
-            .is_ok_and(|file| file.get("run").is_some_and(|run| run.get(key).is_some()))
-    };
-    if run.target_error.is_some() && (given("realisations") || given("rays")) {
-        return Err(ConfigError::Contradiction(
-            "give either target_error or realisations and rays: with a target error both are as many as it takes"
-                .to_owned(),
-        ));
-    }
-    Ok(())
-}
-
-/// Reads a configuration, or says in one sentence at which line it is none.
-pub(crate) fn parse_toml<T: DeserializeOwned>(text: &str) -> Result<T, ConfigError> {
-    toml::from_str(text).map_err(|error| {
-        let line = error
-            .span()
-            .map(|span| 1 + text[..span.start].matches('\n').count());
-        let reason = error.message().trim().replace('\n', " ");
-        ConfigError::Toml(match line {
-            Some(line) => format!("line {line}: {reason}"),
-            None => reason,
-        })
-    })
+const fn one() -> Count {
+    Count(1)
 }
 
 #[cfg(test)]
 mod tests {
+    use asperity_analysis::{Heitz, Smith, XuSun};
+    use asperity_tracer::PathSettings;
+
     use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_libraries() {
+        let config = VerifyConfig::default();
+        assert_eq!(config.compare.level, DEFAULT_LEVEL);
+        assert_eq!(config.run.roulette.0, PathSettings::DEFAULT_ROULETTE);
+        assert_eq!(config.run.max_order, PathSettings::DEFAULT_MAX_ORDER);
+        assert_eq!(config.run.bins, HemisphereGrid::default());
+        let half_width = config.run.in_plane_half_width.0.to_radians();
+        assert_eq!(half_width, TallySpec::DEFAULT_HALF_WIDTH);
+    }
 
     #[test]
     fn unknown_keys_are_refused_by_name_and_line() {
@@ -461,7 +426,10 @@ mod tests {
     fn beside_a_medium_default_models_are_those_of_layers_and_named_ones_stay() {
         let models = |text: &str| VerifyConfig::from_toml(text).unwrap().compare.models;
         let medium = "[medium]\nscattering = 1\nthickness = 9\n";
-        assert_eq!(models("").len(), DEFAULT_MODELS.len());
+        assert_eq!(
+            models(""),
+            [XuSun::NAME, Smith::NAME_CORRELATED, Heitz::NAME]
+        );
         assert_eq!(models(medium), ["flat-layer"]);
         assert!(models(&format!("{medium}bottom = \"lambertian\"\n")).is_empty());
         let named = "[compare]\nmodels = [\"hanrahan-krueger\"]\n";

@@ -5,7 +5,6 @@
 //! computing cost, run time against error; [`map()`] says over a grid of cases where models hold; [`gonio()`]
 //! measures the whole BRDF and BTDF, direction by direction.
 
-mod alone;
 mod attenuation;
 mod case_model;
 mod case_report;
@@ -31,6 +30,8 @@ mod report;
 pub mod settings;
 mod side_difference;
 mod summary;
+mod sweep;
+mod trace_config;
 mod values;
 mod verify;
 
@@ -68,13 +69,13 @@ pub use map::{
     LightShare, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
-pub use medium::{BottomKind, MediumConfig, PhaseKind};
+pub use medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use models::{ComparedComponent, ModelOutcome};
-pub use number::{parse_count, parse_number, parse_order, parse_seconds};
 pub use output::CheckpointError;
 pub use peak::PeakDifference;
 pub use report::{ReportError, trace_files, trace_report, verify_report, verify_summary};
 pub use side_difference::SideDifference;
 pub use summary::Summary;
+pub use trace_config::TraceConfig;
 pub use values::{Count, Number, OneOrMany, PerAxis, Seconds};
 pub use verify::{CaseOutcome, VerifyError, VerifyOutcome, verify};

@@ -2,15 +2,17 @@
 
 use asperity_simulate::BottomSurface;
 
+use std::path::{Path, PathBuf};
+
 use asperity_optics::{
     Bottom, Layer, LayerError, Material, ParticipatingMedium, ParticipatingMediumError,
     PhaseFunction, PhaseFunctionError,
 };
-use asperity_tracer::{Surface, TracedLayer, TracedLayerError};
+use asperity_tracer::TracedLayerError;
 use serde::{Deserialize, Serialize};
 
 use crate::config::ConfigError;
-use crate::values::{Count, Number, OneOrMany};
+use crate::values::{Number, OneOrMany};
 
 /// The phase functions by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -40,9 +42,38 @@ pub enum BottomKind {
     Lambertian,
 }
 
+/// The shape of a bottom: one that follows from the surface above, or that of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum BottomShape {
+    /// One that follows from the surface above.
+    Named(BottomSurface),
+    /// That of a file.
+    File(PathBuf),
+}
+
+impl BottomShape {
+    /// The shape that follows from the surface above; flat where a file takes its place.
+    #[must_use]
+    pub const fn named(&self) -> BottomSurface {
+        match self {
+            Self::Named(shape) => *shape,
+            Self::File(_) => BottomSurface::Flat,
+        }
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Named(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
+}
+
 /// `[medium]`: a medium below the surface. Of values that may be several, all combinations are cases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct MediumConfig {
     /// Mean distance between interactions, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -75,140 +106,79 @@ pub struct MediumConfig {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom_reflectance: Option<Number>,
     /// The shape of the bottom.
-    pub bottom_surface: BottomSurface,
+    pub bottom_surface: BottomShape,
     /// Scatterings after which a path is truncated.
-    pub max_scatterings: Count,
-}
-
-impl Default for MediumConfig {
-    fn default() -> Self {
-        Self {
-            mean_free_path: None,
-            albedo: None,
-            absorption: None,
-            scattering: None,
-            phase: None,
-            g: None,
-            thickness: None,
-            bottom: None,
-            bottom_eta: None,
-            bottom_reflectance: None,
-            bottom_surface: BottomSurface::Flat,
-            max_scatterings: Count(TracedLayer::<Surface>::DEFAULT_MAX_SCATTERINGS.into()),
-        }
-    }
+    pub max_scatterings: u32,
 }
 
 impl MediumConfig {
-    /// Every combination of medium and thickness below a surface of `material`.
+    /// The layer of a configuration without lists, below a surface of `material`.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn layers(&self, material: Material) -> Result<Vec<Layer>, ConfigError> {
+    pub fn layer(&self, material: Material) -> Result<Layer, ConfigError> {
         let Material::Dielectric { eta } = material else {
             return refuse(
                 "no light enters a medium below a conductor or a mirror: take a dielectric",
             );
         };
-        let media = self.media()?;
+        let medium = self.participating_medium()?;
         let bottom = self.bottom(eta)?;
         let Some(thickness) = &self.thickness else {
             return match self.first_given_of_bottom() {
                 Some(name) => refuse(&format!(
-                    "{name} says something of the end of a layer: give its thickness too"
+                    "{name} is a property of the end of a layer: give its thickness too"
                 )),
-                None => Ok(media.into_iter().map(Layer::half_space).collect()),
+                None => Ok(Layer::half_space(medium)),
             };
         };
-        let mut layers = Vec::new();
-        for medium in media {
-            for thickness in thickness.values("thickness")? {
-                layers.push(Layer::slab(medium, thickness.0, bottom)?);
-            }
+        let flat = BottomShape::Named(BottomSurface::Flat);
+        if bottom == Bottom::Open && self.bottom_surface != flat {
+            return refuse(&TracedLayerError::OpenShape.to_string());
         }
-        if bottom == Bottom::Open && self.bottom_surface != BottomSurface::Flat {
-            return Err(ConfigError::Contradiction(
-                TracedLayerError::OpenShape.to_string(),
-            ));
-        }
-        Ok(layers)
+        Ok(Layer::slab(medium, thickness.one("thickness")?.0, bottom)?)
     }
 
-    /// Scatterings after which a path is truncated.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if they are more than can be counted.
-    pub fn most_scatterings(&self) -> Result<u32, ConfigError> {
-        u32::try_from(self.max_scatterings.0).or_else(|_| {
-            refuse(&format!(
-                "max_scatterings is {}; it must be from 1 to 4294967295",
-                self.max_scatterings.0
-            ))
-        })
-    }
-
-    fn media(&self) -> Result<Vec<ParticipatingMedium>, ConfigError> {
-        let by_coefficients = self.absorption.is_some() || self.scattering.is_some();
-        let by_path = self.mean_free_path.is_some() || self.albedo.is_some();
-        let zero = OneOrMany::One(Number(0.0));
-        let phases = self.phase_functions()?;
-        let mut media = Vec::new();
-        match (&self.mean_free_path, &self.albedo) {
-            _ if by_coefficients && by_path => {
-                return refuse(
-                    "absorption and scattering stand for mean free path and albedo: give one pair or the other",
-                );
+    fn participating_medium(&self) -> Result<ParticipatingMedium, ConfigError> {
+        let value = |of: &Option<OneOrMany<Number>>, name| {
+            of.as_ref().map(|value| value.one(name)).transpose()
+        };
+        let absorption = value(&self.absorption, "absorption")?;
+        let scattering = value(&self.scattering, "scattering")?;
+        let path = value(&self.mean_free_path, "mean_free_path")?;
+        let albedo = value(&self.albedo, "albedo")?;
+        let by_coefficients = absorption.is_some() || scattering.is_some();
+        let phase = self.phase_function()?;
+        match (path, albedo) {
+            (None, None) if by_coefficients => {
+                let [a, s] = [absorption, scattering].map(|c| c.map_or(0.0, |c| c.0));
+                Ok(ParticipatingMedium::from_coefficients(a, s, phase)?)
             }
-            _ if by_coefficients => {
-                let absorption = self.absorption.as_ref().unwrap_or(&zero);
-                let scattering = self.scattering.as_ref().unwrap_or(&zero);
-                for a in absorption.values("absorption")? {
-                    for s in scattering.values("scattering")? {
-                        for &phase in &phases {
-                            media.push(ParticipatingMedium::from_coefficients(a.0, s.0, phase)?);
-                        }
-                    }
-                }
-            }
-            (Some(path), Some(albedo)) => {
-                for path in path.values("mean_free_path")? {
-                    for albedo in albedo.values("albedo")? {
-                        for &phase in &phases {
-                            let medium =
-                                ParticipatingMedium::from_mean_free_path(path.0, albedo.0, phase)?;
-                            media.push(medium);
-                        }
-                    }
-                }
-            }
-            (Some(_), None) => {
-                return refuse(
-                    "a mean free path needs an albedo, the share of interactions that scatters light",
-                );
-            }
+            _ if by_coefficients => refuse(
+                "absorption and scattering stand for mean free path and albedo: give one pair or the other",
+            ),
+            (Some(path), Some(albedo)) => Ok(ParticipatingMedium::from_mean_free_path(
+                path.0, albedo.0, phase,
+            )?),
+            (Some(_), None) => refuse(
+                "a mean free path needs an albedo, the fraction of interactions that scatters light",
+            ),
             (None, Some(_)) => {
-                return refuse(
-                    "an albedo needs a mean free path, the mean distance between interactions",
-                );
+                refuse("an albedo needs a mean free path, the mean distance between interactions")
             }
-            (None, None) => {
-                return refuse(
-                    "a medium needs a mean free path and an albedo, or coefficients of absorption and scattering",
-                );
-            }
+            (None, None) => refuse(
+                "a medium needs a mean free path and an albedo, or coefficients of absorption and scattering",
+            ),
         }
-        Ok(media)
     }
 
-    fn phase_functions(&self) -> Result<Vec<PhaseFunction>, ConfigError> {
+    fn phase_function(&self) -> Result<PhaseFunction, ConfigError> {
         match (self.phase, &self.g) {
-            (None | Some(PhaseKind::Isotropic), None) => Ok(vec![PhaseFunction::Isotropic]),
-            (Some(PhaseKind::Rayleigh), None) => Ok(vec![PhaseFunction::Rayleigh]),
-            (None | Some(PhaseKind::HenyeyGreenstein), Some(g)) => g
-                .values("g")?
-                .into_iter()
-                .map(|g| Ok(PhaseFunction::henyey_greenstein(g.0)?))
-                .collect(),
+            (None | Some(PhaseKind::Isotropic), None) => Ok(PhaseFunction::Isotropic),
+            (Some(PhaseKind::Rayleigh), None) => Ok(PhaseFunction::Rayleigh),
+            (None | Some(PhaseKind::HenyeyGreenstein), Some(g)) => {
+                Ok(PhaseFunction::henyey_greenstein(g.one("g")?.0)?)
+            }
             (Some(PhaseKind::HenyeyGreenstein), None) => {
                 refuse("the phase function of Henyey and Greenstein needs g, its mean cosine")
             }
@@ -254,7 +224,7 @@ impl MediumConfig {
                 "the reflectance of the bottom",
             ),
             (
-                self.bottom_surface != BottomSurface::Flat,
+                self.bottom_surface != BottomShape::Named(BottomSurface::Flat),
                 "the surface of the bottom",
             ),
         ]
@@ -311,14 +281,23 @@ mod tests {
             ("", "needs a mean free path"),
             ("mean_free_path = 1", "needs an albedo"),
             ("albedo = 0.9", "needs a mean free path"),
+            ("mean_free_path = 1\nabsorption = 1", "cannot stand beside"),
             (
-                "mean_free_path = 1\nabsorption = 1",
-                "one pair or the other",
+                "absorption = -1",
+                "absorption = -1: must be a number 0 or more",
             ),
-            ("absorption = -1", "absorption coefficient is -1"),
-            ("mean_free_path = 0\nalbedo = 1", "mean free path is 0"),
-            ("mean_free_path = 1\nalbedo = 1.5", "albedo is 1.5"),
-            (&format!("{path}\ng = 1"), "g is 1"),
+            (
+                "mean_free_path = 0\nalbedo = 1",
+                "mean_free_path = 0: must be a number from 1e-150",
+            ),
+            (
+                "mean_free_path = 1\nalbedo = 1.5",
+                "albedo = 1.5: must be a number from 0 to 1",
+            ),
+            (
+                &format!("{path}\ng = 1"),
+                "g = 1: must be a number above -1 and below 1",
+            ),
             (
                 &format!("{path}\ng = 0.1\nphase = \"rayleigh\""),
                 "Greenstein alone",

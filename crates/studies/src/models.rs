@@ -130,7 +130,7 @@ pub(crate) fn compare_models(
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
-    let found = verdicts(&comparisons, config.compare.alpha);
+    let found = verdicts(&comparisons, config.compare.level);
     let tests = found.len();
     for (claim, verdict) in claims.iter_mut().zip(found) {
         claim.verdict = Some(verdict);

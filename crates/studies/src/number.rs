@@ -7,7 +7,7 @@ pub(crate) const MOST_COUNT: f64 = 1e15;
 ///
 /// # Errors
 /// A sentence that says what was found.
-pub fn parse_number(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
     let number = |part: &str| {
         part.trim()
             .parse::<f64>()
@@ -28,7 +28,7 @@ pub fn parse_number(text: &str) -> Result<f64, String> {
 ///
 /// # Errors
 /// A sentence that says what was found and what is allowed.
-pub fn parse_count(text: &str) -> Result<u64, String> {
+pub(crate) fn parse_count(text: &str) -> Result<u64, String> {
     let plain: String = text.chars().filter(|&c| c != '_').collect();
     count_from_number(parse_number(&plain)?).map_err(|reason| format!("`{text}` {reason}"))
 }
@@ -37,7 +37,7 @@ pub fn parse_count(text: &str) -> Result<u64, String> {
 ///
 /// # Errors
 /// A sentence that says what was found and what is allowed.
-pub fn parse_seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
     let trimmed = text.trim();
     let (number, unit) = match trimmed.strip_suffix(['s', 'm', 'h']) {
         Some(number) if trimmed.ends_with('h') => (number, 3600.0),
@@ -54,7 +54,7 @@ pub fn parse_seconds(text: &str) -> Result<f64, String> {
 }
 
 /// A positive number of seconds.
-pub(crate) fn seconds_from_number(value: f64) -> Result<f64, String> {
+fn seconds_from_number(value: f64) -> Result<f64, String> {
     if value > 0.0 && value.is_finite() {
         Ok(value)
     } else {
@@ -62,20 +62,6 @@ pub(crate) fn seconds_from_number(value: f64) -> Result<f64, String> {
             "{value} is no time above 0; write it in seconds as 90, or as \"10m\" or \"2h\""
         ))
     }
-}
-
-/// An order of interaction: a count, up to 4294967295.
-///
-/// # Errors
-/// A sentence that says what was found and what is allowed.
-pub fn parse_order(text: &str) -> Result<u32, String> {
-    order_from_count(parse_count(text)?)
-}
-
-/// An order of interaction from a count.
-pub(crate) fn order_from_count(count: u64) -> Result<u32, String> {
-    u32::try_from(count)
-        .map_err(|_| format!("{count} is out of range; an order is {} at most", u32::MAX))
 }
 
 /// A whole number of one or more that was written as a decimal one.

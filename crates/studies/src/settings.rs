@@ -24,7 +24,7 @@ mod setting;
 
 pub use command::{Command, Commands};
 pub use definitions::{SECTIONS, Section, settings_of};
-pub use document::Document;
+pub use document::{Document, commands_with_flag, defaults};
 pub use error::{Given, Place, SettingError};
 pub use kind::{Choice, Kind};
 pub use range::Range;

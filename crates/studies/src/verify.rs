@@ -258,7 +258,7 @@ fn judge(
     };
     let errors = errors(config, settings, &traced, &batches)?;
     let (models, tests) = compare_models(config, spec, (case, method), ensemble, &batches)?;
-    let level = sidak_level(config.compare.alpha, tests.max(1));
+    let level = sidak_level(config.compare.level, tests.max(1));
     let realisations = match traced.deviation_bound {
         Some(_) => 0,
         None => ensemble.tallies.len() as u64,

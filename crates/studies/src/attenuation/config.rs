@@ -1,20 +1,19 @@
 //! The configuration of an attenuation run: what `asperity attenuation` reads from a file.
 
 use std::fmt;
-use std::str::FromStr;
 
 use asperity_surface::Border;
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
-use crate::config::{ConfigError, parse_toml};
+use crate::config::ConfigError;
+use crate::settings::{Command, Document, defaults};
 use crate::values::{Count, Number, OneOrMany, PerAxis};
 
 /// `[surface]`: the random surfaces, isotropic, with the autocorrelation `sigma^2 exp(-r^2 / tau^2)`.
 ///
 /// The defaults are the surfaces of the 2019 paper.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct AttenuationSurface {
     /// Root mean square height, length units, one or several.
     pub sigma: OneOrMany<Number>,
@@ -34,23 +33,8 @@ pub struct AttenuationSurface {
     pub insist: bool,
 }
 
-impl Default for AttenuationSurface {
-    fn default() -> Self {
-        Self {
-            sigma: OneOrMany::One(Number(0.5)),
-            tau: Number(0.5),
-            length: None,
-            size: None,
-            spacing: PerAxis::Both(Number(0.05)),
-            border: Border::Periodic,
-            insist: false,
-        }
-    }
-}
-
 /// `[light]`: the directions towards the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct AttenuationLight {
     /// Polar angle, degrees from 0 to below 90, one or several.
     pub theta: OneOrMany<Number>,
@@ -58,36 +42,13 @@ pub struct AttenuationLight {
     pub phi: Number,
 }
 
-impl Default for AttenuationLight {
-    fn default() -> Self {
-        Self {
-            theta: OneOrMany::Many(
-                [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0]
-                    .map(Number)
-                    .to_vec(),
-            ),
-            phi: Number(0.0),
-        }
-    }
-}
-
 /// `[view]`: the directions from which the surface is seen; from straight above unless given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct AttenuationView {
     /// Polar angle, degrees from 0 to below 90, one or several.
     pub theta: OneOrMany<Number>,
     /// Azimuth, degrees.
     pub phi: Number,
-}
-
-impl Default for AttenuationView {
-    fn default() -> Self {
-        Self {
-            theta: OneOrMany::One(Number(0.0)),
-            phi: Number(0.0),
-        }
-    }
 }
 
 /// How it is found out whether a point sees the sky.
@@ -113,24 +74,8 @@ impl fmt::Display for Way {
     }
 }
 
-impl FromStr for Way {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        match text {
-            "auto" => Ok(Self::Auto),
-            "rays" => Ok(Self::Rays),
-            "horizons" => Ok(Self::Horizons),
-            _ => Err(format!(
-                "unknown way `{text}`; allowed are auto, rays and horizons"
-            )),
-        }
-    }
-}
-
 /// `[run]`: how much is measured, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct AttenuationRun {
     /// Surfaces drawn.
     pub realisations: Count,
@@ -146,22 +91,8 @@ pub struct AttenuationRun {
     pub demarcation: bool,
 }
 
-impl Default for AttenuationRun {
-    fn default() -> Self {
-        Self {
-            realisations: Count(20),
-            seed: 1,
-            way: Way::Auto,
-            mirror: true,
-            heights: false,
-            demarcation: false,
-        }
-    }
-}
-
 /// `[output]`: what is drawn.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct AttenuationOutput {
     /// Draw plots.
     pub plots: bool,
@@ -173,19 +104,8 @@ pub struct AttenuationOutput {
     pub over_sigma_at_theta: Option<OneOrMany<Number>>,
 }
 
-impl Default for AttenuationOutput {
-    fn default() -> Self {
-        Self {
-            plots: true,
-            models_at_sigma: None,
-            over_sigma_at_theta: None,
-        }
-    }
-}
-
 /// Geometric attenuation on explicit surfaces. Every key has a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AttenuationConfig {
     /// The random surfaces.
     pub surface: AttenuationSurface,
@@ -199,13 +119,19 @@ pub struct AttenuationConfig {
     pub output: AttenuationOutput,
 }
 
+impl Default for AttenuationConfig {
+    fn default() -> Self {
+        defaults(Command::Attenuation)
+    }
+}
+
 impl AttenuationConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
     /// # Errors
-    /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
+    /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        parse_toml(text)
+        Ok(Document::of_text(Command::Attenuation, text)?.read()?)
     }
 
     /// Checks everything that can be known before a surface is drawn: values, grids, memory.

@@ -9,7 +9,7 @@ use asperity_tracer::{AcceleratorKind, HorizonError};
 use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationRun, Way};
 use crate::config::ConfigError;
-use crate::values::{Number, OneOrMany, PerAxis};
+use crate::values::{Number, OneOrMany};
 
 /// A configuration with its lists checked.
 pub(super) struct Plan {
@@ -63,11 +63,6 @@ impl AttenuationConfig {
             recipes.push(Synthesis::new(psd, shape, [dx, dy], surface.insist)?);
             let covariance = SlopeCovariance::isotropic(surface.tau.0 / sigma);
             slopes.push(covariance.map_err(|error: SlopeError| contradiction(error.to_string()))?);
-        }
-        if surface.border == Border::Mirrored {
-            return Err(contradiction(
-                "drawn surfaces are periodic; border is periodic or open".to_owned(),
-            ));
         }
         if surface.border == Border::Open && shape.iter().any(|&samples| samples < 3) {
             return Err(contradiction(format!(
@@ -158,16 +153,18 @@ impl AttenuationConfig {
     fn shape(&self) -> Result<[usize; 2], AttenuationError> {
         let surface = &self.surface;
         let [dx, dy] = surface.spacing.xy().map(|spacing| spacing.0);
-        if let Some(size) = surface.size {
-            if surface.length.is_some() {
+        let length = match (surface.size, surface.length) {
+            (Some(size), None) => {
+                let [nx, ny] = size.xy().map(|samples| samples.0 as usize);
+                return Ok([ny, nx]);
+            }
+            (None, Some(length)) => length,
+            _ => {
                 return Err(contradiction(
                     "give either length, the side of the tile, or size, its samples".to_owned(),
                 ));
             }
-            let [nx, ny] = size.xy().map(|samples| samples.0 as usize);
-            return Ok([ny, nx]);
-        }
-        let length = surface.length.unwrap_or(PerAxis::Both(Number(LENGTH)));
+        };
         let samples = |length: f64, spacing: f64| {
             let samples = length / spacing;
             let whole = samples.round();
@@ -185,9 +182,6 @@ impl AttenuationConfig {
         Ok([samples(y, dy)?, samples(x, dx)?])
     }
 }
-
-/// Side of a tile unless anything else is said, length units.
-const LENGTH: f64 = 12.8;
 
 /// Values of sigma whose models are drawn unless they are named.
 const MODELS_DRAWN: usize = 3;

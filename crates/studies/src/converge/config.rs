@@ -13,24 +13,21 @@ use super::ConvergeError;
 use super::method::{Effort, Method};
 use crate::config::{
     CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig, parse_toml,
+    SurfaceConfig, VerifyConfig,
 };
 use crate::number::MOST_COUNT;
-use crate::values::{Count, Number, OneOrMany, PerAxis, names};
+use crate::settings::{Command, Document, defaults};
+use crate::values::{Count, Number, OneOrMany, PerAxis};
 use crate::verify::VerifyError;
 
 /// `[converge]`: the methods, and how much each of them does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct ConvergenceConfig {
     /// Estimators.
-    #[serde(deserialize_with = "names")]
     pub estimators: OneOrMany<Estimator>,
     /// How rays are spread.
-    #[serde(deserialize_with = "names")]
     pub samplings: OneOrMany<Sampling>,
     /// How hits are found.
-    #[serde(deserialize_with = "names")]
     pub accelerators: OneOrMany<AcceleratorKind>,
     /// Length units a sample, along both axes; that of the surface unless given. The extent of the
     /// surface stays, and its samples follow.
@@ -59,34 +56,8 @@ pub struct ConvergenceConfig {
     pub errors: OneOrMany<Number>,
 }
 
-impl Default for ConvergenceConfig {
-    fn default() -> Self {
-        Self {
-            estimators: OneOrMany::Many(vec![Estimator::Plain, Estimator::Controlled]),
-            samplings: OneOrMany::Many(vec![
-                Sampling::Random,
-                Sampling::Stratified,
-                Sampling::QuasiRandom,
-            ]),
-            accelerators: OneOrMany::One(AcceleratorKind::Auto),
-            spacings: None,
-            rays: OneOrMany::One(Count(16_384)),
-            surfaces: OneOrMany::Many([4, 16, 64].map(Count).to_vec()),
-            repeats: Count(8),
-            reference_rays: Count(65_536),
-            reference_surfaces: Count(512),
-            reference_spacing: None,
-            seed: 1,
-            bins: HemisphereGrid::default(),
-            side: Sides::Both,
-            errors: OneOrMany::Many([1e-2, 1e-3, 1e-4].map(Number).to_vec()),
-        }
-    }
-}
-
 /// Run time against error: surfaces, material, light and methods. Every key has a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConvergeConfig {
     /// The random surfaces; `size` times `spacing` is their extent at every spacing.
     pub surface: SurfaceConfig,
@@ -114,13 +85,19 @@ pub(super) struct Plan {
     pub(super) seed: u64,
 }
 
+impl Default for ConvergeConfig {
+    fn default() -> Self {
+        defaults(Command::Converge)
+    }
+}
+
 impl ConvergeConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
     /// # Errors
-    /// [`ConfigError::Toml`] with line and key if the text is no such configuration.
+    /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        parse_toml(text)
+        Ok(Document::of_text(Command::Converge, text)?.read()?)
     }
 
     /// Checks everything that can be known before a ray is traced: values, grids, memory.
@@ -169,10 +146,7 @@ impl ConvergeConfig {
                 side: self.converge.side,
                 ..RunConfig::default()
             },
-            compare: CompareConfig {
-                models: Vec::new(),
-                ..CompareConfig::default()
-            },
+            compare: CompareConfig::none(),
             output: self.output.clone(),
         }
     }
@@ -248,21 +222,11 @@ impl ConvergeConfig {
             .iter()
             .map(|e| e.0)
             .collect();
-        if let Some(bad) = errors.iter().find(|e| !(e.is_finite() && **e > 0.0)) {
-            return Err(ConfigError::Contradiction(format!(
-                "an error of {bad} is asked for in `errors`; relative errors are positive and finite"
-            )));
-        }
         let reference = Effort {
             rays: config.reference_rays.0,
             surfaces: config.reference_surfaces.0,
         };
         check_effort(reference)?;
-        if reference.surfaces < 2 {
-            return Err(ConfigError::Contradiction(
-                "reference_surfaces is 1; the error of the reference comes from the scatter between surfaces, so give 2 or more".into(),
-            ));
-        }
         let finest = spacings
             .iter()
             .copied()
@@ -417,11 +381,11 @@ mod tests {
         for (text, expected) in [
             (
                 "[converge]\nestimator = \"plain\"",
-                "line 2: unknown field `estimator`",
+                "line 2: unknown key `estimator`",
             ),
-            ("[converge]\nestimators = \"best\"", "plain and controlled"),
-            ("[converge]\nestimators = []", "empty list"),
-            ("[converge]\nestimators = 3", "name in quotes"),
+            ("[converge]\nestimators = \"best\"", "plain or controlled"),
+            ("[converge]\nestimators = []", "one or several"),
+            ("[converge]\nestimators = 3", "plain or controlled"),
             (
                 "[converge]\nsamplings = [\"random\", \"random\"]",
                 "random is given twice",
@@ -432,8 +396,8 @@ mod tests {
                 "[converge]\nspacings = [3]",
                 "does not divide the extent 512",
             ),
-            ("[converge]\nspacings = [0]", "does not divide"),
-            ("[converge]\nspacings = [-1]", "does not divide"),
+            ("[converge]\nspacings = [0]", "above 0"),
+            ("[converge]\nspacings = [-1]", "above 0"),
             ("[converge]\nspacings = [8]", "correlation length"),
             ("[converge]\nreference_spacing = 5", "does not divide"),
             (
@@ -449,14 +413,14 @@ mod tests {
             ("[converge]\nsurfaces = 1e7", "GiB"),
             ("[converge]\nrepeats = 0", "1 or more"),
             ("[converge]\nreference_surfaces = 1", "2 or more"),
-            ("[converge]\nerrors = [0.01, 0]", "positive"),
+            ("[converge]\nerrors = [0.01, 0]", "above 0"),
             ("[converge]\nbins = \"0x5\"", "bins"),
             (
                 "[converge]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",
                 "nothing is transmitted",
             ),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
-            ("[run]\nrays = 5", "unknown field `run`"),
+            ("[run]\nrays = 5", "unknown section `run`"),
             ("[light]\ntheta = 90", "below 90"),
         ] {
             let error = refusal(text);

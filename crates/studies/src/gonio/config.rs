@@ -13,20 +13,21 @@ use super::sample::Sample;
 use crate::cases::check_sides;
 use crate::config::{
     Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
-    RunConfig, SurfaceConfig, VerifyConfig, parse_toml,
+    RunConfig, SurfaceConfig, VerifyConfig,
 };
 use crate::medium::MediumConfig;
+use crate::settings::{Command, Document, defaults};
 use crate::values::{Number, OneOrMany, PerAxis};
 use crate::verify::VerifyError;
 
 /// `[measured]`: one given surface, from a file or flat, in place of random ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct MeasuredConfig {
     /// Height map or triangle mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub file: Option<PathBuf>,
     /// A flat surface in place of a file.
+    #[serde(default)]
     pub flat: bool,
     /// What lies beyond the border; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,21 +53,6 @@ enum MissingName {
     Fill,
 }
 
-impl Default for MeasuredConfig {
-    /// None.
-    fn default() -> Self {
-        Self {
-            file: None,
-            flat: false,
-            border: None,
-            spacing: None,
-            unit: None,
-            missing: MissingPolicy::Refuse,
-            remove: Form::None,
-        }
-    }
-}
-
 impl MeasuredConfig {
     /// Whether there is one.
     #[must_use]
@@ -74,19 +60,18 @@ impl MeasuredConfig {
         self.flat || self.file.is_some()
     }
 
+    /// Refuses what says how a file is read where there is none.
     pub(super) fn check(&self) -> Result<(), ConfigError> {
-        let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-        if self.flat && self.file.is_some() {
-            return contradiction("give either a file or flat = true, not both");
-        }
-        let reading = Self {
-            flat: false,
-            ..self.clone()
-        };
-        if self.file.is_none() && reading != Self::default() {
-            return contradiction(
-                "border, spacing, unit, missing and remove say how a file is read, and there is none",
-            );
+        let reads_file = self.border.is_some()
+            || self.spacing.is_some()
+            || self.unit.is_some()
+            || self.missing != MissingPolicy::Refuse
+            || self.remove != Form::None;
+        if self.file.is_none() && reads_file {
+            return Err(ConfigError::Contradiction(
+                "border, spacing, unit, missing and remove say how the file of a surface is read, and there is none"
+                    .into(),
+            ));
         }
         Ok(())
     }
@@ -94,7 +79,6 @@ impl MeasuredConfig {
 
 /// `[light]`: the directions that light comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct GonioLight {
     /// Polar angle of the direction towards the light, degrees, one or several.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -112,21 +96,6 @@ pub struct GonioLight {
     pub from: Incident,
 }
 
-impl Default for GonioLight {
-    fn default() -> Self {
-        Self {
-            theta: None,
-            phi: None,
-            directions: None,
-            azimuth: None,
-            from: Incident::Above,
-        }
-    }
-}
-
-/// Polar angles unless others are given, degrees.
-const THETAS: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
-
 impl GonioLight {
     /// Polar angles and azimuths, degrees; every pair is a direction.
     ///
@@ -143,21 +112,14 @@ impl GonioLight {
                 };
                 [centres(grid.n_theta(), 90.0), centres(grid.n_phi(), 360.0)]
             }
-            (Some(_), _, _) => {
+            (None, Some(thetas), Some(phis)) => {
+                [plain(thetas.values("theta")?), plain(phis.values("phi")?)]
+            }
+            _ => {
                 return Err(ConfigError::Contradiction(
-                    "give either directions, a grid, or theta and phi, not both".into(),
+                    "give either directions, a grid, or both theta and phi".into(),
                 ));
             }
-            (None, thetas, phis) => [
-                match thetas {
-                    Some(list) => plain(list.values("theta")?),
-                    None => THETAS.to_vec(),
-                },
-                match phis {
-                    Some(list) => plain(list.values("phi")?),
-                    None => vec![0.0],
-                },
-            ],
         };
         for theta in &thetas {
             for phi in &phis {
@@ -189,7 +151,6 @@ pub enum PlotScale {
 
 /// `[output]`: what is written beside the numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct GonioOutput {
     /// Draw plots.
     pub plots: bool,
@@ -197,18 +158,8 @@ pub struct GonioOutput {
     pub scale: PlotScale,
 }
 
-impl Default for GonioOutput {
-    fn default() -> Self {
-        Self {
-            plots: true,
-            scale: PlotScale::default(),
-        }
-    }
-}
-
 /// A measurement: surfaces, materials, directions and effort. Every key has a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GonioConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
@@ -227,43 +178,19 @@ pub struct GonioConfig {
     pub output: GonioOutput,
 }
 
+impl Default for GonioConfig {
+    fn default() -> Self {
+        defaults(Command::Gonio)
+    }
+}
+
 impl GonioConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
     /// # Errors
-    /// [`ConfigError`] with line and key if the text is no such configuration.
+    /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = parse_toml(text)?;
-        config.check_effort()?;
-        let file: toml::Table = parse_toml(text)?;
-        let realisations = |run: &toml::Value| run.get("realisations").is_some();
-        if config.measured.is_given() && file.get("run").is_some_and(realisations) {
-            return Err(ConfigError::Contradiction(
-                "realisations is for random surfaces; a measured surface is one".into(),
-            ));
-        }
-        Ok(config)
-    }
-
-    /// Refuses what `verify` and `trace` may be asked for besides: the report of a measurement has no place for it.
-    pub(super) fn check_effort(&self) -> Result<(), ConfigError> {
-        let refuse = |key: &str, instead: &str| {
-            let text = format!("run.{key} is for verify and trace, not for gonio; {instead}");
-            Err(ConfigError::Contradiction(text))
-        };
-        if self.run.target_error.is_some() {
-            return refuse(
-                "target_error",
-                "give rays, and realisations where surfaces are drawn",
-            );
-        }
-        if self.run.of.is_some() {
-            return refuse("of", "leave it out");
-        }
-        if self.run.refine {
-            return refuse("refine", "leave it out and take a finer spacing");
-        }
-        Ok(())
+        Ok(Document::of_text(Command::Gonio, text)?.read()?)
     }
 
     /// Checks everything that can be known before a ray is traced; `sample` is the given surface, if there
@@ -293,7 +220,7 @@ impl GonioConfig {
     pub fn any_azimuth(&self) -> bool {
         match self.light.azimuth {
             None if self.measured.is_given() => false,
-            _ => self.of_azimuth(0.0).any_azimuth(),
+            _ => (self.as_verification()).is_ok_and(|config| config.any_azimuth()),
         }
     }
 
@@ -302,29 +229,27 @@ impl GonioConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
     pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
-        self.of_azimuth(0.0).ray_settings()
+        self.as_verification()?.ray_settings()
     }
 
-    /// The verification of all settings and polar angles at one azimuth.
-    pub(super) fn of_azimuth(&self, phi: f64) -> VerifyConfig {
-        let [thetas, _] = self.light.angles().unwrap_or_default();
-        VerifyConfig {
+    /// The verification of all settings and directions, without models.
+    pub(super) fn as_verification(&self) -> Result<VerifyConfig, ConfigError> {
+        let numbers = |list: Vec<f64>| OneOrMany::Many(list.into_iter().map(Number).collect());
+        let [theta, phi] = self.light.angles()?.map(numbers);
+        Ok(VerifyConfig {
             surface: self.surface.clone(),
             material: self.material.clone(),
             medium: self.medium.clone(),
             light: LightConfig {
-                theta: OneOrMany::Many(thetas.into_iter().map(Number).collect()),
-                phi: Number(phi),
+                theta,
+                phi,
                 azimuth: self.light.azimuth,
                 from: self.light.from,
             },
             run: self.piece_run(),
-            compare: CompareConfig {
-                models: Vec::new(),
-                ..CompareConfig::default()
-            },
-            output: OutputConfig::default(),
-        }
+            compare: CompareConfig::none(),
+            output: OutputConfig { plots: true },
+        })
     }
 
     /// The effort of one direction: the time is that of all.
@@ -343,32 +268,41 @@ mod tests {
     #[test]
     fn bad_values_get_a_sentence() {
         for (text, expected) in [
-            ("[light]\ntheta = []", "empty list"),
+            ("[light]\ntheta = []", "one or several"),
             ("[light]\ntheta = [0, 90]", "below 90"),
-            ("[light]\nphi = [0, inf]", "must be finite"),
+            ("[light]\nphi = [0, inf]", "must be a number"),
             ("[light]\ntheta = [1, 1]", "theta has a value twice"),
             ("[light]\ndirections = \"0x4\"", "bins"),
             (
                 "[light]\ndirections = \"3x4\"\ntheta = 3",
-                "either directions",
+                "cannot stand beside",
             ),
             ("[light]\ntehta = 3", "tehta"),
             ("[compare]\nmodels = []", "compare"),
             ("[output]\nscale = \"log\"", "log"),
-            ("[measured]\nflat = true\nfile = \"a.exr\"", "either a file"),
+            (
+                "[measured]\nflat = true\nfile = \"a.exr\"",
+                "cannot stand beside",
+            ),
             ("[measured]\nborder = \"open\"", "there is none"),
             ("[measured]\nremove = \"plane\"", "there is none"),
             ("[measured]\nmissing = \"guess\"", "guess"),
             (
                 "[measured]\nflat = true\n[run]\nrealisations = 3",
-                "a measured surface is one",
+                "cannot stand beside",
             ),
             (
                 "[run]\ntarget_error = 1e-3\nrays = 10",
-                "run.target_error is for verify and trace",
+                "run.target_error is for trace, verify and map, not for gonio",
             ),
-            ("[run]\nof = \"bins\"", "run.of is for verify and trace"),
-            ("[run]\nrefine = true", "run.refine is for verify and trace"),
+            (
+                "[run]\nof = \"bins\"",
+                "run.of is for trace, verify and map",
+            ),
+            (
+                "[run]\nrefine = true",
+                "run.refine is for trace, verify and map",
+            ),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
         ] {
             let error = GonioConfig::from_toml(text)

@@ -8,7 +8,8 @@ use super::config::GonioConfig;
 use super::sample::Sample;
 use super::setting::Setting;
 use crate::cases::check_light;
-use crate::config::{ConfigError, SurfaceConfig, VerifyConfig};
+use crate::config::{ConfigError, VerifyConfig};
+use crate::sweep::{Sweep, SweptCase};
 use asperity_simulate::BottomSurface;
 
 /// One direction of one setting, and how it is measured.
@@ -41,55 +42,31 @@ impl GonioConfig {
         sample: Option<&Sample>,
     ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
         self.measured.check()?;
-        self.check_effort()?;
-        let angles = self.light.angles()?;
         match sample {
             None if self.measured.is_given() => Err(ConfigError::Contradiction(
                 "the measured surface was not read".into(),
             )),
-            None => self.fresh(angles),
-            Some(sample) => self.given(sample, angles),
+            None => self.fresh(),
+            Some(sample) => self.given(sample),
         }
     }
 
-    fn fresh(
-        &self,
-        [thetas, phis]: [Vec<f64>; 2],
-    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
-        let by_phi = phis
-            .iter()
-            .map(|phi| self.of_azimuth(*phi).each_alone())
-            .collect::<Result<Vec<_>, _>>()?;
+    fn fresh(&self) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
         let (mut settings, mut plans) = (Vec::new(), Vec::new());
-        for i in 0..by_phi[0].len() {
-            if i % thetas.len() == 0 {
-                settings.push(Setting::of_case(&by_phi[0][i].0));
-            }
-            for of_phi in &by_phi {
-                let (case, config) = &of_phi[i];
-                plans.push(Plan {
-                    setting: settings.len() - 1,
-                    incidence: case.incidence,
-                    name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
-                    identity: json!(config),
-                    work: Work::Fresh(Box::new(config.clone())),
-                });
-            }
+        for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
+            plans.push(Plan {
+                setting: number_of(&mut settings, Setting::of_case(&case)),
+                incidence: case.incidence,
+                name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
+                identity: json!(config),
+                work: Work::Fresh(Box::new(config)),
+            });
         }
         Ok((settings, plans))
     }
 
-    fn given(
-        &self,
-        sample: &Sample,
-        [thetas, phis]: [Vec<f64>; 2],
-    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+    fn given(&self, sample: &Sample) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
-        if self.surface != SurfaceConfig::default() {
-            return contradiction(
-                "random surfaces and a measured one are both described; give either [surface] or [measured]",
-            );
-        }
         let run = self.ray_settings()?;
         if run.bottom == BottomSurface::Independent {
             return contradiction(
@@ -99,61 +76,53 @@ impl GonioConfig {
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
-        let mut settings = Vec::new();
-        for material in self.material.materials()? {
-            match &self.medium {
-                None => settings.push(Setting::of_given(material, None)),
-                Some(medium) => settings.extend(
-                    medium
-                        .layers(material)?
-                        .into_iter()
-                        .map(|layer| Setting::of_given(material, Some(layer))),
-                ),
+        let (mut settings, mut plans) = (Vec::new(), Vec::<Plan>::new());
+        for SweptCase { case, config } in Sweep::of(&self.as_verification()?)?.cases {
+            let setting = Setting::of_given(case.material, case.layer);
+            let name = format!(
+                "{}_theta{}_{}",
+                setting.name(),
+                short(case.incidence.theta_deg()),
+                phi_name(case.incidence)
+            );
+            if plans.iter().any(|plan| plan.name == name) {
+                let text = format!(
+                    "two directions would share the same file {name}; give each value once, and values that differ in six digits"
+                );
+                return Err(ConfigError::Contradiction(text));
             }
-        }
-        let mut plans: Vec<Plan> = Vec::new();
-        for (number, setting) in settings.iter().enumerate() {
-            for theta in &thetas {
-                for phi in &phis {
-                    let incidence = Incidence::from_degrees(*theta, *phi)?;
-                    let name = format!(
-                        "{}_theta{}_{}",
-                        setting.name(),
-                        short(*theta),
-                        phi_name(incidence)
-                    );
-                    if plans.iter().any(|plan| plan.name == name) {
-                        let text = format!(
-                            "two directions would share the same file {name}; give each value once, and values that differ in six digits"
-                        );
-                        return Err(ConfigError::Contradiction(text));
-                    }
-                    plans.push(Plan {
-                        setting: number,
-                        incidence,
-                        identity: json!({
-                            "measured": sample.description,
-                            "material": setting.material,
-                            "layer": setting.layer,
-                            "medium": self.medium.as_ref().map(|medium| {
-                                json!([medium.bottom_surface, medium.max_scatterings])
-                            }),
-                            "light": {
-                                "theta": theta,
-                                "phi": phi,
-                                "any_azimuth": self.any_azimuth(),
-                                "from": self.light.from,
-                            },
-                            "run": self.piece_run(),
-                        }),
-                        work: Work::Given(run),
-                        name,
-                    });
-                }
-            }
+            plans.push(Plan {
+                setting: number_of(&mut settings, setting),
+                incidence: case.incidence,
+                identity: json!({
+                    "measured": sample.description,
+                    "material": case.material,
+                    "layer": case.layer,
+                    "medium": self.medium.as_ref().map(|medium| {
+                        json!([medium.bottom_surface, medium.max_scatterings])
+                    }),
+                    "light": {
+                        "theta": config.light.theta,
+                        "phi": config.light.phi,
+                        "any_azimuth": self.any_azimuth(),
+                        "from": self.light.from,
+                    },
+                    "run": self.piece_run(),
+                }),
+                work: Work::Given(run),
+                name,
+            });
         }
         Ok((settings, plans))
     }
+}
+
+/// The number of a setting, which is added unless it is the last one: directions change faster than settings.
+fn number_of(settings: &mut Vec<Setting>, setting: Setting) -> usize {
+    if settings.last() != Some(&setting) {
+        settings.push(setting);
+    }
+    settings.len() - 1
 }
 
 fn phi_name(incidence: Incidence) -> String {

@@ -5,14 +5,15 @@ use serde::{Deserialize, Serialize};
 
 use crate::config::{
     CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig, parse_toml, refuse_effort_beside_target,
+    SurfaceConfig, VerifyConfig,
 };
+use crate::settings::{Command, Document, defaults};
+use crate::sweep::SweptCase;
 use crate::values::Number;
 use crate::verify::VerifyError;
 
 /// `[map]`: how far a model may be off and still hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
 pub struct ToleranceConfig {
     /// Total variation: the part of the incident flux that may have to move.
     pub total_variation: Number,
@@ -24,17 +25,12 @@ pub struct ToleranceConfig {
 
 impl Default for ToleranceConfig {
     fn default() -> Self {
-        Self {
-            total_variation: Number(0.01),
-            energy: Number(0.01),
-            peak: Number(2.5),
-        }
+        MapConfig::default().map
     }
 }
 
 /// A map: surfaces, materials, light, models and tolerances. Every key has a default.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapConfig {
     /// The random surfaces.
     pub surface: SurfaceConfig,
@@ -59,15 +55,19 @@ pub(super) struct CellPlan {
     pub(super) config: VerifyConfig,
 }
 
+impl Default for MapConfig {
+    fn default() -> Self {
+        defaults(Command::Map)
+    }
+}
+
 impl MapConfig {
     /// Reads a configuration from the text of a TOML file.
     ///
     /// # Errors
-    /// [`ConfigError`] with line and key if the text is no such configuration.
+    /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
-        let config: Self = parse_toml(text)?;
-        refuse_effort_beside_target(text, &config.run)?;
-        Ok(config)
+        Ok(Document::of_text(Command::Map, text)?.read()?)
     }
 
     /// Checks everything that can be known before a ray is traced.
@@ -97,11 +97,6 @@ impl MapConfig {
         if self.compare.models.is_empty() {
             return contradiction("a map needs models to compare with; name one or several".into());
         }
-        if self.compare.alpha != CompareConfig::default().alpha {
-            return contradiction(
-                "alpha is the level of the tests of a verification; a map has tolerances".into(),
-            );
-        }
         for (name, tolerance) in [
             ("total_variation", self.map.total_variation),
             ("energy", self.map.energy),
@@ -125,10 +120,10 @@ impl MapConfig {
                 ..self.run.clone()
             },
             compare: self.compare.clone(),
-            output: OutputConfig::default(),
+            output: OutputConfig { plots: true },
         };
-        let cells = all.each_alone()?.into_iter();
-        let cells = cells.map(|(case, config)| CellPlan { case, config });
+        let cells = all.sweep()?.cases.into_iter();
+        let cells = cells.map(|SweptCase { case, config }| CellPlan { case, config });
         Ok(cells.collect())
     }
 }
@@ -160,20 +155,23 @@ mod tests {
     fn bad_values_get_a_sentence() {
         for (text, expected) in [
             ("[map]\nenergie = 1", "energie"),
-            ("[map]\nenergy = 0", "tolerance energy is 0"),
-            ("[map]\npeak = -1", "tolerance peak is -1"),
+            ("[map]\nenergy = 0", "energy = 0: must be a number above 0"),
+            ("[map]\npeak = -1", "peak = -1: must be a number above 0"),
             (
                 "[map]\ntotal_variation = nan",
-                "tolerance total_variation is NaN",
+                "total_variation = nan: must be a number above 0",
             ),
             ("[compare]\nmodels = []", "needs models"),
-            ("[compare]\nalpha = 0.05", "has tolerances"),
+            (
+                "[compare]\nalpha = 0.05",
+                "compare.alpha is for verify, not for map",
+            ),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
-            ("[surface]\nsmoothness = []", "empty list"),
+            ("[surface]\nsmoothness = []", "one or several"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
             (
                 "[run]\ntarget_error = 1e-3\nrays = 1e5",
-                "either target_error",
+                "cannot stand beside",
             ),
         ] {
             let error = MapConfig::from_toml(text)

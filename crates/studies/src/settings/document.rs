@@ -1,6 +1,7 @@
 //! Document: the values of one run, in layers.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
@@ -55,7 +56,7 @@ impl Entry {
 ///
 /// let mut document = Document::new(Command::Verify);
 /// document.add_file(Some("glass.toml"), "[surface]\ntau = 8\nsize = 256")?;
-/// document.add_flags(&[("size".to_owned(), vec!["128x64".to_owned()])])?;
+/// document.add_flags(&[("size".to_owned(), vec!["128x64".to_owned()])], None)?;
 /// assert_eq!(document.value("surface.tau"), Some(8.0.into()));
 /// assert_eq!(document.value("surface.size"), Some(vec![128, 64].into()));
 /// assert_eq!(document.value("run.seed"), Some(1.into()));
@@ -65,6 +66,8 @@ impl Entry {
 pub struct Document {
     command: Command,
     file: Option<String>,
+    /// The sections of the file, which may be empty.
+    sections: Vec<String>,
     entries: BTreeMap<(&'static str, &'static str), Entry>,
 }
 
@@ -75,6 +78,7 @@ impl Document {
         Self {
             command,
             file: None,
+            sections: Vec::new(),
             entries: BTreeMap::new(),
         }
     }
@@ -105,42 +109,31 @@ impl Document {
             name,
             text,
         };
+        let (sections, entries) = file.entries()?;
         self.file = name.map(str::to_owned);
-        self.add_layer(file.entries()?)
-    }
-
-    /// Adds the values of flags, each by its name without hyphens; a switch has no value.
-    ///
-    /// # Errors
-    /// [`SettingError`] if a flag is unknown or a value is invalid.
-    pub fn add_flags(&mut self, flags: &[(String, Vec<String>)]) -> Result<(), SettingError> {
-        let names: Vec<&str> = flags.iter().map(|(name, _)| name.as_str()).collect();
-        let entries = flags
-            .iter()
-            .map(|(name, values)| self.flag_entry(name, values, &names))
-            .collect::<Result<Vec<_>, _>>()?;
+        self.sections = sections;
         self.add_layer(entries)
     }
 
-    /// Adds a value that stands on the command line without a flag.
+    /// Adds the values of flags, each by its name without hyphens; a switch has no value. `positional` is what stands
+    /// without a flag, and the `section.key` that it is.
     ///
     /// # Errors
-    /// [`SettingError`] if it is invalid.
-    pub fn add_positional(&mut self, path: &str, text: &str) -> Result<(), SettingError> {
-        let setting = settings_of(self.command).find(|setting| setting.matches(path));
-        let Some(setting) = setting else {
-            return Ok(());
-        };
-        let given = Given {
-            text: text.to_owned(),
-            place: Place::Flag,
-        };
-        let value = self.parse(setting, &[text.to_owned()], &given)?;
-        self.add_layer(vec![Entry {
-            setting,
-            value,
-            given,
-        }])
+    /// [`SettingError`] if a flag is unknown or a value is invalid.
+    pub fn add_flags(
+        &mut self,
+        flags: &[(String, Vec<String>)],
+        positional: Option<(&str, &str)>,
+    ) -> Result<(), SettingError> {
+        let names: Vec<&str> = flags.iter().map(|(name, _)| name.as_str()).collect();
+        let mut entries = flags
+            .iter()
+            .map(|(name, values)| self.flag_entry(name, values, &names))
+            .collect::<Result<Vec<_>, _>>()?;
+        if let Some((path, text)) = positional {
+            entries.extend(self.positional_entry(path, text)?);
+        }
+        self.add_layer(entries)
     }
 
     /// Refuses to run without the flags that the command needs.
@@ -158,7 +151,7 @@ impl Document {
                 flag: format!(
                     "--{} {}",
                     setting.flag_name().unwrap_or_default(),
-                    setting.value_name
+                    setting.placeholder(self.command)
                 ),
             }),
         }
@@ -177,6 +170,12 @@ impl Document {
     pub fn value(&self, path: &str) -> Option<Value> {
         let setting = settings_of(self.command).find(|setting| setting.matches(path))?;
         self.value_of(setting)
+    }
+
+    /// The configuration file, if there is one.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref().map(Path::new)
     }
 
     /// The name of the file, where all values come from it: what is wrong with their combination is wrong with it.
@@ -210,7 +209,9 @@ impl Document {
                 .settings
                 .iter()
                 .filter(|setting| setting.commands.contains(self.command));
-            if section.optional && !self.is_given(&format!("{}.*", section.name)) {
+            let given = self.is_given(&format!("{}.*", section.name))
+                || self.sections.iter().any(|name| name == section.name);
+            if section.optional && !given {
                 continue;
             }
             let values: Map<String, Value> = settings
@@ -225,7 +226,9 @@ impl Document {
         if let Some(entry) = self.entries.get(&(setting.section, setting.key)) {
             return Some(entry.value.clone());
         }
-        let excluded = setting.excludes.iter().any(|other| self.is_given(other));
+        let of_section = |other: &&&str| other.split('.').next() == Some(setting.section);
+        let mut excluded_in_section = setting.excludes.iter().filter(of_section);
+        let excluded = excluded_in_section.any(|other| self.is_given(other));
         if setting.default_yields && excluded {
             return None;
         }
@@ -259,6 +262,24 @@ impl Document {
             value,
             given,
         })
+    }
+
+    /// The entry of what stands without a flag.
+    fn positional_entry(&self, path: &str, text: &str) -> Result<Option<Entry>, SettingError> {
+        let setting = settings_of(self.command).find(|setting| setting.matches(path));
+        let Some(setting) = setting else {
+            return Ok(None);
+        };
+        let given = Given {
+            text: text.to_owned(),
+            place: Place::Flag,
+        };
+        let value = self.parse(setting, &[text.to_owned()], &given)?;
+        Ok(Some(Entry {
+            setting,
+            value,
+            given,
+        }))
     }
 
     /// The setting of a flag. `--spacing` is that of a given surface where there is one, and of random ones otherwise.
@@ -331,13 +352,26 @@ impl Document {
     }
 }
 
+/// The typed configuration of defaults alone.
+///
+/// # Panics
+/// If `T` does not fit the definitions, which is an error of this program.
+#[must_use]
+pub fn defaults<T: DeserializeOwned>(command: Command) -> T {
+    match Document::new(command).read() {
+        Ok(config) => config,
+        Err(error) => panic!("{error}"),
+    }
+}
+
 /// Whether `name` is the flag of a setting, or an old spelling of it.
 fn has_flag(setting: &Setting, name: &str) -> bool {
     setting.flag_name().is_some_and(|flag| flag == name) || setting.aliases.contains(&name)
 }
 
 /// All commands that have a flag.
-pub(super) fn commands_with_flag(name: &str) -> Commands {
+#[must_use]
+pub fn commands_with_flag(name: &str) -> Commands {
     SECTIONS
         .iter()
         .flat_map(|section| section.settings)

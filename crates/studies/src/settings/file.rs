@@ -19,13 +19,13 @@ pub(super) struct File<'a> {
 }
 
 impl File<'_> {
-    /// Its entries in their order.
-    pub(super) fn entries(&self) -> Result<Vec<Entry>, SettingError> {
+    /// Its sections, and its entries in their order.
+    pub(super) fn entries(&self) -> Result<(Vec<String>, Vec<Entry>), SettingError> {
         let table = DeTable::parse(self.text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             self.syntax_error(start, error.message())
         })?;
-        let mut entries = Vec::new();
+        let (mut sections, mut entries) = (Vec::new(), Vec::new());
         for (section, value) in table.get_ref() {
             let name = section.get_ref().as_ref();
             let place = self.place(section.span().start);
@@ -37,12 +37,13 @@ impl File<'_> {
                 let section = name.to_owned();
                 return Err(SettingError::NotASection { place, section });
             };
+            sections.push(name.to_owned());
             for (key, value) in keys {
                 let setting = self.setting(name, key)?;
                 entries.push(self.entry(setting, key.get_ref(), value)?);
             }
         }
-        Ok(entries)
+        Ok((sections, entries))
     }
 
     fn place(&self, start: usize) -> Place {

@@ -4,7 +4,7 @@ use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
 use super::range::Range;
-use crate::number::{MOST_COUNT, count_from_number, parse_number, parse_seconds};
+use crate::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
 
 /// What a value is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,8 +140,7 @@ fn one_of(choices: &[Choice], further: Option<&str>) -> String {
 }
 
 fn count(text: &str) -> Option<u64> {
-    let plain: String = text.chars().filter(|&c| c != '_').collect();
-    count_from_number(parse_number(&plain).ok()?).ok()
+    parse_count(text).ok()
 }
 
 /// Two whole numbers, written as `AxB` or `A,B`.

@@ -42,12 +42,27 @@ impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Any => f.write_str("any finite number"),
-            Self::Above(least) => write!(f, "above {least}"),
-            Self::AtLeast(least) => write!(f, "{least} or more"),
-            Self::FromTo(least, most) => write!(f, "from {least} to {most}"),
-            Self::FromBelow(least, most) => write!(f, "from {least} to below {most}"),
-            Self::Between(least, most) => write!(f, "above {least} and below {most}"),
-            Self::AboveTo(least, most) => write!(f, "above {least}, up to {most}"),
+            Self::Above(least) => write!(f, "above {}", plain(*least)),
+            Self::AtLeast(least) => write!(f, "{} or more", plain(*least)),
+            Self::FromTo(least, most) => write!(f, "from {} to {}", plain(*least), plain(*most)),
+            Self::FromBelow(least, most) => {
+                write!(f, "from {} to below {}", plain(*least), plain(*most))
+            }
+            Self::Between(least, most) => {
+                write!(f, "above {} and below {}", plain(*least), plain(*most))
+            }
+            Self::AboveTo(least, most) => {
+                write!(f, "above {}, up to {}", plain(*least), plain(*most))
+            }
         }
+    }
+}
+
+/// A number, with an exponent where zeros would make it long.
+fn plain(value: f64) -> String {
+    if value == 0.0 || (1e-4..1e6).contains(&value.abs()) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
     }
 }

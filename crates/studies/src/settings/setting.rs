@@ -41,7 +41,7 @@ pub struct Setting {
     pub default_in: &'static [(Commands, Option<&'static str>)],
     /// What holds unless it is given, where that depends on other settings.
     pub otherwise: &'static str,
-    /// Whether the default does not hold once a setting that excludes it is given.
+    /// Whether the default does not hold once a setting of the same section that excludes it is given.
     pub default_yields: bool,
     /// Settings that cannot be given beside it, as `section.key` or `section.*`; it clears those of a lower layer.
     pub excludes: &'static [&'static str],
@@ -227,6 +227,26 @@ impl Setting {
             Shape::ListIn(commands) => commands.contains(command),
             Shape::Repeated => true,
             _ => self.kind == Kind::Models,
+        }
+    }
+
+    /// What stands for its value in the help, as in `X,Y`.
+    #[must_use]
+    pub fn placeholder(&self, command: Command) -> String {
+        let one = match (self.value_name, self.kind, self.unit) {
+            ("", Kind::Number, "degrees") => "ANGLE",
+            ("", Kind::Number, "length units") => "LENGTH",
+            ("", Kind::Number, _) => "NUMBER",
+            ("", Kind::Count | Kind::Order, _) => "COUNT",
+            ("", Kind::Seed, _) => "SEED",
+            ("", Kind::Choice(_), _) => "NAME",
+            (name, _, _) => name,
+        };
+        match self.shape {
+            Shape::PerAxis => "X,Y".to_owned(),
+            Shape::Tuple(names) => names.join(","),
+            Shape::ListIn(commands) if commands.contains(command) => format!("{one},.."),
+            _ => one.to_owned(),
         }
     }
 

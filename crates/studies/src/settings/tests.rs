@@ -41,7 +41,10 @@ fn every_definition_has_all_parts() {
 }
 
 /// Settings that change nothing unless they are given.
-const OPTIONAL: [&str; 11] = [
+const OPTIONAL: [&str; 14] = [
+    "model.name",
+    "results.output",
+    "results.plot",
     "surface.sigma",
     "surface.size",
     "surface.azimuth",
@@ -134,7 +137,7 @@ fn refusal(command: Command, file: &str, flags: &[(String, Vec<String>)]) -> Str
     let mut document = Document::new(command);
     let result = document
         .add_file(Some("c.toml"), file)
-        .and_then(|()| document.add_flags(flags));
+        .and_then(|()| document.add_flags(flags, None));
     result.unwrap_err().to_string()
 }
 
@@ -185,11 +188,14 @@ fn flags_override_the_file_and_the_file_the_defaults() {
     assert_eq!(document.value("material.eta"), Some((1.0 / 1.5).into()));
     assert_eq!(document.value("surface.smoothness"), None);
     document
-        .add_flags(&[
-            flag("smoothness", "6,3"),
-            flag("material", "mirror"),
-            flag("size", "64x32"),
-        ])
+        .add_flags(
+            &[
+                flag("smoothness", "6,3"),
+                flag("material", "mirror"),
+                flag("size", "64x32"),
+            ],
+            None,
+        )
         .unwrap();
     assert_eq!(document.value("surface.sigma"), None);
     assert_eq!(document.value("material.eta"), None);
@@ -220,7 +226,7 @@ fn what_excludes_each_other_is_refused_in_one_layer() {
 fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
     let spacing = |file: &str, flags: &[(String, Vec<String>)]| {
         let mut document = Document::of_text(Command::Gonio, file).unwrap();
-        document.add_flags(flags).unwrap();
+        document.add_flags(flags, None).unwrap();
         ["surface.spacing", "measured.spacing"].map(|path| document.value(path))
     };
     let two = || flag("spacing", "2");
@@ -291,7 +297,7 @@ fn unknown_names_are_refused_with_what_is_known() {
 fn old_spellings_stay_valid() {
     let mut document = Document::of_text(Command::Verify, "[compare]\nalpha = 0.1").unwrap();
     assert_eq!(document.value("compare.level"), Some(0.1.into()));
-    document.add_flags(&[flag("alpha", "0.2")]).unwrap();
+    document.add_flags(&[flag("alpha", "0.2")], None).unwrap();
     assert_eq!(document.value("compare.level"), Some(0.2.into()));
 }
 

@@ -24,7 +24,7 @@ pub(super) const CAMERA: &[Setting] = &[
     .unit(DEGREES)
     .value_name("ANGLE")
     .range(Range::Between(0.0, 180.0))
-    .otherwise("40")
+    .default("40")
     .flag_only(),
     setting(
         "camera",

@@ -1,0 +1,65 @@
+//! Settings of every command, and where its results go.
+
+use std::path::PathBuf;
+
+use asperity_studies::settings::{Document, SettingError};
+use serde::Deserialize;
+
+use crate::output::say;
+
+/// Settings of every command.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Common {
+    /// Number of threads; all cores unless given.
+    pub(crate) threads: Option<usize>,
+    /// Print nothing but errors and what `--json` prints.
+    pub(crate) quiet: bool,
+    /// Report progress and times.
+    pub(crate) verbose: bool,
+}
+
+impl Common {
+    /// Those of a document.
+    pub(crate) fn of(document: &Document) -> Result<Self, SettingError> {
+        #[derive(Deserialize)]
+        struct Whole {
+            program: Common,
+        }
+        Ok(document.read::<Whole>()?.program)
+    }
+
+    /// Prints a line on standard error with `--verbose`.
+    pub(crate) fn say(&self, what: impl FnOnce() -> String) {
+        if self.verbose {
+            say(&what());
+        }
+    }
+}
+
+/// Where the results of a command go.
+#[derive(Debug, Deserialize)]
+pub(crate) struct Results {
+    /// A folder or a file.
+    pub(crate) output: Option<PathBuf>,
+    /// A figure.
+    pub(crate) plot: Option<PathBuf>,
+    /// Print results as JSON.
+    #[serde(default)]
+    pub(crate) json: bool,
+}
+
+impl Results {
+    /// Those of a document.
+    pub(crate) fn of(document: &Document) -> Result<Self, SettingError> {
+        #[derive(Deserialize)]
+        struct Whole {
+            results: Results,
+        }
+        Ok(document.read::<Whole>()?.results)
+    }
+
+    /// The folder or file, which the command needs.
+    pub(crate) fn required(&self) -> PathBuf {
+        self.output.clone().unwrap_or_default()
+    }
+}

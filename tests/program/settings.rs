@@ -1,0 +1,155 @@
+//! The settings as users meet them: help, reference page, files and flags.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use asperity_studies::settings::{Command, reference_page, settings_of};
+
+use crate::support::{asperity, json, refused, succeed, with_surface, words};
+
+/// Set to write `docs/settings.md` anew.
+const REWRITE: &str = "ASPERITY_WRITE_DOCS";
+
+#[test]
+fn the_reference_page_follows_from_the_definitions() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/settings.md");
+    let page = reference_page();
+    if std::env::var_os(REWRITE).is_some() {
+        fs::write(&path, &page).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    assert!(
+        written == page,
+        "docs/settings.md is out of date: run this test with {REWRITE}=1"
+    );
+}
+
+/// The flags that a help text names, without those of clap.
+fn flags(help: &str) -> BTreeSet<String> {
+    let options = help.lines().filter_map(|line| {
+        let line = line.trim_start();
+        let line = match line.split_once(", --") {
+            Some((short, _)) if short.len() == 2 => line.split_at(4).1,
+            _ => line,
+        };
+        let flag = line.strip_prefix("--")?;
+        flag.split([' ', '<']).next().map(str::to_owned)
+    });
+    options
+        .filter(|flag| flag != "help" && flag != "version")
+        .collect()
+}
+
+#[test]
+fn every_flag_of_the_help_is_in_the_page_and_the_reverse() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = reference_page();
+    for command in Command::ALL {
+        let help = succeed(folder.path(), &[command.name(), "--help"]);
+        assert!(
+            help.lines().all(|line| line.chars().count() <= 80),
+            "{help}"
+        );
+        let defined: BTreeSet<String> = settings_of(command)
+            .filter_map(|setting| setting.flag_name())
+            .collect();
+        assert_eq!(flags(&help), defined, "{command}");
+        for flag in defined {
+            assert!(page.contains(&format!("`--{flag}`")), "--{flag}");
+        }
+    }
+}
+
+#[test]
+fn trace_reads_a_configuration_and_flags_override_it() {
+    let (_keep, folder) = with_surface();
+    let text =
+        "[measured]\nfile = \"h.exr\"\n[light]\ntheta = 40\n[run]\nrays = 2e3\nbins = \"4x6\"\n";
+    fs::write(folder.join("t.toml"), text).unwrap();
+    let by_file = succeed(&folder, &words("trace t.toml --json"));
+    let flags = "trace h.exr --theta 40 --rays 2e3 --bins 4x6 --json";
+    let by_flags = succeed(&folder, &words(flags));
+    let named = succeed(&folder, &words(&flags.replace("h.exr", "--surface h.exr")));
+    for other in [by_flags, named] {
+        for part in ["energy", "config"] {
+            assert_eq!(json(&by_file)[part], json(&other)[part], "{part}");
+        }
+    }
+    let overridden = json(&succeed(&folder, &words("trace t.toml --theta 20 --json")));
+    assert_eq!(overridden["config"]["light"]["theta_deg"], 20.0);
+    fs::write(folder.join("bad.toml"), "[surface]\ntau = 3\n").unwrap();
+    let said = refused(&folder, &words("trace bad.toml"), 2);
+    assert!(
+        said.contains("bad.toml: line 1: unknown section `surface`"),
+        "{said}"
+    );
+}
+
+#[test]
+fn sizes_are_written_either_way_and_seeds_have_one_default() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, size) in [("a.npy", "64x32"), ("b.npy", "64,32")] {
+        let line = format!("generate --tau 4 --size {size} -o {name}");
+        assert!(succeed(folder, &words(&line)).contains("64 x 32 samples, periodic, seed 1,"));
+    }
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    assert!(bytes("a.npy") == bytes("b.npy"));
+}
+
+#[test]
+fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::write(folder.join("unit.toml"), "[light]\ntheta = 30deg\n").unwrap();
+    fs::write(folder.join("range.toml"), "[light]\ntheta = [30, 95]\n").unwrap();
+    for (line, expected) in [
+        (
+            "generate --size 64x32x3 -o a.npy",
+            "--size 64x32x3: must be a whole number of 1 or more, up to 1e15, such as 1000 or 1e6, one for both axes or two as X,Y",
+        ),
+        (
+            "generate --seed -1 -o a.npy",
+            "--seed -1: must be a whole number from 0 to 18446744073709551615",
+        ),
+        (
+            "model smith --alpha 0.3",
+            "--alpha is for verify, not for model",
+        ),
+        (
+            "verify unit.toml -o out",
+            "unit.toml: line 2: `theta = 30deg` is not valid TOML",
+        ),
+        (
+            "verify range.toml -o out",
+            "range.toml: line 2: theta = [30, 95]: must be a number from 0 to below 90",
+        ),
+        (
+            "verify --level 1 -o out",
+            "--level 1: must be a number above 0 and below 1",
+        ),
+    ] {
+        let said = refused(folder, &words(line), 2);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+}
+
+/// `models = "smith"` is the same as a list of one.
+#[test]
+fn one_name_may_stand_for_a_list_and_old_spellings_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 500\nbins = \"2x2\"\n[compare]\nmodels = \"smith\"\nalpha = 0.05\n";
+    fs::write(folder.join("v.toml"), text).unwrap();
+    let summary = json(&succeed(
+        folder,
+        &words("verify v.toml --json --no-plots -o out"),
+    ));
+    let compare = &summary["config"]["verify"]["compare"];
+    assert_eq!(compare["models"], json("[\"smith\"]"));
+    assert_eq!(compare["level"], 0.05);
+    let help = asperity(folder, &["verify", "--help"]);
+    let help = String::from_utf8(help.stdout).unwrap();
+    assert!(help.contains("--level") && !help.contains("--alpha"));
+}
