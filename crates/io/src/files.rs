@@ -12,9 +12,7 @@ mod text;
 
 pub use atomic::{write_atomically, write_bytes, write_json};
 pub use csv::{CsvField, write_csv};
-pub use folder::{
-    check_folder_of, check_output_folder, create_output_folder, exists, names_in, remove_files,
-};
+pub use folder::{check_folder_of, check_output_folder, create_output_folder, exists, names_in};
 pub use memory::available_memory;
 pub use result_folder::ResultFolder;
 pub use text::{read_json, read_text};

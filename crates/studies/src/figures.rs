@@ -18,7 +18,7 @@ use crate::config::{Incident, VerifyConfig};
 use crate::energies::recorded_orders;
 use crate::models::ModelOutcome;
 use crate::output::{Place, figure_files};
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.

@@ -8,7 +8,7 @@ use crate::models::ModelOutcome;
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 use crate::verify::CaseOutcome;
 
 /// The fluxes of one case with their errors.

@@ -1,7 +1,6 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
-use asperity_io::{ResultFolder, ResultFolderError, WriteError, write_bytes, write_json};
-use asperity_plot::PlotError;
+use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_simulate::{Observer, TraceOutcome};
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
@@ -14,29 +13,9 @@ use crate::config::{ConfigError, VerifyConfig};
 use crate::figures::{self, Light};
 use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::output::{Head, Place, figure_files, of_cases};
+use crate::report_error::ReportError;
 use crate::summary::Summary;
-use crate::verify::{CaseOutcome, VerifyError, VerifyOutcome};
-
-/// Why results are not written.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReportError {
-    /// A file cannot be written.
-    #[error(transparent)]
-    Write(#[from] WriteError),
-    /// The result folder cannot be used.
-    #[error(transparent)]
-    Folder(#[from] ResultFolderError),
-    /// The configuration makes no sense.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The surface of a plot cannot be drawn again.
-    #[error(transparent)]
-    Surface(#[from] Box<VerifyError>),
-    /// A plot cannot be drawn.
-    #[error("a plot could not be drawn: {0}")]
-    Plot(#[from] PlotError),
-}
+use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Names of all files of a `trace` run.
 #[must_use]

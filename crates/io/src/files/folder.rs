@@ -99,21 +99,3 @@ fn refuse_files(path: &Path) -> Result<(), WriteError> {
     }
     Ok(())
 }
-
-/// Removes those files of `names` that are in `folder`: results of an earlier run that this one does not
-/// replace.
-///
-/// # Errors
-/// [`WriteError`] if a file exists and cannot be removed.
-pub fn remove_files(folder: impl AsRef<Path>, names: &[&str]) -> Result<(), WriteError> {
-    for name in names {
-        let path = folder.as_ref().join(name);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(WriteError::io(&path)(error));
-            }
-            _ => {}
-        }
-    }
-    Ok(())
-}

@@ -11,7 +11,7 @@ use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
 use crate::config::ConfigError;
 use crate::figures;
 use crate::output::{Place, figure_files, of_cases};
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 
 /// Writes what was found into `folder`: the files of every case, in folders of their own where there
 /// are several, report.txt, and, last, summary.json.

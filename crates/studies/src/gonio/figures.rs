@@ -17,7 +17,7 @@ use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
 use crate::figures::save;
 use crate::output::{Place, over, projected_solid_angle};
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 
 /// Folder of the plots.
 pub(super) const PLOTS: &str = "plots";

@@ -15,7 +15,7 @@ use super::tables::{self, Measured, measured};
 use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
 use crate::config::ConfigError;
 use crate::output::{Place, figure_files, over, projected_solid_angle};
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 
 /// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, plots, report.txt,
 /// and, last, summary.json.

@@ -13,7 +13,7 @@ use super::{FOLDER, MapConfig, MapOutcome, tables};
 use crate::config::ConfigError;
 use crate::figures;
 use crate::output::{Place, figure_files};
-use crate::report::ReportError;
+use crate::report_error::ReportError;
 
 /// Writes a map into `folder`: map.csv, map_own and map_all as plots, report.txt, and, last, summary.json.
 ///

@@ -6,9 +6,10 @@ use std::fmt::Write;
 use asperity_optics::Material;
 use serde::Serialize;
 
+use super::MapOutcome;
 use super::cell::{FEWEST_SURFACES, LightShare};
 use super::interval::CellVerdict;
-use super::{MapOutcome, tables};
+use crate::output::{Column, Table};
 
 /// What the map says of one model on one material, over one share of the light.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -179,13 +180,36 @@ pub fn map_table(outcome: &MapOutcome) -> String {
             };
             let _ = writeln!(out, "\n{}: {what}", material_name(material));
             let here = |s: &&ModelSummary| s.material == material && s.light == light;
-            out.push_str(&tables::summary(outcome).text(summaries.iter().filter(here)));
+            out.push_str(&table(outcome).text(summaries.iter().filter(here)));
         }
     }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     out
+}
+
+/// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
+fn table(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
+    let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
+        let to = if i == 0 { "at" } else { "to" };
+        let heading = format!("{to} {} deg", short(theta));
+        Column::new(heading, "", move |row: &ModelSummary| {
+            row.holds_from.get(i)?.1
+        })
+    });
+    let verdicts = CellVerdict::ALL
+        .into_iter()
+        .enumerate()
+        .map(|(i, verdict)| {
+            Column::new(verdict.name(), "", move |row: &ModelSummary| row.cells[i])
+        });
+    Table::new()
+        .column(Column::new("holds from s =", "", |row: &ModelSummary| {
+            row.model.clone()
+        }))
+        .columns(thetas)
+        .columns(verdicts)
 }
 
 /// What a reader of the map should know.

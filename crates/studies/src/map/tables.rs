@@ -1,17 +1,13 @@
-//! The tables of a map: map.csv, and the summary by material in report.txt.
+//! The table of a map: map.csv.
 
 use asperity_tally::Side;
 
 use super::cell::{
     CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare, energy_name, peak_name,
 };
-use super::interval::CellVerdict;
-use super::summary::{ModelSummary, thetas};
 use super::{MapCell, MapOutcome};
 use crate::output::{Cell, Column, Table, material_columns};
 use crate::peak::PeakDifference;
-
-use asperity_simulate::short;
 
 /// One model in one cell over one share of the light, with its judgement.
 pub(super) struct JudgedModel<'a> {
@@ -222,27 +218,4 @@ fn verdict<'a>(name: impl Into<String>, measure: &'static str) -> Column<'a, Jud
     measured(name, about, measure, |_, judged| {
         Some(judged.verdict.name())
     })
-}
-
-/// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
-pub(super) fn summary(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
-    let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
-        let to = if i == 0 { "at" } else { "to" };
-        let heading = format!("{to} {} deg", short(theta));
-        Column::new(heading, "", move |row: &ModelSummary| {
-            row.holds_from.get(i)?.1
-        })
-    });
-    let verdicts = CellVerdict::ALL
-        .into_iter()
-        .enumerate()
-        .map(|(i, verdict)| {
-            Column::new(verdict.name(), "", move |row: &ModelSummary| row.cells[i])
-        });
-    Table::new()
-        .column(Column::new("holds from s =", "", |row: &ModelSummary| {
-            row.model.clone()
-        }))
-        .columns(thetas)
-        .columns(verdicts)
 }

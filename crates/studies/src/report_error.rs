@@ -1,0 +1,28 @@
+//! Why results are not written.
+
+use asperity_io::{ResultFolderError, WriteError};
+use asperity_plot::PlotError;
+
+use crate::config::ConfigError;
+use crate::verify::VerifyError;
+
+/// Why results are not written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReportError {
+    /// A file cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The result folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] ResultFolderError),
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The surface of a plot cannot be drawn again.
+    #[error(transparent)]
+    Surface(#[from] Box<VerifyError>),
+    /// A plot cannot be drawn.
+    #[error("a plot could not be drawn: {0}")]
+    Plot(#[from] PlotError),
+}
