@@ -104,7 +104,7 @@ impl CaseModel {
         }
     }
 
-    /// What it expects in a record of `spec`.
+    /// What it expects in a tally of `spec`.
     pub(crate) fn expect(
         &self,
         incidence: Incidence,

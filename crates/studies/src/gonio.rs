@@ -30,7 +30,7 @@ use crate::verify::{VerifyError, VerifyOutcome, verify};
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
 pub use files::gonio_report;
 pub use json::gonio_summary;
-pub use results::{DirectionResults, Means, MeasuredPart};
+pub use results::{DirectionResults, Means, MeasuredComponent};
 pub use sample::{Sample, SampleShape};
 pub use setting::Setting;
 pub use summary::gonio_table;

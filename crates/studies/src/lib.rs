@@ -59,15 +59,15 @@ pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use gonio::{
     Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredConfig, MeasuredPart, PlotScale, Sample, SampleShape, Setting, gonio,
+    Means, MeasuredComponent, MeasuredConfig, PlotScale, Sample, SampleShape, Setting, gonio,
     gonio_report, gonio_summary, gonio_table,
 };
 pub use layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
 };
 pub use map::{
-    CellDistances, CellModel, CellResults, CellSide, CellVerdict, Interval, Judged, JudgedCell,
-    LightShare, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
+    CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
+    JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
 pub use medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};

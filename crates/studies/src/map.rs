@@ -21,7 +21,9 @@ use crate::config::ConfigError;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
 use crate::verify::{VerifyError, verify};
 
-pub use cell::{CellDistances, CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare};
+pub use cell::{
+    CellDistances, CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell,
+};
 pub use config::{MapConfig, ToleranceConfig};
 pub use files::map_report;
 pub use interval::{CellVerdict, Interval};

@@ -121,7 +121,7 @@ impl ScatteringModel for Heitz {
 }
 
 impl RandomWalk for Heitz {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         let lambda = self.distribution.lambda(wi);
         let first = FacetHit {
             side: Side::Reflected,
@@ -130,11 +130,11 @@ impl RandomWalk for Heitz {
             weight: 1.0,
             path: EventPath::default(),
         };
-        let branches = self.scatter(&first, rng, record);
+        let branches = self.scatter(&first, rng, tally);
         let weight: f64 = branches.iter().map(|branch| branch.remaining).sum();
         let threshold = ROULETTE_THRESHOLD * weight;
         for branch in branches {
-            self.follow_branch(branch, threshold, rng, record);
+            self.follow_branch(branch, threshold, rng, tally);
         }
     }
 }
@@ -142,16 +142,16 @@ impl RandomWalk for Heitz {
 impl Heitz {
     /// Samples the facet at a hit, and tallies what it absorbs and what escapes from it. The remaining light has
     /// escaped neither by reflection nor by transmission.
-    fn scatter(&self, hit: &FacetHit, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) -> [Branch; 2] {
+    fn scatter(&self, hit: &FacetHit, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) -> [Branch; 2] {
         let m = self.distribution.sample_visible(hit.w, rng);
         let (branches, absorbed) = branch::branches(&self.distribution, self.material, hit, m);
         if absorbed > 0.0 {
-            record.add_loss(Loss::Absorbed, hit.weight * absorbed);
+            tally.add_loss(Loss::Absorbed, hit.weight * absorbed);
         }
         for branch in &branches {
             let flux = hit.weight * branch.escaping;
             if flux > 0.0 {
-                record.add_exit(&Exit {
+                tally.add_exit(&Exit {
                     side: branch.side,
                     wo: branch.upright_direction(),
                     flux,
@@ -169,7 +169,7 @@ impl Heitz {
         mut branch: Branch,
         threshold: f64,
         rng: &mut ChaCha8Rng,
-        record: &mut Tally<'_>,
+        tally: &mut Tally<'_>,
     ) {
         let mut weight = branch.remaining;
         let mut path = EventPath::default();
@@ -178,7 +178,7 @@ impl Heitz {
             if weight < threshold {
                 let survives = rng.random::<f64>() * threshold < weight;
                 let kept = if survives { threshold } else { 0.0 };
-                record.add_loss(Loss::Truncated, weight - kept);
+                tally.add_loss(Loss::Truncated, weight - kept);
                 if !survives {
                     return;
                 }
@@ -193,7 +193,7 @@ impl Heitz {
                 weight,
                 path,
             };
-            let [reflected, transmitted] = self.scatter(&hit, rng, record);
+            let [reflected, transmitted] = self.scatter(&hit, rng, tally);
             // Pick a branch by what remains of it
             let remaining = reflected.remaining + transmitted.remaining;
             branch = if rng.random::<f64>() * remaining < transmitted.remaining {
@@ -203,6 +203,6 @@ impl Heitz {
             };
             weight *= remaining;
         }
-        record.add_loss(Loss::Truncated, weight);
+        tally.add_loss(Loss::Truncated, weight);
     }
 }

@@ -109,10 +109,10 @@ pub trait BsdfModel: ScatteringModel {
 /// A random walk of light among statistically independent facets.
 pub trait RandomWalk: Send + Sync {
     /// Follows one incident ray of flux one from `wi` (a unit vector, `z > 0`) and adds all its light to
-    /// `record`.
+    /// `tally`.
     ///
     /// The result is an unbiased estimate of the model's fluxes. It depends on `rng` alone.
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>);
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>);
 }
 
 /// Why a model cannot be made.

@@ -159,7 +159,7 @@ impl XuSunMonteCarlo {
     }
 
     /// The rays into which `ray` splits at a facet of normal `m`, facing up; absorbed flux is tallied.
-    fn split(&self, ray: Ray, m: DVec3, record: &mut Tally<'_>) -> [Option<Ray>; 2] {
+    fn split(&self, ray: Ray, m: DVec3, tally: &mut Tally<'_>) -> [Option<Ray>; 2] {
         let v = -ray.direction;
         let (m, material) = match ray.side {
             Side::Reflected => (m, self.interface.material),
@@ -186,7 +186,7 @@ impl XuSunMonteCarlo {
             }),
             Some(_) => None,
             None => {
-                record.add_loss(Loss::Absorbed, rest);
+                tally.add_loss(Loss::Absorbed, rest);
                 None
             }
         };
@@ -238,7 +238,7 @@ impl ScatteringModel for XuSunMonteCarlo {
 }
 
 impl RandomWalk for XuSunMonteCarlo {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         // Shoot a ray: Eqs. 26 and 28
         let height = rng.random::<f64>();
         let m = self.interface.distribution.sample(rng);
@@ -256,12 +256,12 @@ impl RandomWalk for XuSunMonteCarlo {
         // Follow all rays that it splits into, low orders first, so that the limit ends high ones alone
         let mut rays = VecDeque::new();
         let mut hits = 1;
-        rays.extend(self.split(shot, m, record).into_iter().flatten());
+        rays.extend(self.split(shot, m, tally).into_iter().flatten());
         while let Some(ray) = rays.pop_front() {
             if ray.flux < MIN_FLUX {
-                record.add_loss(Loss::Truncated, ray.flux);
+                tally.add_loss(Loss::Truncated, ray.flux);
             } else if self.escapes(&ray, rng) {
-                record.add_exit(&Exit {
+                tally.add_exit(&Exit {
                     side: ray.side,
                     wo: ray.direction,
                     flux: ray.flux,
@@ -269,7 +269,7 @@ impl RandomWalk for XuSunMonteCarlo {
                     scatterings: 0,
                 });
             } else if hits == MAX_HITS {
-                record.add_loss(Loss::Truncated, ray.flux);
+                tally.add_loss(Loss::Truncated, ray.flux);
             } else {
                 hits += 1;
                 let front = match ray.side {
@@ -281,7 +281,7 @@ impl RandomWalk for XuSunMonteCarlo {
                     ..ray
                 };
                 let m = self.interface.distribution.sample_facing(front, rng);
-                rays.extend(self.split(hit, m, record).into_iter().flatten());
+                rays.extend(self.split(hit, m, tally).into_iter().flatten());
             }
         }
     }

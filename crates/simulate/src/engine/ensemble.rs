@@ -465,7 +465,7 @@ mod tests {
         let mut reflected: Vec<f64> = ensemble
             .tallies
             .iter()
-            .map(|record| record.budget().reflected)
+            .map(|tally| tally.budget().reflected)
             .collect();
         reflected.sort_by(f64::total_cmp);
         reflected.dedup();

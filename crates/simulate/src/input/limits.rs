@@ -137,7 +137,7 @@ pub const fn hierarchy_bytes(triangles: usize) -> usize {
     triangles.saturating_mul(270)
 }
 
-/// Refuses more results than memory should hold: a record for each surface and case, with the copies
+/// Refuses more results than memory should hold: a tally for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
 pub fn check_results(
     spec: &TallySpec,
@@ -145,11 +145,11 @@ pub fn check_results(
     cases: usize,
     refine: bool,
 ) -> Result<(), RunError> {
-    // A record, and the squares of its errors; of several meshes, three shifts with theirs.
+    // A tally, and the squares of its errors; of several meshes, three shifts with theirs.
     let values = if refine { 8.0 } else { 2.0 };
-    let records = (spec.len() * cases) as f64 * values * (realisations as f64 + 4.0);
+    let tallies = (spec.len() * cases) as f64 * values * (realisations as f64 + 4.0);
     let signs = realisations as f64 * 4096.0;
-    let gib = 8.0 * (records + signs) / GIB;
+    let gib = 8.0 * (tallies + signs) / GIB;
     if gib * GIB > RESULT_BUDGET {
         let bins = spec.grid().len();
         return Err(RunError::TooManyResults {
@@ -164,9 +164,9 @@ pub fn check_results(
 
 /// Most surfaces whose results fit beside those of all `cases`.
 pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
-    let records = (spec.len() * cases) as f64;
-    let left = RESULT_BUDGET / 8.0 - 8.0 * records;
-    (left / (2.0 * records + 4096.0)).max(1.0) as u64
+    let tallies = (spec.len() * cases) as f64;
+    let left = RESULT_BUDGET / 8.0 - 8.0 * tallies;
+    (left / (2.0 * tallies + 4096.0)).max(1.0) as u64
 }
 
 /// Refuses light that would cross more tiles than a ray may.

@@ -234,16 +234,16 @@ mod tests {
     #[test]
     fn errors_of_bins_are_relative_and_those_of_totals_absolute() {
         let spec = TallySpec::new("2x1".parse().unwrap(), 0.1).unwrap();
-        let record = |x: f64| {
-            let mut record = TallyValues::zeros(spec);
-            record[TallySpec::BUDGET.reflected] = x;
-            record[spec.grid_entries(Component::All).get(0)] = x;
-            record
+        let tally = |x: f64| {
+            let mut tally = TallyValues::zeros(spec);
+            tally[TallySpec::BUDGET.reflected] = x;
+            tally[spec.grid_entries(Component::All).get(0)] = x;
+            tally
         };
         let mut statistics = TallyStatistics::new(spec);
-        statistics.push(&record(0.1));
+        statistics.push(&tally(0.1));
         assert_eq!(Quantity::Bins.error(&statistics), None);
-        statistics.push(&record(0.3));
+        statistics.push(&tally(0.3));
         // Mean 0.2, standard error 0.1.
         let error = |aim: Quantity| aim.error(&statistics).unwrap();
         assert!((error(Quantity::Reflected) - 0.1).abs() < 1e-12);

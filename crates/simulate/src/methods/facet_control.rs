@@ -58,8 +58,8 @@ impl Method {
             }
             Err(error) => return Err(error.into()),
         };
-        let record = sum_over_all_facets(surface, material, incidence, incident, both);
-        let control = ControlVariate::new(spec, shares, &unshadowed_fluxes(&record));
+        let tally = sum_over_all_facets(surface, material, incidence, incident, both);
+        let control = ControlVariate::new(spec, shares, &unshadowed_fluxes(&tally));
         let mean = ControlMean::FacetsOfSurface;
         Ok(Self::with_control(
             estimator, control, mean, &slopes, incidence,
@@ -79,7 +79,7 @@ fn sum_over_all_facets(
     // Records of all parts are held until they are added in their order.
     let parts = (RECORD_BUDGET / (spec.len() * size_of::<f64>())).clamp(1, PARTS);
     let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
-    let records: Vec<TallyValues> = (0..parts)
+    let tallies: Vec<TallyValues> = (0..parts)
         .into_par_iter()
         .with_max_len(1)
         .map(|part| {
@@ -88,7 +88,7 @@ fn sum_over_all_facets(
         })
         .collect();
     let mut sum = TallyValues::zeros(spec);
-    records.iter().for_each(|record| sum += record);
+    tallies.iter().for_each(|tally| sum += tally);
     sum
 }
 
@@ -126,7 +126,7 @@ mod tests {
     /// What absorbs all light that it meets absorbs the weights of all facets that face it: of each half of
     /// a cell `max(0, wi . m) / (cos theta_m cos theta_i) = max(0, 1 - slope . wi / cos theta_i)`, over the
     /// number of facets. In a mirrored tile each stands for its four images. No scale of the sum shows
-    /// in results, since the budget of each record is closed.
+    /// in results, since the budget of each tally is closed.
     #[test]
     fn the_sum_over_all_facets_is_that_of_their_weights() {
         let black = Material::conductor(1.0, 0.0).unwrap();
@@ -158,10 +158,10 @@ mod tests {
                 !facets.is_multiple_of(PARTS) && lost > facets / 10,
                 "{facets} {lost}"
             );
-            let record = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, spec);
-            println!("{border:?}: {} against {sum}", record.budget().absorbed);
+            let tally = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, spec);
+            println!("{border:?}: {} against {sum}", tally.budget().absorbed);
             // Some 1e4 weights, each with a few roundings.
-            assert!((record.budget().absorbed / sum - 1.0).abs() < 1e-12);
+            assert!((tally.budget().absorbed / sum - 1.0).abs() < 1e-12);
         }
     }
 }

@@ -42,7 +42,7 @@ impl Means {
 
 /// Flux fractions of one part of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MeasuredPart {
+pub struct MeasuredComponent {
     /// `all`; `unscattered`, `once` or `more` with a medium; `single` or `multiple` without.
     pub name: String,
     /// By side, of those asked for.
@@ -65,7 +65,7 @@ pub struct DirectionResults {
     /// What was absorbed, truncated and lost.
     pub budget: Means,
     /// All light, then its parts, which add up to it.
-    pub parts: Vec<MeasuredPart>,
+    pub parts: Vec<MeasuredComponent>,
     /// What a reader should know.
     pub warnings: Vec<String>,
 }
@@ -99,7 +99,7 @@ fn in_plane(statistics: &TallyStatistics, side: Side, component: Component) -> V
         .unwrap_or_default()
 }
 
-impl MeasuredPart {
+impl MeasuredComponent {
     fn of(component: Component, statistics: &TallyStatistics) -> Self {
         let sides = statistics.spec().sides();
         let collect = |of: &dyn Fn(Side) -> Vec<Estimate>| {
@@ -155,7 +155,7 @@ impl DirectionResults {
             errors_from: errors_from.to_owned(),
             budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
             parts: kept_components(statistics.spec())
-                .map(|component| MeasuredPart::of(component, statistics))
+                .map(|component| MeasuredComponent::of(component, statistics))
                 .collect(),
             warnings,
         }
@@ -165,7 +165,7 @@ impl DirectionResults {
     pub(super) fn is_sound(&self, spec: &TallySpec) -> bool {
         let asked = spec.recorded_bins().len();
         let sides = spec.sides().count();
-        let lengths = |part: &MeasuredPart| {
+        let lengths = |part: &MeasuredComponent| {
             part.sides.is_sound(sides)
                 && part.bins.is_sound(asked)
                 && part.in_plane.is_sound(sides * spec.in_plane_len())
@@ -180,11 +180,11 @@ impl DirectionResults {
         let sum = |values: &[f64]| values.iter().sum::<f64>();
         let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING;
         let (all, parts) = (&self.parts[0], &self.parts[1..]);
-        let adds_up = |of: fn(&MeasuredPart) -> &Means| {
+        let adds_up = |of: fn(&MeasuredComponent) -> &Means| {
             (0..of(all).mean.len())
                 .all(|i| near(parts.iter().map(|p| of(p).mean[i]).sum(), of(all).mean[i]))
         };
-        let fills_sides = |part: &MeasuredPart| {
+        let fills_sides = |part: &MeasuredComponent| {
             part.bins
                 .mean
                 .chunks(spec.grid().bins_per_side())

@@ -3,7 +3,7 @@
 use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
 use asperity_tally::{Estimate, Side, TallySpec};
 
-use super::results::{MeasuredPart, component_names};
+use super::results::{MeasuredComponent, component_names};
 use super::setting::bottom_in_words;
 use super::{Direction, DirectionResults, GonioOutcome, Setting};
 use crate::output::{
@@ -233,7 +233,7 @@ pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPl
 pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
     type Row<'a> = InPlaneBin<'a>;
     let bsdf = move |row: &Row<'_>, part: usize| {
-        let part: &MeasuredPart = row.measured.results.parts.get(part)?;
+        let part: &MeasuredComponent = row.measured.results.parts.get(part)?;
         let flux = part.in_plane(spec, row.side, row.bin)?;
         Some(over(flux, projected_in_plane(spec, row.bin)))
     };

@@ -27,14 +27,14 @@ const NORMAL_95: f64 = 1.959_964;
 /// The light over which a model is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum LightShare {
+pub enum ComparedLight {
     /// The light that the model describes against the same light.
     Own,
     /// All light of the model against all light: what a model leaves out counts against it.
     All,
 }
 
-impl LightShare {
+impl ComparedLight {
     /// Both.
     pub const BOTH: [Self; 2] = [Self::Own, Self::All];
 
@@ -172,10 +172,10 @@ pub(super) const fn peak_name(side: Side) -> &'static str {
 impl CellModel {
     /// Over one share of the light.
     #[must_use]
-    pub const fn distances(&self, light: LightShare) -> &CellDistances {
+    pub const fn distances(&self, light: ComparedLight) -> &CellDistances {
         match light {
-            LightShare::Own => &self.own,
-            LightShare::All => &self.all,
+            ComparedLight::Own => &self.own,
+            ComparedLight::All => &self.all,
         }
     }
 }
@@ -210,7 +210,7 @@ impl CellResults {
     pub fn judge(
         &self,
         model: &CellModel,
-        light: LightShare,
+        light: ComparedLight,
         tolerances: &ToleranceConfig,
     ) -> JudgedCell {
         let distances = model.distances(light);

@@ -5,7 +5,7 @@ use asperity_simulate::short;
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
 
-use super::cell::LightShare;
+use super::cell::ComparedLight;
 use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::summary::{grooves, map_table, material_name, materials, smoothness, thetas};
@@ -30,7 +30,7 @@ pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), Rep
     let place = Place::root(folder);
     tables::map().write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
     if outcome.config.output.plots {
-        for light in LightShare::BOTH {
+        for light in ComparedLight::BOTH {
             let figure = figure(outcome, light).draw()?;
             figures::save(&[&place], &format!("map_{}", light.name()), &figure)?;
         }
@@ -47,7 +47,7 @@ fn results(plots: bool) -> Vec<String> {
         .to_vec();
     if plots {
         names.extend(
-            LightShare::BOTH
+            ComparedLight::BOTH
                 .iter()
                 .flat_map(|light| figure_files(&format!("map_{}", light.name()))),
         );
@@ -69,7 +69,7 @@ impl MapConfig {
 }
 
 /// The heat map of one share of the light.
-fn figure(outcome: &MapOutcome, light: LightShare) -> ValidityMap {
+fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     let (materials, smoothness, thetas) =
         (materials(outcome), smoothness(outcome), thetas(outcome));
     let models = &outcome.config.compare.models;
@@ -102,8 +102,8 @@ fn figure(outcome: &MapOutcome, light: LightShare) -> ValidityMap {
     }
     let tolerances = &outcome.config.map;
     let what = match light {
-        LightShare::Own => "each model beside the light that it describes",
-        LightShare::All => "each model beside all light",
+        ComparedLight::Own => "each model beside the light that it describes",
+        ComparedLight::All => "each model beside all light",
     };
     ValidityMap {
         title: format!("Where models hold: {what}"),

@@ -6,7 +6,7 @@ use asperity_simulate::Case;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::cell::{CellDistances, CellModel, CellResults, LightShare};
+use super::cell::{CellDistances, CellModel, CellResults, ComparedLight};
 use super::summary::{summarise, warnings};
 use super::{MapCell, MapOutcome, ModelSummary, tables};
 use crate::output::Head;
@@ -136,7 +136,7 @@ fn of_model<'a>(outcome: &MapOutcome, results: &CellResults, model: &'a CellMode
         model: &model.name,
         all_orders: model.all_orders,
         rays: Some(model.rays).filter(|rays| *rays > 0),
-        own: judgement(LightShare::Own),
-        all: judgement(LightShare::All),
+        own: judgement(ComparedLight::Own),
+        all: judgement(ComparedLight::All),
     }
 }

@@ -7,7 +7,7 @@ use asperity_optics::Material;
 use serde::Serialize;
 
 use super::MapOutcome;
-use super::cell::{FEWEST_SURFACES, LightShare};
+use super::cell::{ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
 use crate::output::{Column, Table};
 
@@ -17,7 +17,7 @@ pub struct ModelSummary {
     /// The material.
     pub material: Material,
     /// The light.
-    pub light: LightShare,
+    pub light: ComparedLight,
     /// The model.
     pub model: String,
     /// For each angle of the map, ascending, in degrees: the least smoothness from which the model holds at
@@ -62,7 +62,7 @@ fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
 pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     let mut summaries = Vec::new();
     for material in materials(outcome) {
-        for light in LightShare::BOTH {
+        for light in ComparedLight::BOTH {
             for (index, model) in outcome.config.compare.models.iter().enumerate() {
                 let verdicts = verdicts(outcome, material, light, index);
                 let count = |wanted| verdicts.iter().filter(|v| v.2 == wanted).count();
@@ -86,7 +86,7 @@ pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
 fn verdicts(
     outcome: &MapOutcome,
     material: Material,
-    light: LightShare,
+    light: ComparedLight,
     model: usize,
 ) -> Vec<(f64, f64, CellVerdict)> {
     let of_material = |cell: &&super::MapCell| cell.case.material == material;
@@ -173,10 +173,10 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     );
     let summaries = summarise(outcome);
     for material in materials(outcome) {
-        for light in LightShare::BOTH {
+        for light in ComparedLight::BOTH {
             let what = match light {
-                LightShare::Own => "each model beside the light that it describes",
-                LightShare::All => "each model beside all light",
+                ComparedLight::Own => "each model beside the light that it describes",
+                ComparedLight::All => "each model beside all light",
             };
             let _ = writeln!(out, "\n{}: {what}", material_name(material));
             let here = |s: &&ModelSummary| s.material == material && s.light == light;

@@ -3,7 +3,7 @@
 use asperity_tally::Side;
 
 use super::cell::{
-    CellModel, CellResults, CellSide, Judged, JudgedCell, LightShare, energy_name, peak_name,
+    CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
 };
 use super::{MapCell, MapOutcome};
 use crate::output::{Cell, Column, Table, material_columns};
@@ -14,7 +14,7 @@ pub(super) struct JudgedModel<'a> {
     cell: &'a MapCell,
     results: &'a CellResults,
     model: &'a CellModel,
-    light: LightShare,
+    light: ComparedLight,
     judged: JudgedCell,
 }
 
@@ -41,7 +41,7 @@ pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'
         })
     });
     models.flat_map(|(cell, results, model)| {
-        LightShare::BOTH.map(|light| JudgedModel {
+        ComparedLight::BOTH.map(|light| JudgedModel {
             cell,
             results,
             model,

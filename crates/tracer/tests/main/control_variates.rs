@@ -60,7 +60,7 @@ impl Setting {
         let both = self.spec().with_sides(Sides::Both);
         let n = both.grid().n_theta();
         let facets = 0..self.surface.facet_count();
-        let record = sum_over_facets(
+        let tally = sum_over_facets(
             &self.surface,
             self.material,
             self.incidence(),
@@ -75,7 +75,7 @@ impl Setting {
             ],
             absorbed: 0.7,
         };
-        let fluxes = unshadowed_fluxes(&record);
+        let fluxes = unshadowed_fluxes(&tally);
         ControlVariate::new(self.spec(), shares, &fluxes)
             .looking_into_shadow(self.shadow_probability)
     }

@@ -125,8 +125,8 @@ impl Scene {
             let mut rng = ChaCha8Rng::seed_from_u64(1);
             rng.set_stream(block);
             let light = Illumination::new(incidence, false);
-            let (record, _) = tracer.batch(&light, STRATA, spec, None, &mut rng);
-            together.push(&record);
+            let (tally, _) = tracer.batch(&light, STRATA, spec, None, &mut rng);
+            together.push(&tally);
         }
         let integrator =
             PathIntegrator::new(&top, &*top_hits, glass, self.settings, Some(traced_layer()));
@@ -134,13 +134,13 @@ impl Scene {
         for block in 0..BATCHES {
             let mut rng = ChaCha8Rng::seed_from_u64(2);
             rng.set_stream(block);
-            let mut record = TallyValues::zeros(spec);
+            let mut tally = TallyValues::zeros(spec);
             for _ in 0..STRATA * STRATA {
                 let origin = start(&top, incidence, &mut rng);
                 let path = integrator.trace(origin, -incidence.wi(), &mut rng);
-                count(&path, &spec, &mut record);
+                count(&path, &spec, &mut tally);
             }
-            alone.push(&record);
+            alone.push(&tally);
         }
         assert_agreement(name, &spec, &together, &alone);
     }
@@ -164,10 +164,10 @@ fn start(top: &Surface, incidence: Incidence, rng: &mut ChaCha8Rng) -> DVec3 {
 }
 
 /// Adds one path to the entries that are compared.
-fn count(path: &PathResult, spec: &TallySpec, record: &mut TallyValues) {
+fn count(path: &PathResult, spec: &TallySpec, tally: &mut TallyValues) {
     let whole = path.flux + path.absorbed + path.truncated;
     assert!((whole - 1.0).abs() < 1e-12, "{path:?}");
-    let mut add = |entry: Entry, flux: f64| record[entry] += flux / PATHS;
+    let mut add = |entry: Entry, flux: f64| tally[entry] += flux / PATHS;
     add(TallySpec::BUDGET.absorbed, path.absorbed);
     add(TallySpec::BUDGET.truncated, path.truncated);
     let side = match path.end {

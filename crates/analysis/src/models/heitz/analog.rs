@@ -37,7 +37,7 @@ impl Analog {
 }
 
 impl RandomWalk for Analog {
-    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, record: &mut Tally<'_>) {
+    fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
         let mut path = EventPath::default();
         // +1 in the incident medium, -1 in the other.
         let mut up = 1.0;
@@ -54,7 +54,7 @@ impl RandomWalk for Analog {
                     Side::Transmitted
                 };
                 let wo = d;
-                record.add_exit(&Exit {
+                tally.add_exit(&Exit {
                     side,
                     wo,
                     flux: 1.0,
@@ -83,7 +83,7 @@ impl RandomWalk for Analog {
                 }
                 opaque => {
                     if rng.random::<f64>() >= opaque.fresnel(cos_theta_i).reflected {
-                        record.add_loss(Loss::Absorbed, 1.0);
+                        tally.add_loss(Loss::Absorbed, 1.0);
                         return;
                     }
                     path = path.then(Event::Reflection);
@@ -91,7 +91,7 @@ impl RandomWalk for Analog {
                 }
             }
         }
-        record.add_loss(Loss::Truncated, 1.0);
+        tally.add_loss(Loss::Truncated, 1.0);
     }
 }
 
@@ -118,11 +118,11 @@ mod tests {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         let mut statistics = TallyStatistics::new(spec());
         for _ in 0..BATCHES {
-            let mut record = Tally::new(spec(), Azimuth::From(0.0));
+            let mut tally = Tally::new(spec(), Azimuth::From(0.0));
             for _ in 0..rays / BATCHES {
-                walk.follow(wi, &mut rng, &mut record);
+                walk.follow(wi, &mut rng, &mut tally);
             }
-            statistics.push(&record.into_fractions(rays / BATCHES));
+            statistics.push(&tally.into_fractions(rays / BATCHES));
         }
         statistics
     }
@@ -214,9 +214,9 @@ mod tests {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             let fluxes: Vec<[f64; 2]> = (0..100)
                 .map(|_| {
-                    let mut record = Tally::new(spec, Azimuth::From(0.0));
-                    (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut record));
-                    let values = record.into_fractions(80);
+                    let mut tally = Tally::new(spec, Azimuth::From(0.0));
+                    (0..80).for_each(|_| walk.follow(wi, &mut rng, &mut tally));
+                    let values = tally.into_fractions(80);
                     let orders = (31..=64).map(|k| values[spec.order_entry(Side::Reflected, k)]);
                     [orders.sum(), values.budget().truncated]
                 })

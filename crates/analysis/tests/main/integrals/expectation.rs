@@ -1,4 +1,4 @@
-//! What closed forms expect, entry by entry of a record.
+//! What closed forms expect, entry by entry of a tally.
 
 use std::f64::consts::PI;
 
@@ -30,25 +30,25 @@ fn every_view_of_a_closed_form_agrees() {
         assert!(
             expectation.describes(Component::Single) && !expectation.describes(Component::Multiple)
         );
-        let record = expectation.statistics().means();
+        let tally = expectation.statistics().means();
         let grid = spec.grid();
         let bins = bin_fluxes(model.as_ref(), light.wi(), &grid);
         let energy = hemispherical_energy(model.as_ref(), light.wi());
-        assert_eq!(record[spec.grid_entries(Component::Single)], bins);
-        assert_eq!(record[spec.grid_entries(Component::All)], bins);
+        assert_eq!(tally[spec.grid_entries(Component::Single)], bins);
+        assert_eq!(tally[spec.grid_entries(Component::All)], bins);
         for (side, energy) in [
             (Side::Reflected, energy.reflected),
             (Side::Transmitted, energy.transmitted),
         ] {
             assert_eq!(
-                record[spec.flux_entry(side, Component::All)],
+                tally[spec.flux_entry(side, Component::All)],
                 energy,
                 "{name} {side}"
             );
-            assert_eq!(record[spec.order_entry(side, 1)], energy);
-            assert_eq!(record[spec.flux_entry(side, Component::Multiple)], 0.0);
+            assert_eq!(tally[spec.order_entry(side, 1)], energy);
+            assert_eq!(tally[spec.flux_entry(side, Component::Multiple)], 0.0);
             for class in [Component::Single, Component::All] {
-                let rings: f64 = record[spec.ring_entries(side, class)].iter().sum();
+                let rings: f64 = tally[spec.ring_entries(side, class)].iter().sum();
                 // 108 bins, each to some 1e-12.
                 assert!(
                     (rings - energy).abs() < 1e-9,
@@ -56,13 +56,13 @@ fn every_view_of_a_closed_form_agrees() {
                 );
             }
             // A wedge of 0.1 to either side of the plane of incidence holds some of the light, not all.
-            let wedge: f64 = record[spec.in_plane_entries(side, Component::All)]
+            let wedge: f64 = tally[spec.in_plane_entries(side, Component::All)]
                 .iter()
                 .sum();
             let some = wedge > 0.02 * energy && wedge < energy;
             assert!(some || wedge == 0.0 && energy == 0.0, "{name} {side}");
         }
-        assert_eq!(record.budget().absorbed, 0.0);
+        assert_eq!(tally.budget().absorbed, 0.0);
         assert!(expectation.statistics().budget().reflected.se == Some(0.0));
     }
 }
@@ -74,12 +74,12 @@ fn an_unrecorded_side_stays_empty() {
     let spec = spec().with_sides(Sides::Reflected);
     let azimuth = Azimuth::From(light.phi() + PI);
     let expectation = expect(model.as_ref(), light, &spec, azimuth, EFFORT);
-    let record = expectation.statistics().means();
-    assert!(record.budget().reflected > 0.0);
-    assert_eq!(record.budget().transmitted, 0.0);
+    let tally = expectation.statistics().means();
+    assert!(tally.budget().reflected > 0.0);
+    assert_eq!(tally.budget().transmitted, 0.0);
     let below = spec.grid().bins_per_side();
     assert!(
-        record[spec.grid_entries(Component::All)][below..]
+        tally[spec.grid_entries(Component::All)][below..]
             .iter()
             .all(|&f| f == 0.0)
     );

@@ -1,4 +1,4 @@
-//! What a walk is expected to find: the parts of a record fit together.
+//! What a walk is expected to find: the parts of a tally fit together.
 
 use asperity_analysis::{
     Expectation, SamplingEffort, ScatteringModel, SlopeCovariance, create_model, expect,
@@ -44,8 +44,8 @@ fn every_view_of_an_expectation_agrees() {
     assert!(!found.is_exact() && found.rays() == EFFORT.rays);
     assert!(found.describes(Component::Multiple));
     let n_phi = spec.grid().n_phi();
-    for record in found.tallies() {
-        let of = |share| record[spec.grid_entries(share)].to_vec();
+    for tally in found.tallies() {
+        let of = |share| tally[spec.grid_entries(share)].to_vec();
         let [single, multiple, total] = Component::BINS.map(of);
         for i in 0..total.len() {
             assert!((total[i] - single[i] - multiple[i]).abs() < 1e-15);
@@ -68,10 +68,10 @@ fn every_view_of_an_expectation_agrees() {
                 ),
             ];
             for (bins, energy, class) in views {
-                assert!((bins.iter().sum::<f64>() - record[energy]).abs() < ROUNDING);
-                let rings = &record[spec.ring_entries(side, class)];
+                assert!((bins.iter().sum::<f64>() - tally[energy]).abs() < ROUNDING);
+                let rings = &tally[spec.ring_entries(side, class)];
                 // In-plane bins go from -90 to 90 degrees off the side's own normal.
-                let in_plane = &record[spec.in_plane_entries(side, class)];
+                let in_plane = &tally[spec.in_plane_entries(side, class)];
                 let n_theta = rings.len();
                 for (ring, bins) in bins.chunks_exact(n_phi).enumerate() {
                     assert!((bins.iter().sum::<f64>() - rings[ring]).abs() < ROUNDING);
@@ -89,17 +89,17 @@ fn every_view_of_an_expectation_agrees() {
                 }
             }
             let multiple = of_side(&multiple).iter().sum::<f64>();
-            assert!((multiple - record[spec.flux_entry(side, Component::Multiple)]).abs() < 1e-14);
+            assert!((multiple - tally[spec.flux_entry(side, Component::Multiple)]).abs() < 1e-14);
             let orders: f64 = (1..=64)
-                .map(|order| record[spec.order_entry(side, order)])
+                .map(|order| tally[spec.order_entry(side, order)])
                 .sum();
-            assert!((orders - record[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
+            assert!((orders - tally[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
             let paths: f64 = spec
                 .listed_paths()
-                .map(|path| record[spec.event_path_entry(side, path)])
+                .map(|path| tally[spec.event_path_entry(side, path)])
                 .sum();
-            let all = paths + record[spec.longer_paths_entry(side)];
-            assert!((all - record[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
+            let all = paths + tally[spec.longer_paths_entry(side)];
+            assert!((all - tally[spec.flux_entry(side, Component::All)]).abs() < 1e-14);
         }
     }
 }
@@ -136,7 +136,7 @@ fn energies_add_up_within_their_errors() {
     let sums: Vec<f64> = found
         .tallies()
         .iter()
-        .map(|record| record.budget().total())
+        .map(|tally| tally.budget().total())
         .collect();
     let n = sums.len() as f64;
     let mean = sums.iter().sum::<f64>() / n;

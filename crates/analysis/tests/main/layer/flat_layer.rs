@@ -176,7 +176,7 @@ fn a_clear_plate_transmits_like_two_faces() {
         assert!((reflected + transmitted - 1.0).abs() < 1e-12);
         // In orders 1, 3, 5 ... and 2, 4, 6 ...
         let spec = spec(6, 4, 0.1);
-        let record = tally(&model, theta, &spec);
+        let tally = tally(&model, theta, &spec);
         let t = 1.0 - r;
         for (side, order, expected) in [
             (Side::Reflected, 1, r),
@@ -185,13 +185,13 @@ fn a_clear_plate_transmits_like_two_faces() {
             (Side::Transmitted, 2, t * t),
             (Side::Transmitted, 4, t * t * r * r),
         ] {
-            assert!((record[spec.order_entry(side, order)] - expected).abs() < 4.0 * rounding);
+            assert!((tally[spec.order_entry(side, order)] - expected).abs() < 4.0 * rounding);
         }
         let orders = |side| (1..=MAX_LISTED_ORDER).map(move |order| spec.order_entry(side, order));
         let sum: f64 = Side::BOTH
             .into_iter()
             .flat_map(orders)
-            .map(|i| record[i])
+            .map(|i| tally[i])
             .sum();
         assert!((sum - 1.0).abs() < 1e-12, "{theta}: {sum}");
     }
@@ -361,23 +361,20 @@ fn tallies_of_different_grids_agree_and_components_add_up() {
 fn unrecorded_sides_and_azimuths_stay_empty() {
     let model = model(1.5, &slab(0.9, 0.5, 0.3, Bottom::Open), LayerPaths::All);
     let reflected = spec(3, 4, 0.1).with_sides(Sides::Reflected);
-    let record = tally(&model, 30.0, &reflected);
-    assert!(record.budget().reflected > 0.0 && record.budget().transmitted == 0.0);
-    assert_eq!(
-        record.flux(Side::Transmitted, Component::ScatteredOnce),
-        0.0
-    );
+    let tally = tally(&model, 30.0, &reflected);
+    assert!(tally.budget().reflected > 0.0 && tally.budget().transmitted == 0.0);
+    assert_eq!(tally.flux(Side::Transmitted, Component::ScatteredOnce), 0.0);
     assert!(
-        record.budget().not_recorded > 0.5,
+        tally.budget().not_recorded > 0.5,
         "the unscattered light, which would have gone there"
     );
     // From straight above, all bins of a ring hold the same.
     let spec = spec(3, 4, 0.1);
-    let record = model.tally(light(0.0), &spec, Azimuth::Free);
-    for ring in record[spec.grid_entries(Component::Unscattered)].chunks(4) {
+    let tally = model.tally(light(0.0), &spec, Azimuth::Free);
+    for ring in tally[spec.grid_entries(Component::Unscattered)].chunks(4) {
         assert!(ring.iter().all(|flux| flux == &ring[0]));
     }
-    for ring in record[spec.grid_entries(Component::ScatteredOnce)].chunks(4) {
+    for ring in tally[spec.grid_entries(Component::ScatteredOnce)].chunks(4) {
         assert!(ring.iter().all(|flux| (flux - ring[0]).abs() < 1e-15));
     }
 }

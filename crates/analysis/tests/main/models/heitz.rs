@@ -48,12 +48,12 @@ fn sampled(
     let mut statistics = TallyStatistics::new(spec);
     let mut batches = Vec::new();
     for _ in 0..BATCHES {
-        let mut record = Tally::new(spec, Azimuth::From(0.0));
+        let mut tally = Tally::new(spec, Azimuth::From(0.0));
         for _ in 0..rays / BATCHES {
             let wi = wi(&mut rng);
-            walk.follow(wi, &mut rng, &mut record);
+            walk.follow(wi, &mut rng, &mut tally);
         }
-        batches.push(record.into_fractions(rays / BATCHES));
+        batches.push(tally.into_fractions(rays / BATCHES));
         statistics.push(batches.last().unwrap());
     }
     (statistics, batches)
@@ -74,13 +74,13 @@ fn the_budget_of_each_ray_closes() {
             let model = Heitz::new(slopes, material).unwrap();
             let mut absorbed = 0.0;
             for k in 0..300 {
-                let mut record = Tally::new(spec, Azimuth::From(0.0));
+                let mut tally = Tally::new(spec, Azimuth::From(0.0));
                 let wi = from_spherical(0.3 * f64::from(k % 5), f64::from(k));
                 model
                     .random_walk()
                     .unwrap()
-                    .follow(wi, &mut rng, &mut record);
-                let values = record.into_fractions(1);
+                    .follow(wi, &mut rng, &mut tally);
+                let values = tally.into_fractions(1);
                 let total: f64 = values.budget().total();
                 // Some tens of products and sums a path.
                 assert!((total - 1.0).abs() < 1e-13, "{total}");
@@ -284,7 +284,7 @@ fn exchange(slopes: SlopeCovariance, eta: Option<f64>, spec: TallySpec) -> Vec<V
     let grid = spec.grid();
     let of_a_side = grid.bins_per_side();
     let rays = 20_000;
-    // The side that light comes from is the first in its record, and rings are counted from its pole.
+    // The side that light comes from is the first in its tally, and rings are counted from its pole.
     let upside_down = |bin: usize| {
         let (ring, sector) = (bin / grid.n_phi(), bin % grid.n_phi());
         (2 * grid.n_theta() - 1 - ring) * grid.n_phi() + sector
@@ -448,12 +448,12 @@ fn extreme_light_and_surfaces_give_finite_results() {
                 from_spherical(1e-9, 2.0),
             ] {
                 for _ in 0..20 {
-                    let mut record = Tally::new(spec, Azimuth::From(0.0));
+                    let mut tally = Tally::new(spec, Azimuth::From(0.0));
                     model
                         .random_walk()
                         .unwrap()
-                        .follow(wi, &mut rng, &mut record);
-                    let values = record.into_fractions(1);
+                        .follow(wi, &mut rng, &mut tally);
+                    let values = tally.into_fractions(1);
                     let total: f64 = values.budget().total();
                     assert!(
                         (total - 1.0).abs() < 1e-12,

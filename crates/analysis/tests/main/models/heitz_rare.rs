@@ -26,14 +26,14 @@ fn sampled(model: &Heitz, wi: DVec3, rays: u64, seed: u64) -> TallyStatistics {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let mut statistics = TallyStatistics::new(spec());
     for _ in 0..BATCHES {
-        let mut record = Tally::new(spec(), Azimuth::From(0.0));
+        let mut tally = Tally::new(spec(), Azimuth::From(0.0));
         for _ in 0..rays / BATCHES {
             model
                 .random_walk()
                 .unwrap()
-                .follow(wi, &mut rng, &mut record);
+                .follow(wi, &mut rng, &mut tally);
         }
-        statistics.push(&record.into_fractions(rays / BATCHES));
+        statistics.push(&tally.into_fractions(rays / BATCHES));
     }
     statistics
 }
@@ -75,12 +75,12 @@ fn rare_multiple_scattering_is_followed() {
         let [mut left, mut found, mut second] = [0.0; 3];
         let mut rays = 0;
         for _ in 0..10_000 {
-            let mut record = Tally::new(spec(), Azimuth::From(0.0));
+            let mut tally = Tally::new(spec(), Azimuth::From(0.0));
             model
                 .random_walk()
                 .unwrap()
-                .follow(wi, &mut rng, &mut record);
-            let values = record.into_fractions(1);
+                .follow(wi, &mut rng, &mut tally);
+            let values = tally.into_fractions(1);
             let rest = 1.0 - values[spec().order_entry(Side::Reflected, 1)];
             if (1e-11..1e-6).contains(&rest) {
                 let later = values[spec().flux_entry(Side::Reflected, Component::Multiple)];

@@ -168,7 +168,7 @@ fn budget(walked: &Expectation) -> (f64, f64) {
     let sums: Vec<f64> = walked
         .tallies()
         .iter()
-        .map(|record| record.budget().total())
+        .map(|tally| tally.budget().total())
         .collect();
     let n = sums.len() as f64;
     let mean = sums.iter().sum::<f64>() / n;

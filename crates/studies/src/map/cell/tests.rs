@@ -62,7 +62,7 @@ fn results(deviation_bound: Option<f64>, distances: &CellDistances) -> CellResul
 fn interval(results: &CellResults, measure: &str) -> Interval {
     let judged = results.judge(
         &results.models[0],
-        LightShare::Own,
+        ComparedLight::Own,
         &ToleranceConfig::default(),
     );
     judged.measure(measure).unwrap().interval
@@ -241,12 +241,12 @@ fn a_tolerance_decides_by_the_whole_interval() {
         peak: Number(5.0),
     };
     let results = results(None, &distances());
-    let judged = results.judge(&results.models[0], LightShare::Own, &tolerances);
+    let judged = results.judge(&results.models[0], ComparedLight::Own, &tolerances);
     assert_eq!(judged.verdict, CellVerdict::Holds, "{judged:?}");
     let close = ToleranceConfig {
         energy: Number(0.13),
         ..tolerances
     };
-    let judged = results.judge(&results.models[0], LightShare::Own, &close);
+    let judged = results.judge(&results.models[0], ComparedLight::Own, &close);
     assert_eq!(judged.decided_by(), ["reflected"]);
 }
