@@ -1,9 +1,8 @@
 //! How a command fails: one sentence and an exit code.
 
 use std::fmt::Display;
+use std::io::Write;
 use std::process::ExitCode;
-
-use crate::output::say;
 
 /// Why a command failed.
 #[derive(Debug)]
@@ -26,7 +25,8 @@ impl Failure {
     /// Prints the sentence and returns the exit code.
     pub(crate) fn report(&self) -> ExitCode {
         let (Self::Usage(reason) | Self::Failed(reason)) = self;
-        say(&format!("asperity: {reason}"));
+        // A closed standard error is ignored.
+        let _ = writeln!(std::io::stderr().lock(), "asperity: {reason}");
         match self {
             Self::Usage(_) => ExitCode::from(2),
             Self::Failed(_) => ExitCode::FAILURE,

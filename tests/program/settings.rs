@@ -2,28 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
 
 use asperity_studies::settings::{Command, reference_page, settings_of};
 
 use crate::support::{asperity, json, refused, succeed, with_surface, words};
-
-/// Set to write `docs/settings.md` anew.
-const REWRITE: &str = "ASPERITY_WRITE_DOCS";
-
-#[test]
-fn the_reference_page_follows_from_the_definitions() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/settings.md");
-    let page = reference_page();
-    if std::env::var_os(REWRITE).is_some() {
-        fs::write(&path, &page).unwrap();
-    }
-    let written = fs::read_to_string(&path).unwrap();
-    assert!(
-        written == page,
-        "docs/settings.md is out of date: run this test with {REWRITE}=1"
-    );
-}
 
 /// The flags that a help text names, without those of clap.
 fn flags(help: &str) -> BTreeSet<String> {

@@ -8,7 +8,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_simulate::Case;
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use asperity_simulate::slopes;
 
 /// A model beside a case.

@@ -9,7 +9,8 @@ use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace};
 
 use crate::case_model::CaseModel;
-use crate::config::{Azimuth, ConfigError, VerifyConfig};
+use crate::config::{Azimuth, VerifyConfig};
+use crate::config_error::ConfigError;
 use crate::sweep::Sweep;
 use crate::values::Count;
 

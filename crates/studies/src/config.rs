@@ -1,55 +1,18 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
-use asperity_analysis::{DEFAULT_LEVEL, LayerPaths, ModelError};
-use asperity_optics::{IncidenceError, Material, MaterialError};
+use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
+use asperity_optics::Material;
 use asperity_simulate::{Estimator, Quantity, RaySettings, Target};
-use asperity_surface::{Psd, PsdError};
-use asperity_tally::{HemisphereGrid, Sides, SpecError, TallySpec};
-use asperity_tracer::{
-    AcceleratorKind, Branching, HalfSpace, PathSettings, PathSettingsError, Sampling,
-};
+use asperity_surface::Psd;
+use asperity_tally::{HemisphereGrid, Sides, TallySpec};
+use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, PathSettings, Sampling};
 use serde::{Deserialize, Serialize};
 
+use crate::config_error::ConfigError;
 use crate::medium::{BottomKind, MediumConfig};
-use crate::settings::{Command, Document, SettingError, defaults};
+use crate::settings::{Command, Document, defaults};
 use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds};
-use asperity_simulate::{BottomSurface, TargetError};
-
-/// Why a configuration is refused.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ConfigError {
-    /// A value is unknown, invalid or excluded by another.
-    #[error(transparent)]
-    Setting(#[from] SettingError),
-    /// Two keys that exclude each other, or none of two that are needed.
-    #[error("{0}")]
-    Contradiction(String),
-    /// A list is empty.
-    #[error("`{0}` is an empty list; give one value or several")]
-    EmptyList(&'static str),
-    /// The material is none.
-    #[error(transparent)]
-    Material(#[from] MaterialError),
-    /// The direction of the light is none.
-    #[error(transparent)]
-    Incidence(#[from] IncidenceError),
-    /// The power spectral density is none.
-    #[error(transparent)]
-    Psd(#[from] PsdError),
-    /// The in-plane wedge is out of range.
-    #[error(transparent)]
-    TallySpec(#[from] SpecError),
-    /// The path settings are out of range.
-    #[error(transparent)]
-    Paths(#[from] PathSettingsError),
-    /// The target error is out of range, or no result has it.
-    #[error(transparent)]
-    Target(#[from] TargetError),
-    /// A model is unknown or cannot be made.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-}
+use asperity_simulate::BottomSurface;
 
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

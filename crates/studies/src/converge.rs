@@ -48,7 +48,7 @@ use asperity_analysis::ModelError;
 use asperity_tally::TallyResult;
 use serde::Serialize;
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::verify::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};

@@ -22,7 +22,7 @@ use asperity_io::{ResultFolder, ResultFolderError};
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::energies::lost_warning;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
 use crate::verify::{VerifyError, VerifyOutcome, verify};

@@ -13,6 +13,7 @@ mod compared;
 mod comparison_json;
 mod conclusion;
 mod config;
+mod config_error;
 mod converge;
 mod energies;
 mod expectation;
@@ -46,9 +47,10 @@ pub use case_model::CaseModel;
 pub use case_report::verify_table;
 pub use cases::{check_light, check_sides};
 pub use config::{
-    Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, MaterialKind,
-    OutputConfig, RunConfig, SurfaceConfig, VerifyConfig,
+    Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, MaterialKind, OutputConfig,
+    RunConfig, SurfaceConfig, VerifyConfig,
 };
+pub use config_error::ConfigError;
 pub use converge::{
     ConvergeConfig, ConvergeError, ConvergeOutcome, ConvergeWork, ConvergedCase, ConvergenceConfig,
     Efficiency, Effort, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError,

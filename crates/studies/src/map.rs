@@ -17,7 +17,7 @@ use asperity_io::ResultFolder;
 use asperity_simulate::{Case, Observer, StoppedBy};
 use serde_json::{Value, json};
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
 use crate::verify::{VerifyError, verify};
 

@@ -4,14 +4,11 @@ use asperity_simulate::BottomSurface;
 
 use std::path::{Path, PathBuf};
 
-use asperity_optics::{
-    Bottom, Layer, LayerError, Material, ParticipatingMedium, ParticipatingMediumError,
-    PhaseFunction, PhaseFunctionError,
-};
+use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunction};
 use asperity_tracer::TracedLayerError;
 use serde::{Deserialize, Serialize};
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::values::{Number, OneOrMany};
 
 /// The phase functions by name.
@@ -235,24 +232,6 @@ impl MediumConfig {
 
 fn refuse<T>(reason: &str) -> Result<T, ConfigError> {
     Err(ConfigError::Contradiction(reason.to_owned()))
-}
-
-impl From<PhaseFunctionError> for ConfigError {
-    fn from(error: PhaseFunctionError) -> Self {
-        Self::Contradiction(error.to_string())
-    }
-}
-
-impl From<ParticipatingMediumError> for ConfigError {
-    fn from(error: ParticipatingMediumError) -> Self {
-        Self::Contradiction(error.to_string())
-    }
-}
-
-impl From<LayerError> for ConfigError {
-    fn from(error: LayerError) -> Self {
-        Self::Contradiction(error.to_string())
-    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use crate::case_report::{case_table, verify_table, warnings};
 use crate::comparison_json::ComparisonJson;
-use crate::config::{ConfigError, VerifyConfig};
+use crate::config::VerifyConfig;
+use crate::config_error::ConfigError;
 use crate::figures::{self, Light};
 use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::output::{Head, Place, figure_files, of_cases};

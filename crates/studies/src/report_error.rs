@@ -3,7 +3,7 @@
 use asperity_io::{ResultFolderError, WriteError};
 use asperity_plot::PlotError;
 
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::verify::VerifyError;
 
 /// Why results are not written.

@@ -6,7 +6,8 @@
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::Case;
 
-use crate::config::{ConfigError, VerifyConfig};
+use crate::config::VerifyConfig;
+use crate::config_error::ConfigError;
 use crate::values::{Number, OneOrMany};
 
 /// Most cases of a sweep.

@@ -5,7 +5,8 @@ use asperity_simulate::{BottomSurface, RaySettings, Scene};
 use serde::{Deserialize, Serialize};
 
 use crate::cases::{check_light, check_sides};
-use crate::config::{Azimuth, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig};
+use crate::config::{Azimuth, LightConfig, MaterialConfig, OutputConfig, RunConfig};
+use crate::config_error::ConfigError;
 use crate::gonio::MeasuredConfig;
 use crate::medium::MediumConfig;
 use crate::settings::{Command, Document};

@@ -11,7 +11,8 @@ use asperity_surface::{CoarseningError, HeightField, Synthesis, SynthesisError};
 use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
 use rayon::prelude::*;
 
-use crate::config::{ConfigError, VerifyConfig};
+use crate::config::VerifyConfig;
+use crate::config_error::ConfigError;
 use crate::models::{ModelOutcome, compare_models};
 use crate::values::{Count, Number, PerAxis};
 use asperity_simulate::{RunPlan, SimulateError, SummaryWork};

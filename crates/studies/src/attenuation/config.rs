@@ -6,7 +6,7 @@ use asperity_surface::Border;
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::settings::{Command, Document, defaults};
 use crate::values::{Count, Number, OneOrMany, PerAxis};
 

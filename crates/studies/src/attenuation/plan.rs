@@ -8,7 +8,7 @@ use asperity_tracer::{AcceleratorKind, HorizonError};
 
 use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationRun, Way};
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::values::{Number, OneOrMany};
 
 /// A configuration with its lists checked.

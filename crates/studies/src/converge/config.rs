@@ -12,9 +12,10 @@ use serde::{Deserialize, Serialize};
 use super::ConvergeError;
 use super::method::{Effort, Method};
 use crate::config::{
-    CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig,
+    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
+    VerifyConfig,
 };
+use crate::config_error::ConfigError;
 use crate::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
 use crate::values::{Count, Number, OneOrMany, PerAxis};

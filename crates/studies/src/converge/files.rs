@@ -8,7 +8,7 @@ use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, method_name, write_convergence};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::figures;
 use crate::output::{Place, figure_files, of_cases};
 use crate::report_error::ReportError;

@@ -1,6 +1,6 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
-use asperity_simulate::{RaySettings, check_memory, check_results};
+use asperity_simulate::RaySettings;
 use std::path::PathBuf;
 
 use asperity_optics::Incidence;
@@ -8,17 +8,14 @@ use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::HemisphereGrid;
 use serde::{Deserialize, Serialize};
 
-use super::plan::Work;
-use super::sample::Sample;
-use crate::cases::check_sides;
 use crate::config::{
-    Azimuth, CompareConfig, ConfigError, Incident, LightConfig, MaterialConfig, OutputConfig,
-    RunConfig, SurfaceConfig, VerifyConfig,
+    Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
+    SurfaceConfig, VerifyConfig,
 };
+use crate::config_error::ConfigError;
 use crate::medium::MediumConfig;
 use crate::settings::{Command, Document, defaults};
 use crate::values::{Number, OneOrMany, PerAxis};
-use crate::verify::VerifyError;
 
 /// `[measured]`: one given surface, from a file or flat, in place of random ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -191,28 +188,6 @@ impl GonioConfig {
     /// [`ConfigError::Setting`] with line and key if the text is invalid.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         Ok(Document::of_text(Command::Gonio, text)?.read()?)
-    }
-
-    /// Checks everything that can be known before a ray is traced; `sample` is the given surface, if there
-    /// is one.
-    ///
-    /// # Errors
-    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
-    pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
-        let (settings, plans) = self.plans(sample)?;
-        let rays = self.ray_settings()?;
-        check_results(&rays.spec, self.run.realisations.0, 1, rays.refine)?;
-        let values = rays.spec.len() as f64 * 2.0 * plans.len() as f64;
-        check_memory("the table of all directions", (8.0 * values) as usize)?;
-        for plan in &plans {
-            if let Work::Fresh(config) = &plan.work {
-                config.check_surfaces()?;
-            }
-        }
-        for setting in settings {
-            check_sides(self.run.side, setting.material, setting.layer.as_ref())?;
-        }
-        Ok(())
     }
 
     /// Whether every ray comes from an azimuth of its own, so that the azimuth of the light has no meaning.

@@ -13,7 +13,7 @@ use super::plan::Plan;
 use super::summary::gonio_table;
 use super::tables::{self, Measured, measured};
 use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::output::{Place, figure_files, over, projected_solid_angle};
 use crate::report_error::ReportError;
 

@@ -1,15 +1,17 @@
 //! What a configuration stands for: settings, their directions, and how each is measured.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{RaySettings, short};
+use asperity_simulate::{RaySettings, check_memory, check_results, short};
 use serde_json::{Value, json};
 
 use super::config::GonioConfig;
 use super::sample::Sample;
 use super::setting::Setting;
-use crate::cases::check_light;
-use crate::config::{ConfigError, VerifyConfig};
+use crate::cases::{check_light, check_sides};
+use crate::config::VerifyConfig;
+use crate::config_error::ConfigError;
 use crate::sweep::{Sweep, SweptCase};
+use crate::verify::VerifyError;
 use asperity_simulate::BottomSurface;
 
 /// One direction of one setting, and how it is measured.
@@ -35,6 +37,28 @@ pub(super) enum Work {
 }
 
 impl GonioConfig {
+    /// Checks everything that can be known before a ray is traced; `sample` is the given surface, if there
+    /// is one.
+    ///
+    /// # Errors
+    /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
+    pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
+        let (settings, plans) = self.plans(sample)?;
+        let rays = self.ray_settings()?;
+        check_results(&rays.spec, self.run.realisations.0, 1, rays.refine)?;
+        let values = rays.spec.len() as f64 * 2.0 * plans.len() as f64;
+        check_memory("the table of all directions", (8.0 * values) as usize)?;
+        for plan in &plans {
+            if let Work::Fresh(config) = &plan.work {
+                config.check_surfaces()?;
+            }
+        }
+        for setting in settings {
+            check_sides(self.run.side, setting.material, setting.layer.as_ref())?;
+        }
+        Ok(())
+    }
+
     /// What is measured, and the directions of each in the order of their files: settings, polar angles,
     /// azimuths, in that order of nesting.
     pub(super) fn plans(

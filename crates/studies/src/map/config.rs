@@ -4,9 +4,10 @@ use asperity_simulate::{Case, check_results};
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
-    CompareConfig, ConfigError, LightConfig, MaterialConfig, OutputConfig, RunConfig,
-    SurfaceConfig, VerifyConfig,
+    CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
+    VerifyConfig,
 };
+use crate::config_error::ConfigError;
 use crate::settings::{Command, Document, defaults};
 use crate::sweep::SweptCase;
 use crate::values::Number;

@@ -10,7 +10,7 @@ use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::summary::{grooves, map_table, material_name, materials, smoothness, thetas};
 use super::{FOLDER, MapConfig, MapOutcome, tables};
-use crate::config::ConfigError;
+use crate::config_error::ConfigError;
 use crate::figures;
 use crate::output::{Place, figure_files};
 use crate::report_error::ReportError;

@@ -8,45 +8,11 @@ use serde_json::{Map, Value};
 
 use super::command::{Command, Commands};
 use super::definitions::{SECTIONS, settings_of};
+use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::file::File;
 use super::kind::Kind;
 use super::setting::{Flag, Setting, Shape};
-
-/// A value of a setting, and where it was given.
-#[derive(Clone, Debug)]
-pub(super) struct Entry {
-    pub(super) setting: &'static Setting,
-    pub(super) value: Value,
-    pub(super) given: Given,
-}
-
-impl Entry {
-    /// Whether it excludes or clears others: a switch that is off does not.
-    fn is_active(&self) -> bool {
-        self.value != Value::Bool(false)
-    }
-
-    /// Whether `other` cannot be given beside it.
-    fn excludes(&self, other: &Setting) -> bool {
-        let named = |pattern: &&str| other.matches(pattern);
-        self.is_active() && self.setting.excludes.iter().any(named)
-    }
-
-    /// Whether it clears `other` of a lower layer.
-    fn clears(&self, other: &Setting) -> bool {
-        let named = |pattern: &&str| other.matches(pattern);
-        let by_choice = match self.setting.kind {
-            Kind::Choice(choices) => choices
-                .iter()
-                .filter(|choice| self.value == choice.name)
-                .any(|choice| choice.clears.iter().any(named)),
-            _ => false,
-        };
-        let by_setting = self.is_active() && self.setting.clears.iter().any(named);
-        self.excludes(other) || by_setting || by_choice
-    }
-}
 
 /// The values of one run: defaults, then those of a file, then those of flags.
 ///

@@ -46,6 +46,8 @@ pub struct Choice {
     pub help: &'static str,
     /// Values of a lower layer that it clears, as `section.key`.
     pub clears: &'static [&'static str],
+    /// An old name, which stays valid but is not shown in the help.
+    pub alias: Option<&'static str>,
 }
 
 /// A choice that clears nothing.
@@ -54,6 +56,7 @@ pub(super) const fn choice(name: &'static str, help: &'static str) -> Choice {
         name,
         help,
         clears: &[],
+        alias: None,
     }
 }
 
@@ -89,8 +92,8 @@ impl Kind {
             Self::Duration => parse_seconds(text).ok().map(Value::from),
             Self::Choice(choices) => choices
                 .iter()
-                .any(|choice| choice.name == text)
-                .then(|| Value::from(text)),
+                .find(|choice| choice.name == text || choice.alias == Some(text))
+                .map(|choice| Value::from(choice.name)),
             Self::Grid => grid(text).map(|grid| Value::from(grid.to_string())),
             Self::Pixels => {
                 let [columns, rows] = whole_pair(text)?;

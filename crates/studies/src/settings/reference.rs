@@ -27,6 +27,12 @@ pub fn reference_page() -> String {
     page.push_str("\n## Old spellings\n\nThese stay valid and are not shown in the help.\n\n");
     page.push_str("| old | new |\n|---|---|\n");
     for setting in SECTIONS.iter().flat_map(|section| section.settings) {
+        if let Kind::Choice(choices) = setting.kind {
+            for (choice, alias) in choices.iter().filter_map(|c| Some((c, c.alias?))) {
+                let (flag, name) = (setting.flag_name().unwrap_or_default(), choice.name);
+                let _ = writeln!(page, "| `--{flag} {alias}` | `--{flag} {name}` |");
+            }
+        }
         for alias in setting.aliases {
             let flag = setting.flag_name().unwrap_or_default();
             let _ = writeln!(page, "| `--{}` | `--{flag}` |", alias.replace('_', "-"));

@@ -1,9 +1,27 @@
 //! Tests over the table of definitions.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use super::document::read_text;
 use super::*;
+
+/// Set to write `docs/settings.md` anew.
+const UPDATE: &str = "UPDATE_DOCS";
+
+#[test]
+fn the_reference_page_follows_from_the_definitions() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/settings.md");
+    let page = reference_page();
+    if std::env::var_os(UPDATE).is_some() {
+        asperity_io::write_bytes(&path, page.as_bytes()).unwrap();
+    }
+    let written = asperity_io::read_text(&path).unwrap();
+    assert!(
+        written == page,
+        "docs/settings.md is out of date: run this test with {UPDATE}=1"
+    );
+}
 
 fn all() -> impl Iterator<Item = &'static Setting> {
     SECTIONS.iter().flat_map(|section| section.settings)
@@ -299,6 +317,9 @@ fn old_spellings_stay_valid() {
     assert_eq!(document.value("compare.level"), Some(0.1.into()));
     document.add_flags(&[flag("alpha", "0.2")], None).unwrap();
     assert_eq!(document.value("compare.level"), Some(0.2.into()));
+    let flags = [flag("accelerator", "tiles")];
+    document.add_flags(&flags, None).unwrap();
+    assert_eq!(document.value("run.accelerator"), Some("pyramid".into()));
 }
 
 #[test]

@@ -35,18 +35,19 @@ pub(super) const FORM: Kind = Kind::Choice(&[
 
 pub(super) const MATERIAL: Kind = Kind::Choice(&[
     Choice {
-        name: "dielectric",
-        help: "reflects and transmits; --eta is n_transmitted / n_incident",
         clears: &["material.kappa"],
+        ..choice(
+            "dielectric",
+            "reflects and transmits; --eta is n_transmitted / n_incident",
+        )
     },
     choice(
         "conductor",
         "reflects and absorbs; its index is eta + i kappa",
     ),
     Choice {
-        name: "mirror",
-        help: "reflects everything",
         clears: &["material.eta", "material.kappa"],
+        ..choice("mirror", "reflects everything")
     },
 ]);
 
@@ -98,7 +99,10 @@ pub(super) const BRANCHING: Kind = Kind::Choice(&[
 pub(super) const ACCELERATOR: Kind = Kind::Choice(&[
     choice("auto", "flat or pyramid for height maps, mesh for meshes"),
     choice("mesh", "bounding volumes of triangles"),
-    choice("pyramid", "minimum and maximum heights of squares"),
+    Choice {
+        alias: Some("tiles"),
+        ..choice("pyramid", "minimum and maximum heights of squares")
+    },
     choice("flat", "flat surfaces only"),
     choice("brute-force", "all facets"),
 ]);

@@ -1,0 +1,57 @@
+//! Why a configuration is refused.
+
+use asperity_analysis::ModelError;
+use asperity_optics::{
+    IncidenceError, LayerError, MaterialError, ParticipatingMediumError, PhaseFunctionError,
+};
+use asperity_simulate::TargetError;
+use asperity_surface::PsdError;
+use asperity_tally::SpecError;
+use asperity_tracer::PathSettingsError;
+
+use crate::settings::SettingError;
+
+/// Why a configuration is refused.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ConfigError {
+    /// A value is unknown, invalid or excluded by another.
+    #[error(transparent)]
+    Setting(#[from] SettingError),
+    /// Two keys that exclude each other, or none of two that are needed.
+    #[error("{0}")]
+    Contradiction(String),
+    /// A list is empty.
+    #[error("`{0}` is an empty list; give one value or several")]
+    EmptyList(&'static str),
+    /// The material is none.
+    #[error(transparent)]
+    Material(#[from] MaterialError),
+    /// The direction of the light is none.
+    #[error(transparent)]
+    Incidence(#[from] IncidenceError),
+    /// The power spectral density is none.
+    #[error(transparent)]
+    Psd(#[from] PsdError),
+    /// The in-plane wedge is out of range.
+    #[error(transparent)]
+    TallySpec(#[from] SpecError),
+    /// The path settings are out of range.
+    #[error(transparent)]
+    Paths(#[from] PathSettingsError),
+    /// The target error is out of range, or no result has it.
+    #[error(transparent)]
+    Target(#[from] TargetError),
+    /// A model is unknown or cannot be made.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// The phase function of a medium is out of range.
+    #[error(transparent)]
+    Phase(#[from] PhaseFunctionError),
+    /// A medium is out of range.
+    #[error(transparent)]
+    Medium(#[from] ParticipatingMediumError),
+    /// A layer is out of range.
+    #[error(transparent)]
+    Layer(#[from] LayerError),
+}
