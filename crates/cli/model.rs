@@ -120,7 +120,7 @@ fn rough_model(
     if !MODEL_NAMES.contains(&name) {
         let known = [MODEL_NAMES, &FlatLayer::NAMES].concat();
         return Err(Failure::usage(format!(
-            "there is no model `{name}`; the models are {}",
+            "unknown model `{name}`; the models are {}",
             known.join(", ")
         )));
     }
