@@ -9,11 +9,10 @@
 use std::f64::consts::TAU;
 
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
 use asperity_studies::energy_table;
 use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
-use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 64 x 64 samples of 0.1 um, one period of cosines 1 um high.
@@ -25,22 +24,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let crate_of_eggs = HeightField::new(heights, [n, n], [0.1, 0.1])?;
 
     let spec = TallySpec::default();
-    let settings = RaySettings {
-        rays: 100_000,
-        seed: 1,
-        spec: spec,
-        paths: PathSettings::default(),
-        accelerator: AcceleratorKind::Auto,
-        estimator: Estimator::Auto,
-        sampling: Sampling::Stratified,
-        refine: false,
-        target: None,
-        bottom: BottomSurface::Flat,
-        most_scatterings: 0,
+    let settings = Settings {
+        tally: spec,
+        effort: Effort::rays(100_000),
+        ..Settings::default()
     };
-    let incidence = Incidence::from_degrees(60.0, 0.0)?;
-    let scene = Scene::new(Material::dielectric(1.5)?, incidence);
-    let outcome = trace(crate_of_eggs, None, &scene, &settings, &Silent)?;
-    print!("{}", energy_table(&outcome.statistics));
+    let light = Light::from_above(Incidence::from_degrees(60.0, 0.0)?);
+    let glass = Material::dielectric(1.5)?;
+    let case = Case::new(SurfaceSource::height_field(crate_of_eggs), glass, light);
+    for outcome in simulate(&[case], &settings, &Silent)? {
+        print!("{}", energy_table(&outcome.statistics));
+    }
     Ok(())
 }

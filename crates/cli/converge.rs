@@ -8,7 +8,7 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
@@ -20,8 +20,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let path = results.required();
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.check().map_err(|error| match error {
-        ConvergeError::Run(VerifyError::Synthesis(error)) => refuse_surface(error),
-        ConvergeError::Run(VerifyError::Run(error)) => Failure::failed(error),
+        ConvergeError::Run(VerifyError::Simulate(error)) => refuse_simulation(error),
         error => refuse_config(document, &error),
     })?;
     let names = config.files().map_err(Failure::failed)?;

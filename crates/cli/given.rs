@@ -30,6 +30,16 @@ pub(crate) enum Shape {
     Mesh(MeshSurface),
 }
 
+impl Shape {
+    /// The same as it is simulated.
+    pub(crate) fn simulated(self) -> asperity_simulate::Shape {
+        match self {
+            Self::Field(field) => asperity_simulate::Shape::height_field(field),
+            Self::Mesh(mesh) => asperity_simulate::Shape::triangle_mesh(mesh),
+        }
+    }
+}
+
 impl GivenSurface {
     /// The surface of a configuration, which `command` needs.
     pub(crate) fn required(

@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::given::{GivenSurface, Shape};
-use crate::input::{refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
@@ -27,8 +27,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let sample = sample.as_ref();
     // Everything is checked before a ray is traced.
     config.check(sample).map_err(|error| match error {
-        VerifyError::Synthesis(error) => refuse_surface(error),
-        VerifyError::Run(error) => Failure::failed(error),
+        VerifyError::Simulate(error) => refuse_simulation(error),
         error => refuse(&error),
     })?;
     let names = config.files(sample).map_err(|error| refuse(&error))?;

@@ -5,10 +5,12 @@ use std::path::Path;
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
 };
+use asperity_simulate::SimulateError;
 use asperity_studies::MeasuredConfig;
 use asperity_studies::settings::{Command, Document};
 use asperity_surface::{
-    Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, SynthesisError,
+    Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
+    SynthesisError,
 };
 use asperity_tracer::{Geometry, MeshSurface, MeshSurfaceError};
 
@@ -201,6 +203,18 @@ pub(crate) fn refuse_surface(error: SynthesisError) -> Failure {
             Failure::usage(format!("{error} with --insist"))
         }
         _ => Failure::usage(error),
+    }
+}
+
+/// The sentence for a simulation that is refused or that failed, with the flag that it is about.
+pub(crate) fn refuse_simulation(error: SimulateError) -> Failure {
+    match error {
+        SimulateError::Synthesis(error) => refuse_surface(error),
+        SimulateError::Refinement(RefinementError::Open) => {
+            Failure::usage(format!("--refine: {error}"))
+        }
+        error if error.is_usage() => Failure::usage(error),
+        error => Failure::failed(error),
     }
 }
 

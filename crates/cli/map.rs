@@ -6,7 +6,7 @@ use asperity_studies::{MapConfig, MapError, VerifyError, map, map_report, map_su
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
@@ -19,8 +19,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let path = results.required();
     // Everything is checked before a ray is traced.
     config.check().map_err(|error| match error {
-        VerifyError::Synthesis(error) => refuse_surface(error),
-        VerifyError::Run(error) => Failure::failed(error),
+        VerifyError::Simulate(error) => refuse_simulation(error),
         error => refuse(&error),
     })?;
     let names = config.files().map_err(|error| refuse(&error))?;

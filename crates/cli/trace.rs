@@ -3,21 +3,21 @@
 use asperity_io::ResultFolder;
 use asperity_optics::Material;
 use asperity_simulate::{
-    Deadline, RaySettings, RunError, Scene, Stopping, TraceOutcome, layer_name, trace, trace_mesh,
+    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, Stopping,
+    layer_name, simulate,
 };
 use asperity_studies::settings::Document;
 use asperity_studies::{
     Azimuth, Incident, Light, Summary, Surroundings, TraceConfig, energy_table, errors_table,
     lost_warning, trace_files, trace_report, work_line,
 };
-use asperity_surface::RefinementError;
-use asperity_tracer::{BuildError, Geometry};
+use asperity_tracer::Geometry;
 use serde_json::{Value, json};
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::given::{GivenSurface, Shape};
-use crate::input::refuse_config;
+use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::{Bar, duration};
@@ -26,7 +26,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let config: TraceConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let refuse = |error| refuse_config(document, &error);
-    let scene = config.scene().map_err(refuse)?;
+    config.check().map_err(refuse)?;
     let settings = config.ray_settings().map_err(refuse)?;
     let surface = GivenSurface::required(&config.measured, document.command(), common)?;
     check_refinement(&config, &surface)?;
@@ -34,7 +34,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         Some(path) => Some(GivenSurface::read(path, &config.measured, common)?),
         None => None,
     };
-    let described = described(&config, &scene, &surface, bottom.as_ref());
     let inputs = [
         document.file(),
         surface.file.as_deref(),
@@ -42,7 +41,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     ];
     let folder = match &results.output {
         Some(path) => {
-            let names = trace_files(&settings.spec, config.output.plots);
+            let names = trace_files(&settings.tally, config.output.plots);
             Some(result_folder(path, "trace", &inputs, &names)?)
         }
         None => None,
@@ -50,12 +49,23 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
 
     let mut warnings = surface.warnings();
     let name = surface.name.clone();
+    let about = About {
+        surface: surface_json(&surface, &config),
+        bottom: bottom.as_ref().map(|bottom| surface_json(bottom, &config)),
+    };
+    let shape = shape(surface, bottom)?;
+    let case = config.case(shape).map_err(refuse)?;
+    let described = described(&config, &case, about);
     let bar = Bar::new(common);
     interrupt::listen();
     let bar = Deadline::new(&bar, duration(config.run.max_time));
-    let outcome = traced(surface, bottom, (&scene, &settings), &bar)?;
+    let outcomes = simulate(&[case], &settings, &bar).map_err(refuse_simulation)?;
+    let outcome = outcomes.into_iter().next();
+    let outcome = outcome.ok_or_else(|| Failure::failed(SimulateError::Interrupted))?;
     warnings.extend(lost_warning(&outcome.statistics));
-    let stopping = outcome.stopping.as_ref();
+    // How the run ended is told where that was to be found out.
+    let has_target = settings.target().is_some();
+    let stopping = Some(&outcome.stopping).filter(|s| has_target || s.is_cut_short());
     warnings.extend(stopping.iter().flat_map(|s| s.warnings.clone()));
     let summary = Summary::new(
         "trace",
@@ -67,10 +77,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     )
     .with_errors(outcome.errors.to_json())
     .with_warnings(warnings.clone())
-    .with_stopping(outcome.stopping.clone());
+    .with_stopping(stopping.cloned());
     if let Some(folder) = folder {
-        let of_light = (name.as_str(), &scene, &settings);
-        write(&config, folder, of_light, &outcome, &summary)?;
+        write(&config, folder, &name, &settings, (&outcome, &summary))?;
     }
     common.say(|| {
         let work = &outcome.work;
@@ -88,8 +97,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     if common.quiet {
         return Ok(());
     }
-    let mut text = format!("{name}, {}\n", light_line(&scene, &config));
-    text.push_str(&table(&outcome, &warnings));
+    let mut text = format!("{name}, {}\n", light_line(&outcome.case, &config));
+    text.push_str(&table(&outcome, stopping, &warnings));
     if let Some(folder) = &results.output {
         text.push_str(&format!("results in {}\n", folder.display()));
     }
@@ -107,37 +116,16 @@ fn check_refinement(config: &TraceConfig, surface: &GivenSurface) -> Result<(), 
     }
 }
 
-/// Traces a surface over the one below it, if there is one.
-fn traced(
-    surface: GivenSurface,
-    bottom: Option<GivenSurface>,
-    (scene, settings): (&Scene, &RaySettings),
-    bar: &Deadline<'_>,
-) -> Result<TraceOutcome, Failure> {
-    let outcome = match (surface.shape, bottom.map(|bottom| bottom.shape)) {
-        (Shape::Field(field), None) => trace(field, None, scene, settings, bar),
-        (Shape::Mesh(mesh), None) => trace_mesh(mesh, None, scene, settings, bar),
-        (Shape::Field(field), Some(Shape::Field(bottom))) => {
-            trace(field, Some(bottom), scene, settings, bar)
-        }
-        (Shape::Mesh(mesh), Some(Shape::Mesh(bottom))) => {
-            trace_mesh(mesh, Some(bottom), scene, settings, bar)
-        }
-        _ => {
-            return Err(Failure::usage(
-                "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
-            ));
-        }
+/// A surface over the one below it, if there is one.
+fn shape(surface: GivenSurface, bottom: Option<GivenSurface>) -> Result<SimulatedShape, Failure> {
+    let top = surface.shape.simulated();
+    let Some(bottom) = bottom else {
+        return Ok(top);
     };
-    outcome.map_err(|error| match error {
-        RunError::Build(BuildError::NeedsHeightField { .. } | BuildError::NotFlat)
-        | RunError::OpenControl
-        | RunError::MeshControl
-        | RunError::AzimuthControl
-        | RunError::Layer(_)
-        | RunError::Model(_) => Failure::usage(error),
-        RunError::Refinement(RefinementError::Open) => Failure::usage(format!("--refine: {error}")),
-        _ => Failure::failed(error),
+    top.over(bottom.shape.simulated()).ok_or_else(|| {
+        Failure::usage(
+            "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
+        )
     })
 }
 
@@ -145,27 +133,28 @@ fn traced(
 fn write(
     config: &TraceConfig,
     folder: ResultFolder,
-    (name, scene, settings): (&str, &Scene, &RaySettings),
-    outcome: &TraceOutcome,
-    summary: &Summary,
+    name: &str,
+    settings: &Settings,
+    (outcome, summary): (&Outcome, &Summary),
 ) -> Result<(), Failure> {
+    let case = &outcome.case;
     let light = Light {
-        incidence: scene.incidence,
-        material: scene.material,
-        layer: scene.layer,
+        incidence: case.light.incidence,
+        material: case.material,
+        layer: case.layer.map(|below| below.layer),
         from: config.light.from,
         max_order: config.run.max_order,
         case: None,
     };
     let surroundings = config.output.plots.then(|| Surroundings {
-        field: outcome.field.as_ref(),
+        field: case.surface.field(),
         name: name.to_owned(),
         light: &light,
     });
     trace_report(
         &folder,
         outcome,
-        &settings.spec,
+        &settings.tally,
         summary,
         surroundings.as_ref(),
     )
@@ -174,7 +163,7 @@ fn write(
 }
 
 /// Energies, errors and notes as text.
-fn table(outcome: &TraceOutcome, warnings: &[String]) -> String {
+fn table(outcome: &Outcome, stopping: Option<&Stopping>, warnings: &[String]) -> String {
     let mut text = format!(
         "flux fractions; standard errors from {} ray blocks\n{}{}{}\n",
         outcome.statistics.batches(),
@@ -182,7 +171,7 @@ fn table(outcome: &TraceOutcome, warnings: &[String]) -> String {
         errors_table(&outcome.errors),
         work_line(&outcome.work),
     );
-    if let Some(line) = outcome.stopping.as_ref().and_then(Stopping::line) {
+    if let Some(line) = stopping.and_then(Stopping::line) {
         text.push_str(&format!("{line}\n"));
     }
     for warning in warnings {
@@ -191,9 +180,9 @@ fn table(outcome: &TraceOutcome, warnings: &[String]) -> String {
     text
 }
 
-fn light_line(scene: &Scene, config: &TraceConfig) -> String {
-    let incidence = scene.incidence;
-    let material = match scene.material {
+fn light_line(case: &Case, config: &TraceConfig) -> String {
+    let incidence = case.light.incidence;
+    let material = match case.material {
         Material::Dielectric { eta } => format!("eta {eta}"),
         Material::Conductor { eta, kappa } => format!("conductor {eta} + {kappa} i"),
         _ => "mirror".to_owned(),
@@ -202,8 +191,8 @@ fn light_line(scene: &Scene, config: &TraceConfig) -> String {
         Incident::Above => "above",
         Incident::Below => "below",
     };
-    let below = scene.layer.map_or(String::new(), |layer| {
-        format!(" over a medium ({})", layer_name(&layer))
+    let below = case.layer.map_or(String::new(), |below| {
+        format!(" over a medium ({})", layer_name(&below.layer))
     });
     let phi = config.light.phi.one("phi").map_or(0.0, |phi| phi.0);
     format!(
@@ -212,17 +201,18 @@ fn light_line(scene: &Scene, config: &TraceConfig) -> String {
     )
 }
 
+/// The surfaces as `summary.json` holds them.
+struct About {
+    surface: Value,
+    bottom: Option<Value>,
+}
+
 /// The configuration as `summary.json` holds it.
-fn described(
-    config: &TraceConfig,
-    scene: &Scene,
-    surface: &GivenSurface,
-    bottom: Option<&GivenSurface>,
-) -> Value {
-    let (run, incidence) = (&config.run, scene.incidence);
+fn described(config: &TraceConfig, case: &Case, about: About) -> Value {
+    let (run, incidence) = (&config.run, case.light.incidence);
     let mut described = json!({
-        "surface": surface_json(surface, config),
-        "material": scene.material,
+        "surface": about.surface,
+        "material": case.material,
         "light": {
             "theta_deg": incidence.theta_deg(),
             "phi_deg": incidence.phi_deg(),
@@ -244,11 +234,11 @@ fn described(
         "sampling": run.sampling,
         "refine": run.refine,
     });
-    if let (Some(medium), Some(layer)) = (&config.medium, scene.layer) {
+    if let (Some(medium), Some(layer)) = (&config.medium, case.layer) {
         described["below"] = json!({
             "medium": medium,
-            "layer": layer,
-            "bottom": bottom.map(|bottom| surface_json(bottom, config)),
+            "layer": layer.layer,
+            "bottom": about.bottom,
         });
     }
     described

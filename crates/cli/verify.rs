@@ -7,7 +7,7 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_surface};
+use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
 use crate::progress::Bar;
@@ -22,7 +22,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     config.cases().map_err(|error| refuse(&error))?;
     config.ray_settings().map_err(|error| refuse(&error))?;
     config.check_surfaces().map_err(|error| match error {
-        VerifyError::Synthesis(error) => refuse_surface(error),
+        VerifyError::Simulate(error) => refuse_simulation(error),
         error => refuse(&error),
     })?;
     let names = config.files().map_err(|error| refuse(&error))?;
@@ -31,7 +31,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = verify(&config, &bar).map_err(|error| match error {
-        VerifyError::Config(_) | VerifyError::Model(_) => refuse(&error),
+        error if error.is_usage() => refuse(&error),
         _ => Failure::failed(error),
     })?;
     verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;

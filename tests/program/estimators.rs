@@ -12,7 +12,9 @@
 )]
 
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::{ControlMean, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_simulate::{
+    Case, ControlMean, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
+};
 use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
 use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
@@ -175,7 +177,7 @@ fn estimators_agree_on_a_given_surface() {
         rays: Count(80_000),
         ..RunConfig::default()
     };
-    let spec = run.ray_settings().unwrap().spec;
+    let spec = run.ray_settings().unwrap().tally;
     let [glass, water] = [1.5, 1.0 / 1.33].map(|eta| Material::dielectric(eta).unwrap());
     let gold = Material::conductor(0.2, 3.4).unwrap();
     for (border, material, incident, theta) in [
@@ -186,17 +188,18 @@ fn estimators_agree_on_a_given_surface() {
     ] {
         let incidence = Incidence::from_degrees(theta, 25.0).unwrap();
         let traced = |estimator, seed| {
-            let settings = RaySettings {
+            let settings = Settings {
                 estimator,
                 seed,
                 ..run.ray_settings().unwrap()
             };
             let field = synthesis.draw(7, 0).unwrap().with_border(border);
-            let scene = Scene {
-                incident,
-                ..Scene::new(material, incidence)
+            let light = Light {
+                from: incident,
+                ..Light::from_above(incidence)
             };
-            trace(field, None, &scene, &settings, &Silent).unwrap()
+            let case = Case::new(SurfaceSource::height_field(field), material, light);
+            simulate(&[case], &settings, &Silent).unwrap().remove(0)
         };
         let plain = traced(Estimator::Plain, 1);
         let controlled = traced(Estimator::Controlled, 2);

@@ -13,11 +13,12 @@ use std::path::PathBuf;
 
 use asperity_io::read_height_map;
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::{BottomSurface, Estimator, RaySettings, Scene, Silent, trace};
+use asperity_simulate::{
+    Case, Effort, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
+};
 use asperity_studies::{VerifyConfig, verify};
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
-use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
 use serde_json::Value;
 
 fn shared(name: &str) -> Option<PathBuf> {
@@ -127,30 +128,19 @@ fn one_surface_agrees_with_an_independent_tracer() {
             .find(|c| c["theta_i_deg"].as_f64() == Some(theta))
             .unwrap();
         let spec = TallySpec::default();
-        let settings = RaySettings {
-            rays: 1_000_000,
-            seed,
-            spec,
-            paths: PathSettings::default(),
-            accelerator: AcceleratorKind::Auto,
+        let settings = Settings {
+            tally: spec,
             estimator: Estimator::Plain,
-            sampling: Sampling::Stratified,
-            refine: false,
-            target: None,
-            bottom: BottomSurface::Flat,
-            most_scatterings: 0,
+            seed,
+            effort: Effort::rays(1_000_000),
+            ..Settings::default()
         };
         // Reference light travels towards +x: it comes from azimuth 180 deg.
         let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
         let glass = Material::dielectric(1.5).unwrap();
-        let outcome = trace(
-            field.clone(),
-            None,
-            &Scene::new(glass, incidence),
-            &settings,
-            &Silent,
-        )
-        .unwrap();
+        let surface = SurfaceSource::height_field(field.clone());
+        let case = Case::new(surface, glass, Light::from_above(incidence));
+        let outcome = &simulate(&[case], &settings, &Silent).unwrap()[0];
         let statistics = &outcome.statistics;
         let budget: f64 = statistics.means().budget().total();
         assert!((budget - 1.0).abs() < 1e-12);

@@ -16,8 +16,8 @@ mod lights;
 mod view;
 
 use asperity_simulate::{
-    BottomSurface, Observer, RunError, StoppedBy, check_memory, hierarchy_bytes, meshes_bytes,
-    picture_stream, substrate,
+    BottomSurface, LayerBelow, Observer, SearchedSurface, SimulateError, StoppedBy, check_memory,
+    hierarchy_bytes, meshes_bytes, picture_stream,
 };
 use std::time::Instant;
 
@@ -88,7 +88,7 @@ pub struct RenderOutcome {
 pub enum RenderError {
     /// The surface is too large.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(#[from] SimulateError),
     /// No accelerator for the surface.
     #[error(transparent)]
     Build(#[from] BuildError),
@@ -197,15 +197,18 @@ fn render_on<G: BuildAccelerator>(
         .map(|bottom| bottom.accelerator(settings.accelerator))
         .transpose()?;
     let own = bottom.as_ref().zip(bottom_accelerator.as_deref());
+    let own = own.map(|(geometry, accelerator)| SearchedSurface {
+        geometry,
+        accelerator,
+    });
+    let top = SearchedSurface {
+        geometry: &geometry,
+        accelerator: &*accelerator,
+    };
     let substrate = layer
-        .map(|layer| {
-            let shape = (settings.bottom, own);
-            substrate(
-                (&geometry, &*accelerator),
-                layer,
-                shape,
-                settings.most_scatterings,
-            )
+        .map(|&layer| {
+            let bottom = settings.bottom;
+            LayerBelow { layer, bottom }.traced(top, own, settings.most_scatterings)
         })
         .transpose()?;
     let scatters = layer.is_some_and(|layer| !layer.medium().is_clear());

@@ -1,26 +1,118 @@
-//! Why a run fails.
+//! Why a simulation fails.
 
 use asperity_analysis::{ModelError, SlopeError};
-use asperity_surface::{CoarseningError, SynthesisError};
+use asperity_surface::{CoarseningError, RefinementError, SynthesisError};
+use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
 
-use crate::input::limits::RunError;
-
-/// Why a run on random surfaces fails.
-#[derive(Debug, thiserror::Error)]
+/// Why a simulation fails.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SimulateError {
     /// The surfaces cannot be drawn.
     #[error(transparent)]
     Synthesis(#[from] SynthesisError),
-    /// The rays cannot be traced.
-    #[error(transparent)]
-    Run(#[from] RunError),
     /// The slopes of the surfaces have no density.
     #[error(transparent)]
     Slopes(#[from] SlopeError),
-    /// The mean of a control cannot be computed.
+    /// The mean of a control variate cannot be computed.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Every second sample makes no surface.
+    /// No accelerator for the surface.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// No finer mesh of the surface.
+    #[error(transparent)]
+    Refinement(#[from] RefinementError),
+    /// No coarser mesh of the surface.
     #[error(transparent)]
     Coarsening(#[from] CoarseningError),
+    /// The layer does not fit below the surface.
+    #[error(transparent)]
+    Layer(#[from] TracedLayerError),
+    /// Results too large for memory.
+    #[error(
+        "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer"
+    )]
+    TooManyResults {
+        /// Bins of both hemispheres.
+        bins: usize,
+        /// Surfaces.
+        realisations: u64,
+        /// Cases.
+        cases: usize,
+        /// Memory that they would take.
+        gib: f64,
+    },
+    /// The surface does not fit into memory.
+    #[error("{what} needs {needed:.1} GiB of memory; {available:.1} GiB are available")]
+    NotEnoughMemory {
+        /// What needs it.
+        what: &'static str,
+        /// GiB needed.
+        needed: f64,
+        /// GiB available.
+        available: f64,
+    },
+    /// A control variate for light on an open patch.
+    #[error(
+        "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
+    )]
+    OpenControl,
+    /// A control variate for light of random azimuth on one surface.
+    #[error(
+        "the controlled estimator of one surface is of light from one azimuth; with light of random azimuth take auto or plain"
+    )]
+    AzimuthControl,
+    /// A control variate for light on a triangle mesh.
+    #[error(
+        "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
+    )]
+    MeshControl,
+    /// A layer whose bottom would have to be drawn, below a surface that is not.
+    #[error(
+        "an independent bottom is drawn as the surface above is; this surface is given, so take a flat bottom, the same or one of its own"
+    )]
+    IndependentBottom,
+    /// Light so flat that it would cross too many tiles.
+    #[error(
+        "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
+        MAX_TILES
+    )]
+    TooGrazing {
+        /// Polar angle, degrees.
+        theta_deg: f64,
+        /// Tiles crossed.
+        tiles: f64,
+    },
+    /// The run was stopped before there was any result.
+    #[error("interrupted before the first surface was finished; nothing is written")]
+    Interrupted,
+}
+
+impl SimulateError {
+    /// Whether other input would help: a value is out of range, or two exclude each other. Otherwise this
+    /// machine or this moment is at fault.
+    #[must_use]
+    pub const fn is_usage(&self) -> bool {
+        match self {
+            Self::Synthesis(error) => !matches!(error, SynthesisError::OutOfMemory { .. }),
+            Self::Build(error) => matches!(
+                error,
+                BuildError::NeedsHeightField { .. } | BuildError::NotFlat
+            ),
+            Self::Refinement(error) => matches!(error, RefinementError::Open),
+            Self::Model(_)
+            | Self::Layer(_)
+            | Self::OpenControl
+            | Self::AzimuthControl
+            | Self::MeshControl
+            | Self::IndependentBottom => true,
+            Self::Slopes(_)
+            | Self::Coarsening(_)
+            | Self::TooManyResults { .. }
+            | Self::NotEnoughMemory { .. }
+            | Self::TooGrazing { .. }
+            | Self::Interrupted => false,
+        }
+    }
 }

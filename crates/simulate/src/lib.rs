@@ -23,28 +23,30 @@ mod methods;
 mod observer;
 mod output;
 mod slopes;
+mod store;
 mod stream;
 mod text;
 
-pub use engine::blocks::{LitMesh, RaySettings};
-pub use engine::ensemble::{Ensemble, Group, Seconds};
-pub use engine::sharing::{MESH_ALLOWANCE, RunPlan, Sharing, Traced};
-pub use engine::trace::{Scene, TraceOutcome, trace, trace_mesh};
+pub use engine::random::MESH_ALLOWANCE;
+pub use engine::simulation::{Simulation, simulate};
 pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
-pub use errors::mesh_error::{MeshErrors, Refinement, finer};
-pub use input::case::Case;
+pub use errors::refinement::Refinement;
+pub use input::case::{Case, Light};
 pub use input::estimator::Estimator;
-pub use input::layer::{BottomSurface, layer_folder, layer_name, substrate};
+pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder, layer_name};
 pub use input::limits::{
-    RunError, check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
-    traced_bytes,
+    check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes, traced_bytes,
 };
+pub use input::settings::{Effort, Settings};
+pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};
-pub use methods::method::{ControlMean, Method, with_least_errors};
+pub use methods::method::ControlMean;
 pub use observer::{Deadline, Observer, Silent, StoppedBy};
+pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopping::{PilotFigures, Stopping};
-pub use output::work::{SummaryWork, Used};
+pub use output::work::SummaryWork;
 pub use slopes::slopes;
+pub use store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
 pub use stream::{convergence_stream, picture_stream, point_stream, ray_stream};
 pub use text::{error_in_short, short};

@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use crate::store::SurfaceStore;
+
 /// What ended a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -22,7 +24,7 @@ pub enum StoppedBy {
     Bound,
 }
 
-/// Told of a run's progress, and asked whether it should go on; called from any thread.
+/// Told of a run's observer, and asked whether it should go on; called from any thread.
 pub trait Observer: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, stage: &str, total: u64);
@@ -34,6 +36,12 @@ pub trait Observer: Sync {
     fn note(&self, _text: &str) {}
     /// The stage is now expected to take `total` steps.
     fn expect(&self, _total: u64) {}
+    /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
+    fn surface_drawn(&self, _number: u64) {}
+    /// What keeps finished surfaces, if anything does.
+    fn store(&self) -> Option<&dyn SurfaceStore> {
+        None
+    }
     /// Why the run should end with what is there, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
@@ -52,38 +60,44 @@ impl Observer for Silent {
 
 /// Ends a run when its time is over.
 pub struct Deadline<'a> {
-    progress: &'a dyn Observer,
+    observer: &'a dyn Observer,
     end: Option<Instant>,
 }
 
 impl<'a> Deadline<'a> {
     /// From now on for `time`, or without end.
     #[must_use]
-    pub fn new(progress: &'a dyn Observer, time: Option<Duration>) -> Self {
+    pub fn new(observer: &'a dyn Observer, time: Option<Duration>) -> Self {
         // A time beyond what the clock can hold is without end.
         let end = time.and_then(|time| Instant::now().checked_add(time));
-        Self { progress, end }
+        Self { observer, end }
     }
 }
 
 impl Observer for Deadline<'_> {
     fn begin(&self, stage: &str, total: u64) {
-        self.progress.begin(stage, total);
+        self.observer.begin(stage, total);
     }
     fn advance(&self, steps: u64) {
-        self.progress.advance(steps);
+        self.observer.advance(steps);
     }
     fn end(&self) {
-        self.progress.end();
+        self.observer.end();
     }
     fn note(&self, text: &str) {
-        self.progress.note(text);
+        self.observer.note(text);
     }
     fn expect(&self, total: u64) {
-        self.progress.expect(total);
+        self.observer.expect(total);
+    }
+    fn surface_drawn(&self, number: u64) {
+        self.observer.surface_drawn(number);
+    }
+    fn store(&self) -> Option<&dyn SurfaceStore> {
+        self.observer.store()
     }
     fn stop(&self) -> Option<StoppedBy> {
-        self.progress.stop().or_else(|| {
+        self.observer.stop().or_else(|| {
             let over = self.end.is_some_and(|end| Instant::now() >= end);
             over.then_some(StoppedBy::Time)
         })

@@ -53,7 +53,7 @@ mod skyline;
 mod survey;
 mod tables;
 
-use asperity_simulate::{Observer, RunError};
+use asperity_simulate::{Observer, SimulateError};
 use std::time::Instant;
 
 use asperity_analysis::{
@@ -96,7 +96,7 @@ pub enum AttenuationError {
     Synthesis(SynthesisError),
     /// The surfaces do not fit into memory, or the light cannot be followed.
     #[error(transparent)]
-    Run(#[from] RunError),
+    Run(#[from] SimulateError),
 }
 
 /// What was measured for one sigma, light and view, beside what theory expects.

@@ -1,11 +1,11 @@
 //! The model of a case by its name: of the surface, or of what lies below it.
 
+use crate::sweep_case::SweepCase;
 use asperity_analysis::{
     BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel,
     Scope, create_model, expect,
 };
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::Case;
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config_error::ConfigError;
@@ -21,7 +21,7 @@ pub enum CaseModel {
 
 impl CaseModel {
     /// The model of that name for the surfaces, the material and the medium of `case`.
-    pub(crate) fn of(name: &str, case: &Case) -> Result<Self, ConfigError> {
+    pub(crate) fn of(name: &str, case: &SweepCase) -> Result<Self, ConfigError> {
         let refuse = |reason: String| Err(ConfigError::Contradiction(reason));
         let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
         match (&case.layer, case.material) {

@@ -1,6 +1,6 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
-use asperity_simulate::{Case, Estimator, short};
+use asperity_simulate::{Estimator, short};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
@@ -12,6 +12,7 @@ use crate::case_model::CaseModel;
 use crate::config::{Azimuth, VerifyConfig};
 use crate::config_error::ConfigError;
 use crate::sweep::Sweep;
+use crate::sweep_case::SweepCase;
 use crate::values::Count;
 
 impl VerifyConfig {
@@ -19,7 +20,7 @@ impl VerifyConfig {
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn cases(&self) -> Result<Vec<Case>, ConfigError> {
+    pub fn cases(&self) -> Result<Vec<SweepCase>, ConfigError> {
         let sweep = self.sweep()?;
         Ok(sweep.cases.into_iter().map(|swept| swept.case).collect())
     }
@@ -27,7 +28,7 @@ impl VerifyConfig {
     /// The cases, each with its own configuration, checked.
     pub(crate) fn sweep(&self) -> Result<Sweep, ConfigError> {
         let sweep = Sweep::of(self)?;
-        let cases: Vec<Case> = sweep.cases.iter().map(|swept| swept.case).collect();
+        let cases: Vec<SweepCase> = sweep.cases.iter().map(|swept| swept.case).collect();
         self.check(&cases)?;
         Ok(sweep)
     }
@@ -73,11 +74,11 @@ impl VerifyConfig {
     /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
     /// over azimuth: vertical light, of any azimuth.
     #[must_use]
-    pub fn free_azimuth(&self, case: &Case) -> bool {
+    pub fn free_azimuth(&self, case: &SweepCase) -> bool {
         self.any_azimuth() && case.incidence.is_vertical()
     }
 
-    fn check(&self, cases: &[Case]) -> Result<(), ConfigError> {
+    fn check(&self, cases: &[SweepCase]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let settings = self.ray_settings()?;
         let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
@@ -111,8 +112,8 @@ impl VerifyConfig {
                 )));
             }
             check_sides(self.run.side, case.material, case.layer.as_ref())?;
-            if let Some(target) = settings.target {
-                target.check(&settings.spec, case.material, case.layer.as_ref())?;
+            if let Some(target) = settings.target() {
+                target.check(&settings.tally, case.material, case.layer.as_ref())?;
             }
             for name in &self.compare.models {
                 let model = CaseModel::of(name, case)?;

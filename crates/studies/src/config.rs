@@ -2,7 +2,7 @@
 
 use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
-use asperity_simulate::{Estimator, Quantity, RaySettings, Target};
+use asperity_simulate::{Effort, Estimator, Quantity, Settings, Target};
 use asperity_surface::Psd;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, PathSettings, Sampling};
@@ -12,7 +12,6 @@ use crate::config_error::ConfigError;
 use crate::medium::{BottomKind, MediumConfig};
 use crate::settings::{Command, Document, defaults};
 use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds};
-use asperity_simulate::BottomSurface;
 
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -225,24 +224,29 @@ impl Default for RunConfig {
 }
 
 impl RunConfig {
-    /// The settings of rays that meet no medium.
+    /// The settings of a simulation without a medium.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
-    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
-        Ok(RaySettings {
-            rays: self.rays.0,
-            seed: self.seed,
-            spec: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
+    pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
+        let target = Target::new(self.target_error.map(|error| error.0), self.of)?;
+        Ok(Settings {
+            tally: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
                 .with_sides(self.side),
             paths: PathSettings::new(self.branching, self.roulette.0, self.max_order)?,
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,
             refine: self.refine,
-            target: Target::new(self.target_error.map(|error| error.0), self.of)?,
-            bottom: BottomSurface::Flat,
-            most_scatterings: 0,
+            seed: self.seed,
+            effort: target.map_or(
+                Effort::Rays {
+                    total: self.rays.0,
+                    surfaces: self.realisations.0,
+                },
+                Effort::TargetError,
+            ),
+            ..Settings::default()
         })
     }
 }
@@ -337,19 +341,18 @@ impl VerifyConfig {
         Ok(config)
     }
 
-    /// The settings of the rays.
+    /// The settings of the simulation.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
-    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+    pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
         let settings = self.run.ray_settings()?;
         let Some(medium) = &self.medium else {
             return Ok(settings);
         };
-        Ok(RaySettings {
-            spec: settings.spec.with_medium(),
-            bottom: medium.bottom_surface.named(),
-            most_scatterings: medium.max_scatterings,
+        Ok(Settings {
+            tally: settings.tally.with_medium(),
+            max_scatterings: medium.max_scatterings,
             ..settings
         })
     }

@@ -41,7 +41,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Case, Observer};
+use asperity_simulate::{Observer, SimulateError};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
@@ -49,6 +49,7 @@ use asperity_tally::TallyResult;
 use serde::Serialize;
 
 use crate::config_error::ConfigError;
+use crate::sweep_case::SweepCase;
 use crate::verify::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};
@@ -79,6 +80,12 @@ pub enum ConvergeError {
         "no light reaches the bins of the side asked for; without any, no error can be a fraction of it"
     )]
     NoLight,
+}
+
+impl From<SimulateError> for ConvergeError {
+    fn from(error: SimulateError) -> Self {
+        Self::Run(error.into())
+    }
 }
 
 impl From<ConfigError> for ConvergeError {
@@ -165,7 +172,7 @@ pub struct Efficiency {
 /// What was found for one case.
 pub struct ConvergedCase {
     /// The case.
-    pub case: Case,
+    pub case: SweepCase,
     /// What errors are measured against.
     pub reference: Reference,
     /// Whether exact fluxes are known.
@@ -371,9 +378,9 @@ impl ConvergeWork {
         self.rays += run.work.rays;
         self.segments += run.work.segments;
         self.segments_skipped += run.work.segments_skipped;
-        self.generate_seconds += run.spent.generate;
-        self.build_seconds += run.spent.build;
-        self.trace_seconds += run.spent.trace;
+        self.generate_seconds += run.work.generate_seconds;
+        self.build_seconds += run.work.build_seconds;
+        self.trace_seconds += run.work.trace_seconds;
         self.lost = self.lost.max(run.statistics.means().budget().lost.abs());
     }
 }

@@ -1,6 +1,6 @@
 //! The plots of a run, as SVG and PNG.
 
-use asperity_simulate::{Case, short};
+use asperity_simulate::short;
 
 use asperity_analysis::{BsdfModel, FlatLayer, MODEL_NAMES, in_plane_flux};
 use asperity_io::write_bytes;
@@ -19,6 +19,7 @@ use crate::energies::recorded_orders;
 use crate::models::ModelOutcome;
 use crate::output::{Place, figure_files};
 use crate::report_error::ReportError;
+use crate::sweep_case::SweepCase;
 use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.
@@ -38,11 +39,11 @@ pub struct Light {
     /// Interactions after which its paths were ended.
     pub max_order: u32,
     /// The case of a verification, whose models are drawn.
-    pub case: Option<Case>,
+    pub case: Option<SweepCase>,
 }
 
 impl Light {
-    pub(crate) fn of_case(case: &Case, config: &VerifyConfig) -> Self {
+    pub(crate) fn of_case(case: &SweepCase, config: &VerifyConfig) -> Self {
         Self {
             incidence: case.incidence,
             material: case.material,

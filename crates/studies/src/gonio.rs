@@ -1,6 +1,6 @@
 //! The virtual gonioreflectometer: the whole BRDF and BTDF, direction by direction.
 //!
-//! A direction is one run of [`verify`](crate::verify()) without models, or of [`trace`](crate::trace()) on a
+//! A direction is one run of [`verify`](crate::verify()) without models, or one simulation of a
 //! given surface, and its file is written as soon as it is found, so that a run that was ended goes on where
 //! it was left. All directions share their surfaces and their random numbers.
 
@@ -15,7 +15,9 @@ mod setting;
 mod summary;
 mod tables;
 
-use asperity_simulate::{Observer, RaySettings, RunError, Scene, StoppedBy, trace, trace_mesh};
+use asperity_simulate::{
+    BottomSurface, Case, LayerBelow, Light, Observer, Settings, StoppedBy, SurfaceSource, simulate,
+};
 use std::path::PathBuf;
 
 use asperity_io::{ResultFolder, ResultFolderError};
@@ -31,7 +33,7 @@ pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale
 pub use files::gonio_report;
 pub use json::gonio_summary;
 pub use results::{DirectionResults, Means, MeasuredComponent};
-pub use sample::{Sample, SampleShape};
+pub use sample::Sample;
 pub use setting::Setting;
 pub use summary::gonio_table;
 
@@ -147,7 +149,7 @@ pub fn gonio(
     progress: &dyn Observer,
 ) -> Result<GonioOutcome, GonioError> {
     let (settings, plans) = config.plans(sample)?;
-    let spec = config.ray_settings()?.spec;
+    let spec = config.ray_settings()?.tally;
     files::refuse_unplanned(folder.path(), &plans)?;
     let tasks: Vec<Task<'_>> = plans
         .iter()
@@ -226,9 +228,9 @@ impl CheckpointCase for Task<'_> {
 
     fn compute(&self, observer: &dyn Observer) -> Result<Option<DirectionResults>, GonioError> {
         let results = match (&self.plan.work, self.sample) {
-            (Work::Given(rays), Some(sample)) => self.on_sample(rays, sample, observer).map(Some),
+            (Work::Given(rays), Some(sample)) => self.on_sample(rays, sample, observer),
             (Work::Fresh(config), _) => match verify(config, observer) {
-                Err(VerifyError::Interrupted) => return Ok(None),
+                Err(error) if error.is_interrupt() => return Ok(None),
                 outcome => outcome.map(on_fresh_surfaces),
             },
             (Work::Given(_), None) => Ok(None),
@@ -259,28 +261,32 @@ impl Task<'_> {
     /// Traces one direction on a given surface.
     fn on_sample(
         &self,
-        rays: &RaySettings,
+        settings: &Settings,
         sample: &Sample,
-        progress: &dyn Observer,
-    ) -> Result<DirectionResults, VerifyError> {
-        let scene = Scene {
+        observer: &dyn Observer,
+    ) -> Result<Option<DirectionResults>, VerifyError> {
+        let medium = self.config.medium.as_ref();
+        let case = Case {
+            surface: SurfaceSource::Given(sample.shape.clone()),
             material: self.setting.material,
-            layer: self.setting.layer,
-            incidence: self.plan.incidence,
-            incident: self.config.light.from.into(),
-            any_azimuth: self.config.any_azimuth(),
+            layer: self.setting.layer.map(|layer| LayerBelow {
+                layer,
+                bottom: medium.map_or(BottomSurface::Flat, |medium| medium.bottom_surface.named()),
+            }),
+            light: Light {
+                incidence: self.plan.incidence,
+                from: self.config.light.from.into(),
+                random_azimuth: self.config.any_azimuth(),
+            },
         };
-        let outcome: Result<_, RunError> = match &sample.shape {
-            SampleShape::Field(field) => trace(field.clone(), None, &scene, rays, progress),
-            SampleShape::Mesh(mesh) => trace_mesh(mesh.clone(), None, &scene, rays, progress),
-        };
-        let outcome = outcome?;
-        let warnings: Vec<String> = lost_warning(&outcome.statistics).into_iter().collect();
-        Ok(DirectionResults::of(
-            &outcome.statistics,
-            (1, outcome.work.rays),
-            "ray blocks",
-            warnings,
-        ))
+        let outcomes = simulate(&[case], settings, observer)?;
+        Ok(outcomes.first().map(|outcome| {
+            DirectionResults::of(
+                &outcome.statistics,
+                (outcome.work.realisations, outcome.work.rays),
+                outcome.errors_from.name(),
+                lost_warning(&outcome.statistics).into_iter().collect(),
+            )
+        }))
     }
 }

@@ -33,6 +33,7 @@ pub mod settings;
 mod side_difference;
 mod summary;
 mod sweep;
+mod sweep_case;
 mod trace_config;
 mod values;
 mod verify;
@@ -61,8 +62,8 @@ pub use expectation::{expectation_json, write_expectation};
 pub use figures::{Light, Surroundings, height_map_figure};
 pub use gonio::{
     Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredComponent, MeasuredConfig, PlotScale, Sample, SampleShape, Setting, gonio,
-    gonio_report, gonio_summary, gonio_table,
+    Means, MeasuredComponent, MeasuredConfig, PlotScale, Sample, Setting, gonio, gonio_report,
+    gonio_summary, gonio_table,
 };
 pub use layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,

@@ -14,11 +14,12 @@ mod tables;
 mod tests;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Case, Observer, StoppedBy};
+use asperity_simulate::{Observer, StoppedBy};
 use serde_json::{Value, json};
 
 use crate::config_error::ConfigError;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
+use crate::sweep_case::SweepCase;
 use crate::verify::{VerifyError, verify};
 
 pub use cell::{
@@ -62,7 +63,7 @@ pub enum MapError {
 #[derive(Clone, Debug)]
 pub struct MapCell {
     /// The case.
-    pub case: Case,
+    pub case: SweepCase,
     /// What was found; `None` where the run ended before.
     pub results: Option<CellResults>,
 }
@@ -170,7 +171,7 @@ impl CheckpointCase for CellPlan {
 
     fn compute(&self, observer: &dyn Observer) -> Result<Option<CellResults>, MapError> {
         let outcome = match verify(&self.config, observer) {
-            Err(VerifyError::Interrupted) => return Ok(None),
+            Err(error) if error.is_interrupt() => return Ok(None),
             other => other.map_err(|error| MapError::Cell {
                 case: self.case.to_string(),
                 error: Box::new(error),

@@ -1,17 +1,18 @@
 //! Models beside the explicit surfaces of a case.
 
-use asperity_simulate::{Case, Ensemble, Method};
+use asperity_simulate::Outcome;
 use std::f64::consts::PI;
 
 use asperity_analysis::{
     Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, verdicts,
 };
-use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec};
 use rayon::prelude::*;
 
 use crate::case_model::CaseModel;
 use crate::config::VerifyConfig;
 use crate::side_difference::{SideDifference, side_differences};
+use crate::sweep_case::SweepCase;
 use crate::verify::VerifyError;
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
@@ -104,28 +105,14 @@ impl ModelOutcome {
 /// Each component that a model claims is a test of its own; the level is shared among all tests of the
 /// case. Returns the models and the number of tests.
 pub(crate) fn compare_models(
-    config: &VerifyConfig,
-    spec: &TallySpec,
-    (case, method): (&Case, &Method),
-    ensemble: &Ensemble,
-    statistics: &TallyStatistics,
+    compared: &Compared<'_>,
 ) -> Result<(Vec<ModelOutcome>, usize), VerifyError> {
+    let config = compared.config;
     let mut models = config
         .compare
         .models
         .par_iter()
-        .map(|name| {
-            let model = CaseModel::of(name, case)?;
-            let beside = Beside {
-                config,
-                spec,
-                case,
-                method,
-                ensemble,
-                statistics,
-            };
-            beside.compare(model)
-        })
+        .map(|name| compared.with(CaseModel::of(name, compared.case)?))
         .collect::<Result<Vec<_>, VerifyError>>()?;
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
@@ -138,19 +125,18 @@ pub(crate) fn compare_models(
     Ok((models, tests))
 }
 
-/// What a model stands beside.
-struct Beside<'a> {
-    config: &'a VerifyConfig,
-    spec: &'a TallySpec,
-    case: &'a Case,
-    method: &'a Method,
-    ensemble: &'a Ensemble,
-    statistics: &'a TallyStatistics,
+/// What models are compared with.
+pub(crate) struct Compared<'a> {
+    pub(crate) config: &'a VerifyConfig,
+    pub(crate) spec: &'a TallySpec,
+    pub(crate) case: &'a SweepCase,
+    pub(crate) outcome: &'a Outcome,
 }
 
-impl Beside<'_> {
-    fn compare(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
-        let surfaces = self.ensemble.tallies.len() as u64;
+impl Compared<'_> {
+    /// The comparison with one model.
+    fn with(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
+        let surfaces = self.outcome.surfaces.len() as u64;
         let effort = SamplingEffort {
             rays: self.config.compare.model_rays.0,
             batches: match surfaces {
@@ -191,7 +177,7 @@ impl Beside<'_> {
     ) -> Result<ComparedComponent, VerifyError> {
         let spec = self.spec;
         let bins = spec.recorded_entries(component);
-        let tallies = self.ensemble.tallies.iter();
+        let tallies = self.outcome.surfaces.iter();
         let surfaces: Vec<Vec<f64>> = tallies.map(|tally| tally[bins].to_vec()).collect();
         let of_model = expectation.statistics().means();
         let mean = &of_model[bins];
@@ -201,7 +187,7 @@ impl Beside<'_> {
         } else {
             Expected::Exact(mean)
         };
-        let rays = self.ensemble.work.rays as f64;
+        let rays = self.outcome.work.rays as f64;
         let bins_of_a_value = if self.config.free_azimuth(self.case) {
             spec.grid().n_phi() as f64
         } else {
@@ -216,10 +202,10 @@ impl Beside<'_> {
         };
         let enough: Vec<bool> = (0..mean.len())
             .map(|i| {
-                let means = self.statistics.means();
+                let means = self.outcome.statistics.means();
                 let found = means.grid_hits(component, first + i);
                 // Under a control a ray counts only if it deviates from what is expected.
-                let counted = match self.method.control {
+                let counted = match self.outcome.work.control {
                     Some(_) => found,
                     None => found.max(mean[i]),
                 };
@@ -238,7 +224,7 @@ impl Beside<'_> {
             _ => side_differences(
                 spec,
                 component,
-                &self.ensemble.tallies,
+                &self.outcome.surfaces,
                 expectation,
                 self.config.free_azimuth(self.case),
             ),

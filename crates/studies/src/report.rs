@@ -1,7 +1,7 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
-use asperity_simulate::{Observer, TraceOutcome};
+use asperity_simulate::{Observer, Outcome};
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -46,7 +46,7 @@ fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
 /// [`ReportError`] if a file cannot be written or a plot drawn.
 pub fn trace_report(
     folder: &ResultFolder,
-    outcome: &TraceOutcome,
+    outcome: &Outcome,
     spec: &TallySpec,
     summary: &Summary,
     plots: Option<&figures::Surroundings<'_>>,
@@ -94,7 +94,7 @@ impl VerifyConfig {
             of_case.push("comparison.csv".to_owned());
         }
         if self.output.plots {
-            of_case.extend(plot_files(&self.ray_settings()?.spec));
+            of_case.extend(plot_files(&self.ray_settings()?.tally));
         }
         Ok(of_cases(&folders, &of_case))
     }

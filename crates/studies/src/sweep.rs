@@ -3,8 +3,8 @@
 //! [`DIMENSIONS`] names the lists in their order of nesting: the last one changes fastest. A further dimension is a
 //! further row there.
 
+use crate::sweep_case::SweepCase;
 use asperity_optics::{Incidence, Material};
-use asperity_simulate::Case;
 
 use crate::config::VerifyConfig;
 use crate::config_error::ConfigError;
@@ -43,7 +43,7 @@ const DIMENSIONS: [(&str, Dimension); 11] = [
 #[derive(Clone, Debug)]
 pub(crate) struct SweptCase {
     /// The case.
-    pub(crate) case: Case,
+    pub(crate) case: SweepCase,
     /// The configuration of this case alone: it is the same whatever stands beside it.
     pub(crate) config: VerifyConfig,
 }
@@ -101,12 +101,12 @@ impl Sweep {
 
 impl VerifyConfig {
     /// The case of a configuration without lists.
-    fn single_case(&self) -> Result<Case, ConfigError> {
+    fn single_case(&self) -> Result<SweepCase, ConfigError> {
         let (smoothness, psd) = self.surface.psd()?;
         let material: Material = self.material.material()?;
         let layer = self.medium.as_ref().map(|medium| medium.layer(material));
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
-        Ok(Case {
+        Ok(SweepCase {
             smoothness,
             psd,
             material,

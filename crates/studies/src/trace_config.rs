@@ -1,7 +1,7 @@
 //! The configuration of `asperity trace`: one given surface, one material, one direction.
 
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{BottomSurface, RaySettings, Scene};
+use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
 use serde::{Deserialize, Serialize};
 
 use crate::cases::{check_light, check_sides};
@@ -58,45 +58,63 @@ impl TraceConfig {
             .transpose()
     }
 
-    /// The material, what lies below it, and the light.
+    /// The case of this configuration on its surface.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn scene(&self) -> Result<Scene, ConfigError> {
-        let scene = Scene {
+    pub fn case(&self, surface: Shape) -> Result<Case, ConfigError> {
+        self.check()?;
+        let bottom = self
+            .medium
+            .as_ref()
+            .map(|medium| medium.bottom_surface.named());
+        Ok(Case {
+            surface: SurfaceSource::Given(surface),
             material: self.material()?,
-            layer: self.layer()?,
-            incidence: self.incidence()?,
-            incident: self.light.from.into(),
-            any_azimuth: self.light.azimuth == Some(Azimuth::Random),
-        };
-        if scene.layer.is_some() {
-            check_light(scene.incident, self.run.estimator)?;
+            layer: self.layer()?.map(|layer| LayerBelow {
+                layer,
+                bottom: bottom.unwrap_or_default(),
+            }),
+            light: Light {
+                incidence: self.incidence()?,
+                from: self.light.from.into(),
+                random_azimuth: self.light.azimuth == Some(Azimuth::Random),
+            },
+        })
+    }
+
+    /// Checks everything that can be known before the surface is read.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let (material, layer) = (self.material()?, self.layer()?);
+        self.incidence()?;
+        if layer.is_some() {
+            check_light(self.light.from.into(), self.run.estimator)?;
         }
-        check_sides(self.run.side, scene.material, scene.layer.as_ref())?;
-        Ok(scene)
+        check_sides(self.run.side, material, layer.as_ref())
     }
 
     /// The settings of the rays.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
-    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+    pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
         let mut settings = self.run.ray_settings()?;
         if let Some(medium) = &self.medium {
-            settings.spec = settings.spec.with_medium();
-            settings.bottom = medium.bottom_surface.named();
-            settings.most_scatterings = medium.max_scatterings;
+            settings.tally = settings.tally.with_medium();
+            settings.max_scatterings = medium.max_scatterings;
+            if medium.bottom_surface.named() == BottomSurface::Independent {
+                return Err(ConfigError::Contradiction(
+                    "--bottom-surface independent: a single surface is traced and none is drawn; take flat, same or a file"
+                        .into(),
+                ));
+            }
         }
-        if settings.bottom == BottomSurface::Independent {
-            return Err(ConfigError::Contradiction(
-                "--bottom-surface independent: a single surface is traced and none is drawn; take flat, same or a file"
-                    .into(),
-            ));
-        }
-        if let Some(target) = settings.target {
+        if let Some(target) = settings.target() {
             let layer = self.layer()?;
-            target.check(&settings.spec, self.material()?, layer.as_ref())?;
+            target.check(&settings.tally, self.material()?, layer.as_ref())?;
         }
         Ok(settings)
     }

@@ -1,21 +1,21 @@
 //! Explicit surfaces against statistical models.
 
-use asperity_simulate::{
-    Case, Deadline, ErrorBudget, MeshErrors, Observer, RaySettings, Refinement, RunError, Sharing,
-    Stopping, Traced, check_results, with_least_errors,
-};
 use std::time::{Duration, Instant};
 
-use asperity_analysis::{ComparisonError, ModelError, SlopeError, sidak_level};
-use asperity_surface::{CoarseningError, HeightField, Synthesis, SynthesisError};
-use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
+use asperity_analysis::{ComparisonError, ModelError, sidak_level};
+use asperity_simulate::{
+    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, Stopping,
+    SummaryWork, SurfaceSource, simulate,
+};
+use asperity_surface::{HeightField, Synthesis};
+use asperity_tally::{TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
 use crate::config::VerifyConfig;
 use crate::config_error::ConfigError;
-use crate::models::{ModelOutcome, compare_models};
+use crate::models::{Compared, ModelOutcome, compare_models};
+use crate::sweep_case::SweepCase;
 use crate::values::{Count, Number, PerAxis};
-use asperity_simulate::{RunPlan, SimulateError, SummaryWork};
 
 /// Why a verification fails.
 #[derive(Debug, thiserror::Error)]
@@ -24,45 +24,39 @@ pub enum VerifyError {
     /// The configuration makes no sense.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The surfaces cannot be drawn.
+    /// The surfaces cannot be simulated.
     #[error(transparent)]
-    Synthesis(#[from] SynthesisError),
-    /// The rays cannot be traced.
-    #[error(transparent)]
-    Run(#[from] RunError),
-    /// The slopes of the surfaces have no density.
-    #[error(transparent)]
-    Slopes(#[from] SlopeError),
+    Simulate(#[from] SimulateError),
     /// A model cannot be made.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Every second sample makes no surface.
-    #[error(transparent)]
-    Coarsening(#[from] CoarseningError),
-    /// There are no results yet.
-    #[error("interrupted before the first surface was finished; nothing is written")]
-    Interrupted,
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
 }
 
-impl From<SimulateError> for VerifyError {
-    fn from(error: SimulateError) -> Self {
-        match error {
-            SimulateError::Synthesis(error) => Self::Synthesis(error),
-            SimulateError::Run(error) => Self::Run(error),
-            SimulateError::Slopes(error) => Self::Slopes(error),
-            SimulateError::Model(error) => Self::Model(error),
-            SimulateError::Coarsening(error) => Self::Coarsening(error),
+impl VerifyError {
+    /// Whether other input would help: a value is out of range, or two exclude each other.
+    #[must_use]
+    pub const fn is_usage(&self) -> bool {
+        match self {
+            Self::Config(_) | Self::Model(_) => true,
+            Self::Simulate(error) => error.is_usage(),
+            Self::Comparison(_) => false,
         }
+    }
+
+    /// Whether the run was stopped before there was any result.
+    #[must_use]
+    pub const fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Simulate(SimulateError::Interrupted))
     }
 }
 
 /// What was found for one case.
 pub struct CaseOutcome {
     /// The case.
-    pub case: Case,
+    pub case: SweepCase,
     /// Flux fractions by the spec of the run; a batch is a surface.
     pub statistics: TallyStatistics,
     /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
@@ -96,7 +90,7 @@ pub struct VerifyOutcome {
     /// The cases, in the order of [`VerifyConfig::cases`].
     pub cases: Vec<CaseOutcome>,
     /// Those that an interrupt came before.
-    pub left_out: Vec<Case>,
+    pub left_out: Vec<SweepCase>,
     /// Seconds from beginning to end.
     pub seconds: f64,
 }
@@ -122,44 +116,51 @@ impl VerifyConfig {
     /// # Errors
     /// [`VerifyError`] as from [`verify`].
     pub fn check_surfaces(&self) -> Result<(), VerifyError> {
-        self.recipes().map(|_| ())
-    }
-
-    /// How many surfaces are drawn, and how light falls on them.
-    pub(crate) fn plan(&self) -> RunPlan {
-        RunPlan {
-            realisations: self.run.realisations.0,
-            incident: self.light.from.into(),
-            any_azimuth: self.any_azimuth(),
-            limited: self.run.max_time.is_some(),
-        }
+        self.simulated(&self.cases()?).map(|_| ())
     }
 
     /// The first surface of a case, drawn again.
-    pub(crate) fn first_surface(&self, case: &Case) -> Result<HeightField, VerifyError> {
-        Ok(self.recipe(case)?.draw(self.run.seed, 0)?)
+    pub(crate) fn first_surface(&self, case: &SweepCase) -> Result<HeightField, VerifyError> {
+        let field = self.recipe(case)?.draw(self.run.seed, 0);
+        Ok(field.map_err(SimulateError::from)?)
     }
 
-    fn recipe(&self, case: &Case) -> Result<Synthesis, VerifyError> {
+    fn recipe(&self, case: &SweepCase) -> Result<Synthesis, VerifyError> {
         let spacing = self.surface.spacing.xy().map(|s| s.0);
-        Ok(Synthesis::new(
-            case.psd,
-            self.shape()?,
-            spacing,
-            self.surface.insist,
-        )?)
+        let synthesis = Synthesis::new(case.psd, self.shape()?, spacing, self.surface.insist);
+        Ok(synthesis.map_err(SimulateError::from)?)
     }
 
-    /// One recipe a smoothness, with the cases that share it.
-    fn recipes(&self) -> Result<Vec<(Synthesis, Vec<Case>)>, VerifyError> {
-        let mut recipes: Vec<(Synthesis, Vec<Case>)> = Vec::new();
-        for case in self.cases()? {
-            match recipes.last_mut() {
-                Some((synthesis, cases)) if *synthesis.psd() == case.psd => cases.push(case),
-                _ => recipes.push((self.recipe(&case)?, vec![case])),
-            }
+    /// The cases as they are simulated.
+    fn simulated(&self, cases: &[SweepCase]) -> Result<Vec<Case>, VerifyError> {
+        let mut simulated: Vec<Case> = Vec::new();
+        let mut last: Option<(&SweepCase, Synthesis)> = None;
+        for case in cases {
+            // A recipe takes time to plan, so that neighbours of equal surfaces share it.
+            let synthesis = match last.take() {
+                Some((same, synthesis)) if same.psd == case.psd => synthesis,
+                _ => self.recipe(case)?,
+            };
+            last = Some((case, synthesis.clone()));
+            let bottom = self
+                .medium
+                .as_ref()
+                .map(|medium| medium.bottom_surface.named());
+            simulated.push(Case {
+                surface: SurfaceSource::Random(synthesis),
+                material: case.material,
+                layer: case.layer.map(|layer| LayerBelow {
+                    layer,
+                    bottom: bottom.unwrap_or_default(),
+                }),
+                light: Light {
+                    incidence: case.incidence,
+                    from: self.light.from.into(),
+                    random_azimuth: self.any_azimuth(),
+                },
+            });
         }
-        Ok(recipes)
+        Ok(simulated)
     }
 }
 
@@ -171,159 +172,69 @@ impl VerifyConfig {
 /// [`VerifyError`] if the configuration makes no sense or does not fit into memory.
 pub fn verify(
     config: &VerifyConfig,
-    progress: &dyn Observer,
+    observer: &dyn Observer,
 ) -> Result<VerifyOutcome, VerifyError> {
     let began = Instant::now();
     let time = config.run.max_time.map(|time| time.0);
     let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
-    let progress: &dyn Observer = &Deadline::new(progress, time);
+    let observer: &dyn Observer = &Deadline::new(observer, time);
     let settings = config.ray_settings()?;
-    let plan = config.plan();
-    // All recipes are checked before the first is run.
-    let recipes = config.recipes()?;
-    let all_cases = recipes.iter().map(|(_, cases)| cases.len()).sum();
-    let mut sharings = recipes
-        .into_iter()
-        .map(|(synthesis, cases)| Sharing::new(&plan, settings, synthesis, cases))
-        .collect::<Result<Vec<_>, _>>()?;
-    if settings.target.is_some() {
-        let pilots = sharings.iter().map(Sharing::pilot_rays).sum();
-        progress.begin("planning", pilots);
-        for sharing in &mut sharings {
-            sharing.plan(all_cases, progress)?;
-        }
-        progress.end();
-    }
-    let realisations = sharings.iter().map(|s| s.realisations).max();
-    check_results(
-        &settings.spec,
-        realisations.unwrap_or(0),
-        all_cases,
-        settings.refine,
-    )?;
-    progress.begin("tracing", sharings.iter().map(Sharing::rays).sum());
-    let mut traced = Vec::new();
-    let mut left_out = Vec::new();
-    for sharing in sharings {
-        let (done, missing) = sharing.run(all_cases, progress)?;
-        traced.extend(done);
-        left_out.extend(missing);
-    }
-    progress.end();
-    if traced.is_empty() {
-        return Err(VerifyError::Interrupted);
-    }
+    let cases = config.cases()?;
+    let outcomes = simulate(&config.simulated(&cases)?, &settings, observer)?;
+    let is_missing = |number: &usize| outcomes.iter().all(|outcome| outcome.number != *number);
+    let left_out = (0..cases.len()).filter(is_missing).map(|i| cases[i]);
+    let left_out = left_out.collect();
 
-    progress.begin("comparing", traced.len() as u64);
-    let cases = traced
+    observer.begin("comparing", outcomes.len() as u64);
+    let cases = outcomes
         .into_par_iter()
-        .map(|traced| {
-            let outcome = judge(config, &settings, traced);
-            progress.advance(1);
-            outcome
+        .map(|outcome| {
+            let case = cases[outcome.number];
+            let compared = judge(config, &settings.tally, case, outcome);
+            observer.advance(1);
+            compared
         })
         .collect::<Result<_, _>>()?;
-    progress.end();
+    observer.end();
     Ok(VerifyOutcome {
         config: config.clone(),
-        spec: settings.spec,
+        spec: settings.tally,
         cases,
         left_out,
         seconds: began.elapsed().as_secs_f64(),
     })
 }
 
-/// Statistics of one case and its comparison with every model.
+/// The comparison of one case with every model.
 fn judge(
     config: &VerifyConfig,
-    settings: &RaySettings,
-    traced: Traced,
+    spec: &TallySpec,
+    case: SweepCase,
+    outcome: Outcome,
 ) -> Result<CaseOutcome, VerifyError> {
-    let spec = &settings.spec;
-    let Traced {
-        case,
-        method,
-        ensemble,
-        ..
-    } = &traced;
-    // With one surface the scatter between its blocks is all there is.
-    let errors_from = match &ensemble.blocks_of_one {
-        _ if traced.deviation_bound.is_some() => "deviation bound",
-        Some(_) => "ray blocks",
-        None => "surfaces",
+    let compared = Compared {
+        config,
+        spec,
+        case: &case,
+        outcome: &outcome,
     };
-    let batches = ensemble.statistics();
-    let batches = match traced.deviation_bound {
-        Some(_) => batches,
-        None => with_least_errors(method, batches, ensemble.work.rays),
-    };
-    let errors = errors(config, settings, &traced, &batches)?;
-    let (models, tests) = compare_models(config, spec, (case, method), ensemble, &batches)?;
+    let (models, tests) = compare_models(&compared)?;
     let level = sidak_level(config.compare.level, tests.max(1));
-    let realisations = match traced.deviation_bound {
-        Some(_) => 0,
-        None => ensemble.tallies.len() as u64,
-    };
+    let surface = &outcome.case.surface;
+    let limited = config.run.target_error.is_some() || config.run.max_time.is_some();
     Ok(CaseOutcome {
-        case: *case,
-        statistics: batches,
-        errors_from,
-        errors,
-        free_azimuth: config.free_azimuth(case),
+        case,
+        size: surface.size().unwrap_or_default(),
+        spacing: surface.spacing().unwrap_or_default(),
+        statistics: outcome.statistics,
+        errors_from: outcome.errors_from.name(),
+        errors: outcome.errors,
+        free_azimuth: config.free_azimuth(&case),
         models,
         level,
-        deviation_bound: traced.deviation_bound,
-        size: traced.size,
-        spacing: traced.spacing,
-        work: SummaryWork {
-            realisations,
-            generate_seconds: ensemble.seconds.generate,
-            build_seconds: ensemble.seconds.build,
-            trace_seconds: ensemble.seconds.trace,
-            seconds: traced.seconds,
-            ..SummaryWork::new(
-                ensemble.work,
-                ensemble.used.clone(),
-                method,
-                settings.sampling,
-            )
-        },
-        stopping: traced.stopping,
-    })
-}
-
-/// The errors of one case by where they come from.
-fn errors(
-    config: &VerifyConfig,
-    settings: &RaySettings,
-    traced: &Traced,
-    statistics: &TallyStatistics,
-) -> Result<ErrorBudget, VerifyError> {
-    let spec = &settings.spec;
-    let Traced {
-        case,
-        method,
-        ensemble,
-        ..
-    } = traced;
-    let rays = ensemble.work.rays;
-    if traced.deviation_bound.is_some() {
-        let bound = |entry| statistics.at(entry).se.unwrap_or(0.0);
-        let bounds = TallyValues::from_fn(*spec, bound);
-        return Ok(ErrorBudget::of_bounds(bounds));
-    }
-    let [nx, ny] = traced.size;
-    let synthesis = Synthesis::new(case.psd, [ny, nx], traced.spacing, config.surface.insist)?;
-    let mesh = MeshErrors::of_case(
-        &synthesis,
-        (case, method),
-        spec,
-        config.any_azimuth(),
-        Refinement::of_surfaces(synthesis.spacing(), &ensemble.shifts),
-    );
-    Ok(match ensemble.blocks_of_one {
-        Some(_) => ErrorBudget::of_one(statistics, method, rays, mesh),
-        None => ErrorBudget::of_surfaces(statistics, &ensemble.ray_squares, method, rays, mesh),
+        deviation_bound: outcome.deviation_bound,
+        stopping: Some(outcome.stopping).filter(|stopping| limited || stopping.is_cut_short()),
+        work: outcome.work,
     })
 }
 

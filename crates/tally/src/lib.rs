@@ -60,5 +60,5 @@ pub use sides::Sides;
 pub use spec::{SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};
 pub use tally::{Azimuth, Tally};
-pub use tally_statistics::TallyStatistics;
+pub use tally_statistics::{SavedStatistics, TallyStatistics};
 pub use values::{ByEntry, SideFluxes, TallyValues};

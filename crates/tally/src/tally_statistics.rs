@@ -3,6 +3,8 @@
 use crate::entry::Entry;
 use crate::statistics::{add_batch, standard_error};
 use crate::values::TallyValues;
+use serde::{Deserialize, Serialize};
+
 use crate::{Estimate, TallyResult, TallySpec};
 
 /// Running mean and variance of each entry over equally weighted tallies: ray blocks, or surfaces.
@@ -121,6 +123,39 @@ impl TallyStatistics {
     }
 }
 
+/// Statistics as plain numbers, to be written to a file and read again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SavedStatistics {
+    batches: u64,
+    means: Vec<f64>,
+    squares: Vec<f64>,
+}
+
+impl From<&TallyStatistics> for SavedStatistics {
+    /// Without the errors below which none is reported.
+    fn from(statistics: &TallyStatistics) -> Self {
+        Self {
+            batches: statistics.batches,
+            means: statistics.means.as_slice().to_vec(),
+            squares: statistics.squares.as_slice().to_vec(),
+        }
+    }
+}
+
+impl SavedStatistics {
+    /// The statistics of tallies by `spec`; `None` if they were of another one.
+    #[must_use]
+    pub fn restore(self, spec: TallySpec) -> Option<TallyStatistics> {
+        let fits = [&self.means, &self.squares].map(|values| values.len() == spec.len());
+        (fits == [true; 2]).then(|| TallyStatistics {
+            batches: self.batches,
+            means: TallyValues::from_vec(spec, self.means),
+            squares: TallyValues::from_vec(spec, self.squares),
+            least_errors: None,
+        })
+    }
+}
+
 /// Each entry has its mean and its standard error.
 impl TallyResult for TallyStatistics {
     type Value = Estimate;
@@ -161,6 +196,20 @@ mod tests {
         let budget = statistics.with_least_errors(errors).budget();
         assert_eq!([budget.lost.se, budget.absorbed.se], [Some(0.5); 2]);
         assert_eq!(budget.lost.mean, 1.25);
+    }
+
+    #[test]
+    fn saved_statistics_are_restored_to_the_same_numbers_and_only_by_their_spec() {
+        let mut statistics = TallyStatistics::new(TallySpec::default());
+        statistics.push(&batch(1.0 / 3.0));
+        statistics.push(&batch(0.1));
+        let saved = SavedStatistics::from(&statistics);
+        let restored = saved.clone().restore(TallySpec::default()).unwrap();
+        assert_eq!(restored.means(), statistics.means());
+        assert_eq!(restored.error_squares(), statistics.error_squares());
+        assert_eq!(restored.batches(), 2);
+        let other = TallySpec::new("2x1".parse().unwrap(), 0.1).unwrap();
+        assert!(saved.restore(other).is_none());
     }
 
     #[test]

@@ -1,103 +1,50 @@
 //! How rays are divided into blocks, and how the blocks of one surface are run.
 
-use asperity_tally::{ControlVariate, TallySpec, TallyValues};
-use asperity_tracer::{
-    AcceleratorKind, Geometry, Illumination, PathSettings, Sampling, Tracer, Work,
-};
+use asperity_tally::{ControlVariate, TallyValues};
+use asperity_tracer::{Geometry, Illumination, Sampling, Tracer, Work};
 use rayon::prelude::*;
 
-use crate::input::estimator::Estimator;
-use crate::input::layer::BottomSurface;
-use crate::input::target::Target;
+use crate::input::limits::TALLY_BUDGET;
+use crate::input::settings::Settings;
 use crate::observer::Observer;
 use crate::stream::ray_stream;
 
-/// Rays: how many, from which random streams, how followed, and what is recorded of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RaySettings {
-    /// Rays in all, at least; rounded up so that every block has as many as strata.
-    pub rays: u64,
-    /// Seed of surfaces and rays.
-    pub seed: u64,
-    /// What is recorded.
-    pub spec: TallySpec,
-    /// How paths are followed.
-    pub paths: PathSettings,
-    /// How hits are found.
-    pub accelerator: AcceleratorKind,
-    /// How paths become results.
-    pub estimator: Estimator,
-    /// How rays are spread.
-    pub sampling: Sampling,
-    /// Whether every surface is traced at half its spacing as well, whose results are then reported, and
-    /// at twice its spacing, if its cells are even: the differences are the error of the mesh.
-    pub refine: bool,
-    /// The error to reach, instead of a number of rays.
-    pub target: Option<Target>,
-    /// The shape of the bottom of a layer, where there is one.
-    pub bottom: BottomSurface,
-    /// Scatterings inside a medium after which a path is truncated.
-    pub most_scatterings: u32,
-}
-
-impl Default for RaySettings {
-    /// A million stratified rays with the default spec and paths.
-    fn default() -> Self {
-        Self {
-            rays: 1_000_000,
-            seed: 1,
-            spec: TallySpec::default(),
-            paths: PathSettings::default(),
-            accelerator: AcceleratorKind::Auto,
-            estimator: Estimator::Auto,
-            sampling: Sampling::Stratified,
-            refine: false,
-            target: None,
-            bottom: BottomSurface::Flat,
-            most_scatterings: 0,
-        }
-    }
-}
-
 /// One mesh of a surface with the light that falls on it.
-pub struct LitMesh<'a, G: Geometry> {
-    pub tracer: Tracer<'a, G>,
-    pub light: Illumination,
-    pub control: Option<&'a ControlVariate>,
+pub(crate) struct LitMesh<'a, G: Geometry> {
+    pub(crate) tracer: Tracer<'a, G>,
+    pub(crate) light: Illumination,
+    pub(crate) control: Option<&'a ControlVariate>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Blocks {
+pub(crate) struct Blocks {
     /// Number of the first.
-    pub first: u64,
-    pub count: u64,
-    pub strata: u32,
+    pub(crate) first: u64,
+    pub(crate) count: u64,
+    pub(crate) strata: u32,
 }
 
-/// Strata along a side of an ordinary block: so many that its rays fall near to one another, where the
+/// Most strata along a side of a block: so many that its rays fall near to one another, where the
 /// surface is in cache, few enough to keep every thread busy.
-const ORDINARY_STRATA: u64 = 512;
+const MAX_STRATA: u64 = 512;
 
 /// Blocks that a single surface gets at least, since its errors come from them.
-pub(crate) const FEWEST_BLOCKS: u64 = 64;
+pub(crate) const MIN_BLOCKS_OF_ONE: u64 = 64;
 
-/// Memory for the records of blocks that are run side by side, and of those run before.
-pub(crate) const RECORD_BUDGET: usize = 1 << 28;
-
-/// Blocks a thread that are run side by side, if their records fit: at the end threads wait for the
+/// Blocks per thread that are run side by side, if their tallies fit: at the end threads wait for the
 /// last block, on average for half of one.
-const BLOCKS_OF_THREAD: usize = 32;
+const BLOCKS_PER_THREAD: usize = 32;
 
 /// Blocks of a run that is to stop: from fewer there is no error.
-const BLOCKS_IN_ANY_CASE: usize = 2;
+const MIN_BLOCKS: usize = 2;
 
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
     ///
     /// Quasi-random rays come in smaller blocks, of a size that `sampling` allows.
-    pub fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
-        let count = rays.div_ceil(ORDINARY_STRATA.pow(2)).max(fewest.min(rays));
+    pub(crate) fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
+        let count = rays.div_ceil(MAX_STRATA.pow(2)).max(fewest.min(rays));
         // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
         let strata = match sampling {
             Sampling::Random | Sampling::Stratified => (rays.div_ceil(count) - 1).isqrt() + 1,
@@ -114,16 +61,8 @@ impl Blocks {
         }
     }
 
-    /// `count` more of the same.
-    pub const fn more(self, count: u64) -> Self {
-        Self {
-            first: self.first + self.count,
-            count,
-            ..self
-        }
-    }
-
-    pub const fn rays(self) -> u64 {
+    /// Rays of all blocks.
+    pub(crate) const fn rays(self) -> u64 {
         self.count * (self.strata as u64).pow(2)
     }
 }
@@ -136,10 +75,10 @@ impl Blocks {
 /// If the run is to stop, those that are under way are finished, and the first ones in any case.
 pub(crate) fn run_blocks<G: Geometry>(
     meshes: &[LitMesh<'_, G>],
-    settings: &RaySettings,
+    settings: &Settings,
     realisation: u64,
     blocks: Blocks,
-    progress: &dyn Observer,
+    observer: &dyn Observer,
     mut each: impl FnMut(&[TallyValues]) + Send,
 ) -> Work {
     let mut work = Work::default();
@@ -155,31 +94,31 @@ pub(crate) fn run_blocks<G: Geometry>(
         }
     };
     let trace = |block: usize| {
-        if block >= BLOCKS_IN_ANY_CASE && progress.stop().is_some() {
+        if block >= MIN_BLOCKS && observer.stop().is_some() {
             return None;
         }
         let mut work_of_first = None;
         let mut tallies = Vec::new();
         for mesh in meshes {
             let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
-            let spec = settings.spec;
+            let spec = settings.tally;
             let (tally, work) =
                 mesh.tracer
                     .batch(&mesh.light, blocks.strata, spec, mesh.control, &mut rng);
             tallies.push(tally);
             work_of_first.get_or_insert(work);
         }
-        progress.advance(u64::from(blocks.strata).pow(2));
+        observer.advance(u64::from(blocks.strata).pow(2));
         Some((tallies, work_of_first.unwrap_or_default()))
     };
     // Waves bound how many tallies are held at once; those of one are taken while the next is traced.
-    let values = meshes.len() * settings.spec.len();
-    let records = RECORD_BUDGET / (2 * values * size_of::<f64>());
-    let wave = records.clamp(1, BLOCKS_OF_THREAD * rayon::current_num_threads());
+    let values = meshes.len() * settings.tally.len();
+    let tallies = TALLY_BUDGET / (2 * values * size_of::<f64>());
+    let wave = tallies.clamp(1, BLOCKS_PER_THREAD * rayon::current_num_threads());
     let count = blocks.count as usize;
     let mut finished = Vec::new();
     for first in (0..count).step_by(wave) {
-        if first > 0 && progress.stop().is_some() {
+        if first > 0 && observer.stop().is_some() {
             break;
         }
         let last = (first + wave).min(count);
@@ -199,7 +138,7 @@ mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
     use asperity_tally::{TallyResult, TallyStatistics};
-    use asperity_tracer::{BuildAccelerator, HalfSpace, Starts, Surface};
+    use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
     use crate::observer::StoppedBy;
@@ -230,7 +169,7 @@ mod tests {
         let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
         let surface = Surface::new(field);
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let settings = RaySettings::default();
+        let settings = Settings::default();
         let mesh = LitMesh {
             tracer: Tracer::new(
                 &surface,
@@ -258,7 +197,7 @@ mod tests {
                 asked: AtomicU64::new(0),
                 advanced: AtomicU64::new(0),
             };
-            let mut statistics = TallyStatistics::new(settings.spec);
+            let mut statistics = TallyStatistics::new(settings.tally);
             let meshes = std::slice::from_ref(&mesh);
             let work = run_blocks(meshes, &settings, 0, blocks, &progress, |tallies| {
                 statistics.push(&tallies[0]);
@@ -290,7 +229,7 @@ mod tests {
                 let slack = blocks.count * (2 * u64::from(blocks.strata) + 1);
                 assert!(blocks.rays() - rays <= slack, "{rays} {blocks:?}");
                 // So that a run that is to stop does so soon.
-                assert!(u64::from(blocks.strata) <= ORDINARY_STRATA);
+                assert!(u64::from(blocks.strata) <= MAX_STRATA);
                 assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
                 assert_eq!(blocks, Blocks::plan(rays, fewest, Sampling::Random));
             }

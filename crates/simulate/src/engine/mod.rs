@@ -1,7 +1,21 @@
 //! How rays are divided, traced and added until an error is reached.
+//!
+//! [`simulation`] is the door. It puts cases with equal surface sources into a [`group`]: [`random`] for fresh
+//! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
+//! and blocks of rays in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
+//! they are traced on. [`pilot`] plans the effort that a target error takes. [`draft`] turns what was found of a
+//! case into its outcome.
 
 pub(crate) mod blocks;
-pub(crate) mod ensemble;
+pub(crate) mod built_surface;
+pub(crate) mod draft;
+pub(crate) mod given;
+pub(crate) mod given_run;
+pub(crate) mod group;
 pub(crate) mod pilot;
-pub(crate) mod sharing;
-pub(crate) mod trace;
+pub(crate) mod random;
+pub(crate) mod rounds;
+pub(crate) mod simulation;
+pub(crate) mod surfaces;
+pub(crate) mod tallies;
+pub(crate) mod traced_case;

@@ -1,4 +1,4 @@
-//! What a pilot run on a few surfaces tells of the effort that an error takes.
+//! Pilot: plans the effort that an error takes, from what a short run on a few surfaces shows.
 //!
 //! The variance of a result from `N` surfaces of `n` rays each is `(v_s + v_r / n) / N`, with the
 //! variance `v_s` between surfaces and `v_r` of rays on their surface. It takes the time
@@ -13,14 +13,15 @@
 use asperity_surface::Synthesis;
 use asperity_tally::{ControlVariate, Entry, TallySpec};
 
-use crate::engine::ensemble::Ensemble;
+use super::surfaces::SurfacePlan;
+use super::tallies::CaseTallies;
 use crate::input::target::{Quantity, Target, ratio};
 use crate::output::stopping::PilotFigures;
 
 /// Number of the first surface of a pilot run; those of results end far before.
 pub(crate) const FIRST: u64 = 1 << 40;
 
-/// Surfaces of a pilot run: their variance is known to a third.
+/// Surfaces of the pilot run: their variance is known to a third.
 pub(crate) const SURFACES: u64 = 16;
 
 /// Rays of all of them.
@@ -71,50 +72,78 @@ const MESH_ORDER: f64 = 1.0 / 3.0;
 /// What a pilot run found of one case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
-    pub figures: PilotFigures,
+    pub(crate) figures: PilotFigures,
     /// Rays in all below which no error reaches the target, since none is reported below one ray.
     fewest_rays: f64,
 }
 
 /// How much of a case is traced.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Effort {
-    pub realisations: u64,
-    pub rays_of_surface: u64,
+pub(crate) struct PlannedEffort {
+    pub(crate) surfaces: u64,
+    pub(crate) rays_per_surface: u64,
     /// The error to be expected of it, of the most demanding case.
-    pub expected: f64,
+    pub(crate) expected: f64,
+}
+
+impl PlannedEffort {
+    pub(crate) const fn plan(&self) -> SurfacePlan {
+        SurfacePlan {
+            surfaces: self.surfaces,
+            rays: self.surfaces.saturating_mul(self.rays_per_surface),
+        }
+    }
+}
+
+/// What the pilot run found of one case, at the given spacing and, if the grid has one, at twice that.
+pub(crate) struct PilotRun<'a> {
+    pub(crate) fine: &'a CaseTallies,
+    pub(crate) coarse: Option<&'a CaseTallies>,
+    /// Cells of a surface.
+    pub(crate) cells: usize,
+    /// Entries that have an error of at least one ray.
+    pub(crate) counted: usize,
+}
+
+/// The spacing that is taken, and what its mesh adds to the error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ChosenSpacing {
+    /// Over the spacing given.
+    pub(crate) scale: f64,
+    /// What the mesh adds to the error of the most demanding case; `None` where that is not known.
+    pub(crate) mesh_error: Option<f64>,
+    /// Whether that is small beside the target.
+    pub(crate) fine_enough: bool,
 }
 
 impl Figures {
-    /// From what the pilot run found on its `surfaces`, and on the same with twice the spacing.
-    ///
-    /// `counted`: how many entries have an error of at least one ray.
-    pub(crate) fn new(
-        target: Target,
-        spec: &TallySpec,
-        surfaces: &Ensemble,
-        coarse: Option<&Ensemble>,
-        (cells, counted): (usize, usize),
-    ) -> Self {
+    /// From what the pilot run found.
+    pub(crate) fn new(target: Target, spec: &TallySpec, run: &PilotRun<'_>) -> Self {
+        let PilotRun {
+            fine,
+            coarse,
+            cells,
+            counted,
+        } = *run;
         let entries = target.of().entries(spec);
         let [mut scatter, mut of_rays, mut square] = [0.0; 3];
-        let n = surfaces.tallies.len() as f64;
-        let rays = surfaces.work.rays as f64 / n;
+        let n = fine.surfaces.len() as f64;
+        let rays = fine.work.rays as f64 / n;
         for &i in &entries {
-            let [mean, variance] = mean_and_variance(surfaces.tallies.iter().map(|r| r[i]));
+            let [mean, variance] = mean_and_variance(fine.surfaces.iter().map(|r| r[i]));
             scatter += variance;
-            of_rays += surfaces.ray_squares[i] / n;
+            of_rays += fine.ray_squares[i] / n;
             square += mean * mean;
         }
         // The noise of the means adds to their squares.
         let norm = target.of().norm((square - scatter / n).max(0.5 * square));
         let of_surfaces = (scatter - of_rays).max(LEAST_OF_SURFACES * scatter);
-        let work = &surfaces.work;
+        let work = &fine.work;
         let per_ray = |count: u64| count as f64 / work.rays as f64;
         let relative = |square: f64| ratio(square, norm * norm);
         Self {
             figures: PilotFigures {
-                realisations: surfaces.tallies.len() as u64,
+                realisations: fine.surfaces.len() as u64,
                 rays: work.rays,
                 variance_of_surfaces: relative(of_surfaces),
                 variance_of_rays: relative(of_rays * rays),
@@ -123,7 +152,7 @@ impl Figures {
                     + SEGMENT_NS * per_ray(work.segments)
                     + SKIPPED_NS * per_ray(work.segments_skipped),
                 mesh_difference: coarse
-                    .map(|coarse| ratio(difference(&entries, surfaces, coarse), norm)),
+                    .map(|coarse| ratio(difference(&entries, fine, coarse), norm)),
             },
             fewest_rays: ratio((counted as f64).sqrt(), norm) / target.error(),
         }
@@ -131,7 +160,7 @@ impl Figures {
 
     /// The effort that brings the error of a case to `error` in the least time. `surface_cost`: how much
     /// more a surface costs than in the pilot run; `most`: surfaces that results have room for.
-    fn effort(&self, error: f64, surface_cost: f64, most: u64) -> Effort {
+    fn effort(&self, error: f64, surface_cost: f64, most: u64) -> PlannedEffort {
         let PilotFigures {
             variance_of_surfaces: v_s,
             variance_of_rays: v_r,
@@ -161,9 +190,9 @@ impl Figures {
         }
         rays = rays.max(self.fewest_rays / surfaces);
         let rays = rays.clamp(least_rays, most_rays);
-        Effort {
-            realisations: surfaces as u64,
-            rays_of_surface: rays.ceil() as u64,
+        PlannedEffort {
+            surfaces: surfaces as u64,
+            rays_per_surface: rays.ceil() as u64,
             expected: ((v_s + v_r / rays) / surfaces).sqrt(),
         }
     }
@@ -177,16 +206,16 @@ impl Figures {
 
 /// The effort that serves all cases that share surfaces: for the rays of the most demanding one, as many
 /// surfaces as all of them need.
-pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Option<Effort> {
+pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Option<PlannedEffort> {
     let cost = 1.0 / (scale * scale);
-    let total = |effort: &Effort| effort.realisations.saturating_mul(effort.rays_of_surface);
+    let total = |effort: &PlannedEffort| effort.plan().rays;
     cases
         .iter()
         .map(|figures| figures.effort(error, cost, most))
         .reduce(|a, b| {
             let demanding = if total(&b) > total(&a) { b } else { a };
-            Effort {
-                realisations: a.realisations.max(b.realisations),
+            PlannedEffort {
+                surfaces: a.surfaces.max(b.surfaces),
                 expected: a.expected.max(b.expected),
                 ..demanding
             }
@@ -194,28 +223,33 @@ pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Opti
 }
 
 /// The coarsest of the spacings `scales` at which the mesh error of every case is small beside the
-/// target, or the finest, with what the mesh adds there and whether that is small.
-pub(crate) fn spacing(
-    cases: &[Figures],
-    target: Target,
-    scales: &[f64],
-) -> (f64, Option<f64>, bool) {
+/// target, or the finest.
+pub(crate) fn spacing(cases: &[Figures], target: Target, scales: &[f64]) -> ChosenSpacing {
     let worst = |scale: f64| {
         let errors: Option<Vec<f64>> = cases.iter().map(|c| c.mesh_error(scale)).collect();
         errors.map(|errors| errors.into_iter().fold(0.0, f64::max))
     };
-    let mut chosen = (1.0, worst(1.0), false);
-    if chosen.1.is_none() {
-        return (1.0, None, true);
+    let given = ChosenSpacing {
+        scale: 1.0,
+        mesh_error: worst(1.0),
+        fine_enough: false,
+    };
+    if given.mesh_error.is_none() {
+        return ChosenSpacing {
+            fine_enough: true,
+            ..given
+        };
     }
+    let mut chosen = given;
     for &scale in scales {
-        let error = worst(scale);
-        chosen = (
+        let mesh_error = worst(scale);
+        let most = MESH_SHARE * target.error();
+        chosen = ChosenSpacing {
             scale,
-            error,
-            error.is_some_and(|e| e <= MESH_SHARE * target.error()),
-        );
-        if chosen.2 {
+            mesh_error,
+            fine_enough: mesh_error.is_some_and(|error| error <= most),
+        };
+        if chosen.fine_enough {
             break;
         }
     }
@@ -236,11 +270,11 @@ pub(crate) fn respaced(synthesis: &Synthesis, scale: f64) -> Option<Synthesis> {
 
 /// How much the results on the same surfaces with twice the spacing differ: the root of the sum of
 /// squares, to which noise is counted that may hide more.
-fn difference(entries: &[Entry], fine: &Ensemble, coarse: &Ensemble) -> f64 {
-    let n = fine.tallies.len().min(coarse.tallies.len()) as f64;
+fn difference(entries: &[Entry], fine: &CaseTallies, coarse: &CaseTallies) -> f64 {
+    let n = fine.surfaces.len().min(coarse.surfaces.len()) as f64;
     let [mut squares, mut noise, mut noise_squares] = [0.0; 3];
     for &i in entries {
-        let pairs = fine.tallies.iter().zip(&coarse.tallies);
+        let pairs = fine.surfaces.iter().zip(&coarse.surfaces);
         let [mean, variance] = mean_and_variance(pairs.map(|(fine, coarse)| coarse[i] - fine[i]));
         squares += mean * mean;
         noise += variance / n;
@@ -294,8 +328,8 @@ mod tests {
         let (v_s, v_r) = (1e-4, 1.0);
         let error = 1e-3;
         let effort = figures(v_s, v_r, None).effort(error, 1.0, 1 << 20);
-        let n = effort.rays_of_surface as f64;
-        let variance = (v_s + v_r / n) / effort.realisations as f64;
+        let n = effort.rays_per_surface as f64;
+        let variance = (v_s + v_r / n) / effort.surfaces as f64;
         assert!(variance <= error * error && variance > 0.7 * error * error);
         let time = |n: f64| (v_s + v_r / n) * (1e6 + 100.0 * n);
         assert!(time(n) < time(1.2 * n) && time(n) < time(n / 1.2), "{n}");
@@ -304,18 +338,18 @@ mod tests {
     #[test]
     fn few_surfaces_get_more_rays_and_many_are_never_more_than_allowed() {
         let easy = figures(1e-12, 1.0, None).effort(1e-3, 1.0, 1 << 20);
-        assert_eq!(easy.realisations, 8);
+        assert_eq!(easy.surfaces, 8);
         assert!(
-            (1.2e5..1.7e5).contains(&(easy.rays_of_surface as f64)),
+            (1.2e5..1.7e5).contains(&(easy.rays_per_surface as f64)),
             "{easy:?}"
         );
         let hard = figures(1.0, 1.0, None).effort(1e-3, 1.0, 100);
         // A hundred surfaces cannot do it, and rays do not help.
-        assert_eq!(hard.realisations, 100);
-        assert!(hard.rays_of_surface < 1_000_000, "{hard:?}");
+        assert_eq!(hard.surfaces, 100);
+        assert!(hard.rays_per_surface < 1_000_000, "{hard:?}");
         assert!((0.1..0.2).contains(&hard.expected), "{hard:?}");
         let exact = figures(0.0, 0.0, None).effort(1e-3, 1.0, 100);
-        assert_eq!([exact.realisations, exact.rays_of_surface], [8, 1000]);
+        assert_eq!([exact.surfaces, exact.rays_per_surface], [8, 1000]);
     }
 
     #[test]
@@ -329,15 +363,18 @@ mod tests {
             spacing(&cases, target, &[2.0, 1.0, 0.5])
         };
         // 4/3, 1/3 and 1/12 of the difference against a third of the target.
-        assert_eq!(chosen(7e-4).0, 2.0);
-        assert_eq!(chosen(2.9e-3).0, 1.0);
-        assert_eq!(chosen(1.1e-2).0, 0.5);
-        assert!(chosen(1.1e-2).2);
+        assert_eq!(chosen(7e-4).scale, 2.0);
+        assert_eq!(chosen(2.9e-3).scale, 1.0);
+        assert_eq!(chosen(1.1e-2).scale, 0.5);
+        assert!(chosen(1.1e-2).fine_enough);
         let hopeless = chosen(1.0);
-        assert_eq!((hopeless.0, hopeless.2), (0.5, false));
-        assert_eq!(
-            spacing(&[figures(1.0, 1.0, None)], target, &[2.0, 1.0]),
-            (1.0, None, true)
-        );
+        assert_eq!((hopeless.scale, hopeless.fine_enough), (0.5, false));
+        let unknown = ChosenSpacing {
+            scale: 1.0,
+            mesh_error: None,
+            fine_enough: true,
+        };
+        let chosen = spacing(&[figures(1.0, 1.0, None)], target, &[2.0, 1.0]);
+        assert_eq!(chosen, unknown);
     }
 }

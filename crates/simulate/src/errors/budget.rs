@@ -1,4 +1,4 @@
-//! The errors of a result by where they come from: rays, surfaces, mesh.
+//! Error budget: the errors of a result by where they come from: rays, surfaces, mesh.
 
 use asperity_tally::{
     Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics, TallyValues,
@@ -6,7 +6,8 @@ use asperity_tally::{
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use crate::errors::mesh_error::{MeshErrors, Refinement};
+use super::mesh_error::MeshErrors;
+use super::refinement::Refinement;
 use crate::methods::method::{ControlMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
@@ -20,7 +21,7 @@ pub struct Errors {
     pub mesh: Option<f64>,
     /// Standard error of that, where it was measured.
     pub mesh_se: Option<f64>,
-    /// What the mesh would have added but for the control: a shift with its sign.
+    /// What the mesh would have added but for the control variate: a shift with its sign.
     pub mesh_removed: Option<f64>,
     /// Root of the sum of the squares of rays, surfaces and mesh, as far as they are known.
     pub total: Option<f64>,
@@ -28,7 +29,7 @@ pub struct Errors {
 
 /// How each error was estimated, a sentence each.
 #[derive(Clone, Debug, Serialize)]
-struct Ways {
+struct Explanation {
     rays: String,
     surfaces: String,
     mesh: String,
@@ -36,25 +37,17 @@ struct Ways {
     total: &'static str,
 }
 
-/// The errors of all results of a run, by where they come from.
+/// The errors of all results of a case, by where they come from.
 #[derive(Clone, Debug)]
 pub struct ErrorBudget {
-    /// Squares; not a number where there was no scatter to be seen.
+    /// Squares; not a number where no scatter could be seen.
     rays: TallyValues,
     /// Squares, where there were several surfaces.
     surfaces: Option<TallyValues>,
     mesh: MeshErrors,
-    /// Of what was not traced.
+    /// Of an analytic result.
     bounds: Option<TallyValues>,
-    ways: Ways,
-}
-
-/// Squares of standard errors by the scatter of batches, and how those of surfaces were found.
-struct Scatter {
-    of_rays: TallyValues,
-    /// Of surfaces with their rays, where there are several.
-    of_surfaces: Option<TallyValues>,
-    way_of_surfaces: String,
+    explanation: Explanation,
 }
 
 /// Each entry has its errors.
@@ -73,13 +66,30 @@ impl TallyResult for ErrorBudget {
 /// Said of rays.
 const BY_BLOCKS: &str = "standard error by the scatter between the ray blocks of each surface";
 
+/// Said of surfaces.
+const BY_SURFACES: &str = "standard error by the scatter of the surfaces, less what their rays explain; 0 where these explain all of it";
+
 /// Said of the sum.
 const TOTAL: &str =
     "root of the sum of the squares of rays, surfaces and mesh, without those that are null";
 
+/// How rays became a result.
+#[derive(Clone, Copy)]
+pub(crate) struct TracedRays<'a> {
+    pub(crate) method: &'a Method,
+    pub(crate) count: u64,
+}
+
+/// What the scatter of batches says of surfaces, and how it is said.
+struct SurfaceErrors {
+    /// Squares of the errors by surfaces with their rays, where there were several.
+    squares: Option<TallyValues>,
+    explanation: String,
+}
+
 impl ErrorBudget {
-    /// The errors of what is known without a ray, to within bounds.
-    pub fn of_bounds(bounds: TallyValues) -> Self {
+    /// The errors of an analytic result, with no rays traced, to within bounds.
+    pub(crate) fn of_bounds(bounds: TallyValues) -> Self {
         let none = || "none: nothing was traced".to_owned();
         let spec = *bounds.spec();
         Self {
@@ -87,7 +97,7 @@ impl ErrorBudget {
             surfaces: None,
             mesh: MeshErrors::unknown(spec, "none: nothing was traced"),
             bounds: Some(bounds),
-            ways: Ways {
+            explanation: Explanation {
                 rays: none(),
                 surfaces: none(),
                 mesh: none(),
@@ -97,65 +107,64 @@ impl ErrorBudget {
         }
     }
 
-    /// The errors of the only surface that there is, of which `blocks` are the ray blocks.
-    pub fn of_one(blocks: &TallyStatistics, method: &Method, rays: u64, mesh: MeshErrors) -> Self {
-        let none = match method.control_mean() {
+    /// The errors of a result on one surface, of which `blocks` are the ray blocks.
+    pub(crate) fn of_one(blocks: &TallyStatistics, rays: TracedRays<'_>, mesh: MeshErrors) -> Self {
+        let explanation = match rays.method.control_mean() {
             Some(ControlMean::GaussianSlopes) => {
                 "not known: one surface tells nothing of others, whose mean its control adds"
             }
             _ => "none: the result is that of this one surface alone",
-        }
-        .to_owned();
-        let scatter = Scatter {
-            of_rays: blocks.error_squares(),
-            of_surfaces: None,
-            way_of_surfaces: none,
         };
-        Self::new(scatter, method, rays, mesh)
+        let surfaces = SurfaceErrors {
+            squares: None,
+            explanation: explanation.to_owned(),
+        };
+        Self::new(blocks.error_squares(), surfaces, rays, mesh)
     }
 
     /// The errors of means over `surfaces`; `ray_squares` are the squares of the errors of each by the
     /// scatter of its ray blocks, summed.
-    pub fn of_surfaces(
+    pub(crate) fn of_surfaces(
         surfaces: &TallyStatistics,
         ray_squares: &TallyValues,
-        method: &Method,
-        rays: u64,
+        rays: TracedRays<'_>,
         mesh: MeshErrors,
     ) -> Self {
         let n = surfaces.batches() as f64;
-        let way = "standard error by the scatter of the surfaces, less what their rays explain; 0 where these explain all of it".to_owned();
-        let scatter = Scatter {
-            of_rays: ray_squares.map(|sum| sum / (n * n)),
-            of_surfaces: Some(surfaces.error_squares()),
-            way_of_surfaces: way,
+        let of_rays = ray_squares.map(|sum| sum / (n * n));
+        let surfaces = SurfaceErrors {
+            squares: Some(surfaces.error_squares()),
+            explanation: BY_SURFACES.to_owned(),
         };
-        Self::new(scatter, method, rays, mesh)
+        Self::new(of_rays, surfaces, rays, mesh)
     }
 
-    fn new(scatter: Scatter, method: &Method, count: u64, mut mesh: MeshErrors) -> Self {
-        let mut rays = scatter.of_rays;
-        let mut of_rays = BY_BLOCKS.to_owned();
-        if let Some(control) = method.control() {
-            rays.update(&control.least_errors(count), |square, least| {
+    /// From squares of errors by rays.
+    fn new(
+        mut of_rays: TallyValues,
+        of_surfaces: SurfaceErrors,
+        rays: TracedRays<'_>,
+        mesh: MeshErrors,
+    ) -> Self {
+        let mut explanation = BY_BLOCKS.to_owned();
+        if let Some(control) = rays.method.control() {
+            of_rays.update(&control.least_errors(rays.count), |square, least| {
                 *square = square.max(least * least);
             });
-            of_rays.push_str(", and no less than one ray where the control expects light");
+            explanation.push_str(", and no less than one ray where the control expects light");
         }
-        let surfaces = scatter
-            .of_surfaces
-            .map(|all| all.zip_map(&rays, |a, r| a - r));
-        let [way, removed] = std::mem::take(&mut mesh.ways);
+        let less_rays = |all: TallyValues| all.zip_map(&of_rays, |a, r| a - r);
+        let said_of_mesh = mesh.explanation.clone();
         Self {
-            rays,
-            surfaces,
+            surfaces: of_surfaces.squares.map(less_rays),
+            rays: of_rays,
             mesh,
             bounds: None,
-            ways: Ways {
-                rays: of_rays,
-                surfaces: scatter.way_of_surfaces,
-                mesh: way,
-                mesh_removed: removed,
+            explanation: Explanation {
+                rays: explanation,
+                surfaces: of_surfaces.explanation,
+                mesh: said_of_mesh.remaining,
+                mesh_removed: said_of_mesh.removed,
                 total: TOTAL,
             },
         }
@@ -196,8 +205,9 @@ impl ErrorBudget {
     }
 
     /// How the errors by the mesh were estimated, or why not.
+    #[must_use]
     pub fn way_of_mesh(&self) -> &str {
-        &self.ways.mesh
+        &self.explanation.mesh
     }
 
     /// `error_budget` of summary.json.
@@ -209,7 +219,7 @@ impl ErrorBudget {
             let errors = entry.map(|i| self.errors(i));
             out.insert(name.to_owned(), json!(errors));
         }
-        out.insert("ways".to_owned(), json!(self.ways));
+        out.insert("ways".to_owned(), json!(self.explanation));
         if let Some(refinement) = &self.mesh.refinement {
             out.insert("refinement".to_owned(), refinement_json(refinement, spec));
         }

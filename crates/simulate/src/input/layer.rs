@@ -97,27 +97,51 @@ pub fn layer_folder(layer: &Layer) -> String {
     name
 }
 
-/// A surface and how hits on it are found.
-pub(crate) type Found<'a, G> = (&'a G, &'a dyn Accelerator<G>);
+/// A layer of a medium below a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerBelow {
+    /// The medium, the thickness, and what it ends on.
+    pub layer: Layer,
+    /// The shape of its bottom, unless the given surface has a bottom of its own.
+    pub bottom: BottomSurface,
+}
 
-/// What lies below `top`: `layer`, on a bottom of that shape; `own` is the bottom's own surface, where it
-/// has one.
-/// # Errors
-/// [`TracedLayerError`] if the layer does not fit below the surface.
-pub fn substrate<'a, G: Geometry>(
-    top: Found<'a, G>,
-    layer: &Layer,
-    (shape, own): (BottomSurface, Option<Found<'a, G>>),
-    most_scatterings: u32,
-) -> Result<TracedLayer<'a, G>, TracedLayerError> {
-    let surface = |(geometry, accelerator)| BottomShape::Surface {
-        geometry,
-        accelerator,
-    };
-    let shape = match (own, shape) {
-        (Some(own), _) => surface(own),
-        (None, BottomSurface::Same) => surface(top),
-        (None, _) => BottomShape::Flat,
-    };
-    TracedLayer::new(top.0, layer, shape, most_scatterings)
+/// A surface, and how hits on it are found.
+pub struct SearchedSurface<'a, G: Geometry> {
+    /// The surface.
+    pub geometry: &'a G,
+    /// How hits on it are found.
+    pub accelerator: &'a dyn Accelerator<G>,
+}
+
+impl<G: Geometry> Clone for SearchedSurface<'_, G> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<G: Geometry> Copy for SearchedSurface<'_, G> {}
+
+impl LayerBelow {
+    /// The layer below `top`, as paths meet it; `bottom` is the surface that it ends on, if it has one of its own.
+    ///
+    /// # Errors
+    /// [`TracedLayerError`] if the layer does not fit below the surface.
+    pub fn traced<'a, G: Geometry>(
+        &self,
+        top: SearchedSurface<'a, G>,
+        bottom: Option<SearchedSurface<'a, G>>,
+        max_scatterings: u32,
+    ) -> Result<TracedLayer<'a, G>, TracedLayerError> {
+        let surface = |surface: SearchedSurface<'a, G>| BottomShape::Surface {
+            geometry: surface.geometry,
+            accelerator: surface.accelerator,
+        };
+        let shape = match (bottom, self.bottom) {
+            (Some(own), _) => surface(own),
+            (None, BottomSurface::Same) => surface(top),
+            (None, BottomSurface::Flat | BottomSurface::Independent) => BottomShape::Flat,
+        };
+        TracedLayer::new(top.geometry, &self.layer, shape, max_scatterings)
+    }
 }

@@ -1,94 +1,27 @@
 //! What fits into memory, and what light can be followed: checked before the work begins.
 
-use asperity_analysis::ModelError;
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
-use asperity_surface::RefinementError;
 use asperity_tally::TallySpec;
-use asperity_tracer::{
-    AcceleratorKind, BuildError, Geometry, MAX_TILES, TracedLayerError, can_traverse, tiles_crossed,
-};
+use asperity_tracer::{AcceleratorKind, Geometry, can_traverse, tiles_crossed};
+
+use crate::error::SimulateError;
 
 /// Most memory for the results of a run.
 const RESULT_BUDGET: f64 = 4.0 * GIB;
 
-const GIB: f64 = (1_u64 << 30) as f64;
+/// Memory for the tallies of ray blocks that are traced side by side, and of those traced before.
+pub(crate) const TALLY_BUDGET: usize = 1 << 28;
 
-/// Why a run fails.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RunError {
-    /// No accelerator for the surface.
-    #[error(transparent)]
-    Build(#[from] BuildError),
-    /// No finer mesh of the surface.
-    #[error(transparent)]
-    Refinement(#[from] RefinementError),
-    /// Results too large for memory.
-    #[error(
-        "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer"
-    )]
-    TooManyResults {
-        /// Bins of both hemispheres.
-        bins: usize,
-        /// Surfaces.
-        realisations: u64,
-        /// Cases that share the surfaces.
-        cases: usize,
-        /// Memory that they would take.
-        gib: f64,
-    },
-    /// The surface does not fit into memory.
-    #[error("{what} needs {needed:.1} GiB of memory; {available:.1} GiB are available")]
-    NotEnoughMemory {
-        /// What needs it.
-        what: &'static str,
-        /// GiB needed.
-        needed: f64,
-        /// GiB available.
-        available: f64,
-    },
-    /// A layer that does not fit below the surface.
-    #[error(transparent)]
-    Layer(#[from] TracedLayerError),
-    /// A control of light on an open patch.
-    #[error(
-        "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
-    )]
-    OpenControl,
-    /// A control of light from all azimuths on one surface.
-    #[error(
-        "the controlled estimator of one surface is of light from one azimuth; with light of random azimuth take auto or plain"
-    )]
-    AzimuthControl,
-    /// A control of light on a mesh.
-    #[error(
-        "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
-    )]
-    MeshControl,
-    /// A control of light that passes undeviated.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// Light so flat that it would cross too many tiles.
-    #[error(
-        "light from theta {theta_deg} deg crosses up to {tiles:.0} tiles between the highest and the lowest point, {} is the most: take a larger tile or a smaller angle",
-        MAX_TILES
-    )]
-    TooGrazing {
-        /// Polar angle, degrees.
-        theta_deg: f64,
-        /// Tiles crossed.
-        tiles: f64,
-    },
-}
+const GIB: f64 = (1_u64 << 30) as f64;
 
 /// Refuses what needs more than the memory that is left, where the system says how much that is.
 ///
 /// # Errors
-/// [`RunError::NotEnoughMemory`].
-pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), RunError> {
+/// [`SimulateError::NotEnoughMemory`].
+pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), SimulateError> {
     match available_memory() {
-        Some(available) if bytes as u64 > available => Err(RunError::NotEnoughMemory {
+        Some(available) if bytes as u64 > available => Err(SimulateError::NotEnoughMemory {
             what,
             needed: bytes as f64 / GIB,
             available: available as f64 / GIB,
@@ -144,7 +77,7 @@ pub fn check_results(
     realisations: u64,
     cases: usize,
     refine: bool,
-) -> Result<(), RunError> {
+) -> Result<(), SimulateError> {
     // A tally, and the squares of its errors; of several meshes, three shifts with theirs.
     let values = if refine { 8.0 } else { 2.0 };
     let tallies = (spec.len() * cases) as f64 * values * (realisations as f64 + 4.0);
@@ -152,7 +85,7 @@ pub fn check_results(
     let gib = 8.0 * (tallies + signs) / GIB;
     if gib * GIB > RESULT_BUDGET {
         let bins = spec.grid().len();
-        return Err(RunError::TooManyResults {
+        return Err(SimulateError::TooManyResults {
             bins,
             realisations,
             cases,
@@ -170,12 +103,12 @@ pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
 }
 
 /// Refuses light that would cross more tiles than a ray may.
-pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), RunError> {
+pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), SimulateError> {
     let tiles = tiles_crossed(surface, incidence.theta());
     if can_traverse(surface, incidence.theta()) {
         return Ok(());
     }
-    Err(RunError::TooGrazing {
+    Err(SimulateError::TooGrazing {
         theta_deg: incidence.theta_deg(),
         tiles,
     })

@@ -4,4 +4,6 @@ pub(crate) mod case;
 pub(crate) mod estimator;
 pub(crate) mod layer;
 pub(crate) mod limits;
+pub(crate) mod settings;
+pub(crate) mod surface_source;
 pub(crate) mod target;

@@ -1,19 +1,21 @@
-//! The control of one given surface: its own unshadowed single scattering, summed over its facets.
+//! ControlVariate variate of one given surface: its own unshadowed single scattering, summed over its facets.
 //!
-//! Of a measured surface there is no ensemble whose mean could be taken. The sum over all facets takes
-//! its place, so that what is left to sampling is shadow, masking and multiple scattering of this
-//! surface; noise of rays goes, and there is no other.
+//! A given surface belongs to no ensemble whose mean could be taken. The sum over all facets takes the place of
+//! that mean. Only shadowing, masking and multiple scattering of this surface are left to sampling, and the
+//! noise of rays is the only noise.
 
 use asperity_analysis::{ModelError, SlopeCovariance, visible_fractions};
-use asperity_optics::{Incidence, Material};
+use asperity_optics::Material;
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{ControlVariate, Sides, TallySpec, TallyValues};
-use asperity_tracer::{Geometry, HalfSpace, Surface, sum_over_facets, unshadowed_fluxes};
+use asperity_tracer::{Geometry, Surface, sum_over_facets, unshadowed_fluxes};
 use rayon::prelude::*;
 
-use crate::engine::blocks::{RECORD_BUDGET, RaySettings};
+use crate::error::SimulateError;
+use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
-use crate::input::limits::RunError;
+use crate::input::limits::TALLY_BUDGET;
+use crate::input::settings::Settings;
 use crate::methods::method::{ControlMean, Method};
 
 /// Parts that the sum over facets is divided into, whatever the number of threads.
@@ -22,44 +24,46 @@ const PARTS: usize = 64;
 impl Method {
     /// The method for light on one given surface.
     ///
-    /// Where the choice is free, a control is taken if it promises to pay and the sum over all facets
+    /// Where the choice is free, a control variate is taken if it promises to pay and the sum over all facets
     /// costs less than the rays do.
     ///
     /// # Errors
-    /// [`RunError::OpenControl`] where a control is insisted on for an open patch: rays that come from
+    /// [`SimulateError::OpenControl`] if a control variate is insisted on for an open patch: rays that come from
     /// beside it meet other facets than those that are summed over.
-    pub fn of_surface(
+    pub(crate) fn of_surface(
         surface: &Surface,
-        material: Material,
-        incidence: Incidence,
-        incident: HalfSpace,
-        settings: &RaySettings,
-    ) -> Result<Self, RunError> {
+        case: &Case,
+        settings: &Settings,
+    ) -> Result<Self, SimulateError> {
+        // No control variate knows of a layer, and that of one surface is of light from one azimuth.
+        if case.layer.is_some() || case.light.random_azimuth {
+            return Ok(Self::PLAIN);
+        }
         let estimator = settings.estimator;
         let open = surface.border() == Border::Open;
-        let few_rays = (settings.rays as usize) < surface.facet_count();
+        let few_rays = (settings.effort.total_rays() as usize) < surface.facet_count();
         let pointless = open || few_rays || surface.is_flat();
         if estimator == Estimator::Plain || estimator == Estimator::Auto && pointless {
             return Ok(Self::PLAIN);
         }
         if open {
-            return Err(RunError::OpenControl);
+            return Err(SimulateError::OpenControl);
         }
         let Some(slopes) = slopes(surface.field()) else {
             return Ok(Self::PLAIN);
         };
-        // The side that is not asked for has its control too.
-        let spec = settings.spec;
-        let both = spec.with_sides(Sides::Both);
-        let shares = match visible_fractions(&slopes, material, incidence, &spec) {
+        // The side that is not recorded has its control variate too.
+        let (tally, incidence) = (settings.tally, case.light.incidence);
+        let both = tally.with_sides(Sides::Both);
+        let shares = match visible_fractions(&slopes, case.material, incidence, &tally) {
             Ok(shares) => shares,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
                 return Ok(Self::PLAIN);
             }
             Err(error) => return Err(error.into()),
         };
-        let tally = sum_over_all_facets(surface, material, incidence, incident, both);
-        let control = ControlVariate::new(spec, shares, &unshadowed_fluxes(&tally));
+        let sum = sum_over_all_facets(surface, case.material, &case.light, both);
+        let control = ControlVariate::new(tally, shares, &unshadowed_fluxes(&sum));
         let mean = ControlMean::FacetsOfSurface;
         Ok(Self::with_control(
             estimator, control, mean, &slopes, incidence,
@@ -71,24 +75,23 @@ impl Method {
 fn sum_over_all_facets(
     surface: &Surface,
     material: Material,
-    incidence: Incidence,
-    incident: HalfSpace,
-    spec: TallySpec,
+    light: &Light,
+    tally: TallySpec,
 ) -> TallyValues {
     let facets = surface.facet_count();
     // Records of all parts are held until they are added in their order.
-    let parts = (RECORD_BUDGET / (spec.len() * size_of::<f64>())).clamp(1, PARTS);
+    let parts = (TALLY_BUDGET / (tally.len() * size_of::<f64>())).clamp(1, PARTS);
     let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
     let tallies: Vec<TallyValues> = (0..parts)
         .into_par_iter()
         .with_max_len(1)
         .map(|part| {
             let range = bound(part)..bound(part + 1);
-            sum_over_facets(surface, material, incidence, incident, spec, range)
+            sum_over_facets(surface, material, light.incidence, light.from, tally, range)
         })
         .collect();
-    let mut sum = TallyValues::zeros(spec);
-    tallies.iter().for_each(|tally| sum += tally);
+    let mut sum = TallyValues::zeros(tally);
+    tallies.iter().for_each(|part| sum += part);
     sum
 }
 
@@ -117,6 +120,7 @@ fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
 
 #[cfg(test)]
 mod tests {
+    use asperity_optics::Incidence;
     use asperity_surface::{Psd, Synthesis};
 
     use asperity_tally::TallyResult;
@@ -158,7 +162,7 @@ mod tests {
                 !facets.is_multiple_of(PARTS) && lost > facets / 10,
                 "{facets} {lost}"
             );
-            let tally = sum_over_all_facets(&surface, black, incidence, HalfSpace::Above, spec);
+            let tally = sum_over_all_facets(&surface, black, &Light::from_above(incidence), spec);
             println!("{border:?}: {} against {sum}", tally.budget().absorbed);
             // Some 1e4 weights, each with a few roundings.
             assert!((tally.budget().absorbed / sum - 1.0).abs() < 1e-12);

@@ -1,22 +1,26 @@
 //! How a case is estimated: where its paths start, and what is subtracted from them.
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
-use asperity_optics::{Incidence, Material};
-use asperity_tally::{ControlVariate, TallyResult, TallySpec, TallyStatistics};
-use asperity_tracer::{Illumination, Starts};
+use asperity_optics::Incidence;
+use asperity_surface::Synthesis;
+use asperity_tally::{ControlVariate, TallyResult, TallyStatistics};
+use asperity_tracer::{Illumination, Sampling, Starts};
 use serde::Serialize;
 
-use crate::engine::blocks::RaySettings;
+use crate::error::SimulateError;
+use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
+use crate::input::settings::{Effort, Settings};
+use crate::slopes::slopes;
 
-/// Where paths start, and the control of what they give, if there is one.
+/// Where paths start, and the control variate of what they give, if there is one.
 #[derive(Clone, Debug)]
-pub struct Method {
-    pub starts: Starts,
-    pub control: Option<(ControlVariate, ControlMean)>,
+pub(crate) struct Method {
+    pub(crate) starts: Starts,
+    pub(crate) control: Option<(ControlVariate, ControlMean)>,
 }
 
-/// Where the mean of a control comes from.
+/// Where the mean of a control variate comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ControlMean {
@@ -36,37 +40,45 @@ const HALVINGS: i32 = 6;
 
 impl Method {
     /// Rays from above, and nothing else.
-    pub const PLAIN: Self = Self {
+    pub(crate) const PLAIN: Self = Self {
         starts: Starts::FromAbove,
         control: None,
     };
 
-    /// The method for light on surfaces whose facets have Gaussian `slopes`.
-    pub fn of_ensemble(
-        estimator: Estimator,
-        slopes: &SlopeCovariance,
-        material: Material,
-        incidence: Incidence,
-        spec: &TallySpec,
-    ) -> Result<Self, ModelError> {
-        if estimator == Estimator::Plain {
+    /// The method for a case of random surfaces.
+    ///
+    /// No control variate knows of a layer. The result of one surface alone is reported as it is, without the
+    /// mean of others, unless the estimator is named.
+    pub(crate) fn of_random(
+        case: &Case,
+        synthesis: &Synthesis,
+        settings: &Settings,
+    ) -> Result<Self, SimulateError> {
+        let one_surface = matches!(settings.effort, Effort::Rays { surfaces: 1, .. });
+        let estimator = match settings.estimator {
+            Estimator::Auto if one_surface => Estimator::Plain,
+            chosen => chosen,
+        };
+        if estimator == Estimator::Plain || case.layer.is_some() {
             return Ok(Self::PLAIN);
         }
-        match control_variate(slopes, material, incidence, spec) {
+        let slopes = slopes(synthesis.psd())?;
+        let incidence = case.light.incidence;
+        match control_variate(&slopes, case.material, incidence, &settings.tally) {
             Ok(control) => {
                 let mean = ControlMean::GaussianSlopes;
                 Ok(Self::with_control(
-                    estimator, control, mean, slopes, incidence,
+                    estimator, control, mean, &slopes, incidence,
                 ))
             }
             // Light that goes straight on through equal indices has no density to integrate.
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => Ok(Self::PLAIN),
-            Err(error) => Err(error),
+            Err(error) => Err(error.into()),
         }
     }
 
-    /// The method that makes best use of a control, or of none if the choice is free and none pays.
-    pub fn with_control(
+    /// The method that makes best use of a control variate, or of none if the choice is free and none pays.
+    pub(crate) fn with_control(
         estimator: Estimator,
         control: ControlVariate,
         mean: ControlMean,
@@ -96,33 +108,41 @@ impl Method {
         }
     }
 
-    /// The light of a run by this method.
-    pub const fn illumination(
-        &self,
-        incidence: Incidence,
-        any_azimuth: bool,
-        settings: &RaySettings,
-    ) -> Illumination {
+    /// The light of a case, as it is sampled by this method.
+    pub(crate) const fn illumination(&self, light: &Light, sampling: Sampling) -> Illumination {
         Illumination {
-            incidence,
-            any_azimuth,
-            sampling: settings.sampling,
+            incidence: light.incidence,
+            any_azimuth: light.random_azimuth,
+            sampling,
             starts: self.starts,
         }
     }
 
-    /// The control, if there is one.
-    pub fn control(&self) -> Option<&ControlVariate> {
+    /// The control variate, if there is one.
+    pub(crate) fn control(&self) -> Option<&ControlVariate> {
         self.control.as_ref().map(|(control, _)| control)
     }
 
     /// Where its mean comes from.
-    pub fn control_mean(&self) -> Option<ControlMean> {
+    pub(crate) fn control_mean(&self) -> Option<ControlMean> {
         self.control.as_ref().map(|(_, mean)| *mean)
     }
 
+    /// Statistics of `rays` rays by this method, with no error below that of one ray where a control variate
+    /// expects light.
+    pub(crate) fn with_least_errors(
+        &self,
+        statistics: TallyStatistics,
+        rays: u64,
+    ) -> TallyStatistics {
+        match self.control() {
+            Some(control) => statistics.with_least_errors(control.least_errors(rays)),
+            None => statistics,
+        }
+    }
+
     /// The name of the estimator that this is.
-    pub const fn estimator(&self) -> Estimator {
+    pub(crate) const fn estimator(&self) -> Estimator {
         match self.control {
             Some(_) => Estimator::Controlled,
             None => Estimator::Plain,
@@ -130,19 +150,7 @@ impl Method {
     }
 }
 
-/// Statistics of `rays` rays by a method, with errors that its control leaves room for.
-pub fn with_least_errors(
-    method: &Method,
-    statistics: TallyStatistics,
-    rays: u64,
-) -> TallyStatistics {
-    match method.control() {
-        Some(control) => statistics.with_least_errors(control.least_errors(rays)),
-        None => statistics,
-    }
-}
-
-/// What a control is expected to bring to rays from above.
+/// What a control variate is expected to bring to rays from above.
 ///
 /// A ray meets one facet and passes `lambda` others in its shadow, on average. What it does at the first
 /// is seen with probability `v`. If what is subtracted has the weight `b`, and shadows are looked into

@@ -1,4 +1,6 @@
-//! What a run returns besides its tallies: the work done, and how the run ended.
+//! What a run returns: tallies with errors, the work done, and how the run ended.
 
+pub(crate) mod outcome;
 pub(crate) mod stopping;
+pub(crate) mod surface_tallies;
 pub(crate) mod work;

@@ -58,8 +58,14 @@ pub struct Stopping {
 }
 
 impl Stopping {
+    /// Whether the run was ended before all that was planned.
+    #[must_use]
+    pub const fn is_cut_short(&self) -> bool {
+        matches!(self.stopped_by, StoppedBy::Time | StoppedBy::Interrupt)
+    }
+
     /// With the sentence that says what ended the run, where a reader should not miss that.
-    pub fn with_warning(mut self) -> Self {
+    pub(crate) fn with_warning(mut self) -> Self {
         self.warnings.extend(match self.stopped_by {
             StoppedBy::Time => Some(
                 "the time was over before all was done: these results depend on the speed of the machine"

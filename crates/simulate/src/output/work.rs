@@ -1,7 +1,7 @@
 //! What a run did, and how long it took.
 
 use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::input::estimator::Estimator;
 use crate::methods::method::{ControlMean, Method};
@@ -52,14 +52,14 @@ pub struct SummaryWork {
 }
 
 /// The accelerator that was built.
-#[derive(Clone, Debug)]
-pub struct Used {
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Used {
     accelerator: AcceleratorKind,
     instructions: Option<String>,
 }
 
 impl Used {
-    pub fn of<G: Geometry>(accelerator: &dyn Accelerator<G>) -> Self {
+    pub(crate) fn of<G: Geometry>(accelerator: &dyn Accelerator<G>) -> Self {
         Self {
             accelerator: accelerator.kind(),
             instructions: accelerator.instructions(),
@@ -68,8 +68,8 @@ impl Used {
 }
 
 impl Used {
-    /// None, since nothing was traced.
-    pub const fn nothing() -> Self {
+    /// None, since no rays were traced.
+    pub(crate) const fn nothing() -> Self {
         Self {
             accelerator: AcceleratorKind::Auto,
             instructions: None,
@@ -78,7 +78,7 @@ impl Used {
 }
 
 impl SummaryWork {
-    pub fn new(work: Work, used: Used, method: &Method, sampling: Sampling) -> Self {
+    pub(crate) fn new(work: Work, used: Used, method: &Method, sampling: Sampling) -> Self {
         Self {
             realisations: 0,
             rays: work.rays,

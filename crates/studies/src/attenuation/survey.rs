@@ -1,7 +1,7 @@
 //! One surface surveyed: which of its points and samples face, see and are seen, counted.
 
 use asperity_optics::{Incidence, reflect};
-use asperity_simulate::{Observer, RunError, check_grazing};
+use asperity_simulate::{Observer, SimulateError, check_grazing};
 use asperity_surface::HeightField;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Geometry, Horizon, Surface, Visibility,
@@ -66,7 +66,7 @@ pub(super) fn survey(
         grazing(&surface)?;
         let accelerator = surface
             .accelerator(AcceleratorKind::Auto)
-            .map_err(RunError::from)?;
+            .map_err(SimulateError::from)?;
         let site = Site {
             config,
             plan,

@@ -1,6 +1,8 @@
 //! The configuration of a convergence run: what `asperity converge` reads from a file.
 
-use asperity_simulate::{Case, Estimator, check_memory, check_results, short, traced_bytes};
+use asperity_simulate::{
+    Estimator, SimulateError, check_memory, check_results, short, traced_bytes,
+};
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
@@ -18,8 +20,8 @@ use crate::config::{
 use crate::config_error::ConfigError;
 use crate::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
+use crate::sweep_case::SweepCase;
 use crate::values::{Count, Number, OneOrMany, PerAxis};
-use crate::verify::VerifyError;
 
 /// `[converge]`: the methods, and how much each of them does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -74,7 +76,7 @@ pub struct ConvergeConfig {
 
 /// A configuration with its lists multiplied out, checked.
 pub(super) struct Plan {
-    pub(super) cases: Vec<Case>,
+    pub(super) cases: Vec<SweepCase>,
     pub(super) methods: Vec<Method>,
     pub(super) efforts: Vec<Effort>,
     pub(super) repeats: u64,
@@ -109,7 +111,7 @@ impl ConvergeConfig {
         let plan = self.plan()?;
         let efforts = plan.efforts.iter().chain([&plan.reference.1]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
-        check_results(&plan.spec, surfaces, 1, false).map_err(VerifyError::from)?;
+        check_results(&plan.spec, surfaces, 1, false).map_err(SimulateError::from)?;
         for method in plan.methods.iter().chain([&plan.reference.0]) {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
@@ -118,19 +120,23 @@ impl ConvergeConfig {
                 let bytes = synthesis
                     .peak_bytes()
                     .max(traced_bytes([ny, nx], accelerator));
-                check_memory("tracing one surface", bytes).map_err(VerifyError::from)?;
+                check_memory("tracing one surface", bytes).map_err(SimulateError::from)?;
             }
         }
         Ok(())
     }
 
     /// How the surfaces of a case are drawn at the spacing of a method.
-    pub(super) fn recipe(&self, case: &Case, method: &Method) -> Result<Synthesis, ConvergeError> {
+    pub(super) fn recipe(
+        &self,
+        case: &SweepCase,
+        method: &Method,
+    ) -> Result<Synthesis, ConvergeError> {
         let [dx, dy] = method.spacing.xy().map(|spacing| spacing.0);
         let shape = self.shape(method.spacing)?;
         Ok(
             Synthesis::new(case.psd, shape, [dx, dy], self.surface.insist)
-                .map_err(VerifyError::from)?,
+                .map_err(SimulateError::from)?,
         )
     }
 
@@ -250,7 +256,7 @@ impl ConvergeConfig {
                 reference,
             ),
             errors,
-            spec: verification.run.ray_settings()?.spec,
+            spec: verification.run.ray_settings()?.tally,
             incident: HalfSpace::from(self.light.from),
             any_azimuth: verification.any_azimuth(),
             seed: config.seed,

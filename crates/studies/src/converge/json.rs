@@ -1,6 +1,7 @@
 //! The contents of summary.json of run time against error.
 
-use asperity_simulate::{Case, Estimator};
+use crate::sweep_case::SweepCase;
+use asperity_simulate::Estimator;
 use asperity_tracer::{AcceleratorKind, Sampling};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -46,7 +47,7 @@ pub(super) struct CaseSummary<'a> {
 #[derive(Serialize)]
 struct CaseConfig<'a> {
     converge: &'a ConvergeConfig,
-    case: &'a Case,
+    case: &'a SweepCase,
 }
 
 #[derive(Serialize)]

@@ -1,10 +1,11 @@
 //! What is measured: methods, and how much each of them does.
 
-use asperity_simulate::{Case, Estimator, convergence_stream, short};
+use asperity_simulate::{Estimator, convergence_stream, short};
 use asperity_tracer::{AcceleratorKind, Sampling};
 use rand::RngExt;
 use serde::Serialize;
 
+use crate::sweep_case::SweepCase;
 use crate::values::{Number, PerAxis};
 
 /// A way of computing.
@@ -58,7 +59,7 @@ pub struct Effort {
 /// the same to the last digit.
 pub(super) fn run_seed(
     seed: u64,
-    case: &Case,
+    case: &SweepCase,
     method: &Method,
     effort: Effort,
     repeat: u64,
@@ -76,7 +77,7 @@ pub(super) fn run_seed(
 }
 
 /// The seed of the reference of a case.
-pub(super) fn reference_seed(seed: u64, case: &Case) -> u64 {
+pub(super) fn reference_seed(seed: u64, case: &SweepCase) -> u64 {
     convergence_stream(seed, &format!("{} reference", case.folder()), 0).random()
 }
 

@@ -1,15 +1,16 @@
 //! One case of a convergence run: its runs by the clock, and what they are measured against.
 
-use asperity_simulate::{Case, Estimator, Group, Observer, RaySettings, Seconds};
 use std::time::Instant;
 
 use asperity_analysis::{
     Beckmann, Masking, SlopeCovariance, Smith, bin_fluxes, hemispherical_energy,
 };
 use asperity_optics::Material;
-use asperity_surface::Synthesis;
+use asperity_simulate::{
+    Case, Light, Observer, Settings, SimulateError, Simulation, StoppedBy, SummaryWork,
+    SurfaceSource, slopes,
+};
 use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
-use asperity_tracer::{PathSettings, Work};
 
 use super::config::Plan;
 use super::deviation::Target;
@@ -18,10 +19,7 @@ use super::{
     ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Effort, Measurement, Method,
     MethodOutcome, Reference,
 };
-use crate::values::{Number, PerAxis};
-use crate::verify::VerifyError;
-use asperity_simulate as estimate;
-use asperity_simulate::{BottomSurface, slopes};
+use crate::sweep_case::SweepCase;
 
 /// Smith's Lambda up to which nothing counts as hidden.
 const NOTHING_HIDDEN: f64 = 1e-12;
@@ -32,67 +30,71 @@ const NOTHING_MISSING: f64 = 1e-9;
 /// One case, ready to be measured.
 pub(super) struct Stage<'a> {
     plan: &'a Plan,
-    case: Case,
+    case: SweepCase,
     slopes: SlopeCovariance,
-    /// How surfaces are drawn at each spacing.
-    recipes: Vec<(PerAxis<Number>, Synthesis)>,
-    /// What each estimator does, and the seconds that it took to know.
-    estimators: Vec<(Estimator, estimate::Method, f64)>,
+    /// By method; the reference is the last.
+    prepared: Vec<Prepared>,
+}
+
+/// A method, ready to be run.
+struct Prepared {
+    method: Method,
+    simulation: Simulation,
+    /// Samples `[nx, ny]` of a surface.
+    size: [usize; 2],
+    /// Seconds that it took to prepare.
+    seconds: f64,
 }
 
 /// What one run found and took.
 pub(super) struct Run {
     pub(super) statistics: TallyStatistics,
     pub(super) rays_a_surface: u64,
-    pub(super) work: Work,
-    pub(super) spent: Seconds,
-    pub(super) seconds: f64,
+    pub(super) work: SummaryWork,
+}
+
+/// Passes on steps and the stop; what a run begins and ends is a part of the measurement.
+struct Steps<'a>(&'a dyn Observer);
+
+impl Observer for Steps<'_> {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, steps: u64) {
+        self.0.advance(steps);
+    }
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        self.0.stop()
+    }
+}
+
+/// The effort of a run as the engine takes it.
+const fn engine_effort(effort: Effort) -> asperity_simulate::Effort {
+    asperity_simulate::Effort::Rays {
+        total: effort.rays * effort.surfaces,
+        surfaces: effort.surfaces,
+    }
 }
 
 impl<'a> Stage<'a> {
     pub(super) fn new(
         config: &ConvergeConfig,
         plan: &'a Plan,
-        case: Case,
+        case: SweepCase,
     ) -> Result<Self, ConvergeError> {
-        let mut recipes: Vec<(PerAxis<Number>, Synthesis)> = Vec::new();
-        for method in plan.methods.iter().chain([&plan.reference.0]) {
-            if recipes
-                .iter()
-                .all(|(spacing, _)| *spacing != method.spacing)
-            {
-                recipes.push((method.spacing, config.recipe(&case, method)?));
-            }
-        }
-        let slopes = slopes(&case.psd).map_err(VerifyError::from)?;
-        let mut estimators: Vec<(Estimator, estimate::Method, f64)> = Vec::new();
-        for method in plan.methods.iter().chain([&plan.reference.0]) {
-            let estimator = method.estimator;
-            if estimators.iter().all(|(known, ..)| *known != estimator) {
-                let clock = Instant::now();
-                let (material, incidence) = (case.material, case.incidence);
-                let method = estimate::Method::of_ensemble(
-                    estimator, &slopes, material, incidence, &plan.spec,
-                )?;
-                estimators.push((estimator, method, clock.elapsed().as_secs_f64()));
-            }
-        }
+        let methods = plan.methods.iter().chain([&plan.reference.0]);
+        let prepared = methods.map(|method| prepare(config, plan, &case, method));
         Ok(Self {
             plan,
             case,
-            slopes,
-            recipes,
-            estimators,
+            slopes: slopes(&case.psd).map_err(SimulateError::from)?,
+            prepared: prepared.collect::<Result<_, _>>()?,
         })
     }
 
-    /// What an estimator does, and the seconds that it took to know.
-    fn estimator(&self, method: &Method) -> &(Estimator, estimate::Method, f64) {
-        let known = self
-            .estimators
-            .iter()
-            .find(|(e, ..)| *e == method.estimator);
-        known.unwrap_or(&self.estimators[0])
+    /// The method, ready to be run.
+    fn prepared(&self, method: &Method) -> &Prepared {
+        let found = self.prepared.iter().find(|one| one.method == *method);
+        found.unwrap_or(&self.prepared[0])
     }
 
     /// Rays of all runs.
@@ -100,8 +102,8 @@ impl<'a> Stage<'a> {
         let plan = self.plan;
         let (reference, effort) = &plan.reference;
         let of = |method, effort: &Effort| {
-            let rays = |group: &Group<'_>| group.blocks().rays() * effort.surfaces;
-            self.with_group(method, *effort, 0, rays)
+            let simulation = &self.prepared(method).simulation;
+            simulation.repeated(engine_effort(*effort), 0).rays()
         };
         let one_of_each: u64 = plan
             .methods
@@ -111,80 +113,30 @@ impl<'a> Stage<'a> {
         plan.repeats * one_of_each + of(reference, effort)
     }
 
-    /// Hands over what the engine runs: the only place that knows how to ask it.
-    fn with_group<T>(
-        &self,
-        method: &Method,
-        effort: Effort,
-        seed: u64,
-        then: impl FnOnce(&Group<'_>) -> T,
-    ) -> T {
-        let recipe = self
-            .recipes
-            .iter()
-            .find(|(spacing, _)| *spacing == method.spacing);
-        let (_, synthesis) = recipe.unwrap_or(&self.recipes[0]);
-        then(&Group {
-            synthesis,
-            cases: &[self.case],
-            methods: std::slice::from_ref(&self.estimator(method).1),
-            realisations: effort.surfaces,
-            settings: &RaySettings {
-                rays: effort.rays * effort.surfaces,
-                seed,
-                spec: self.plan.spec,
-                paths: PathSettings::default(),
-                accelerator: method.accelerator,
-                estimator: method.estimator,
-                sampling: method.sampling,
-                refine: false,
-                target: None,
-                bottom: BottomSurface::Flat,
-                most_scatterings: 0,
-            },
-            incident: self.plan.incident,
-            any_azimuth: self.plan.any_azimuth,
-            coarsened: false,
-        })
-    }
-
-    /// One run of the engine, by the clock.
+    /// One run of the engine, by its clock.
     fn run(
         &self,
         method: &Method,
         effort: Effort,
         seed: u64,
-        progress: &dyn Observer,
+        observer: &dyn Observer,
     ) -> Result<Run, ConvergeError> {
-        let clock = Instant::now();
-        let ensembles = self
-            .with_group(method, effort, seed, |group| {
-                group.run(0..effort.surfaces, progress)
-            })
-            .map_err(VerifyError::from)?;
-        let seconds = clock.elapsed().as_secs_f64();
-        if progress.stop().is_some() {
+        let simulation = &self.prepared(method).simulation;
+        let simulation = simulation.repeated(engine_effort(effort), seed);
+        let outcomes = simulation.run(&Steps(observer));
+        if observer.stop().is_some() {
             return Err(ConvergeError::Interrupted);
         }
+        let outcome = outcomes?.into_iter().next();
+        let outcome = outcome.ok_or(ConvergeError::Interrupted)?;
         let mut statistics = TallyStatistics::new(self.plan.spec);
-        let mut run = Run {
-            statistics: statistics.clone(),
-            rays_a_surface: 0,
-            work: Work::default(),
-            spent: Seconds::default(),
-            seconds,
-        };
-        for ensemble in ensembles {
-            ensemble
-                .tallies
-                .iter()
-                .for_each(|tally| statistics.push(tally));
-            run.rays_a_surface = ensemble.work.rays / effort.surfaces;
-            run.work = ensemble.work;
-            run.spent = ensemble.seconds;
-        }
-        run.statistics = statistics;
-        Ok(run)
+        let surfaces = outcome.surfaces.iter();
+        surfaces.for_each(|tally| statistics.push(tally));
+        Ok(Run {
+            statistics,
+            rays_a_surface: outcome.work.rays / effort.surfaces,
+            work: outcome.work,
+        })
     }
 
     /// The reference first, which also warms the machine up, then all methods in turns.
@@ -207,14 +159,14 @@ impl<'a> Stage<'a> {
             .collect();
         let reference = Reference {
             method,
-            size: self.size(&method),
+            size: self.prepared(&method).size,
             rays_a_surface: run.rays_a_surface,
             surfaces: effort.surfaces,
             error: target.own_error(&standard_errors),
             error_exact: exact
                 .as_ref()
                 .map(|exact| exact.relative_rms(&self.fluxes(&run))),
-            seconds: run.seconds,
+            seconds: run.work.seconds,
         };
         let mut work = ConvergeWork::default();
         work.add(&run, effort);
@@ -247,7 +199,7 @@ impl<'a> Stage<'a> {
                 let measurements = plan.efforts.iter().zip(samples);
                 let measurements = measurements
                     .map(|(effort, samples)| Measurement::over(*effort, samples, reference.error));
-                let setup_seconds = self.estimator(method).2;
+                let setup_seconds = self.prepared(method).seconds;
                 MethodOutcome::new(*method, setup_seconds, measurements.collect())
             })
             .collect();
@@ -261,16 +213,6 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Samples `[nx, ny]` of a method's surfaces.
-    fn size(&self, method: &Method) -> [usize; 2] {
-        let run_nothing = Effort {
-            rays: 1,
-            surfaces: 1,
-        };
-        let [ny, nx] = self.with_group(method, run_nothing, 0, |group| group.synthesis.shape());
-        [nx, ny]
-    }
-
     /// Mean fluxes of the bins that are compared.
     fn fluxes(&self, run: &Run) -> Vec<f64> {
         let bins = self.plan.spec.recorded_entries(Component::All);
@@ -282,7 +224,7 @@ impl<'a> Stage<'a> {
         let means = run.statistics.means();
         let left = means.budget().reflected + means.budget().transmitted;
         RunSample {
-            seconds: run.seconds,
+            seconds: run.work.seconds,
             rays_a_surface: run.rays_a_surface,
             error: target.relative_rms(&fluxes),
             error_exact: exact.map(|exact| exact.relative_rms(&fluxes)),
@@ -302,7 +244,7 @@ impl<'a> Stage<'a> {
 
     /// What each bin holds exactly, where every facet is lit and seen and light meets only one.
     pub(super) fn exact_fluxes(&self) -> Result<Option<Vec<f64>>, ConvergeError> {
-        let Case {
+        let SweepCase {
             material,
             incidence,
             psd,
@@ -336,4 +278,37 @@ pub(super) struct RunSample {
     pub(super) error: f64,
     pub(super) error_exact: Option<f64>,
     pub(super) energy_error: Option<f64>,
+}
+
+/// A case by a method, ready to be run.
+fn prepare(
+    config: &ConvergeConfig,
+    plan: &Plan,
+    case: &SweepCase,
+    method: &Method,
+) -> Result<Prepared, ConvergeError> {
+    let synthesis = config.recipe(case, method)?;
+    let [ny, nx] = synthesis.shape();
+    let light = Light {
+        incidence: case.incidence,
+        from: plan.incident,
+        random_azimuth: plan.any_azimuth,
+    };
+    let simulated = Case::new(SurfaceSource::Random(synthesis), case.material, light);
+    let settings = Settings {
+        tally: plan.spec,
+        accelerator: method.accelerator,
+        estimator: method.estimator,
+        sampling: method.sampling,
+        effort: engine_effort(plan.reference.1),
+        mesh_quadrature: false,
+        ..Settings::default()
+    };
+    let clock = Instant::now();
+    Ok(Prepared {
+        method: *method,
+        simulation: Simulation::new(&[simulated], &settings)?,
+        size: [nx, ny],
+        seconds: clock.elapsed().as_secs_f64(),
+    })
 }

@@ -1,6 +1,6 @@
 //! The configuration of a virtual gonioreflectometer: what `asperity gonio` reads from a file.
 
-use asperity_simulate::RaySettings;
+use asperity_simulate::Settings;
 use std::path::PathBuf;
 
 use asperity_optics::Incidence;
@@ -203,7 +203,7 @@ impl GonioConfig {
     ///
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
-    pub fn ray_settings(&self) -> Result<RaySettings, ConfigError> {
+    pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
         self.as_verification()?.ray_settings()
     }
 

@@ -92,7 +92,7 @@ impl GonioConfig {
         let (_, plans) = self.plans(sample)?;
         let [thetas, _] = self.light.angles()?;
         let names = plans.iter().map(|plan| plan.name.as_str());
-        let spec = self.ray_settings()?.spec;
+        let spec = self.ray_settings()?.tally;
         Ok(files(names, &spec, &thetas, self.output.plots))
     }
 }

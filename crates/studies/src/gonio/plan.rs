@@ -1,7 +1,7 @@
 //! What a configuration stands for: settings, their directions, and how each is measured.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{RaySettings, check_memory, check_results, short};
+use asperity_simulate::{Settings, check_memory, check_results, short};
 use serde_json::{Value, json};
 
 use super::config::GonioConfig;
@@ -33,7 +33,7 @@ pub(super) enum Work {
     /// On fresh surfaces.
     Fresh(Box<VerifyConfig>),
     /// On the given one.
-    Given(RaySettings),
+    Given(Settings),
 }
 
 impl GonioConfig {
@@ -45,8 +45,8 @@ impl GonioConfig {
     pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
         let (settings, plans) = self.plans(sample)?;
         let rays = self.ray_settings()?;
-        check_results(&rays.spec, self.run.realisations.0, 1, rays.refine)?;
-        let values = rays.spec.len() as f64 * 2.0 * plans.len() as f64;
+        check_results(&rays.tally, self.run.realisations.0, 1, rays.refine)?;
+        let values = rays.tally.len() as f64 * 2.0 * plans.len() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         for plan in &plans {
             if let Work::Fresh(config) = &plan.work {
@@ -92,7 +92,9 @@ impl GonioConfig {
     fn given(&self, sample: &Sample) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let run = self.ray_settings()?;
-        if run.bottom == BottomSurface::Independent {
+        let medium = self.medium.as_ref();
+        if medium.is_some_and(|medium| medium.bottom_surface.named() == BottomSurface::Independent)
+        {
             return contradiction(
                 "a measured surface has no others like it that could lie below; take bottom_surface flat or same",
             );

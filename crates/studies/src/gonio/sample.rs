@@ -1,24 +1,16 @@
 //! A given surface, from a file or flat.
 
 use asperity_analysis::fnv1a;
+use asperity_simulate::Shape;
 use asperity_surface::HeightField;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
-
-/// The shape of a given surface.
-#[derive(Clone, Debug)]
-pub enum SampleShape {
-    /// A height field.
-    Field(HeightField),
-    /// A triangle mesh.
-    Mesh(MeshSurface),
-}
 
 /// A given surface.
 #[derive(Clone, Debug)]
 pub struct Sample {
     /// Its shape.
-    pub shape: SampleShape,
+    pub shape: Shape,
     /// Its name, for titles.
     pub name: String,
     /// What it is, with a hash of its heights: results are those of another sample where this differs.
@@ -51,7 +43,7 @@ impl Sample {
             "heights": format!("{:016x}", fnv1a(&bytes)),
         });
         Self {
-            shape: SampleShape::Field(field),
+            shape: Shape::height_field(field),
             name,
             description,
             warnings,
@@ -75,7 +67,7 @@ impl Sample {
             "corners": format!("{:016x}", fnv1a(&bytes)),
         });
         Self {
-            shape: SampleShape::Mesh(mesh),
+            shape: Shape::triangle_mesh(mesh),
             name,
             description,
             warnings,

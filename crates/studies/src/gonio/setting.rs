@@ -1,9 +1,10 @@
 //! What is measured from all directions: one surface, one material.
 
 use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
-use asperity_simulate::{Case, short};
+use asperity_simulate::short;
 use serde::Serialize;
 
+use crate::sweep_case::SweepCase;
 use asperity_simulate::layer_folder;
 
 /// One combination of surface and material, measured from all directions.
@@ -22,7 +23,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    pub(super) fn of_case(case: &Case) -> Self {
+    pub(super) fn of_case(case: &SweepCase) -> Self {
         Self {
             smoothness: Some(case.smoothness),
             grooves: case.grooves(),

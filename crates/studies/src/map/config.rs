@@ -1,6 +1,6 @@
 //! The configuration of a map: what `asperity map` reads from a file.
 
-use asperity_simulate::{Case, check_results};
+use asperity_simulate::check_results;
 use serde::{Deserialize, Serialize};
 
 use crate::config::{
@@ -10,6 +10,7 @@ use crate::config::{
 use crate::config_error::ConfigError;
 use crate::settings::{Command, Document, defaults};
 use crate::sweep::SweptCase;
+use crate::sweep_case::SweepCase;
 use crate::values::Number;
 use crate::verify::VerifyError;
 
@@ -52,7 +53,7 @@ pub struct MapConfig {
 /// One cell: a case, and the verification that fills it.
 #[derive(Clone, Debug)]
 pub(super) struct CellPlan {
-    pub(super) case: Case,
+    pub(super) case: SweepCase,
     pub(super) config: VerifyConfig,
 }
 
@@ -78,7 +79,7 @@ impl MapConfig {
     pub fn check(&self) -> Result<(), VerifyError> {
         let cells = self.cells()?;
         let settings = self.run.ray_settings()?;
-        check_results(&settings.spec, self.run.realisations.0, 1, settings.refine)?;
+        check_results(&settings.tally, self.run.realisations.0, 1, settings.refine)?;
         cells
             .iter()
             .try_for_each(|cell| cell.config.check_surfaces())

@@ -1,8 +1,8 @@
 //! The contents of summary.json of a map.
 
+use crate::sweep_case::SweepCase;
 use std::collections::BTreeMap;
 
-use asperity_simulate::Case;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -27,7 +27,7 @@ struct Summary<'a> {
 
 #[derive(Serialize)]
 struct Cell<'a> {
-    case: &'a Case,
+    case: &'a SweepCase,
     cell: String,
     surfaces: Option<u64>,
     rays: Option<u64>,

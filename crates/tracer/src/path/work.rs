@@ -1,10 +1,12 @@
 //! Work: counts what a batch took.
 
+use serde::{Deserialize, Serialize};
+
 use crate::geometry::Escape;
 use crate::periodic::TraversalEnd;
 
 /// What was done, counted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Work {
     /// Incident rays.
     pub rays: u64,

@@ -4,8 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 
-use asperity_simulate::{MESH_ALLOWANCE, Observer, Sharing, Silent, StoppedBy};
-use asperity_surface::Synthesis;
+use asperity_simulate::{MESH_ALLOWANCE, Observer, Silent, SimulateError, StoppedBy};
 
 use crate::config::VerifyConfig;
 use crate::verify::{VerifyError, verify};
@@ -42,7 +41,7 @@ fn errors_reach_their_targets() {
         let outcome = verify(&config, &Silent).unwrap();
         let case = &outcome.cases[0];
         let stopping = case.stopping.as_ref().unwrap();
-        let target = config.run.ray_settings().unwrap().target.unwrap();
+        let target = config.run.ray_settings().unwrap().target().unwrap();
         let error = target.of().error(&case.statistics).unwrap();
         println!("{run:?}: {error} {stopping:?}");
         assert_eq!(stopping.stopped_by, StoppedBy::Target);
@@ -123,10 +122,16 @@ fn an_interrupt_leaves_the_surfaces_so_far() {
     assert!(stopping.warnings[0].contains("interrupted"));
 
     let error = verify(&config(text), &After(AtomicU64::new(0), 0));
-    assert!(matches!(error, Err(VerifyError::Interrupted)));
+    assert!(matches!(
+        error,
+        Err(VerifyError::Simulate(SimulateError::Interrupted))
+    ));
     let pilot = "[run]\ntarget_error = 0.01";
     let error = verify(&config(pilot), &After(AtomicU64::new(0), 1));
-    assert!(matches!(error, Err(VerifyError::Interrupted)));
+    assert!(matches!(
+        error,
+        Err(VerifyError::Simulate(SimulateError::Interrupted))
+    ));
 }
 
 #[test]
@@ -220,7 +225,7 @@ fn no_traced_total_deviates_by_more_than_the_bound() {
 }
 
 fn known_layout() -> TallySpec {
-    config("").run.ray_settings().unwrap().spec
+    config("").run.ray_settings().unwrap().tally
 }
 
 /// A mesh that adds 6e-3 at the finest spacing tried leaves no target of 1e-2 reached, whatever rays and
@@ -260,38 +265,5 @@ fn a_target_is_not_reached_by_rays_alone_where_the_mesh_adds_too_much() {
             .iter()
             .any(|w| w.contains("but for the mesh"));
         assert_eq!(said, ended == StoppedBy::Mesh);
-    }
-}
-
-/// A plan of too few surfaces, as a pilot run may make one by chance, is made up for by new ones.
-#[test]
-fn surfaces_are_added_until_the_target_is_reached() {
-    for (seed, rounds) in [(2, 1), (3, 2)] {
-        let config = config(&format!(
-            "[run]\ntarget_error = 0.02\nof = \"rings\"\nestimator = \"plain\"\nseed = {seed}"
-        ));
-        let settings = config.run.ray_settings().unwrap();
-        let cases = config.cases().unwrap();
-        let synthesis = Synthesis::new(cases[0].psd, [128, 128], [1.0, 1.0], false).unwrap();
-        let mut sharing = Sharing::new(&config.plan(), settings, synthesis, cases).unwrap();
-        sharing.realisations = 3;
-        sharing.settings.rays = 3 * 128;
-        let traced = sharing.run(1, &Silent).unwrap().0.remove(0);
-        let stopping = traced.stopping.unwrap();
-        println!("{stopping:?}");
-        assert_eq!(stopping.rounds, rounds);
-        assert_eq!(stopping.stopped_by, StoppedBy::Target);
-        assert!(stopping.error.unwrap() <= 0.02);
-        // No surface counts twice.
-        let tallies = &traced.ensemble.tallies;
-        let surfaces = tallies.len();
-        assert_eq!(
-            traced.ensemble.work.rays,
-            stopping.rays_per_surface * surfaces as u64
-        );
-        assert!(surfaces > 3);
-        for (i, tally) in tallies.iter().enumerate() {
-            assert!(!tallies[..i].contains(tally), "{i}");
-        }
     }
 }

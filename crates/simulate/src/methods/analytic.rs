@@ -1,50 +1,55 @@
-//! What needs no tracing: cases in which shadow, masking and further interactions cannot change more
-//! than an error that is good enough.
+//! Analytic results: cases in which shadowing, masking and multiple scattering cannot change more than an
+//! error that is good enough, so that no rays are traced.
 
-use asperity_analysis::{ModelError, SlopeCovariance, deviation_bound, unshadowed_control_variate};
+use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
+use asperity_surface::Synthesis;
 use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
 
-use crate::engine::blocks::RaySettings;
+use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
+use crate::input::settings::Settings;
 use crate::methods::method::{ControlMean, Method};
+use crate::slopes::slopes;
 
-/// The results of a case without a ray.
-pub(crate) struct Known {
-    pub method: Method,
-    pub statistics: TallyStatistics,
+/// The result of a case with no rays traced.
+pub(crate) struct AnalyticResult {
+    /// Whose control variate it is.
+    pub(crate) method: Method,
+    pub(crate) statistics: TallyStatistics,
     /// What no sum of fluxes differs by.
-    pub bound: f64,
-    /// The error of the quantity asked for, at most.
-    pub error: f64,
+    pub(crate) bound: f64,
+    /// The error of the quantity whose error is to reach the target, at most.
+    pub(crate) error: f64,
 }
 
-impl Known {
-    /// Unshadowed single scattering, if it is known to be as near to all that light does as the target
-    /// asks for. Nobody who asks for plain rays gets anything else.
+impl AnalyticResult {
+    /// Unshadowed single scattering, if it is as near to all that light does as the target requires. The plain
+    /// estimator never gives anything else than traced rays.
     pub(crate) fn of(
-        settings: &RaySettings,
-        slopes: &SlopeCovariance,
         case: &Case,
-    ) -> Result<Option<Self>, ModelError> {
-        let Some(target) = settings.target else {
+        synthesis: &Synthesis,
+        settings: &Settings,
+    ) -> Result<Option<Self>, SimulateError> {
+        let Some(target) = settings.target() else {
             return Ok(None);
         };
         if settings.estimator == Estimator::Plain || case.layer.is_some() {
             return Ok(None);
         }
-        let bound = deviation_bound(slopes, case.material, case.incidence);
+        let slopes = slopes(synthesis.psd())?;
+        let incidence = case.light.incidence;
+        let bound = deviation_bound(&slopes, case.material, incidence);
         // No norm of fluxes is above one.
         if bound > target.error() {
             return Ok(None);
         }
-        let spec = &settings.spec;
-        let control = match unshadowed_control_variate(slopes, case.material, case.incidence, spec)
-        {
+        let spec = &settings.tally;
+        let control = match unshadowed_control_variate(&slopes, case.material, incidence, spec) {
             Ok(control) => control,
             Err(ModelError::MatchedIndices(_)) => return Ok(None),
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         };
         let budget: f64 = control.expected().budget().total();
         let mut fluxes = TallyValues::zeros(*spec);

@@ -1,0 +1,106 @@
+//! Draft: what a group of cases found of one of them, before its errors are worked out.
+
+use std::sync::Arc;
+
+use asperity_tally::{TallyResult, TallyValues};
+
+use super::tallies::CaseTallies;
+use crate::errors::budget::{ErrorBudget, TracedRays};
+use crate::errors::mesh_error::MeshErrors;
+use crate::errors::refinement::Refinement;
+use crate::input::case::Case;
+use crate::input::settings::Settings;
+use crate::input::surface_source::SurfaceSource;
+use crate::methods::method::Method;
+use crate::output::outcome::{ErrorSource, Outcome};
+use crate::output::stopping::Stopping;
+use crate::output::work::SummaryWork;
+
+/// What was found of one case.
+pub(crate) struct Draft {
+    /// Number of the case among those of the run.
+    pub(crate) number: usize,
+    /// The case, on the surfaces that were traced.
+    pub(crate) case: Case,
+    pub(crate) method: Arc<Method>,
+    pub(crate) tallies: CaseTallies,
+    pub(crate) seconds: f64,
+    pub(crate) stopping: Stopping,
+    /// What no sum of fluxes differs by, of an analytic result.
+    pub(crate) deviation_bound: Option<f64>,
+}
+
+impl Draft {
+    /// The outcome, with its errors by where they come from.
+    pub(crate) fn finish(self, settings: &Settings) -> Outcome {
+        let rays = self.tallies.work.rays;
+        let statistics = self.tallies.statistics();
+        let is_analytic = self.deviation_bound.is_some();
+        let statistics = if is_analytic {
+            statistics
+        } else {
+            self.method.with_least_errors(statistics, rays)
+        };
+        let errors_from = match self.tallies.blocks_of_one {
+            _ if is_analytic => ErrorSource::DeviationBound,
+            Some(_) => ErrorSource::RayBlocks,
+            None => ErrorSource::Surfaces,
+        };
+        let traced_rays = TracedRays {
+            method: &self.method,
+            count: rays,
+        };
+        let errors = match errors_from {
+            ErrorSource::DeviationBound => {
+                ErrorBudget::of_bounds(TallyValues::from_fn(settings.tally, |entry| {
+                    statistics.at(entry).se.unwrap_or(0.0)
+                }))
+            }
+            ErrorSource::RayBlocks => {
+                ErrorBudget::of_one(&statistics, traced_rays, self.mesh_errors(settings))
+            }
+            ErrorSource::Surfaces => {
+                let mesh = self.mesh_errors(settings);
+                ErrorBudget::of_surfaces(&statistics, &self.tallies.ray_squares, traced_rays, mesh)
+            }
+        };
+        let seconds = self.tallies.seconds;
+        let (tallies, method) = (self.tallies, self.method);
+        Outcome {
+            number: self.number,
+            case: self.case,
+            statistics,
+            errors_from,
+            errors,
+            deviation_bound: self.deviation_bound,
+            work: SummaryWork {
+                realisations: if is_analytic {
+                    0
+                } else {
+                    tallies.surfaces.len() as u64
+                },
+                generate_seconds: seconds.generate,
+                build_seconds: seconds.build,
+                trace_seconds: seconds.trace,
+                seconds: self.seconds,
+                ..SummaryWork::new(tallies.work, tallies.used, &method, settings.sampling)
+            },
+            surfaces: tallies.surfaces,
+            stopping: self.stopping,
+            seed: settings.seed,
+        }
+    }
+
+    /// What the mesh adds to the result.
+    fn mesh_errors(&self, settings: &Settings) -> MeshErrors {
+        let spacing = self.case.surface.spacing();
+        let refinement =
+            spacing.and_then(|given| Refinement::of_surfaces(given, &self.tallies.shifts));
+        match &self.case.surface {
+            SurfaceSource::Random(synthesis) => {
+                MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
+            }
+            SurfaceSource::Given(shape) => MeshErrors::of_given(shape, settings.tally, refinement),
+        }
+    }
+}

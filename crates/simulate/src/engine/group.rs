@@ -1,0 +1,100 @@
+//! Group: cases that share surfaces, ready to be planned and traced.
+
+use super::draft::Draft;
+use super::given::GivenGroup;
+use super::random::RandomGroup;
+use super::traced_case::NumberedCase;
+use crate::error::SimulateError;
+use crate::input::case::Case;
+use crate::input::settings::Settings;
+use crate::input::surface_source::SurfaceSource;
+use crate::observer::Observer;
+
+/// Cases that share surfaces, checked.
+#[derive(Clone)]
+pub(crate) enum Group {
+    /// Fresh surfaces.
+    Random(RandomGroup),
+    /// One given surface.
+    Given(GivenGroup),
+}
+
+/// Cases that share surfaces, of which those that are given are built.
+pub(crate) trait ReadyGroup {
+    /// Rays of the pilot run.
+    fn pilot_rays(&self) -> u64;
+
+    /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
+    fn plan(&mut self, all_cases: usize, observer: &dyn Observer) -> Result<(), SimulateError>;
+
+    /// Surfaces planned.
+    fn surfaces(&self) -> u64;
+
+    /// Rays of all cases, as planned.
+    fn rays(&self) -> u64;
+
+    /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before an
+    /// interrupt are left out.
+    fn run(
+        self: Box<Self>,
+        all_cases: usize,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Draft>, SimulateError>;
+}
+
+impl Group {
+    /// The groups of cases with equal surface sources, each in the place of its first case.
+    pub(crate) fn of_cases(
+        cases: &[Case],
+        settings: &Settings,
+    ) -> Result<Vec<Self>, SimulateError> {
+        let mut groups: Vec<(SurfaceSource, Vec<NumberedCase>)> = Vec::new();
+        for (number, case) in cases.iter().enumerate() {
+            let numbered = NumberedCase {
+                number,
+                case: case.clone(),
+            };
+            match groups
+                .iter_mut()
+                .find(|(source, _)| *source == case.surface)
+            {
+                Some((_, cases)) => cases.push(numbered),
+                None => groups.push((case.surface.clone(), vec![numbered])),
+            }
+        }
+        let checked = |(source, cases)| match source {
+            SurfaceSource::Random(synthesis) => {
+                RandomGroup::new(synthesis, cases, settings).map(Self::Random)
+            }
+            SurfaceSource::Given(shape) => GivenGroup::new(shape, cases, settings).map(Self::Given),
+        };
+        groups.into_iter().map(checked).collect()
+    }
+
+    /// The same with another effort and seed.
+    pub(crate) fn repeated(&self, settings: &Settings) -> Self {
+        match self {
+            Self::Random(group) => Self::Random(group.repeated(settings)),
+            Self::Given(group) => Self::Given(group.repeated(settings)),
+        }
+    }
+
+    /// Rays of all cases, as far as they are planned without a pilot run.
+    pub(crate) fn rays(&self) -> u64 {
+        match self {
+            Self::Random(group) => ReadyGroup::rays(group),
+            Self::Given(group) => group.rays(),
+        }
+    }
+
+    /// Builds a given surface.
+    pub(crate) fn build(
+        self,
+        observer: &dyn Observer,
+    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
+        match self {
+            Self::Random(group) => Ok(Box::new(group)),
+            Self::Given(group) => group.build(observer),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Rounds: adds batches to those planned until an error is reached.
+//!
+//! A batch is a fresh surface, or a block of rays on a given one.
+
+use crate::error::SimulateError;
+use crate::observer::{Observer, StoppedBy};
+
+/// Times that batches are added to those planned, at most.
+const MAX_ROUNDS: u32 = 4;
+
+/// Batches of tallies, numbered from 0.
+pub(crate) trait Batches {
+    /// Traces further batches until there are `count` of them. Returns whether all are complete: a run that is
+    /// to stop leaves some out.
+    fn trace_until(&mut self, count: u64, observer: &dyn Observer) -> Result<bool, SimulateError>;
+
+    /// The largest error of a case over its target; `None` without a target, or where nothing scatters yet.
+    fn error_over_target(&self) -> Option<f64>;
+
+    /// Batches that are expected to reach the target, given the present `error_over_target` of `count` batches.
+    fn needed(&self, count: u64, error_over_target: f64) -> u64;
+}
+
+/// How rounds came to their end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Rounds {
+    /// Times that batches were added.
+    pub(crate) added: u32,
+    pub(crate) stopped_by: StoppedBy,
+}
+
+/// Traces the batches `planned`, and further ones while the error is above its target.
+pub(crate) fn run_rounds(
+    batches: &mut impl Batches,
+    planned: u64,
+    observer: &dyn Observer,
+) -> Result<Rounds, SimulateError> {
+    let mut count = planned;
+    let mut added = 0;
+    let stopped_by = loop {
+        if !batches.trace_until(count, observer)? {
+            break observer.stop().unwrap_or(StoppedBy::Interrupt);
+        }
+        let Some(error_over_target) = batches.error_over_target() else {
+            break StoppedBy::Plan;
+        };
+        if error_over_target <= 1.0 {
+            break StoppedBy::Target;
+        }
+        let needed = batches.needed(count, error_over_target);
+        if added == MAX_ROUNDS || needed <= count {
+            break StoppedBy::Plan;
+        }
+        added += 1;
+        count = needed;
+    };
+    Ok(Rounds { added, stopped_by })
+}

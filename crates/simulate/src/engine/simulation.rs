@@ -1,0 +1,118 @@
+//! Simulation: the one door to the engine.
+
+use rayon::prelude::*;
+
+use super::draft::Draft;
+use super::group::Group;
+use crate::error::SimulateError;
+use crate::input::case::Case;
+use crate::input::limits::check_results;
+use crate::input::settings::{Effort, Settings};
+use crate::observer::Observer;
+use crate::output::outcome::Outcome;
+
+/// Simulates cases: traces light on their surfaces until the effort of `settings` is spent or its target reached.
+///
+/// Cases with equal surface sources share their surfaces. Outcomes come in the order of `cases`; those that an
+/// interrupt came before are missing. The same cases and settings give the same bytes, whatever the number of
+/// threads, and whatever other cases a case shares its surfaces with, unless an error is to be reached: then
+/// they share the effort of the most demanding one.
+///
+/// # Errors
+/// [`SimulateError`] if a case cannot be traced, results or surfaces do not fit into memory, or the run is
+/// stopped before there is any result.
+pub fn simulate(
+    cases: &[Case],
+    settings: &Settings,
+    observer: &dyn Observer,
+) -> Result<Vec<Outcome>, SimulateError> {
+    Simulation::new(cases, settings)?.run(observer)
+}
+
+/// Cases that are checked and prepared: what [`simulate`] runs.
+#[derive(Clone)]
+pub struct Simulation {
+    groups: Vec<Group>,
+    cases: usize,
+    settings: Settings,
+}
+
+impl Simulation {
+    /// Checks cases, and prepares their control variates. No rays are traced yet.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn new(cases: &[Case], settings: &Settings) -> Result<Self, SimulateError> {
+        Ok(Self {
+            groups: Group::of_cases(cases, settings)?,
+            cases: cases.len(),
+            settings: *settings,
+        })
+    }
+
+    /// The same cases, by the same estimators, with another effort and seed.
+    #[must_use]
+    pub fn repeated(&self, effort: Effort, seed: u64) -> Self {
+        let settings = Settings {
+            effort,
+            seed,
+            ..self.settings
+        };
+        let groups = self.groups.iter().map(|group| group.repeated(&settings));
+        Self {
+            groups: groups.collect(),
+            cases: self.cases,
+            settings,
+        }
+    }
+
+    /// Rays of all cases, as far as they are planned without a pilot run.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.groups.iter().map(Group::rays).sum()
+    }
+
+    /// Runs the cases.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
+        let settings = self.settings;
+        let drafts = self.trace(observer)?;
+        if drafts.is_empty() {
+            return Err(SimulateError::Interrupted);
+        }
+        let finish = drafts.into_par_iter().map(|draft| draft.finish(&settings));
+        Ok(finish.collect())
+    }
+
+    /// Builds, plans and traces.
+    fn trace(self, observer: &dyn Observer) -> Result<Vec<Draft>, SimulateError> {
+        let all_cases = self.cases;
+        let groups = self.groups.into_iter().map(|group| group.build(observer));
+        let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
+        if self.settings.target().is_some() {
+            observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());
+            for group in &mut groups {
+                group.plan(all_cases, observer)?;
+            }
+            observer.end();
+        }
+        let surfaces = groups.iter().map(|group| group.surfaces()).max();
+        let surfaces = surfaces.unwrap_or(0);
+        check_results(
+            &self.settings.tally,
+            surfaces,
+            all_cases,
+            self.settings.refine,
+        )?;
+        observer.begin("tracing", groups.iter().map(|group| group.rays()).sum());
+        let mut drafts = Vec::new();
+        for group in groups {
+            drafts.extend(group.run(all_cases, observer)?);
+        }
+        observer.end();
+        drafts.sort_unstable_by_key(|draft| draft.number);
+        Ok(drafts)
+    }
+}

@@ -1,0 +1,456 @@
+//! Surface group: draws fresh surfaces, and traces all cases that share them on each.
+
+use std::ops::Range;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
+use asperity_io::available_memory;
+use asperity_surface::{HeightField, Synthesis};
+use asperity_tally::BatchStatistics;
+use asperity_tracer::Surface;
+use rayon::prelude::*;
+
+use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE, run_blocks};
+use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
+use super::tallies::CaseTallies;
+use super::traced_case::TracedCase;
+use crate::error::SimulateError;
+use crate::errors::refinement::MeshStatistics;
+use crate::input::layer::BottomSurface;
+use crate::input::limits::{check_memory, meshes_bytes};
+use crate::input::settings::Settings;
+use crate::input::target::ratio;
+use crate::observer::{Observer, StoppedBy};
+use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
+use crate::store::{SavedSurface, Stage, SurfaceKey};
+
+/// Memory that surfaces traced side by side may take.
+const MEMORY_BUDGET: u64 = 4 << 30;
+
+/// Fewest blocks of all surfaces of a case, so that few surfaces keep several threads busy.
+const MIN_BLOCKS_OF_ALL: u64 = 16;
+
+/// Fewest blocks of each of several surfaces: their scatter is the error of the rays.
+const MIN_BLOCKS_OF_EACH: u64 = 2;
+
+/// Surfaces after which the error so far is worth showing.
+const WORTH_SHOWING: u64 = 4;
+
+/// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
+const FIRST_BOTTOM: u64 = 1 << 50;
+
+/// How many surfaces are planned, and rays on all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SurfacePlan {
+    pub(crate) surfaces: u64,
+    pub(crate) rays: u64,
+}
+
+/// Cases that share their surfaces, and how they are traced.
+#[derive(Clone, Copy)]
+pub(crate) struct SurfaceGroup<'a> {
+    pub(crate) synthesis: &'a Synthesis,
+    pub(crate) cases: &'a [TracedCase],
+    pub(crate) settings: Settings,
+    pub(crate) plan: SurfacePlan,
+    pub(crate) stage: Stage,
+}
+
+/// What is shown of a run while it goes on: the quantity whose error is to reach a target, by case.
+#[derive(Default)]
+struct Watch {
+    surfaces: u64,
+    cases: Vec<BatchStatistics>,
+}
+
+/// What was found on the surface of a number.
+struct Numbered {
+    surface: u64,
+    found: Result<SurfaceTallies, SimulateError>,
+    /// Whether it has had all of its rays.
+    complete: bool,
+}
+
+/// Memory that one surface takes at its peak.
+pub(crate) fn surface_bytes(
+    synthesis: &Synthesis,
+    cases: &[TracedCase],
+    settings: &Settings,
+) -> usize {
+    // A surface that is drawn is not flat.
+    let traced = meshes_bytes(
+        synthesis.shape(),
+        settings.accelerator,
+        false,
+        settings.refine,
+    );
+    let one = synthesis.peak_bytes().max(traced);
+    if have_independent_bottom(cases) {
+        // A bottom of its own is drawn while the surface above is held.
+        traced.saturating_add(one)
+    } else {
+        one
+    }
+}
+
+fn have_independent_bottom(cases: &[TracedCase]) -> bool {
+    let layers = cases.iter().filter_map(|traced| traced.case.layer);
+    layers
+        .into_iter()
+        .any(|layer| layer.bottom == BottomSurface::Independent)
+}
+
+impl SurfaceGroup<'_> {
+    /// Rays that each case gets from one surface.
+    pub(crate) fn blocks(&self) -> Blocks {
+        let SurfacePlan { surfaces, rays } = self.plan;
+        let fewest = if surfaces == 1 {
+            MIN_BLOCKS_OF_ONE
+        } else {
+            MIN_BLOCKS_OF_ALL.div_ceil(surfaces).max(MIN_BLOCKS_OF_EACH)
+        };
+        Blocks::plan(rays.div_ceil(surfaces), fewest, self.settings.sampling)
+    }
+
+    /// Draws the surfaces of these numbers once each and traces all cases on each.
+    ///
+    /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If the run is
+    /// to stop, the surfaces that are complete are returned, or, if none is, what there is of the first, if it
+    /// has begun.
+    pub(crate) fn run(
+        &self,
+        surfaces: Range<u64>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<CaseTallies>, SimulateError> {
+        let bytes = surface_bytes(self.synthesis, self.cases, &self.settings);
+        check_memory("tracing one surface", bytes)?;
+        let available = available_memory().unwrap_or(MEMORY_BUDGET);
+        let fit = MEMORY_BUDGET.min(available) / bytes as u64;
+        let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
+        let next = AtomicU64::new(surfaces.start);
+        let watch = Mutex::new(Watch::default());
+        let mut found: Vec<Numbered> = (0..side_by_side)
+            .into_par_iter()
+            .with_max_len(1)
+            .flat_map_iter(|_| self.run_in_turn(&next, &surfaces, &watch, observer))
+            .collect();
+        found.sort_unstable_by_key(|one| one.surface);
+        // A surface that a stop cut short counts only if there is no other.
+        if found.iter().any(|one| one.complete) {
+            found.retain(|one| one.complete || one.found.is_err());
+        } else {
+            found.truncate(1);
+        }
+        let surfaces = found.into_iter().map(|one| one.found);
+        let surfaces = surfaces.collect::<Result<_, _>>()?;
+        Ok(CaseTallies::of_surfaces(self.settings.tally, surfaces))
+    }
+
+    /// Runs the surface whose turn it is, each in the memory of the one before, until all have had theirs, one
+    /// fails or the run is to stop.
+    fn run_in_turn(
+        &self,
+        next: &AtomicU64,
+        surfaces: &Range<u64>,
+        watch: &Mutex<Watch>,
+        observer: &dyn Observer,
+    ) -> Vec<Numbered> {
+        let mut all = Vec::new();
+        let mut memory = Vec::new();
+        loop {
+            let surface = next.fetch_add(1, Ordering::Relaxed);
+            // The first surface is traced even if there is no time for it.
+            let over = match observer.stop() {
+                Some(StoppedBy::Interrupt) => true,
+                Some(_) => surface > 0,
+                None => false,
+            };
+            if over || surface >= surfaces.end {
+                return all;
+            }
+            let one = self.load_or_trace(surface, &mut memory, observer);
+            match &one.found {
+                Ok(found) if one.complete => self.watch(watch, found, observer),
+                Ok(_) => {}
+                Err(_) => next.store(surfaces.end, Ordering::Relaxed),
+            }
+            all.push(one);
+        }
+    }
+
+    /// What the store of the observer holds of a surface, or what is found on it, which is then saved.
+    fn load_or_trace(
+        &self,
+        surface: u64,
+        memory: &mut Vec<f64>,
+        observer: &dyn Observer,
+    ) -> Numbered {
+        let key = SurfaceKey {
+            case: self.cases.first().map_or(0, |traced| traced.number),
+            stage: self.stage,
+            surface,
+        };
+        let rays = self.blocks().rays();
+        let is_complete = |found: &SurfaceTallies| {
+            let all_there = found.cases.len() == self.cases.len();
+            all_there && found.cases.iter().all(|case| case.work.rays == rays)
+        };
+        let store = observer.store();
+        let saved = store.and_then(|store| store.load(key));
+        let saved = saved.and_then(|saved| saved.restore(self.settings.tally));
+        if let Some(saved) = saved.filter(is_complete) {
+            observer.advance(rays * self.cases.len() as u64);
+            return Numbered {
+                surface,
+                found: Ok(saved),
+                complete: true,
+            };
+        }
+        let found = self.trace(surface, memory, observer);
+        let complete = found.as_ref().is_ok_and(is_complete);
+        if let (Some(store), Ok(found), true) = (store, &found, complete) {
+            store.save(key, &SavedSurface::from(found));
+        }
+        Numbered {
+            surface,
+            found,
+            complete,
+        }
+    }
+
+    /// Shows the error so far of the most demanding case, and what it lets expect.
+    ///
+    /// Surfaces come here in any order: nothing but what is shown depends on it.
+    fn watch(&self, watch: &Mutex<Watch>, surface: &SurfaceTallies, observer: &dyn Observer) {
+        let spec = &self.settings.tally;
+        let (Some(target), Stage::Result) = (self.settings.target(), self.stage) else {
+            return;
+        };
+        let Ok(mut watch) = watch.lock() else { return };
+        watch.surfaces += 1;
+        let entries = target.of().entries(spec);
+        let mut worst = 0.0_f64;
+        watch
+            .cases
+            .resize_with(self.cases.len(), || BatchStatistics::new(entries.len()));
+        for (seen, case) in watch.cases.iter_mut().zip(&surface.cases) {
+            let means = case.tally.means();
+            let values: Vec<f64> = entries.iter().map(|&i| means[i]).collect();
+            seen.push(&values);
+            let squares: f64 = seen.error_squares().sum();
+            let norm = target
+                .of()
+                .norm(seen.means().iter().map(|mean| mean * mean).sum());
+            worst = worst.max(ratio(squares.sqrt(), norm));
+        }
+        if watch.surfaces < WORTH_SHOWING {
+            return;
+        }
+        observer.note(&format!("error {worst:.2e} of {:.2e}", target.error()));
+        let rays = self.blocks().rays() * self.cases.len() as u64;
+        let needed = watch.surfaces as f64 * (worst / target.error()).powi(2);
+        if needed > self.plan.surfaces as f64 && needed < 1e15 / rays as f64 {
+            observer.expect((needed * rays as f64) as u64);
+        }
+    }
+
+    /// Draws the surface of that number in the memory given.
+    fn draw(
+        &self,
+        number: u64,
+        memory: Vec<f64>,
+        observer: &dyn Observer,
+    ) -> Result<HeightField, SimulateError> {
+        observer.surface_drawn(number);
+        let seed = self.settings.seed;
+        let field = self.synthesis.draw_into(seed, number, memory)?;
+        Ok(if self.stage == Stage::CoarsePilot {
+            field.coarsened()?
+        } else {
+            field
+        })
+    }
+
+    /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
+    /// accelerators.
+    fn build(
+        &self,
+        number: u64,
+        memory: &mut Vec<f64>,
+        observer: &dyn Observer,
+    ) -> Result<(BuiltSurface<Surface>, Seconds), SimulateError> {
+        let mut seconds = Seconds::default();
+        let clock = Instant::now();
+        let field = self.draw(number, std::mem::take(memory), observer)?;
+        let bottom = if have_independent_bottom(self.cases) {
+            Some(self.draw(FIRST_BOTTOM + number, Vec::new(), observer)?)
+        } else {
+            None
+        };
+        seconds.generate = clock.elapsed().as_secs_f64();
+
+        let clock = Instant::now();
+        let refine = self.settings.refine;
+        let top = Meshes::of_field(field, refine)?;
+        let bottom = bottom.map(|field| Meshes::of_field(field, refine));
+        let meshes = SurfaceMeshes {
+            top,
+            bottom: bottom.transpose()?,
+        };
+        let built = BuiltSurface::build(meshes, self.settings.accelerator)?;
+        seconds.build = clock.elapsed().as_secs_f64();
+        Ok((built, seconds))
+    }
+
+    /// Traces all cases on one surface, which is drawn in `memory`.
+    fn trace(
+        &self,
+        number: u64,
+        memory: &mut Vec<f64>,
+        observer: &dyn Observer,
+    ) -> Result<SurfaceTallies, SimulateError> {
+        let (built, mut seconds) = self.build(number, memory, observer)?;
+        let clock = Instant::now();
+        let mut cases = Vec::new();
+        for TracedCase { case, method, .. } in self.cases {
+            let lit = built.lit(case, |_| method, &self.settings)?;
+            let mut statistics = MeshStatistics::new(self.settings.tally, lit.len());
+            let work = run_blocks(
+                &lit,
+                &self.settings,
+                number,
+                self.blocks(),
+                observer,
+                |tallies| statistics.push(tallies),
+            );
+            cases.push(CaseOnSurface {
+                tally: statistics.tallies,
+                shifts: statistics.shifts,
+                work,
+            });
+        }
+        seconds.trace = clock.elapsed().as_secs_f64();
+        let used = built.used();
+        *memory = built.into_memory();
+        Ok(SurfaceTallies {
+            cases,
+            seconds,
+            used,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use asperity_optics::{Incidence, Material};
+    use asperity_surface::Psd;
+    use asperity_tally::TallySpec;
+    use asperity_tracer::{Branching, HalfSpace, PathSettings};
+
+    use super::*;
+    use crate::input::case::{Case, Light};
+    use crate::input::surface_source::SurfaceSource;
+    use crate::methods::method::Method;
+    use crate::observer::Silent;
+
+    /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
+    /// blocks, one random branch of each path.
+    fn run(observer: &dyn Observer) -> (Blocks, CaseTallies) {
+        let psd = Psd::gaussian(1e-9, 4.0).unwrap();
+        let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let light = Light {
+            incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
+            from: HalfSpace::Above,
+            random_azimuth: true,
+        };
+        let glass = Material::Dielectric { eta: 1.5 };
+        let cases = [TracedCase {
+            number: 0,
+            case: Case::new(SurfaceSource::Random(synthesis.clone()), glass, light),
+            method: Arc::new(Method::PLAIN),
+        }];
+        let settings = Settings {
+            paths: PathSettings::new(
+                Branching::Pick,
+                PathSettings::DEFAULT_ROULETTE,
+                PathSettings::DEFAULT_MAX_ORDER,
+            )
+            .unwrap(),
+            ..Settings::default()
+        };
+        let group = SurfaceGroup {
+            synthesis: &synthesis,
+            cases: &cases,
+            settings,
+            plan: SurfacePlan {
+                surfaces: 4,
+                rays: 4000,
+            },
+            stage: Stage::Result,
+        };
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
+        let tallies = pool.build().unwrap().install(|| group.run(0..4, observer));
+        (group.blocks(), tallies.unwrap().remove(0))
+    }
+
+    #[test]
+    fn every_surface_has_rays_of_its_own() {
+        // On nearly flat glass the branch picked at random is all that differs between surfaces.
+        let (_, tallies) = run(&Silent);
+        let mut reflected: Vec<f64> = tallies
+            .surfaces
+            .iter()
+            .map(|tally| tally[TallySpec::BUDGET.reflected])
+            .collect();
+        reflected.sort_by(f64::total_cmp);
+        reflected.dedup();
+        assert!(reflected.len() > 1, "{reflected:?}");
+    }
+
+    /// Says that the time is over once so many rays are done.
+    struct TimeFor {
+        rays: u64,
+        done: AtomicU64,
+    }
+
+    impl Observer for TimeFor {
+        fn begin(&self, _stage: &str, _total: u64) {}
+        fn advance(&self, steps: u64) {
+            self.done.fetch_add(steps, Ordering::Relaxed);
+        }
+        fn end(&self) {}
+        fn stop(&self) -> Option<StoppedBy> {
+            (self.done.load(Ordering::Relaxed) >= self.rays).then_some(StoppedBy::Time)
+        }
+    }
+
+    #[test]
+    fn a_surface_cut_short_counts_only_if_there_is_no_other() {
+        let (blocks, all) = run(&Silent);
+        assert_eq!((blocks.count, all.surfaces.len()), (4, 4));
+        let of_block = blocks.rays() / blocks.count;
+        let cut = |blocks_done: u64| {
+            let observer = TimeFor {
+                rays: blocks_done * of_block,
+                done: AtomicU64::new(0),
+            };
+            let tallies = run(&observer).1;
+            // Each block that was traced is seen, those of a surface that does not count as well.
+            (observer.done.into_inner() / of_block, tallies)
+        };
+        // In the middle of the third surface: the first two count, as in a run that is not stopped.
+        let (traced, two) = cut(2 * 4 + 3);
+        assert_eq!(traced, 2 * 4 + 3);
+        assert_eq!(two.work.rays, 2 * blocks.rays());
+        assert_eq!(two.surfaces, all.surfaces[..2]);
+        assert!(two.blocks_of_one.is_none());
+        // In the middle of the first: all that there is.
+        let (traced, one) = cut(3);
+        assert_eq!(traced, 3);
+        assert_eq!((one.surfaces.len(), one.work.rays), (1, 3 * of_block));
+        assert_eq!(one.blocks_of_one.unwrap().batches(), 3);
+    }
+}

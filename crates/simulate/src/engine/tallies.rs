@@ -1,0 +1,107 @@
+//! The tallies of one case, surface by surface.
+
+use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
+use asperity_tracer::Work;
+
+use crate::errors::refinement::MeshShifts;
+use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
+use crate::output::work::Used;
+
+/// The tallies of one case, one per surface.
+#[derive(Clone, Debug)]
+pub(crate) struct CaseTallies {
+    /// Flux fractions of each surface.
+    pub(crate) surfaces: Vec<TallyValues>,
+    /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
+    pub(crate) ray_squares: TallyValues,
+    /// Statistics over ray blocks, where there is only one surface, or an analytic result.
+    pub(crate) blocks_of_one: Option<TallyStatistics>,
+    /// What differs between the meshes of each surface, where it has several.
+    pub(crate) shifts: Vec<MeshShifts>,
+    pub(crate) work: Work,
+    pub(crate) seconds: Seconds,
+    pub(crate) used: Used,
+}
+
+impl CaseTallies {
+    fn new(spec: TallySpec, used: Used) -> Self {
+        Self {
+            surfaces: Vec::new(),
+            ray_squares: TallyValues::zeros(spec),
+            blocks_of_one: None,
+            shifts: Vec::new(),
+            work: Work::default(),
+            seconds: Seconds::default(),
+            used,
+        }
+    }
+
+    /// An analytic result, with no rays traced.
+    pub(crate) fn analytic(statistics: TallyStatistics) -> Self {
+        let mut tallies = Self::new(*statistics.means().spec(), Used::nothing());
+        tallies.surfaces.push(statistics.means().clone());
+        tallies.blocks_of_one = Some(statistics);
+        tallies
+    }
+
+    /// The tallies of each case on these surfaces, in the order of their number.
+    pub(crate) fn of_surfaces(spec: TallySpec, surfaces: Vec<SurfaceTallies>) -> Vec<Self> {
+        let mut all: Vec<Self> = Vec::new();
+        let is_only = surfaces.len() == 1;
+        for surface in surfaces {
+            if all.is_empty() {
+                let new = || Self::new(spec, surface.used.clone());
+                all.resize_with(surface.cases.len(), new);
+            }
+            let share = 1.0 / surface.cases.len() as f64;
+            for (tallies, case) in all.iter_mut().zip(surface.cases) {
+                tallies.add(case, is_only);
+                tallies.seconds.add(share, &surface.seconds);
+            }
+        }
+        all
+    }
+
+    /// The tallies of the case on the only surface there is.
+    pub(crate) fn of_one(case: CaseOnSurface, seconds: Seconds, used: Used) -> Self {
+        let mut tallies = Self::new(*case.tally.means().spec(), used);
+        tallies.add(case, true);
+        tallies.seconds = seconds;
+        tallies
+    }
+
+    fn add(&mut self, case: CaseOnSurface, is_only: bool) {
+        let CaseOnSurface {
+            tally,
+            shifts,
+            work,
+        } = case;
+        self.surfaces.push(tally.means().clone());
+        self.ray_squares += &tally.error_squares();
+        self.blocks_of_one = is_only.then_some(tally);
+        self.shifts.extend(shifts);
+        self.work += work;
+    }
+
+    /// Puts the surfaces of `more` behind those that are there.
+    pub(crate) fn append(&mut self, more: Self) {
+        self.surfaces.extend(more.surfaces);
+        self.ray_squares += &more.ray_squares;
+        self.blocks_of_one = None;
+        self.shifts.extend(more.shifts);
+        self.work += more.work;
+        self.seconds.add(1.0, &more.seconds);
+    }
+
+    /// Statistics of the tallies; a batch is a surface, or a block of rays where there is only one surface.
+    pub(crate) fn statistics(&self) -> TallyStatistics {
+        if let Some(blocks) = &self.blocks_of_one {
+            return blocks.clone();
+        }
+        let mut statistics = TallyStatistics::new(*self.ray_squares.spec());
+        self.surfaces
+            .iter()
+            .for_each(|tally| statistics.push(tally));
+        statistics
+    }
+}

@@ -1,0 +1,208 @@
+//! Refinement: what meshes of several spacings show of one another.
+
+use asperity_tally::{
+    Entry, Estimate, SavedStatistics, TallyResult, TallySpec, TallyStatistics, TallyValues,
+};
+
+/// Standard errors that a difference between meshes must exceed before an order is read off it.
+const RESOLVED: f64 = 3.0;
+
+/// Orders that count as second.
+const SECOND_ORDER: std::ops::RangeInclusive<f64> = 1.5..=2.5;
+
+/// Statistics of what is reported, and of what differs between meshes.
+#[derive(Clone, Debug)]
+pub(crate) struct MeshStatistics {
+    /// Of the tallies of the first mesh.
+    pub(crate) tallies: TallyStatistics,
+    /// Of what differs, where there are several meshes.
+    pub(crate) shifts: Option<MeshShifts>,
+}
+
+impl MeshStatistics {
+    /// Statistics of tallies on so many meshes.
+    pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
+        Self {
+            tallies: TallyStatistics::new(spec),
+            shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
+        }
+    }
+
+    /// Adds one batch: a tally of each mesh.
+    pub(crate) fn push(&mut self, tallies: &[TallyValues]) {
+        self.tallies.push(&tallies[0]);
+        if let Some(shifts) = &mut self.shifts {
+            shifts.push(tallies);
+        }
+    }
+}
+
+/// Statistics of what differs between the finer, the given, and perhaps the coarser mesh.
+#[derive(Clone, Debug)]
+pub(crate) struct MeshShifts {
+    /// The given mesh less the finer one.
+    given_less_finer: TallyStatistics,
+    /// Richardson's values, `finer + (finer - given) / 3`.
+    extrapolated: TallyStatistics,
+    /// The coarser mesh less the given one.
+    coarser_less_given: Option<TallyStatistics>,
+}
+
+impl MeshShifts {
+    fn new(spec: TallySpec, has_coarser: bool) -> Self {
+        Self {
+            given_less_finer: TallyStatistics::new(spec),
+            extrapolated: TallyStatistics::new(spec),
+            coarser_less_given: has_coarser.then(|| TallyStatistics::new(spec)),
+        }
+    }
+
+    /// Adds one batch: a tally of each mesh, the finest first.
+    fn push(&mut self, tallies: &[TallyValues]) {
+        let (finer, given) = (&tallies[0], &tallies[1]);
+        let shift = given.zip_map(finer, |g, f| g - f);
+        self.given_less_finer.push(&shift);
+        self.extrapolated
+            .push(&finer.zip_map(&shift, |f, s| f - s / 3.0));
+        if let (Some(statistics), Some(coarser)) = (&mut self.coarser_less_given, tallies.get(2)) {
+            statistics.push(&coarser.zip_map(given, |c, g| c - g));
+        }
+    }
+
+    /// As plain numbers.
+    pub(crate) fn save(&self) -> Vec<SavedStatistics> {
+        let always = [&self.given_less_finer, &self.extrapolated];
+        let all = always.into_iter().chain(&self.coarser_less_given);
+        all.map(SavedStatistics::from).collect()
+    }
+
+    /// From plain numbers; `None` if they are not those of such shifts by `spec`.
+    pub(crate) fn restore(saved: Vec<SavedStatistics>, spec: TallySpec) -> Option<Self> {
+        let mut all = saved.into_iter().map(|one| one.restore(spec));
+        Some(Self {
+            given_less_finer: all.next()??,
+            extrapolated: all.next()??,
+            coarser_less_given: match all.next() {
+                Some(coarser) => Some(coarser?),
+                None => None,
+            },
+        })
+    }
+
+    /// Adds one surface: the means of its own batches.
+    fn push_means(&mut self, surface: &Self) {
+        self.given_less_finer.push(surface.given_less_finer.means());
+        self.extrapolated.push(surface.extrapolated.means());
+        if let (Some(statistics), Some(of_surface)) =
+            (&mut self.coarser_less_given, &surface.coarser_less_given)
+        {
+            statistics.push(of_surface.means());
+        }
+    }
+}
+
+/// What meshes of several spacings showed.
+#[derive(Clone, Debug)]
+pub struct Refinement {
+    /// Spacing of the given mesh, length units along x and y.
+    pub(crate) given: [f64; 2],
+    /// A batch is a surface, or a ray block where there is one surface.
+    shifts: MeshShifts,
+}
+
+impl Refinement {
+    /// Of a given mesh of that spacing.
+    pub(crate) const fn new(given: [f64; 2], shifts: MeshShifts) -> Self {
+        Self { given, shifts }
+    }
+
+    /// From what each of several surfaces showed, or from the ray blocks of one.
+    pub(crate) fn of_surfaces(given: [f64; 2], surfaces: &[MeshShifts]) -> Option<Self> {
+        let (first, others) = surfaces.split_first()?;
+        let shifts = if others.is_empty() {
+            first.clone()
+        } else {
+            let spec = *first.extrapolated.spec();
+            let mut shifts = MeshShifts::new(spec, first.coarser_less_given.is_some());
+            surfaces.iter().for_each(|one| shifts.push_means(one));
+            shifts
+        };
+        Some(Self::new(given, shifts))
+    }
+
+    /// What is kept of the light.
+    pub(crate) const fn spec(&self) -> &TallySpec {
+        self.shifts.given_less_finer.means().spec()
+    }
+
+    /// Whether there was a mesh of twice the given spacing.
+    #[must_use]
+    pub const fn has_coarser(&self) -> bool {
+        self.shifts.coarser_less_given.is_some()
+    }
+
+    /// The given mesh less the finer one.
+    #[must_use]
+    pub fn shift(&self, entry: Entry) -> Estimate {
+        self.shifts.given_less_finer.at(entry)
+    }
+
+    /// What is left of the mesh error in the finer mesh, for second order: a third of that.
+    #[must_use]
+    pub fn remaining(&self, entry: Entry) -> Estimate {
+        let Estimate { mean, se } = self.shift(entry);
+        Estimate {
+            mean: mean / 3.0,
+            se: se.map(|se| se / 3.0),
+        }
+    }
+
+    /// The coarser mesh less the given one.
+    #[must_use]
+    pub fn coarser_shift(&self, entry: Entry) -> Option<Estimate> {
+        let shifts = self.shifts.coarser_less_given.as_ref()?;
+        Some(shifts.at(entry))
+    }
+
+    /// The order with which an entry converges.
+    ///
+    /// # Errors
+    /// Why none is seen.
+    pub fn order(&self, entry: Entry) -> Result<f64, String> {
+        let Some(coarser) = self.coarser_shift(entry) else {
+            return Err("the tile has an odd number of cells, so there is no coarser mesh".into());
+        };
+        let shift = self.shift(entry);
+        let seen = |shift: Estimate| {
+            shift
+                .se
+                .is_some_and(|se| shift.mean != 0.0 && shift.mean.abs() > RESOLVED * se)
+        };
+        if !seen(shift) || !seen(coarser) {
+            return Err(format!(
+                "the differences between meshes are not both beyond {RESOLVED} of their standard errors"
+            ));
+        }
+        let ratio = coarser.mean / shift.mean;
+        if ratio <= 0.0 {
+            return Err("the differences between meshes have opposite signs".into());
+        }
+        Ok(ratio.log2())
+    }
+
+    /// Richardson's value for a spacing of zero.
+    ///
+    /// # Errors
+    /// Why it is not to be trusted.
+    pub fn extrapolated(&self, entry: Entry) -> Result<Estimate, String> {
+        let order = self.order(entry)?;
+        if SECOND_ORDER.contains(&order) {
+            return Ok(self.shifts.extrapolated.at(entry));
+        }
+        Err(format!(
+            "the order seen is {order:.2}, and the value holds for second order, seen from {} to {}",
+            SECOND_ORDER.start(),
+            SECOND_ORDER.end()
+        ))
+    }
+}

@@ -1,0 +1,119 @@
+//! Settings: how cases are simulated, and how much is traced.
+//!
+//! A division of one run into shards will join here as one more setting: which surfaces (or blocks of rays) this
+//! shard traces. Since surfaces are reduced in the order of their number, shards merge to the bytes of the whole.
+
+use asperity_tally::TallySpec;
+use asperity_tracer::{AcceleratorKind, PathSettings, Sampling};
+
+use super::estimator::Estimator;
+use super::target::Target;
+
+/// How cases are simulated: what is recorded, how paths are followed, and how much is traced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// What is recorded of the light that leaves.
+    pub tally: TallySpec,
+    /// How paths are followed.
+    pub paths: PathSettings,
+    /// How hits are found.
+    pub accelerator: AcceleratorKind,
+    /// How paths become results.
+    pub estimator: Estimator,
+    /// How rays are spread over the mean plane and over azimuth.
+    pub sampling: Sampling,
+    /// Whether every surface is also traced at half its spacing, whose results are then reported, and at
+    /// twice its spacing, if its number of cells is even. The differences are the error of the mesh.
+    pub refine: bool,
+    /// Seed of surfaces and rays.
+    pub seed: u64,
+    /// Scatterings inside a layer after which a path is truncated.
+    pub max_scatterings: u32,
+    /// How much is traced.
+    pub effort: Effort,
+    /// Whether the error of the mesh is estimated by quadrature where a case of random surfaces is not
+    /// refined. It takes up to a second per case.
+    pub mesh_quadrature: bool,
+}
+
+impl Default for Settings {
+    /// A million stratified rays on 32 surfaces with the default tally and paths.
+    fn default() -> Self {
+        Self {
+            tally: TallySpec::default(),
+            paths: PathSettings::default(),
+            accelerator: AcceleratorKind::Auto,
+            estimator: Estimator::Auto,
+            sampling: Sampling::Stratified,
+            refine: false,
+            seed: 1,
+            max_scatterings: 0,
+            effort: Effort::default(),
+            mesh_quadrature: true,
+        }
+    }
+}
+
+impl Settings {
+    /// The error to reach, if the effort follows from one.
+    #[must_use]
+    pub const fn target(&self) -> Option<Target> {
+        match self.effort {
+            Effort::Rays { .. } => None,
+            Effort::TargetError(target) => Some(target),
+        }
+    }
+}
+
+/// How much is traced for each case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Effort {
+    /// A number of rays.
+    Rays {
+        /// Rays over all surfaces, at least. Rounded up so that every block of rays is a square of strata.
+        total: u64,
+        /// Surfaces drawn. A given surface is one.
+        surfaces: u64,
+    },
+    /// As many rays and surfaces as an error takes.
+    TargetError(Target),
+}
+
+impl Effort {
+    /// Rays unless a number is given.
+    pub const DEFAULT_RAYS: u64 = 1_000_000;
+
+    /// Surfaces unless a number is given.
+    pub const DEFAULT_SURFACES: u64 = 32;
+
+    /// Rays on a given surface.
+    #[must_use]
+    pub const fn rays(total: u64) -> Self {
+        Self::Rays { total, surfaces: 1 }
+    }
+
+    /// Rays over all surfaces; before an error has told how many it takes, the default number.
+    pub(crate) const fn total_rays(self) -> u64 {
+        match self {
+            Self::Rays { total, .. } => total,
+            Self::TargetError(_) => Self::DEFAULT_RAYS,
+        }
+    }
+
+    /// Surfaces; before an error has told how many it takes, the default number.
+    pub(crate) const fn surfaces(self) -> u64 {
+        match self {
+            Self::Rays { surfaces, .. } => surfaces,
+            Self::TargetError(_) => Self::DEFAULT_SURFACES,
+        }
+    }
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Self::Rays {
+            total: Self::DEFAULT_RAYS,
+            surfaces: Self::DEFAULT_SURFACES,
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Outcome: what was found of one case.
+
+use std::fmt;
+
+use asperity_tally::{TallyStatistics, TallyValues};
+
+use super::stopping::Stopping;
+use super::work::SummaryWork;
+use crate::errors::budget::ErrorBudget;
+use crate::input::case::Case;
+
+/// What was found of one case.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Number of the case among those that were given.
+    pub number: usize,
+    /// The case, on the surfaces that were traced: a target error may have changed their spacing.
+    pub case: Case,
+    /// Flux fractions with their standard errors, by the tally of the settings.
+    pub statistics: TallyStatistics,
+    /// What the standard errors come from.
+    pub errors_from: ErrorSource,
+    /// Flux fractions of each surface, with which models are compared.
+    pub surfaces: Vec<TallyValues>,
+    /// The errors of the fluxes by where they come from.
+    pub errors: ErrorBudget,
+    /// What no sum of fluxes differs by, if no rays were traced.
+    pub deviation_bound: Option<f64>,
+    /// What was done, and how long it took.
+    pub work: SummaryWork,
+    /// How the run came to its end.
+    pub stopping: Stopping,
+    /// The seed of surfaces and rays.
+    pub seed: u64,
+}
+
+/// What standard errors come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorSource {
+    /// The scatter between surfaces.
+    Surfaces,
+    /// The scatter between the ray blocks of the one surface there is.
+    RayBlocks,
+    /// A bound on what rays could find. None were traced.
+    DeviationBound,
+}
+
+impl ErrorSource {
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Surfaces => "surfaces",
+            Self::RayBlocks => "ray blocks",
+            Self::DeviationBound => "deviation bound",
+        }
+    }
+}
+
+impl fmt::Display for ErrorSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

@@ -1,0 +1,44 @@
+//! What one surface did with the light of the cases that share it.
+
+use asperity_tally::TallyStatistics;
+use asperity_tracer::Work;
+use serde::{Deserialize, Serialize};
+
+use super::work::Used;
+use crate::errors::refinement::MeshShifts;
+
+/// What one surface did with the light of every case that shares it.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceTallies {
+    /// By case.
+    pub(crate) cases: Vec<CaseOnSurface>,
+    pub(crate) seconds: Seconds,
+    pub(crate) used: Used,
+}
+
+/// What one surface did with the light of one case.
+#[derive(Clone, Debug)]
+pub(crate) struct CaseOnSurface {
+    /// Flux fractions; a batch is a block of rays.
+    pub(crate) tally: TallyStatistics,
+    /// What differs between its meshes, where it has several.
+    pub(crate) shifts: Option<MeshShifts>,
+    pub(crate) work: Work,
+}
+
+/// Seconds spent, summed over surfaces.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct Seconds {
+    pub(crate) generate: f64,
+    pub(crate) build: f64,
+    pub(crate) trace: f64,
+}
+
+impl Seconds {
+    /// Adds `share` of `other`.
+    pub(crate) fn add(&mut self, share: f64, other: &Self) {
+        self.generate += share * other.generate;
+        self.build += share * other.build;
+        self.trace += share * other.trace;
+    }
+}
