@@ -28,17 +28,26 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let names = config.files().map_err(|error| refuse(&error))?;
     let folder = result_folder(&path, "verify", &[document.file()], &names)?;
 
+    let checkpoints = config.checkpoints(&folder).map_err(Failure::failed)?;
+    if checkpoints.resumed() > 0 {
+        say(&format!(
+            "resumed with {} surfaces of the run that was ended",
+            checkpoints.resumed()
+        ));
+    }
     let bar = Bar::new(common);
     interrupt::listen();
-    let outcome = verify(&config, &bar).map_err(|error| match error {
+    let outcome = verify(&config, &checkpoints.observing(&bar)).map_err(|error| match error {
         error if error.is_usage() => refuse(&error),
         _ => Failure::failed(error),
     })?;
     verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+    let is_stopped = outcome.is_stopped();
+    checkpoints.close(is_stopped).map_err(Failure::failed)?;
     folder.finish().map_err(Failure::failed)?;
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
     if interrupt::came() {
-        say("interrupted; the results so far are written");
+        say("interrupted; the results so far are written, and the same command resumes");
     }
     if results.json {
         return print_json(&verify_summary(&outcome));

@@ -75,7 +75,7 @@ pub use map::{
 };
 pub use medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use models::{ComparedComponent, ModelOutcome};
-pub use output::CheckpointError;
+pub use output::{CheckpointError, Resuming, SurfaceCheckpoints};
 pub use peak::PeakDifference;
 pub use report::{trace_files, trace_report, verify_report, verify_summary};
 pub use report_error::ReportError;

@@ -6,6 +6,7 @@ mod columns;
 mod head;
 mod number;
 mod place;
+mod surface_checkpoints;
 mod table;
 
 pub(crate) use align::{aligned, listed, wrapped};
@@ -20,4 +21,5 @@ pub(crate) use columns::{
 pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
+pub use surface_checkpoints::{Resuming, SurfaceCheckpoints};
 pub(crate) use table::{Cell, Column, Format, Table};

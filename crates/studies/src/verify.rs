@@ -3,17 +3,20 @@
 use std::time::{Duration, Instant};
 
 use asperity_analysis::{ComparisonError, ModelError, sidak_level};
+use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, Stopping,
-    SummaryWork, SurfaceSource, simulate,
+    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, StoppedBy,
+    Stopping, SummaryWork, SurfaceSource, simulate,
 };
 use asperity_surface::{HeightField, Synthesis};
 use asperity_tally::{TallySpec, TallyStatistics};
 use rayon::prelude::*;
+use serde_json::json;
 
 use crate::config::VerifyConfig;
 use crate::config_error::ConfigError;
 use crate::models::{Compared, ModelOutcome, compare_models};
+use crate::output::{CheckpointError, SurfaceCheckpoints};
 use crate::sweep_case::SweepCase;
 use crate::values::{Count, Number, PerAxis};
 
@@ -100,6 +103,15 @@ impl VerifyOutcome {
     pub(crate) fn several(&self) -> bool {
         self.cases.len() + self.left_out.len() > 1
     }
+
+    /// Whether the run ended before all that was planned was done.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        let ends = self.cases.iter().filter_map(|case| case.stopping.as_ref());
+        let mut ends = ends.map(|stopping| stopping.stopped_by);
+        !self.left_out.is_empty()
+            || ends.any(|end| matches!(end, StoppedBy::Time | StoppedBy::Interrupt))
+    }
 }
 
 impl VerifyConfig {
@@ -109,6 +121,21 @@ impl VerifyConfig {
         config.surface.size = PerAxis::Each(size.map(|n| Count(n as u64)));
         config.surface.spacing = PerAxis::Each(spacing.map(Number));
         config
+    }
+
+    /// The surfaces that an earlier run of this configuration has left in `folder`. The time that a run is given and
+    /// its plots do not belong to it.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if a checkpoint cannot be read, or is of another results epoch.
+    pub fn checkpoints<'a>(
+        &self,
+        folder: &'a ResultFolder,
+    ) -> Result<SurfaceCheckpoints<'a>, CheckpointError> {
+        let mut settings = self.clone();
+        settings.run.max_time = None;
+        settings.output.plots = true;
+        SurfaceCheckpoints::open(folder, "verify", json!(settings))
     }
 
     /// Checks that the grid can resolve and hold the surfaces.
