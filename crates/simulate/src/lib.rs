@@ -1,19 +1,16 @@
 //! The engine: from cases and settings to tallies with errors.
 //!
-//! [`trace`](engine::trace::trace) and [`trace_mesh`](engine::trace::trace_mesh) send light onto one surface; [`Sharing`] draws fresh surfaces and
-//! sends the light of every case that shares them onto each. Threads and the random streams of rays live here.
+//! [`simulate`] is the door. A [`Case`] has one value each: a surface source, a material, perhaps a layer below,
+//! and the light. [`Settings`] say how all cases are simulated and how much is traced. Each case gives an
+//! [`Outcome`]: tallies with errors by where they come from, the work done, and how the run ended. An [`Observer`]
+//! is told of progress, may stop the run, and may keep finished surfaces in a [`SurfaceStore`] to resume from.
+//!
+//! Folders: `input` (what is simulated, and limits), `methods` (how a case is estimated), `engine` (groups of
+//! cases, surfaces, blocks, rounds, pilot), `errors` (budget, mesh error, refinement), `output`.
 //!
 //! # Random streams
-//! Every block of rays has its own stream, keyed by (seed, realisation, block), and results are
-//! reduced in the order of their index. The same configuration gives the same bytes, whatever the
-//! number of threads.
-
-#![allow(missing_docs, reason = "the public interface is about to be narrowed")]
-#![allow(
-    clippy::must_use_candidate,
-    clippy::missing_errors_doc,
-    reason = "as above"
-)]
+//! Every block of rays has its own stream, keyed by (seed, surface, block), and results are reduced in the order
+//! of their number. The same cases and settings give the same bytes, whatever the number of threads.
 
 mod engine;
 mod error;

@@ -8,7 +8,7 @@ use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface};
 
 use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
 use super::given_run::{GivenCase, GivenRun};
-use super::group::ReadyGroup;
+use super::ready_group::ReadyGroup;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::case::Case;

@@ -1,8 +1,8 @@
 //! Group: cases that share surfaces, ready to be planned and traced.
 
-use super::draft::Draft;
 use super::given::GivenGroup;
 use super::random::RandomGroup;
+use super::ready_group::ReadyGroup;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::case::Case;
@@ -17,29 +17,6 @@ pub(crate) enum Group {
     Random(RandomGroup),
     /// One given surface.
     Given(GivenGroup),
-}
-
-/// Cases that share surfaces, of which those that are given are built.
-pub(crate) trait ReadyGroup {
-    /// Rays of the pilot run.
-    fn pilot_rays(&self) -> u64;
-
-    /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
-    fn plan(&mut self, all_cases: usize, observer: &dyn Observer) -> Result<(), SimulateError>;
-
-    /// Surfaces planned.
-    fn surfaces(&self) -> u64;
-
-    /// Rays of all cases, as planned.
-    fn rays(&self) -> u64;
-
-    /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before an
-    /// interrupt are left out.
-    fn run(
-        self: Box<Self>,
-        all_cases: usize,
-        observer: &dyn Observer,
-    ) -> Result<Vec<Draft>, SimulateError>;
 }
 
 impl Group {

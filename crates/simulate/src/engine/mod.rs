@@ -14,6 +14,7 @@ pub(crate) mod given_run;
 pub(crate) mod group;
 pub(crate) mod pilot;
 pub(crate) mod random;
+pub(crate) mod ready_group;
 pub(crate) mod rounds;
 pub(crate) mod simulation;
 pub(crate) mod surfaces;

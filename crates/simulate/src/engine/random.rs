@@ -7,8 +7,8 @@ use asperity_surface::Synthesis;
 use rayon::prelude::*;
 
 use super::draft::Draft;
-use super::group::ReadyGroup;
 use super::pilot::{self, Figures, PilotRun};
+use super::ready_group::ReadyGroup;
 use super::rounds::{Batches, Rounds, run_rounds};
 use super::surfaces::{SurfaceGroup, SurfacePlan, surface_bytes};
 use super::tallies::CaseTallies;

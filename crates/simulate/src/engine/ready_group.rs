@@ -1,0 +1,28 @@
+//! Ready group: cases that share surfaces, ready to be planned and traced.
+
+use super::draft::Draft;
+use crate::error::SimulateError;
+use crate::observer::Observer;
+
+/// Cases that share surfaces, of which those that are given are built.
+pub(crate) trait ReadyGroup {
+    /// Rays of the pilot run.
+    fn pilot_rays(&self) -> u64;
+
+    /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
+    fn plan(&mut self, all_cases: usize, observer: &dyn Observer) -> Result<(), SimulateError>;
+
+    /// Surfaces planned.
+    fn surfaces(&self) -> u64;
+
+    /// Rays of all cases, as planned.
+    fn rays(&self) -> u64;
+
+    /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before an
+    /// interrupt are left out.
+    fn run(
+        self: Box<Self>,
+        all_cases: usize,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Draft>, SimulateError>;
+}
