@@ -14,7 +14,7 @@ use crate::observer::Observer;
 #[derive(Clone)]
 pub(crate) enum Group {
     /// Fresh surfaces.
-    Random(RandomGroup),
+    Random(Box<RandomGroup>),
     /// One given surface.
     Given(GivenGroup),
 }
@@ -40,9 +40,8 @@ impl Group {
             }
         }
         let checked = |(source, cases)| match source {
-            SurfaceSource::Random(synthesis) => {
-                RandomGroup::new(synthesis, cases, settings).map(Self::Random)
-            }
+            SurfaceSource::Random(synthesis) => RandomGroup::new(synthesis, cases, settings)
+                .map(|group| Self::Random(Box::new(group))),
             SurfaceSource::Given(shape) => GivenGroup::new(shape, cases, settings).map(Self::Given),
         };
         groups.into_iter().map(checked).collect()
@@ -51,7 +50,7 @@ impl Group {
     /// The same with another effort and seed.
     pub(crate) fn repeated(&self, settings: &Settings) -> Self {
         match self {
-            Self::Random(group) => Self::Random(group.repeated(settings)),
+            Self::Random(group) => Self::Random(Box::new(group.repeated(settings))),
             Self::Given(group) => Self::Given(group.repeated(settings)),
         }
     }
@@ -59,7 +58,7 @@ impl Group {
     /// Rays of all cases, as far as they are planned without a pilot run.
     pub(crate) fn rays(&self) -> u64 {
         match self {
-            Self::Random(group) => ReadyGroup::rays(group),
+            Self::Random(group) => group.rays(),
             Self::Given(group) => group.rays(),
         }
     }
@@ -70,7 +69,7 @@ impl Group {
         observer: &dyn Observer,
     ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         match self {
-            Self::Random(group) => Ok(Box::new(group)),
+            Self::Random(group) => Ok(group),
             Self::Given(group) => group.build(observer),
         }
     }

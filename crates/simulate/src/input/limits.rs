@@ -72,6 +72,9 @@ pub const fn hierarchy_bytes(triangles: usize) -> usize {
 
 /// Refuses more results than memory should hold: a tally for each surface and case, with the copies
 /// that the comparison makes, and the signs of its flips.
+///
+/// # Errors
+/// [`SimulateError::TooManyResults`].
 pub fn check_results(
     spec: &TallySpec,
     realisations: u64,
@@ -103,6 +106,9 @@ pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
 }
 
 /// Refuses light that would cross more tiles than a ray may.
+///
+/// # Errors
+/// [`SimulateError::TooGrazing`].
 pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), SimulateError> {
     let tiles = tiles_crossed(surface, incidence.theta());
     if can_traverse(surface, incidence.theta()) {
