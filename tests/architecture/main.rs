@@ -57,28 +57,12 @@ fn crates_use_only_what_lies_below_them() {
     }
 }
 
-/// Cycles of imports that are still to be removed, by crate: the modules in them.
-const CYCLES_LEFT: &[(&str, &[&str])] = &[
-    ("cli", &["failure", "output"]),
-    ("studies", &["config", "medium", "values"]),
-    ("studies", &["gonio::config", "gonio::plan"]),
-    ("studies", &["models", "verify"]),
-    ("studies", &["settings::document", "settings::file"]),
-];
-
 #[test]
 fn modules_form_no_import_cycles() {
     let mut found = Vec::new();
     for name in crates() {
-        let left = CYCLES_LEFT
-            .iter()
-            .filter(|(of, _)| *of == name)
-            .flat_map(|(_, modules)| modules.iter());
-        let left: BTreeSet<&str> = left.copied().collect();
         for cycle in cycles(&graph(&modules(&name))) {
-            if !cycle.iter().all(|module| left.contains(module.as_str())) {
-                found.push(format!("{name}: {cycle:?}"));
-            }
+            found.push(format!("{name}: {cycle:?}"));
         }
     }
     assert!(

@@ -64,7 +64,7 @@ use asperity_surface::SynthesisError;
 use asperity_tally::Estimate;
 use serde::Serialize;
 
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
 
 pub use config::{
     AttenuationConfig, AttenuationLight, AttenuationOutput, AttenuationRun, AttenuationSurface,

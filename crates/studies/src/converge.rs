@@ -48,9 +48,9 @@ use asperity_analysis::ModelError;
 use asperity_tally::TallyResult;
 use serde::Serialize;
 
-use crate::config_error::ConfigError;
-use crate::sweep_case::SweepCase;
-use crate::verify::VerifyError;
+use crate::config::error::ConfigError;
+use crate::config::sweep_case::SweepCase;
+use crate::verify::error::VerifyError;
 
 pub use config::{ConvergeConfig, ConvergenceConfig};
 pub use deviation::RepeatedError;

@@ -24,10 +24,11 @@ use asperity_io::{ResultFolder, ResultFolderError};
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 
-use crate::config_error::ConfigError;
-use crate::energies::lost_warning;
+use crate::config::error::ConfigError;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
-use crate::verify::{VerifyError, VerifyOutcome, verify};
+use crate::report::energies::lost_warning;
+use crate::verify::error::VerifyError;
+use crate::verify::{VerifyOutcome, verify};
 
 pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
 pub use files::gonio_report;

@@ -17,10 +17,11 @@ use asperity_io::ResultFolder;
 use asperity_simulate::{Observer, StoppedBy};
 use serde_json::{Value, json};
 
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
+use crate::config::sweep_case::SweepCase;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
-use crate::sweep_case::SweepCase;
-use crate::verify::{VerifyError, verify};
+use crate::verify::error::VerifyError;
+use crate::verify::verify;
 
 pub use cell::{
     CellDistances, CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell,

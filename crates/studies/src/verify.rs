@@ -1,8 +1,10 @@
 //! Explicit surfaces against statistical models.
 
+pub(crate) mod error;
+
 use std::time::{Duration, Instant};
 
-use asperity_analysis::{ComparisonError, ModelError, sidak_level};
+use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
     Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, StoppedBy,
@@ -13,48 +15,12 @@ use asperity_tally::{TallySpec, TallyStatistics};
 use rayon::prelude::*;
 use serde_json::json;
 
+use self::error::VerifyError;
+use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::config::VerifyConfig;
-use crate::config_error::ConfigError;
-use crate::models::{Compared, ModelOutcome, compare_models};
+use crate::config::sweep_case::SweepCase;
+use crate::config::values::{Count, Number, PerAxis};
 use crate::output::{CheckpointError, SurfaceCheckpoints};
-use crate::sweep_case::SweepCase;
-use crate::values::{Count, Number, PerAxis};
-
-/// Why a verification fails.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum VerifyError {
-    /// The configuration makes no sense.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// The surfaces cannot be simulated.
-    #[error(transparent)]
-    Simulate(#[from] SimulateError),
-    /// A model cannot be made.
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    /// Results and model do not fit each other.
-    #[error(transparent)]
-    Comparison(#[from] ComparisonError),
-}
-
-impl VerifyError {
-    /// Whether other input would help: a value is out of range, or two exclude each other.
-    #[must_use]
-    pub const fn is_usage(&self) -> bool {
-        match self {
-            Self::Config(_) | Self::Model(_) => true,
-            Self::Simulate(error) => error.is_usage(),
-            Self::Comparison(_) => false,
-        }
-    }
-
-    /// Whether the run was stopped before there was any result.
-    #[must_use]
-    pub const fn is_interrupt(&self) -> bool {
-        matches!(self, Self::Simulate(SimulateError::Interrupted))
-    }
-}
 
 /// What was found for one case.
 pub struct CaseOutcome {

@@ -6,9 +6,9 @@ use asperity_surface::Border;
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
+use crate::config::values::{Count, Number, OneOrMany, PerAxis};
 use crate::settings::{Command, Document, defaults};
-use crate::values::{Count, Number, OneOrMany, PerAxis};
 
 /// `[surface]`: the random surfaces, isotropic, with the autocorrelation `sigma^2 exp(-r^2 / tau^2)`.
 ///

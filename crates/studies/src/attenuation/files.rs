@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 
 use super::tables::attenuation_table;
 use super::{AttenuationConfig, AttenuationOutcome, AttenuationWork, figures, tables};
-use crate::figures::save;
 use crate::output::{Head, Place, figure_files};
-use crate::report_error::ReportError;
+use crate::report::error::ReportError;
+use crate::report::figures::save;
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
 /// asked for, plots, report.txt, and, last, summary.json.

@@ -8,8 +8,8 @@ use asperity_tracer::{AcceleratorKind, HorizonError};
 
 use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationRun, Way};
-use crate::config_error::ConfigError;
-use crate::values::{Number, OneOrMany};
+use crate::config::error::ConfigError;
+use crate::config::values::{Number, OneOrMany};
 
 /// A configuration with its lists checked.
 pub(super) struct Plan {

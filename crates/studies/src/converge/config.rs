@@ -13,15 +13,15 @@ use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
 use super::method::{Effort, Method};
+use crate::config::error::ConfigError;
+use crate::config::number::MOST_COUNT;
+use crate::config::sweep_case::SweepCase;
+use crate::config::values::{Count, Number, OneOrMany, PerAxis};
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
     VerifyConfig,
 };
-use crate::config_error::ConfigError;
-use crate::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
-use crate::sweep_case::SweepCase;
-use crate::values::{Count, Number, OneOrMany, PerAxis};
 
 /// `[converge]`: the methods, and how much each of them does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -8,10 +8,10 @@ use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, method_name, write_convergence};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
-use crate::config_error::ConfigError;
-use crate::figures;
+use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files, of_cases};
-use crate::report_error::ReportError;
+use crate::report::error::ReportError;
+use crate::report::figures;
 
 /// Writes what was found into `folder`: the files of every case, in folders of their own where there
 /// are several, report.txt, and, last, summary.json.

@@ -1,6 +1,6 @@
 //! The contents of summary.json of run time against error.
 
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 use asperity_simulate::Estimator;
 use asperity_tracer::{AcceleratorKind, Sampling};
 use serde::Serialize;
@@ -11,8 +11,8 @@ use super::{
     ConvergeConfig, ConvergeOutcome, ConvergeWork, ConvergedCase, Efficiency, Measurement,
     MethodOutcome, Reference,
 };
+use crate::config::values::{Number, PerAxis};
 use crate::output::Head;
-use crate::values::{Number, PerAxis};
 
 #[derive(Serialize)]
 struct Summary<'a> {

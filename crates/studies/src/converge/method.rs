@@ -5,8 +5,8 @@ use asperity_tracer::{AcceleratorKind, Sampling};
 use rand::RngExt;
 use serde::Serialize;
 
-use crate::sweep_case::SweepCase;
-use crate::values::{Number, PerAxis};
+use crate::config::sweep_case::SweepCase;
+use crate::config::values::{Number, PerAxis};
 
 /// A way of computing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

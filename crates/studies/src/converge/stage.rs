@@ -19,7 +19,7 @@ use super::{
     ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Effort, Measurement, Method,
     MethodOutcome, Reference,
 };
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 
 /// Smith's Lambda up to which nothing counts as hidden.
 const NOTHING_HIDDEN: f64 = 1e-12;

@@ -1,7 +1,7 @@
 //! Tests of definitions and of whole measurements.
 
 use super::*;
-use crate::values::{Number, PerAxis};
+use crate::config::values::{Number, PerAxis};
 use asperity_simulate::{Estimator, Silent};
 use asperity_tracer::{AcceleratorKind, Sampling};
 

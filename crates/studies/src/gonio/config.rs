@@ -8,14 +8,14 @@ use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
 use asperity_tally::HemisphereGrid;
 use serde::{Deserialize, Serialize};
 
+use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
+use crate::config::values::{Number, OneOrMany, PerAxis};
 use crate::config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, OutputConfig, RunConfig,
     SurfaceConfig, VerifyConfig,
 };
-use crate::config_error::ConfigError;
-use crate::medium::MediumConfig;
 use crate::settings::{Command, Document, defaults};
-use crate::values::{Number, OneOrMany, PerAxis};
 
 /// `[measured]`: one given surface, from a file or flat, in place of random ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

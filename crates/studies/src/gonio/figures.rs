@@ -15,9 +15,9 @@ use super::setting::Distinction;
 use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
-use crate::figures::save;
 use crate::output::{Place, over, projected_solid_angle};
-use crate::report_error::ReportError;
+use crate::report::error::ReportError;
+use crate::report::figures::save;
 
 /// Folder of the plots.
 pub(super) const PLOTS: &str = "plots";

@@ -13,9 +13,9 @@ use super::plan::Plan;
 use super::summary::gonio_table;
 use super::tables::{self, Measured, measured};
 use super::{DirectionResults, FOLDER, GonioConfig, GonioError, GonioOutcome, Sample, figures};
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files, over, projected_solid_angle};
-use crate::report_error::ReportError;
+use crate::report::error::ReportError;
 
 /// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, plots, report.txt,
 /// and, last, summary.json.

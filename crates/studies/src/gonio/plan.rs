@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 use super::config::GonioConfig;
 use super::sample::Sample;
 use super::setting::Setting;
-use crate::cases::{check_light, check_sides};
 use crate::config::VerifyConfig;
-use crate::config_error::ConfigError;
-use crate::sweep::{Sweep, SweptCase};
-use crate::verify::VerifyError;
+use crate::config::cases::{check_light, check_sides};
+use crate::config::error::ConfigError;
+use crate::config::sweep::{Sweep, SweptCase};
+use crate::verify::error::VerifyError;
 use asperity_simulate::BottomSurface;
 
 /// One direction of one setting, and how it is measured.

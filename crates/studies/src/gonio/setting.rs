@@ -4,7 +4,7 @@ use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
 use asperity_simulate::short;
 use serde::Serialize;
 
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 use asperity_simulate::layer_folder;
 
 /// One combination of surface and material, measured from all directions.

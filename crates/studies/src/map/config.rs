@@ -3,16 +3,16 @@
 use asperity_simulate::check_results;
 use serde::{Deserialize, Serialize};
 
+use crate::config::error::ConfigError;
+use crate::config::sweep::SweptCase;
+use crate::config::sweep_case::SweepCase;
+use crate::config::values::Number;
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
     VerifyConfig,
 };
-use crate::config_error::ConfigError;
 use crate::settings::{Command, Document, defaults};
-use crate::sweep::SweptCase;
-use crate::sweep_case::SweepCase;
-use crate::values::Number;
-use crate::verify::VerifyError;
+use crate::verify::error::VerifyError;
 
 /// `[map]`: how far a model may be off and still hold.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

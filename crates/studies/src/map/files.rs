@@ -10,10 +10,10 @@ use super::interval::CellVerdict;
 use super::json::map_summary;
 use super::summary::{grooves, map_table, material_name, materials, smoothness, thetas};
 use super::{FOLDER, MapConfig, MapOutcome, tables};
-use crate::config_error::ConfigError;
-use crate::figures;
+use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
-use crate::report_error::ReportError;
+use crate::report::error::ReportError;
+use crate::report::figures;
 
 /// Writes a map into `folder`: map.csv, map_own and map_all as plots, report.txt, and, last, summary.json.
 ///

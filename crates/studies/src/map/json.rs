@@ -1,6 +1,6 @@
 //! The contents of summary.json of a map.
 
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 use std::collections::BTreeMap;
 
 use serde::Serialize;

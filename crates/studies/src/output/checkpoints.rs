@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
-use crate::values::Seconds;
+use crate::config::values::Seconds;
 
 /// Form of the files; another number is another form.
 const SCHEMA: u64 = 2;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::config::VerifyConfig;
-use crate::values::Number;
+use crate::config::values::Number;
 use crate::verify::verify;
 use asperity_simulate::Silent;
 

@@ -7,7 +7,8 @@ use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_simulate::{MESH_ALLOWANCE, Observer, Silent, SimulateError, StoppedBy};
 
 use crate::config::VerifyConfig;
-use crate::verify::{VerifyError, verify};
+use crate::verify::error::VerifyError;
+use crate::verify::verify;
 
 fn config(text: &str) -> VerifyConfig {
     let fixed = "[surface]\ntau = 8\nsize = 128\nsmoothness = 2\n[compare]\nmodels = []\n";

@@ -13,13 +13,13 @@ use asperity_surface::HeightField;
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
-use crate::case_model::CaseModel;
+use crate::comparison::case_model::CaseModel;
+use crate::comparison::models::ModelOutcome;
+use crate::config::sweep_case::SweepCase;
 use crate::config::{Incident, VerifyConfig};
-use crate::energies::recorded_orders;
-use crate::models::ModelOutcome;
 use crate::output::{Place, figure_files};
-use crate::report_error::ReportError;
-use crate::sweep_case::SweepCase;
+use crate::report::energies::recorded_orders;
+use crate::report::error::ReportError;
 use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.

@@ -1,5 +1,14 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
+pub(crate) mod cases;
+pub(crate) mod error;
+pub(crate) mod medium;
+pub(crate) mod number;
+pub(crate) mod sweep;
+pub(crate) mod sweep_case;
+pub(crate) mod trace;
+pub(crate) mod values;
+
 use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
 use asperity_simulate::{Effort, Estimator, Quantity, Settings, Target};
@@ -8,10 +17,10 @@ use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, PathSettings, Sampling};
 use serde::{Deserialize, Serialize};
 
-use crate::config_error::ConfigError;
-use crate::medium::{BottomKind, MediumConfig};
+use crate::config::error::ConfigError;
+use crate::config::medium::{BottomKind, MediumConfig};
+use crate::config::values::{Count, Number, OneOrMany, PerAxis, Seconds};
 use crate::settings::{Command, Document, defaults};
-use crate::values::{Count, Number, OneOrMany, PerAxis, Seconds};
 
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use asperity_io::{ResultFolderError, WriteError};
 use asperity_plot::PlotError;
 
-use crate::config_error::ConfigError;
-use crate::verify::VerifyError;
+use crate::config::error::ConfigError;
+use crate::verify::error::VerifyError;
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]

@@ -7,15 +7,15 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::case_report::{case_table, verify_table, warnings};
-use crate::comparison_json::ComparisonJson;
+use crate::comparison::json::ComparisonJson;
 use crate::config::VerifyConfig;
-use crate::config_error::ConfigError;
-use crate::figures::{self, Light};
-use crate::flux_tables::{Fluxes, write_comparison, write_fluxes};
+use crate::config::error::ConfigError;
 use crate::output::{Head, Place, figure_files, of_cases};
-use crate::report_error::ReportError;
-use crate::summary::Summary;
+use crate::report::case_report::{case_table, verify_table, warnings};
+use crate::report::error::ReportError;
+use crate::report::figures::{self, Light};
+use crate::report::flux_tables::{Fluxes, write_comparison, write_fluxes};
+use crate::report::summary::Summary;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Names of all files of a `trace` run.

@@ -6,10 +6,10 @@ use asperity_analysis::{ScaleTest, Scope};
 use asperity_tally::{Component, Estimate, Side, TallySpec};
 use serde::Serialize;
 
-use crate::case_model::CaseModel;
-use crate::compared::{COMPARED, key};
-use crate::conclusion::{conclusion, verdict_key};
-use crate::models::{ComparedComponent, ModelOutcome};
+use crate::comparison::case_model::CaseModel;
+use crate::comparison::compared::{COMPARED, key};
+use crate::comparison::conclusion::{conclusion, verdict_key};
+use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::verify::CaseOutcome;
 
 /// Verdicts, p values and distances of one case.

@@ -1,6 +1,6 @@
 //! The model of a case by its name: of the surface, or of what lies below it.
 
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 use asperity_analysis::{
     BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel,
     Scope, create_model, expect,
@@ -8,7 +8,7 @@ use asperity_analysis::{
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
 use asperity_simulate::slopes;
 
 /// A model beside a case.

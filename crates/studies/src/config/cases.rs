@@ -8,12 +8,12 @@ use asperity_optics::{Layer, Material};
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace};
 
-use crate::case_model::CaseModel;
+use crate::comparison::case_model::CaseModel;
+use crate::config::error::ConfigError;
+use crate::config::sweep::Sweep;
+use crate::config::sweep_case::SweepCase;
+use crate::config::values::Count;
 use crate::config::{Azimuth, VerifyConfig};
-use crate::config_error::ConfigError;
-use crate::sweep::Sweep;
-use crate::sweep_case::SweepCase;
-use crate::values::Count;
 
 impl VerifyConfig {
     /// Every combination of smoothness, material, medium and polar angle, in that order of nesting.

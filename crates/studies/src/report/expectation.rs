@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::output::{
     Column, Head, Table, bin_columns, over, projected_solid_angle, solid_angle_column,
 };
-use crate::summary::{Order, orders};
+use crate::report::summary::{Order, orders};
 
 /// Writes a row per bin: its place, solid angle, flux and BSDF with standard errors, and the flux scattered
 /// once and more often apart. Errors are zero where nothing was sampled.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::config_error::ConfigError;
+use crate::config::error::ConfigError;
 
 /// A number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

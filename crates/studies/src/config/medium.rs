@@ -8,8 +8,8 @@ use asperity_optics::{Bottom, Layer, Material, ParticipatingMedium, PhaseFunctio
 use asperity_tracer::TracedLayerError;
 use serde::{Deserialize, Serialize};
 
-use crate::config_error::ConfigError;
-use crate::values::{Number, OneOrMany};
+use crate::config::error::ConfigError;
+use crate::config::values::{Number, OneOrMany};
 
 /// The phase functions by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

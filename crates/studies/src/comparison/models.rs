@@ -9,11 +9,11 @@ use asperity_analysis::{
 use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec};
 use rayon::prelude::*;
 
-use crate::case_model::CaseModel;
+use crate::comparison::case_model::CaseModel;
+use crate::comparison::side_difference::{SideDifference, side_differences};
 use crate::config::VerifyConfig;
-use crate::side_difference::{SideDifference, side_differences};
-use crate::sweep_case::SweepCase;
-use crate::verify::VerifyError;
+use crate::config::sweep_case::SweepCase;
+use crate::verify::error::VerifyError;
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
 /// azimuth, a bin stands for its ring, and the rays of the ring count.

@@ -3,12 +3,12 @@
 //! [`DIMENSIONS`] names the lists in their order of nesting: the last one changes fastest. A further dimension is a
 //! further row there.
 
-use crate::sweep_case::SweepCase;
+use crate::config::sweep_case::SweepCase;
 use asperity_optics::{Incidence, Material};
 
 use crate::config::VerifyConfig;
-use crate::config_error::ConfigError;
-use crate::values::{Number, OneOrMany};
+use crate::config::error::ConfigError;
+use crate::config::values::{Number, OneOrMany};
 
 /// Most cases of a sweep.
 const MAX_CASES: f64 = 1e6;

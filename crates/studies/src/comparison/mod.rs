@@ -1,0 +1,9 @@
+//! Models beside explicit results: which component is compared with what, peaks, sides, conclusions.
+
+pub(crate) mod case_model;
+pub(crate) mod compared;
+pub(crate) mod conclusion;
+pub(crate) mod json;
+pub(crate) mod models;
+pub(crate) mod peak;
+pub(crate) mod side_difference;

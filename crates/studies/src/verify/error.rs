@@ -1,0 +1,42 @@
+//! Why a verification fails.
+
+use asperity_analysis::{ComparisonError, ModelError};
+use asperity_simulate::SimulateError;
+
+use crate::config::error::ConfigError;
+
+/// Why a verification fails.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum VerifyError {
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The surfaces cannot be simulated.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+    /// A model cannot be made.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// Results and model do not fit each other.
+    #[error(transparent)]
+    Comparison(#[from] ComparisonError),
+}
+
+impl VerifyError {
+    /// Whether other input would help: a value is out of range, or two exclude each other.
+    #[must_use]
+    pub const fn is_usage(&self) -> bool {
+        match self {
+            Self::Config(_) | Self::Model(_) => true,
+            Self::Simulate(error) => error.is_usage(),
+            Self::Comparison(_) => false,
+        }
+    }
+
+    /// Whether the run was stopped before there was any result.
+    #[must_use]
+    pub const fn is_interrupt(&self) -> bool {
+        matches!(self, Self::Simulate(SimulateError::Interrupted))
+    }
+}
