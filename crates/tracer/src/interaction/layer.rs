@@ -249,7 +249,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
 
     /// The same heading in the coordinates of the upper surface.
     #[inline]
-    pub(crate) fn from_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
+    pub(crate) fn to_upper_surface(&self, interface: Interface, mut heading: Heading) -> Heading {
         if interface == Interface::Bottom {
             heading.origin.z -= self.shift;
         }

@@ -125,7 +125,7 @@ impl<G: Geometry> Tracer<'_, G> {
             let mut heading = layer.to_interface(interface, flight.heading);
             let gone = approach(geometry, &mut heading, region.half_space, *reach);
             if gone > 0.0 {
-                flight.heading = layer.from_interface(interface, heading);
+                flight.heading = layer.to_upper_surface(interface, heading);
                 flight.length -= gone;
                 *reach -= gone;
             }
@@ -216,7 +216,7 @@ impl<G: Geometry> Tracer<'_, G> {
             return;
         };
         let beginning = segment.traversal.beginning(query);
-        let from = layer.from_interface(interface, beginning);
+        let from = layer.to_upper_surface(interface, beginning);
         let reach = segment.flight.min(layer.to_flat_bottom(&from));
         let end = match hit {
             Some(hit) if hit.t <= reach => {

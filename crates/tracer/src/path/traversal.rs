@@ -25,7 +25,7 @@ impl<G: Geometry> Tracer<'_, G> {
             && region == Region::inside(region.interface)
         {
             batch.inside.push(LayerRay {
-                heading: layer.from_interface(region.interface, ray.heading),
+                heading: layer.to_upper_surface(region.interface, ray.heading),
                 state: ray.state,
             });
             return;

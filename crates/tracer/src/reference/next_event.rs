@@ -119,7 +119,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         }
         let found = |facet, heading, t| {
             let heading = match &self.layer {
-                Some(layer) => layer.from_interface(interface, heading),
+                Some(layer) => layer.to_upper_surface(interface, heading),
                 None => heading,
             };
             Ok(InterfaceHit {
