@@ -1,6 +1,10 @@
 //! Dependencies: permissive licences, and no later compiler than the workspace declares.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "tests fail as their helpers do, and say what they skip"
+)]
 
 use std::process::Command;
 

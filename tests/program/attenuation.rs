@@ -1,12 +1,6 @@
 //! Geometric attenuation by the command: what it prints and writes, exact relations, theory within its known
 //! bias, and refusals.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

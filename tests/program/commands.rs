@@ -1,11 +1,5 @@
 //! The program as its users meet it: files in, files and sentences out.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

@@ -1,11 +1,5 @@
 //! Run time against error: the files, the numbers in them that never change, and refusals.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

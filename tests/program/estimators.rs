@@ -5,12 +5,6 @@
 //! large, shares that are subtracted but not added; a sum that leaves out an eighth of the facets, lights
 //! them from the other side, or forgets two of the images of a mirrored tile.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
     Case, ControlMean, Estimator, Light, Settings, Silent, SurfaceSource, simulate,

@@ -1,11 +1,5 @@
 //! Flags in the place of what a file says, and what holds where neither says anything.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

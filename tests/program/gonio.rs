@@ -1,11 +1,5 @@
 //! The virtual gonioreflectometer: its tables, its files, and runs that go on where they were left.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

@@ -1,11 +1,5 @@
 //! The virtual gonioreflectometer on a given surface: what its results belong to, and what its tables hold.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

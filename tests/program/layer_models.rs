@@ -1,11 +1,5 @@
 //! Models of a flat layer by name: at single directions, by bins, and what they refuse.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 
 use crate::support::{json, refused, succeed, words};

@@ -1,5 +1,11 @@
 //! The program as its users run it, and the libraries behind it on whole runs.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "tests fail as their helpers do, and say what they skip"
+)]
+
 mod attenuation;
 mod commands;
 mod converge;

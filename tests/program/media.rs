@@ -1,11 +1,5 @@
 //! A medium below the surface, through the program.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

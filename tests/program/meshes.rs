@@ -1,7 +1,5 @@
 //! Triangle meshes as users trace them.
 
-#![allow(clippy::unwrap_used, reason = "helpers of tests fail as tests do")]
-
 use std::fs;
 
 use crate::support::{files, json, refused, succeed, with_surface};

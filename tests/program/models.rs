@@ -1,11 +1,5 @@
 //! Models by name: on their own, and beside explicit surfaces with single and multiple scattering apart.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 
 use crate::support::{json, refused, succeed, words};

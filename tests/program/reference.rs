@@ -3,12 +3,6 @@
 //! The large reference files are no part of the project: where `../shared` is missing, the tests that
 //! need it say so and pass. The essentials, the ensemble means of fresh surfaces, stand here.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::path::PathBuf;
 
 use asperity_io::read_height_map;

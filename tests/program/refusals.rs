@@ -1,11 +1,5 @@
 //! Bad input: one sentence, the right exit code, and nothing left behind.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;

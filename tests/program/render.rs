@@ -1,11 +1,5 @@
 //! Pictures as users make them: files out, and sentences for what makes no sense.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 
 use crate::support::{files, refused, succeed, with_surface, words};

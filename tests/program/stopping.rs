@@ -1,11 +1,5 @@
 //! Runs that end at an error, at the end of their time or by an interrupt.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

@@ -1,11 +1,5 @@
 //! Verifications: verdicts, the files they rest on, and the configurations of the examples.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
-)]
-
 use std::fs;
 use std::path::Path;
 

@@ -111,7 +111,7 @@ impl ConvergeConfig {
         let plan = self.plan()?;
         let efforts = plan.efforts.iter().chain([&plan.reference.1]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
-        check_results(&plan.spec, surfaces, 1, false).map_err(SimulateError::from)?;
+        check_results(&plan.spec, surfaces, 1, false)?;
         for method in plan.methods.iter().chain([&plan.reference.0]) {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
@@ -120,7 +120,7 @@ impl ConvergeConfig {
                 let bytes = synthesis
                     .peak_bytes()
                     .max(traced_bytes([ny, nx], accelerator));
-                check_memory("tracing one surface", bytes).map_err(SimulateError::from)?;
+                check_memory("tracing one surface", bytes)?;
             }
         }
         Ok(())
