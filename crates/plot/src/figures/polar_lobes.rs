@@ -86,8 +86,8 @@ const LEGEND_GAP: f64 = 14.0;
 /// Height of the half plane that only shows the arrow.
 const ARROW_ROOM: f64 = 150.0;
 const CENTRE_X: f64 = theme::MARGIN + ANGLE_ROOM + RADIUS;
-/// At least so many ring spacings fit below the peak.
-const RINGS: f64 = 2.5;
+/// The peak is at least this many ring spacings from the origin.
+const MIN_RINGS: f64 = 3.0;
 /// The tip of the arrow keeps this distance from the origin, where the points of dark directions crowd.
 const TIP_RADIUS: f64 = 6.0;
 /// The line of the surface ends so far beyond the circle.
@@ -170,8 +170,10 @@ impl PolarLobes {
             // Nothing leaves: any scale will do.
             0.0 => (0.25, 1.0),
             peak => {
-                let step = round_step_below(peak / RINGS);
-                (step, (1.02 * peak / step).ceil() * step)
+                let step = round_step_below(peak / MIN_RINGS);
+                // The outer circle may lie halfway between two rings, so that the lobe fills it.
+                let half = 0.5 * step;
+                (step, (1.02 * peak / half).ceil() * half)
             }
         };
         let half = |(side, peak): (Side, f64)| {
@@ -273,11 +275,11 @@ fn light_pen() -> Pen {
     Pen::solid(theme::INK, 1.8)
 }
 
-/// The largest of 1, 5, 10, 20, 25, 50, 100, ... not above `ratio`; factors of two would only confuse.
+/// The largest of 1, 5, 10, 20, 25, 40, 50, 100, ... not above `ratio`; smaller factors would only confuse.
 fn enlargement(ratio: f64) -> f64 {
     let mut best = 1.0;
     for power in 0..15 {
-        for mantissa in [1.0, 2.0, 2.5, 5.0] {
+        for mantissa in [1.0, 2.0, 2.5, 4.0, 5.0] {
             let factor = mantissa * 10f64.powi(power);
             if factor >= 5.0 && factor <= ratio * (1.0 + 1e-9) {
                 best = factor;
