@@ -44,15 +44,31 @@ const BLUISH_GREEN: RGBColor = RGBColor(0, 158, 115);
 const BLUE: RGBColor = RGBColor(0, 114, 178);
 const VERMILLION: RGBColor = RGBColor(213, 94, 0);
 const REDDISH_PURPLE: RGBColor = RGBColor(204, 121, 167);
-// Darker than all of theirs.
+// Apart from all of theirs by lightness.
 const BROWN: RGBColor = RGBColor(115, 62, 10);
 const OLIVE: RGBColor = RGBColor(107, 112, 0);
+const VIOLET: RGBColor = RGBColor(98, 44, 160);
+const CRIMSON: RGBColor = RGBColor(168, 12, 60);
+const DARK_GREEN: RGBColor = RGBColor(8, 84, 52);
+const LIME: RGBColor = RGBColor(132, 190, 48);
+const SLATE: RGBColor = RGBColor(124, 148, 172);
 
 /// Colours of explicit results by component: black for all light, and no colour of a model.
 pub(crate) const COMPONENT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
-/// Colours of models.
-pub(crate) const MODEL_COLOURS: [RGBColor; 6] =
-    [BLUE, VERMILLION, BLUISH_GREEN, REDDISH_PURPLE, BROWN, OLIVE];
+/// Colours of models: neighbours in a list of models look least alike.
+pub(crate) const MODEL_COLOURS: [RGBColor; 11] = [
+    BLUE,
+    VERMILLION,
+    BLUISH_GREEN,
+    REDDISH_PURPLE,
+    BROWN,
+    OLIVE,
+    VIOLET,
+    CRIMSON,
+    LIME,
+    DARK_GREEN,
+    SLATE,
+];
 /// Colours of anything else that is counted.
 pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLUE,
@@ -64,7 +80,7 @@ pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLACK,
     MUTED,
 ];
-/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 30 different lines.
+/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 55 different lines.
 pub(crate) const LINE_DASHES: [&[f64]; 5] = [
     &[],
     &[9.0, 4.0],
