@@ -63,6 +63,8 @@ pub struct ProfileGrid {
 }
 
 const PANEL: (f64, f64) = (268.0, 210.0);
+/// Size of a panel that stands alone.
+const SINGLE_PANEL: (f64, f64) = (440.0, 300.0);
 const GAP: f64 = 40.0;
 const MOST_IN_A_ROW: usize = 4;
 const Y_AXIS_ROOM: f64 = 76.0;
@@ -84,8 +86,16 @@ impl ProfileGrid {
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let columns = self.panels.len().min(MOST_IN_A_ROW);
+        let (panel_width, panel_height) = match self.panels.len() {
+            1 => SINGLE_PANEL,
+            _ => PANEL,
+        };
+        let name_depth = match self.panels.iter().all(String::is_empty) {
+            true => 0.0,
+            false => NAME_DEPTH,
+        };
         let left = theme::MARGIN + Y_AXIS_ROOM;
-        let width = left + columns as f64 * (PANEL.0 + GAP) - GAP + theme::MARGIN;
+        let width = left + columns as f64 * (panel_width + GAP) - GAP + theme::MARGIN;
         let mut page = Page::new(&self.title, &self.subtitle, width.max(560.0))?;
         page.y += 8.0;
         let mut curves: Vec<Curve> = self.curves(0, -f64::MAX).collect();
@@ -102,18 +112,18 @@ impl ProfileGrid {
         let [steep, even] = [steep.concat(), even.concat()];
         let (linear, log) = (self.linear_axis(&even), self.log_axis(&steep));
         let rows = self.panels.len().div_ceil(columns);
-        let row_height = NAME_DEPTH + PANEL.1 + GAP + 6.0;
-        let top = page.y + 8.0;
+        let row_height = name_depth + panel_height + GAP + 6.0;
+        let top = page.y + 12.0;
         for (i, name) in self.panels.iter().enumerate() {
             let (row, column) = (i / columns, i % columns);
-            let x = left + column as f64 * (PANEL.0 + GAP);
+            let x = left + column as f64 * (panel_width + GAP);
             let y = top + row as f64 * row_height;
-            let frame = Rect::at((x, y + NAME_DEPTH), PANEL.0, PANEL.1);
+            let frame = Rect::at((x, y + name_depth), panel_width, panel_height);
             let look = TextLook::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
             page.scene.text(name, (frame.centre().0, y), look);
             let angles = Axis::degrees(-90.0, 90.0);
             let angles = match i + columns >= self.panels.len() {
-                true => angles.with_label("angle from the normal (°)"),
+                true => angles.with_label("angle from the normal θₒ (°)"),
                 false => angles.without_texts(),
             };
             let axis = if steep.contains(&i) { &log } else { &linear };
@@ -161,8 +171,8 @@ impl ProfileGrid {
         Ok(())
     }
 
-    /// The curves of a panel; dashed components stand above all light, so that both show where they agree. Values below `least` become it: on a logarithmic axis
-    /// a curve leaves the panel below.
+    /// The curves of a panel; dashed components are drawn above all light, so that both show where they agree. Values below
+    /// `least` become it: on a logarithmic axis a curve leaves the panel below.
     fn curves(&self, panel: usize, least: f64) -> impl Iterator<Item = Curve> {
         let raised = move |mut point: Point| {
             point.y = if point.y < least { least } else { point.y };
@@ -182,8 +192,12 @@ impl ProfileGrid {
 
     fn guides(&self, lo: f64, hi: f64) -> impl Iterator<Item = Curve> {
         let lines = [
-            (self.mirror_deg, "as at a flat surface", Style::Guide),
-            (self.light_deg, "back to the light", Style::Faint),
+            (
+                self.mirror_deg,
+                "reflection at a flat surface",
+                Style::Guide,
+            ),
+            (self.light_deg, "towards the light", Style::Faint),
         ];
         lines.into_iter().filter_map(move |(angle, name, style)| {
             Some(Curve::guide(name, style, [(angle?, lo), (angle?, hi)]))
