@@ -248,15 +248,19 @@ impl Hemispheres {
             scene.text("not there yet", centre, look);
             return;
         };
-        // Without a value above zero all bins look like zero.
-        let scale = scale.unwrap_or(ColourScale::linear(0.0, 1.0));
-        let columns = (2.0 * PIXELS * radius) as usize;
-        scene.pictures.push(Picture {
-            frame: Rect::around(centre, radius, radius),
-            columns,
-            pixels: disc::pixels(self.bins, &cell.values, columns, &scale),
-            palette: disc::palette(),
-        });
+        if let Some(scale) = scale {
+            let columns = (2.0 * PIXELS * radius) as usize;
+            scene.pictures.push(Picture {
+                frame: Rect::around(centre, radius, radius),
+                columns,
+                pixels: disc::pixels(self.bins, &cell.values, columns, &scale),
+                palette: disc::palette(),
+            });
+        } else {
+            // Without a value above zero there is no scale: colours would have no meaning.
+            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
+            scene.text("no light", centre, look);
+        }
         for theta in [30.0_f64, 60.0] {
             let share = SQRT_2 * (0.5 * theta.to_radians()).sin();
             scene.circle(centre, share * radius, Pen::solid(theme::MUTED, 0.5));
@@ -366,8 +370,9 @@ mod tests {
             empty.cells = vec![None, None];
             assert!(!empty.draw().unwrap().svg().unwrap().contains("BRDF"));
         }
-        // Nothing above zero has a scale all the same.
-        assert!(of_one(vec![-1.0; 8], [2, 4]).draw().is_ok());
+        // Without a value above zero colours would have no meaning.
+        let dark = of_one(vec![-1.0; 8], [2, 4]).draw().unwrap();
+        assert!(dark.svg().unwrap().contains("no light"));
     }
 
     /// One bin of 12 x 24 holds 0.04 % of the solid angle or more.
