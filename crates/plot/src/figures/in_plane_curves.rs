@@ -125,8 +125,8 @@ impl InPlaneCurves {
 
     fn angle_label(&self) -> &'static str {
         match self.side {
-            Side::Reflected => "θₒ from the upward normal, forward positive (degrees)",
-            Side::Transmitted => "θₒ from the downward normal, forward positive (degrees)",
+            Side::Reflected => "θₒ from the upward normal, forward positive (°)",
+            Side::Transmitted => "θₒ from the downward normal, forward positive (°)",
         }
     }
 

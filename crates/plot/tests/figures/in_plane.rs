@@ -102,7 +102,7 @@ fn in_plane_curves_say_what_they_show() {
         &texts,
         &[
             "f |cos θₒ| (1/sr)",
-            "θₒ from the downward normal, forward positive (degrees)",
+            "θₒ from the downward normal, forward positive (°)",
             "residual z",
             "10⁻¹",
             "−30",
