@@ -36,8 +36,8 @@ pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves
     figures
 }
 
-const THETA: &str = "polar angle of the light θᵢ (degrees)";
-const LIT: &str = "share of all points that are lit";
+const THETA: &str = "polar angle of the light θᵢ (°)";
+const LIT: &str = "fraction of all points that are lit";
 
 /// The lit share over theta, a curve a sigma.
 fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
@@ -73,9 +73,8 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
         let Ok(slopes) = SlopeCovariance::isotropic(tau / sigma) else {
             continue;
         };
-        let line = |name: &str, dash: usize, of: &dyn Fn(f64) -> f64| Curve {
-            // The pattern tells the model: one entry of each is enough.
-            name: if i == 0 { name.into() } else { String::new() },
+        let line = |dash: usize, of: &dyn Fn(f64) -> f64| Curve {
+            name: String::new(),
             colour,
             style: Style::Line(dash),
             points: degrees()
@@ -83,16 +82,17 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
                 .collect(),
         };
         let w = |theta: f64| from_spherical(theta, phi);
-        lines.push(line("Smith", 0, &|theta| smith_lit(&slopes, w(theta))));
-        lines.push(line("V-cavity", 1, &|theta| {
-            v_cavity_lit(&slopes, w(theta))
-        }));
-        lines.push(line("Smith as the 2019 paper prints it", 3, &|theta| {
-            smith_lit_as_printed(sigma, w(theta))
-        }));
+        lines.push(line(0, &|theta| smith_lit(&slopes, w(theta))));
+        lines.push(line(1, &|theta| v_cavity_lit(&slopes, w(theta))));
+        lines.push(line(3, &|theta| smith_lit_as_printed(sigma, w(theta))));
     }
     // Points come first in the legend.
     curves.append(&mut lines);
+    curves.extend(model_entries(&[
+        ("Smith", Style::Line(0)),
+        ("V-cavity", Style::Line(1)),
+        (AS_PRINTED, Style::Line(3)),
+    ]));
     Curves {
         title: "Geometric attenuation: explicit surfaces against models".into(),
         subtitle: subtitle(outcome),
@@ -131,21 +131,24 @@ fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
             Some(Point::exact(sigma, smith_lit(&slopes, wi)))
         };
         let printed = |sigma: f64| Point::exact(sigma, smith_lit_as_printed(sigma, wi));
-        let name = |name: &str| if i == 0 { name.into() } else { String::new() };
         lines.push(Curve {
-            name: name("Smith"),
+            name: String::new(),
             colour,
             style: Style::Line(0),
             points: fine().filter_map(smith).collect(),
         });
         lines.push(Curve {
-            name: name("Smith as the 2019 paper prints it"),
+            name: String::new(),
             colour,
             style: Style::Line(3),
             points: fine().map(printed).collect(),
         });
     }
     curves.append(&mut lines);
+    curves.extend(model_entries(&[
+        ("Smith", Style::Line(0)),
+        (AS_PRINTED, Style::Line(3)),
+    ]));
     Curves {
         title: "Geometric attenuation over roughness".into(),
         subtitle: subtitle(outcome),
@@ -175,14 +178,13 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
         curves.push(Curve {
             name: format!(
                 "θᵢ = {}°: tan θᵢ / s = {}",
-                short(theta),
+                short((10.0 * theta).round() / 10.0),
                 short(round3(of_light[0].x))
             ),
             colour,
             style: Style::Points(0),
             points: points.collect(),
         });
-        let name = |name: &str| if i == 0 { name.into() } else { String::new() };
         if let (Ok(slopes), Ok(light)) = (
             SlopeCovariance::isotropic(smoothness),
             Incidence::from_degrees(theta, 0.0),
@@ -190,7 +192,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             let heights =
                 (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
             lines.push(Curve {
-                name: name("Smith: Φ(h / σ) to the power Λ(θᵢ)"),
+                name: String::new(),
                 colour,
                 style: Style::Line(0),
                 points: heights
@@ -200,17 +202,21 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
         }
         let at_zero = of_light.iter().filter_map(|row| row.xu_sun);
         lines.push(Curve {
-            name: name("Xu and Sun, Eq. 24, at height zero"),
+            name: String::new(),
             colour,
             style: Style::Hollow(3),
             points: at_zero.map(|v| Point::exact(0.0, v)).collect(),
         });
     }
     curves.append(&mut lines);
+    curves.extend(model_entries(&[
+        ("Smith: Φ(h / σ) to the power Λ(θᵢ)", Style::Line(0)),
+        ("Xu and Sun, Eq. 24, at height zero", Style::Hollow(3)),
+    ]));
     Curves {
-        title: "Visibility of points by their height, of those that face the light".into(),
+        title: "Visibility over height, of points that face the light".into(),
         subtitle: format!("{}, s = {}", subtitle(outcome), short(smoothness)),
-        x: axis("height h / σ", Some([-HIGHEST, HIGHEST])),
+        x: axis("height h / σ", Some([-HIGHEST - 0.1, HIGHEST + 0.1])),
         y: axis("visibility V(h, θᵢ)", Some([0.0, 1.04])),
         curves,
         notes: vec![
@@ -218,6 +224,19 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             "Colours: θᵢ.".into(),
         ],
     }
+}
+
+const AS_PRINTED: &str = "Smith as the 2019 paper prints it";
+
+/// Entries of models in the legend, in black: there the pattern tells the model, and the colour something else.
+fn model_entries(models: &[(&str, Style)]) -> Vec<Curve> {
+    let entry = |(name, style): &(&str, Style)| Curve {
+        name: (*name).to_owned(),
+        colour: Colour::Component(0),
+        style: *style,
+        points: Vec::new(),
+    };
+    models.iter().map(entry).collect()
 }
 
 /// Steps of a fine line.
