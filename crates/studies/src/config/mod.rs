@@ -1,5 +1,6 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
+pub(crate) mod case_text;
 pub(crate) mod cases;
 pub(crate) mod error;
 pub(crate) mod medium;

@@ -8,6 +8,7 @@ use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 use super::json::{case_summary, converge_summary};
 use super::tables::{case_table, converge_table, method_name, write_convergence};
 use super::{ConvergeConfig, ConvergeOutcome, ConvergedCase, MethodOutcome};
+use crate::config::case_text::case_text;
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files, of_cases};
 use crate::report::error::ReportError;
@@ -95,11 +96,7 @@ fn write_case(
 
 /// Error over seconds of one case.
 fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
-    let parameters = case
-        .case
-        .to_string()
-        .replace("theta", "θᵢ")
-        .replace(" deg", "°");
+    let parameters = case_text(&case.case);
     let [x, y] = outcome.config.extent().map(asperity_simulate::short);
     let repeats = outcome.config.converge.repeats.0;
     let plural = if repeats == 1 { "" } else { "s" };

@@ -1,4 +1,4 @@
-//! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by parts.
+//! The plots of a measurement: a matrix of hemispheres, and for each polar angle its light by component.
 
 use asperity_simulate::short;
 
@@ -156,7 +156,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             outcome,
             &[
                 more,
-                format!("{share}: share of the light that leaves on this side"),
+                format!("{share}: fraction of the incident light that leaves on this side"),
             ]
             .into_iter()
             .filter(|w| !w.is_empty())
@@ -191,7 +191,7 @@ fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
     });
     Hemispheres {
         title: format!(
-            "{} light by parts, θᵢ = {}°",
+            "{} light by component, θᵢ = {}°",
             word(side),
             short(outcome.thetas[theta])
         ),
@@ -262,12 +262,12 @@ fn word(side: Side) -> &'static str {
     }
 }
 
-/// What the names of parts mean.
+/// What the names of components mean.
 fn meaning(spec: &TallySpec) -> &'static str {
     if spec.has_medium() {
-        "by how often it was scattered inside the medium"
+        "components by number of scattering events inside the medium"
     } else {
-        "by whether it met the surface once or more often"
+        "components by number of interactions with the surface"
     }
 }
 
@@ -314,7 +314,7 @@ const fn row_of(side: Side, ring: usize, rings: usize) -> usize {
     }
 }
 
-/// A share of the light, to three digits.
+/// A fraction of the light, to three digits.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     let digits = if percent.abs() >= 10.0 { 1 } else { 2 };

@@ -4,6 +4,7 @@ use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
 use asperity_simulate::short;
 use serde::Serialize;
 
+use crate::config::case_text::index_text;
 use crate::config::sweep_case::SweepCase;
 use asperity_simulate::layer_folder;
 
@@ -64,7 +65,7 @@ impl Setting {
             parameters.push(("grooves", grooves.clone()));
         }
         match self.material {
-            Material::Dielectric { eta } => parameters.push(("n", short(eta))),
+            Material::Dielectric { eta } => parameters.push(("n", index_text(eta))),
             Material::Conductor { eta, kappa } => {
                 parameters.push(("n", format!("{} + {}i", short(eta), short(kappa))));
             }

@@ -8,8 +8,9 @@ use asperity_plot::{MapVerdict, MappedCell, ValidityMap};
 use super::cell::ComparedLight;
 use super::interval::CellVerdict;
 use super::json::map_summary;
-use super::summary::{grooves, map_table, material_name, materials, smoothness, thetas};
+use super::summary::{grooves, map_table, materials, smoothness, thetas};
 use super::{FOLDER, MapConfig, MapOutcome, tables};
+use crate::config::case_text::material_text;
 use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files};
 use crate::report::error::ReportError;
@@ -102,20 +103,20 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     }
     let tolerances = &outcome.config.map;
     let what = match light {
-        ComparedLight::Own => "each model beside the light that it describes",
-        ComparedLight::All => "each model beside all light",
+        ComparedLight::Own => "each model against the light it describes",
+        ComparedLight::All => "each model against all light",
     };
     ValidityMap {
         title: format!("Where models hold: {what}"),
         subtitle: format!(
-            "Signs: total variation within {}, energy of each side within {} of the incident flux, and peak directions within {}°, each with 95 %{}",
+            "Signs: total variation within {}, energy of each side within {} of the incident flux, and peak directions within {}°, each at 95 % confidence{}",
             short(tolerances.total_variation.0),
             short(tolerances.energy.0),
             short(tolerances.peak.0),
             grooves(outcome).map_or_else(String::new, |text| format!("; {text}")),
         ),
         models: models.clone(),
-        materials: materials.into_iter().map(material_name).collect(),
+        materials: materials.into_iter().map(material_text).collect(),
         smoothness,
         theta_deg: thetas,
         tolerance: tolerances.total_variation.0,

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::MapOutcome;
 use super::cell::{ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
+use crate::config::case_text::material_text;
 use crate::output::{Column, Table};
 
 /// What the map says of one model on one material, over one share of the light.
@@ -133,20 +134,6 @@ pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
         short(ratio)
     ))
 }
-
-/// A material as titles have it.
-pub(super) fn material_name(material: Material) -> String {
-    match material {
-        // Out of the denser medium the quotient reads better: n = 1/1.5.
-        Material::Dielectric { eta } if short(1.0 / eta).len() < short(eta).len() => {
-            format!("n = 1/{}", short(1.0 / eta))
-        }
-        Material::Dielectric { eta } => format!("n = {}", short(eta)),
-        Material::Conductor { eta, kappa } => format!("n = {} + {}i", short(eta), short(kappa)),
-        _ => "mirror".to_owned(),
-    }
-}
-
 /// The summary as text: report.txt.
 #[must_use]
 pub fn map_table(outcome: &MapOutcome) -> String {
@@ -178,7 +165,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
                 ComparedLight::Own => "each model beside the light that it describes",
                 ComparedLight::All => "each model beside all light",
             };
-            let _ = writeln!(out, "\n{}: {what}", material_name(material));
+            let _ = writeln!(out, "\n{}: {what}", material_text(material));
             let here = |s: &&ModelSummary| s.material == material && s.light == light;
             out.push_str(&table(outcome).text(summaries.iter().filter(here)));
         }
@@ -246,13 +233,6 @@ mod tests {
     use super::super::MapCell;
     use super::super::config::MapConfig;
     use super::*;
-
-    #[test]
-    fn materials_read_as_they_are_written() {
-        for (eta, name) in [(1.5, "n = 1.5"), (1.0 / 1.5, "n = 1/1.5"), (0.9, "n = 0.9")] {
-            assert_eq!(material_name(Material::Dielectric { eta }), name);
-        }
-    }
 
     #[test]
     fn a_model_holds_from_where_nothing_above_fails() {

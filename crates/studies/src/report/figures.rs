@@ -15,6 +15,7 @@ use rayon::prelude::*;
 
 use crate::comparison::case_model::CaseModel;
 use crate::comparison::models::ModelOutcome;
+use crate::config::case_text::{case_text, material_text};
 use crate::config::sweep_case::SweepCase;
 use crate::config::{Incident, VerifyConfig};
 use crate::output::{Place, figure_files};
@@ -63,29 +64,16 @@ impl Light {
     }
 
     fn parameters(&self) -> String {
-        match &self.case {
-            Some(case) => case.to_string().replace("theta", "θᵢ").replace(" deg", "°"),
-            None => {
-                let theta = short(self.incidence.theta_deg());
-                let phi = short(self.incidence.phi_deg());
-                let layer = self
-                    .layer
-                    .map_or(String::new(), |layer| format!(", {}", layer_name(&layer)));
-                match self.material {
-                    Material::Dielectric { eta } if self.layer.is_some() => {
-                        format!("n = {}, θᵢ = {theta}°, φᵢ = {phi}°{layer}", short(eta))
-                    }
-                    Material::Dielectric { eta } => {
-                        format!("n = {}, θᵢ = {theta}°, φᵢ = {phi}°", short(eta))
-                    }
-                    Material::Conductor { eta, kappa } => format!(
-                        "n = {} + {} i, θᵢ = {theta}°, φᵢ = {phi}°",
-                        short(eta),
-                        short(kappa)
-                    ),
-                    _ => format!("mirror, θᵢ = {theta}°, φᵢ = {phi}°"),
-                }
-            }
+        if let Some(case) = &self.case {
+            return case_text(case);
+        }
+        let material = material_text(self.material);
+        let theta = short(self.incidence.theta_deg());
+        let phi = short(self.incidence.phi_deg());
+        let light = format!("{material}, θᵢ = {theta}°, φᵢ = {phi}°");
+        match &self.layer {
+            Some(layer) => format!("{light}, {}", layer_name(layer)),
+            None => light,
         }
     }
 
