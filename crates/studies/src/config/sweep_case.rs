@@ -64,7 +64,11 @@ impl SweepCase {
     pub fn grooves(&self) -> Option<String> {
         self.psd.anisotropy().map(|[ratio, azimuth]| {
             let (s_y, azimuth) = (ratio * self.smoothness, azimuth.to_degrees());
-            format!("s_y = {}, first axis at {} deg", short(s_y), short(azimuth))
+            format!(
+                "s = {} along the second axis, first axis at {} deg",
+                short(s_y),
+                short(azimuth)
+            )
         })
     }
 
