@@ -63,8 +63,8 @@ pub struct ProfileGrid {
 }
 
 const PANEL: (f64, f64) = (268.0, 210.0);
-/// Size of a panel that stands alone.
-const SINGLE_PANEL: (f64, f64) = (440.0, 300.0);
+/// Width of a panel that stands alone.
+const SINGLE_PANEL_WIDTH: f64 = 440.0;
 const GAP: f64 = 40.0;
 const MOST_IN_A_ROW: usize = 4;
 const Y_AXIS_ROOM: f64 = 76.0;
@@ -87,7 +87,7 @@ impl ProfileGrid {
         self.check()?;
         let columns = self.panels.len().min(MOST_IN_A_ROW);
         let (panel_width, panel_height) = match self.panels.len() {
-            1 => SINGLE_PANEL,
+            1 => (SINGLE_PANEL_WIDTH, PANEL.1),
             _ => PANEL,
         };
         let name_depth = match self.panels.iter().all(String::is_empty) {
