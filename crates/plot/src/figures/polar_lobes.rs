@@ -87,7 +87,7 @@ const LEGEND_GAP: f64 = 14.0;
 const ARROW_ROOM: f64 = 150.0;
 const CENTRE_X: f64 = theme::MARGIN + ANGLE_ROOM + RADIUS;
 /// The peak is at least this many ring spacings from the origin.
-const MIN_RINGS: f64 = 3.0;
+const MIN_RINGS: f64 = 2.0;
 /// The tip of the arrow keeps this distance from the origin, where the points of dark directions crowd.
 const TIP_RADIUS: f64 = 6.0;
 /// The line of the surface ends so far beyond the circle.
