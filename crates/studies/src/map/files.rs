@@ -109,7 +109,7 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     ValidityMap {
         title: format!("Where models hold: {what}"),
         subtitle: format!(
-            "Signs: total variation within {}, energy of each side within {} of the incident flux, and peak directions within {}°, each at 95 % confidence{}",
+            "Signs: total variation within {}, energy per side within {} of the incident flux, peaks within {}°, each at 95 % confidence{}",
             short(tolerances.total_variation.0),
             short(tolerances.energy.0),
             short(tolerances.peak.0),
