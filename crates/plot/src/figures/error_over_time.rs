@@ -94,7 +94,7 @@ pub struct ErrorOverTime {
 }
 
 const PANEL: (f64, f64) = (620.0, 500.0);
-const LEGEND_WIDTH: f64 = 372.0;
+const LEGEND_WIDTH: f64 = 408.0;
 /// Free space between the data and the frame, decades.
 const PADDING: f64 = 0.15;
 /// The axis of errors is drawn out to the reference's if that is not farther than so many decades away.
