@@ -83,7 +83,8 @@ impl HalfPlane {
         scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
     }
 
-    /// Numbers of the rings in the quadrant `across`, `down`. One that would hide a point is left out.
+    /// Numbers of the rings along the surface, `down` below or above it: on the side `across`, or on the other
+    /// one if more of them have room there. One that would hide a point is left out.
     pub(crate) fn draw_ring_numbers(
         &self,
         scene: &mut Scene,
@@ -91,11 +92,32 @@ impl HalfPlane {
         exponent: i32,
         curves: &[Curve],
     ) -> Result<(), PlotError> {
-        let decimals = decimals(scale_down(self.step, exponent));
         let points: Vec<Xy> = curves
             .iter()
             .flat_map(|curve| curve.places(self).flatten())
             .collect();
+        let mut numbers = self.ring_numbers((across, down), exponent, &points)?;
+        let opposite = self.ring_numbers((-across, down), exponent, &points)?;
+        if opposite.len() > numbers.len() {
+            numbers = opposite;
+        }
+        for (text, plate) in numbers {
+            scene.rect(plate, theme::WHITE);
+            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
+            scene.text(&text, plate.centre(), look.muted());
+        }
+        Ok(())
+    }
+
+    /// The numbers that hide no point, and their plates.
+    fn ring_numbers(
+        &self,
+        (across, down): (f64, f64),
+        exponent: i32,
+        points: &[Xy],
+    ) -> Result<Vec<(String, Rect)>, PlotError> {
+        let decimals = decimals(scale_down(self.step, exponent));
+        let mut numbers = Vec::new();
         for value in self.rings() {
             let text = fixed(scale_down(value, exponent), decimals);
             let at = (
@@ -104,14 +126,11 @@ impl HalfPlane {
             );
             let half_width = 0.5 * text_width(&text, theme::NOTE_SIZE)? + 2.0;
             let plate = Rect::around(at, half_width, 0.5 * theme::NOTE_SIZE + 1.0);
-            if points.iter().any(|point| plate.contains(*point)) {
-                continue;
+            if !points.iter().any(|point| plate.contains(*point)) {
+                numbers.push((text, plate));
             }
-            scene.rect(plate, theme::WHITE);
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
-            scene.text(&text, at, look.muted());
         }
-        Ok(())
+        Ok(numbers)
     }
 
     /// Names the half plane in the corner outside its circle.

@@ -249,8 +249,9 @@ impl PolarLobes {
         entries
     }
 
-    /// Where the numbers of the rings stand, along the surface: on its empty side if there is one, else on the
-    /// backward side of the half plane, where lobes are weakest. The arrow comes from the upper left.
+    /// Where the numbers of the rings stand if they have room, along the surface: on its empty side if there is
+    /// one, else on the backward side of the half plane, where lobes are weakest. The arrow comes from the upper
+    /// left.
     fn number_place(&self, side: Side) -> (f64, f64) {
         match (self.sides, side) {
             (Sides::Transmitted, _) => (1.0, -1.0),
