@@ -77,7 +77,7 @@ fn polar_lobes_say_what_they_show() {
         &[
             "Lobes",
             "n = 1.4, s = 3",
-            "reflected, enlarged 25 times",
+            "reflected, enlarged 40 times",
             "transmitted",
             "−60°",
             "f |cos θₒ| (1/sr)",
