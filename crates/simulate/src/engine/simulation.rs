@@ -21,6 +21,28 @@ use crate::output::outcome::Outcome;
 /// # Errors
 /// [`SimulateError`] if a case cannot be traced, results or surfaces do not fit into memory, or the run is
 /// stopped before there is any result.
+///
+/// # Examples
+/// Light at 30 degrees on four random surfaces of glass.
+/// ```
+/// use asperity_optics::{Incidence, Material};
+/// use asperity_simulate::{Case, Effort, Light, Settings, Silent, SurfaceSource, simulate};
+/// use asperity_surface::{Psd, Synthesis};
+/// use asperity_tally::{Component, Side, TallyResult};
+///
+/// let psd = Psd::gaussian(2.0, 8.0)?; // sigma, tau
+/// let surface = SurfaceSource::Random(Synthesis::new(psd, [64, 64], [1.0, 1.0], false)?);
+/// let light = Light::from_above(Incidence::from_degrees(30.0, 0.0)?);
+/// let case = Case::new(surface, Material::dielectric(1.5)?, light);
+/// let effort = Effort::Rays { total: 4000, surfaces: 4 };
+/// let settings = Settings { effort, ..Settings::default() };
+///
+/// let outcomes = simulate(&[case], &settings, &Silent)?;
+/// let reflected = outcomes[0].statistics.flux(Side::Reflected, Component::All);
+/// assert!((reflected.mean - 0.042).abs() < 0.01);
+/// assert!(reflected.se.is_some());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn simulate(
     cases: &[Case],
     settings: &Settings,

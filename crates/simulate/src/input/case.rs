@@ -10,6 +10,19 @@ use super::layer::LayerBelow;
 use super::surface_source::SurfaceSource;
 
 /// What is simulated: a surface, what it is made of, what lies below it, and the light.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::{Incidence, Material};
+/// use asperity_simulate::{Case, Light, SurfaceSource};
+/// use asperity_surface::HeightField;
+///
+/// let field = HeightField::new(vec![0.0, 1.0, 0.0, -1.0], [2, 2], [4.0, 4.0])?;
+/// let light = Light::from_above(Incidence::from_degrees(45.0, 0.0)?);
+/// let case = Case::new(SurfaceSource::height_field(field), Material::Mirror, light);
+/// assert!(case.layer.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Where the surface comes from.

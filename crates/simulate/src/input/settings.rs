@@ -10,6 +10,18 @@ use super::estimator::Estimator;
 use super::target::Target;
 
 /// How cases are simulated: what is recorded, how paths are followed, and how much is traced.
+///
+/// # Examples
+/// ```
+/// use asperity_simulate::{Effort, Settings};
+///
+/// let settings = Settings {
+///     effort: Effort::Rays { total: 1_000_000, surfaces: 16 },
+///     refine: true,
+///     ..Settings::default()
+/// };
+/// assert_eq!(settings.target(), None);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// What is recorded of the light that leaves.
