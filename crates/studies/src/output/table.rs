@@ -361,7 +361,7 @@ mod tests {
         );
         assert_eq!(
             table().text(rows()),
-            "theta  lit                n\n30     0.9812 +- 0.0021  12\n60.5   -                 3\n"
+            "theta  lit               n\n30     0.9812 +- 0.0021  12\n60.5   -                 3\n"
         );
         assert_eq!(
             table().json(rows()),
