@@ -40,7 +40,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let outcome = attenuation(&config, &bar).map_err(Failure::failed)?;
     if let Some(folder) = folder {
         attenuation_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
-        folder.finish().map_err(Failure::failed)?;
+        folder.finish(!interrupt::came()).map_err(Failure::failed)?;
     }
     if interrupt::came() {
         say(&format!(

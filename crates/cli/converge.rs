@@ -30,7 +30,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     interrupt::listen();
     let outcome = converge(&config, &bar).map_err(Failure::failed)?;
     converge_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
-    folder.finish().map_err(Failure::failed)?;
+    folder.finish(!interrupt::came()).map_err(Failure::failed)?;
     if interrupt::came() {
         say("interrupted; the cases that were finished are written");
     }

@@ -41,7 +41,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         _ => Failure::failed(error),
     })?;
     gonio_report(&folder, &outcome).map_err(Failure::failed)?;
-    folder.finish().map_err(Failure::failed)?;
+    let is_complete = outcome.stopped_by.is_none();
+    folder.finish(is_complete).map_err(Failure::failed)?;
     for note in &outcome.notes {
         say(&format!("note: {note}"));
     }

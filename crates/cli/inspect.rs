@@ -31,6 +31,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         .transpose()?;
     if let Some(path) = &results.output {
         check_height_map_output(path)?;
+        refuse_input(path, file)?;
+    }
+    if let Some(path) = &results.plot {
+        refuse_input(path, file)?;
     }
     let mut input = read_surface(file, &measured, common)?;
     let roughness = Roughness::of(&input.field);
@@ -49,6 +53,18 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     print(&roughness_table(file, &input, &roughness))
+}
+
+/// Refuses to replace the file that is read.
+fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
+    let both = (output.canonicalize(), input.canonicalize());
+    match both {
+        (Ok(output), Ok(input)) if output == input => Err(Failure::usage(format!(
+            "{} is the input of this command, which would replace it; choose another output",
+            input.display()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Formats of a plot, by file ending.

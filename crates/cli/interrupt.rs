@@ -1,4 +1,4 @@
-//! Ctrl-C: the first one ends a run with what is there, the second one ends the program.
+//! Ctrl-C, SIGTERM and SIGHUP: the first one ends a run with what is there, the second one ends the program.
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -3,7 +3,7 @@
 use asperity_io::ResultFolder;
 use asperity_optics::Material;
 use asperity_simulate::{
-    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, Stopping,
+    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, StoppedBy, Stopping,
     layer_name, simulate,
 };
 use asperity_studies::settings::Document;
@@ -159,7 +159,11 @@ fn write(
         surroundings.as_ref(),
     )
     .map_err(Failure::failed)?;
-    folder.finish().map_err(Failure::failed)
+    let is_stopped = matches!(
+        outcome.stopping.stopped_by,
+        StoppedBy::Time | StoppedBy::Interrupt
+    );
+    folder.finish(!is_stopped).map_err(Failure::failed)
 }
 
 /// Energies, errors and notes as text.

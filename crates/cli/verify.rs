@@ -44,7 +44,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
     let is_stopped = outcome.is_stopped();
     checkpoints.close(is_stopped).map_err(Failure::failed)?;
-    folder.finish().map_err(Failure::failed)?;
+    folder.finish(!is_stopped).map_err(Failure::failed)?;
     common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
     if interrupt::came() {
         say("interrupted; the results so far are written, and the same command resumes");

@@ -23,7 +23,9 @@ fn main() {
                 println!("cargo::rerun-if-changed={path}");
             }
         }
-        git(&["rev-parse", "HEAD"]).unwrap_or_else(|| "unknown".to_owned())
+        let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
+        let mark = if changes.is_some() { "-dirty" } else { "" };
+        git(&["rev-parse", "HEAD"]).map_or_else(|| "unknown".to_owned(), |head| head + mark)
     } else {
         "development".to_owned()
     };

@@ -272,3 +272,42 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
         assert_eq!(status.status.code(), Some(1));
     }
 }
+
+#[test]
+fn a_surface_is_named_once_and_an_input_is_no_output() {
+    let (_keep, folder) = with_surface();
+    let twice = refused(&folder, &words("trace h.exr --surface other.npy"), 2);
+    assert!(
+        twice.contains("h.exr") && twice.contains("other.npy"),
+        "{twice}"
+    );
+    let before = fs::read(folder.join("h.exr")).unwrap();
+    let own = refused(&folder, &words("inspect h.exr --remove plane -o h.exr"), 2);
+    assert!(own.contains("input"), "{own}");
+    assert_eq!(fs::read(folder.join("h.exr")).unwrap(), before);
+}
+
+/// A stopped run says in its manifest that it is not complete, and its checkpoints are kept for the same command.
+#[test]
+fn a_manifest_says_whether_the_run_is_complete() {
+    let folder = tempfile::tempdir().unwrap();
+    let run =
+        "verify --tau 8 --size 64 --rays 2e5 --realisations 16 --models none --no-plots -q -o out";
+    let complete = |folder: &Path| {
+        crate::support::json(&fs::read_to_string(folder.join("out/manifest.json")).unwrap())["complete"].clone()
+    };
+    succeed_with_notes(folder.path(), &format!("{run} --max-time 0.01"));
+    assert_eq!(complete(folder.path()), false);
+    succeed_with_notes(folder.path(), run);
+    assert_eq!(complete(folder.path()), true);
+}
+
+/// Runs a command that must succeed, whatever it says on standard error.
+fn succeed_with_notes(folder: &Path, line: &str) {
+    let output = crate::support::asperity(folder, &words(line));
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+}

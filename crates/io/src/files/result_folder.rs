@@ -45,7 +45,7 @@ use crate::error::{ResultFolderError, WriteError};
 /// // ... the work ...
 /// write_bytes(folder.claim("cases/theta30.csv")?, b"flux\n0.5\n")?;
 /// write_json(folder.claim("summary.json")?, &0.5)?;
-/// folder.finish()?;
+/// folder.finish(true)?;
 /// assert!(place.path().join("out/manifest.json").exists());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -221,13 +221,14 @@ impl ResultFolder {
     }
 
     /// Ends the run: removes the files that only earlier runs wrote, and the folders that become empty
-    /// by that, then writes the manifest of the complete run.
+    /// by that, then writes the manifest. `is_complete`: whether all of the run is done, and not stopped by a time
+    /// limit or an interrupt.
     ///
     /// Without this call, as after an error, everything stays, listed in an incomplete manifest.
     ///
     /// # Errors
     /// [`WriteError`] if a file cannot be removed or the manifest not written.
-    pub fn finish(self) -> Result<(), ResultFolderError> {
+    pub fn finish(self, is_complete: bool) -> Result<(), ResultFolderError> {
         self.claim_all([])?;
         let files = self.files();
         for name in files.earlier.difference(&files.current) {
@@ -235,7 +236,7 @@ impl ResultFolder {
         }
         let exists = |name: &&String| self.root.join(name).exists();
         let written = files.current.iter().filter(exists).cloned().collect();
-        Manifest::new(&self.command, true, written).write(&self.root)
+        Manifest::new(&self.command, is_complete, written).write(&self.root)
     }
 
     fn files(&self) -> MutexGuard<'_, Files> {

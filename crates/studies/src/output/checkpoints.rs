@@ -315,7 +315,7 @@ fn checksum<T: Serialize>(results: &T) -> String {
 }
 
 /// The first key whose value differs, with both values.
-fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
+pub(super) fn first_difference(found: &Value, expected: &Value, key: &str) -> Option<String> {
     if found == expected {
         return None;
     }

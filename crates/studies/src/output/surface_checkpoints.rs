@@ -3,7 +3,7 @@
 //! Files `checkpoints/N.json` in the result folder hold the surfaces that were finished since the file before: a
 //! line with the settings and the build that they follow from, and a line with the surfaces. They are written at
 //! most every [`INTERVAL`], so that short runs write none, and removed when the run has come to its end. Files of
-//! another results epoch are refused by name; those of other settings are not used.
+//! another results epoch or of other settings are refused by name, so that no run removes the work of another.
 
 #[cfg(test)]
 mod tests;
@@ -20,7 +20,7 @@ use asperity_simulate::{Observer, SavedSurface, StoppedBy, SurfaceKey, SurfaceSt
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::checkpoints::{CheckpointError, other_build};
+use super::checkpoints::{CheckpointError, first_difference, other_build};
 
 /// Folder of the files within the result folder.
 const FOLDER: &str = "checkpoints";
@@ -70,7 +70,7 @@ impl<'a> SurfaceCheckpoints<'a> {
     /// Reads the surfaces that an earlier run of `study` with these settings has left in `folder`.
     ///
     /// # Errors
-    /// [`CheckpointError`] if a file cannot be read, or is of another study or results epoch.
+    /// [`CheckpointError`] if a file cannot be read, or is of another study, other settings or another results epoch.
     pub fn open(
         folder: &'a ResultFolder,
         study: &'static str,
@@ -171,7 +171,7 @@ impl<'a> SurfaceCheckpoints<'a> {
     }
 }
 
-/// The surfaces of a file; `None` if it is damaged or of other settings.
+/// The surfaces of a file; `None` if it is damaged.
 fn read(
     folder: &ResultFolder,
     study: &str,
@@ -200,7 +200,14 @@ fn read(
     let Ok(header) = serde_json::from_value::<Header>(header) else {
         return Ok(None);
     };
-    if header.config != *config || header.checksum != checksum(surfaces) {
+    if let Some(difference) = first_difference(&header.config, config, "") {
+        return Err(CheckpointError::OtherRun {
+            path,
+            folder: place,
+            difference,
+        });
+    }
+    if header.checksum != checksum(surfaces) {
         return Ok(None);
     }
     Ok(serde_json::from_str(surfaces).ok())

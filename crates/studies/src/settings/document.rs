@@ -97,7 +97,18 @@ impl Document {
             .map(|(name, values)| self.flag_entry(name, values, &names))
             .collect::<Result<Vec<_>, _>>()?;
         if let Some((path, text)) = positional {
-            entries.extend(self.positional_entry(path, text)?);
+            let entry = self.positional_entry(path, text)?;
+            let flag = entry.as_ref().and_then(|positional| {
+                let same = |flag: &&Entry| std::ptr::eq(flag.setting, positional.setting);
+                entries.iter().find(same)
+            });
+            if let Some(flag) = flag {
+                return Err(SettingError::Excluded {
+                    first: flag.given.clone(),
+                    second: text.to_owned(),
+                });
+            }
+            entries.extend(entry);
         }
         self.add_layer(entries)
     }

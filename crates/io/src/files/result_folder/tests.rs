@@ -19,7 +19,7 @@ fn run(folder: &Path, names: &[&str], text: &str) {
     let results = open(folder);
     results.check(names).unwrap();
     write(&results, names, text);
-    results.finish().unwrap();
+    results.finish(true).unwrap();
 }
 
 fn write(results: &ResultFolder, names: &[&str], text: &str) {
@@ -217,7 +217,7 @@ fn inputs_are_neither_replaced_nor_removed() {
     let results = open();
     write(&results, &["b.csv"], "result");
     results.discard("old.csv").unwrap();
-    results.finish().unwrap();
+    results.finish(true).unwrap();
     assert_eq!(tree(path), ["b.csv", MANIFEST, "map.csv", "old.csv"]);
 }
 
@@ -262,7 +262,7 @@ fn names_are_listed_before_their_files_exist() {
         assert!(files.contains(&name.into()), "{files:?}");
     }
     // What was claimed but not written is not listed in the end.
-    results.finish().unwrap();
+    results.finish(true).unwrap();
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
     assert_eq!(manifest["files"], serde_json::json!([]));
 }
@@ -281,7 +281,7 @@ fn checkpoints_are_kept_or_discarded() {
     results.discard("cells/none.json").unwrap();
     assert!(!path.join("cells/2.json").exists() && path.join("cells/3.json").exists());
     write(&results, &["a.csv"], "2");
-    results.finish().unwrap();
+    results.finish(true).unwrap();
     assert_eq!(
         tree(path),
         [
@@ -382,7 +382,7 @@ fn files_are_claimed_from_several_threads() {
             });
         }
     });
-    results.finish().unwrap();
+    results.finish(true).unwrap();
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
     assert_eq!(manifest["files"].as_array().unwrap().len(), 32);
 }

@@ -68,7 +68,7 @@ fn run(
         .install(|| verify(config, &store.observing(observer)));
     if let Some(is_stopped) = close {
         store.close(is_stopped).unwrap();
-        folder.finish().unwrap();
+        folder.finish(true).unwrap();
     }
     (resumed, outcome.ok())
 }
@@ -94,7 +94,7 @@ fn a_killed_run_resumes_to_the_same_tallies() {
 }
 
 #[test]
-fn other_settings_are_not_resumed_and_another_epoch_is_refused() {
+fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refused() {
     let config = VerifyConfig::from_toml(CONFIG).unwrap();
     let place = tempfile::tempdir().unwrap();
     run(place.path(), &config, &Interrupt::after(3), None);
@@ -105,8 +105,14 @@ fn other_settings_are_not_resumed_and_another_epoch_is_refused() {
         surfaces: 0,
         drawn: AtomicU64::new(1),
     };
-    let (resumed, _) = run(place.path(), &other, &stopped(), None);
-    assert_eq!(resumed, 0);
+    let refusal = |config: &VerifyConfig| {
+        let folder = ResultFolder::open(place.path(), "verify", &[]).unwrap();
+        let refused = SurfaceCheckpoints::open(&folder, "verify", json!(config));
+        refused.err().unwrap().to_string()
+    };
+    let message = refusal(&other);
+    assert!(message.contains("run.rays 5000"), "{message}");
+    assert_eq!(names_in(place.path().join(FOLDER)).len(), saved);
     let path = place.path().join(FOLDER).join("0.json");
     let text = read_text(&path).unwrap();
     // A changed number, and a file that was cut short, are not believed.
@@ -125,9 +131,7 @@ fn other_settings_are_not_resumed_and_another_epoch_is_refused() {
         text.replacen(epoch, "\"results_epoch\":7", 1).as_bytes(),
     )
     .unwrap();
-    let folder = ResultFolder::open(place.path(), "verify", &[]).unwrap();
-    let refused = SurfaceCheckpoints::open(&folder, "verify", json!(config));
-    let message = refused.err().unwrap().to_string();
+    let message = refusal(&config);
     assert!(
         message.contains("0.json") && message.contains("results epoch 7"),
         "{message}"
