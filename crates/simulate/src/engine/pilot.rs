@@ -354,7 +354,7 @@ mod tests {
 
     #[test]
     fn the_coarsest_spacing_is_taken_whose_mesh_is_good_enough() {
-        let target = Target::new(Some(3e-3), None).unwrap().unwrap();
+        let target = Target::new(3e-3, Quantity::default()).unwrap();
         let chosen = |difference: f64| {
             let cases = [
                 figures(1.0, 1.0, Some(difference)),

@@ -512,11 +512,11 @@ mod tests {
                 number: 0,
                 case: Case::new(SurfaceSource::Random(synthesis.clone()), glass, light),
             };
-            let target = Target::new(Some(0.02), Some(Quantity::Rings)).unwrap();
+            let target = Target::new(0.02, Quantity::Rings).unwrap();
             let settings = Settings {
                 estimator: Estimator::Plain,
                 seed,
-                effort: Effort::TargetError(target.unwrap()),
+                effort: Effort::TargetError(target),
                 ..Settings::default()
             };
             let mut group = RandomGroup::new(synthesis, vec![case], &settings).unwrap();

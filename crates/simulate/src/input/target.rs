@@ -182,22 +182,30 @@ pub struct Target {
 }
 
 impl Target {
-    /// The error `error` of `of`; `None` if neither is given.
+    /// The error `error` of `of`.
     ///
     /// # Errors
-    /// [`TargetError`] unless the error is positive and finite, and if a quantity is named
-    /// without an error.
-    pub fn new(error: Option<f64>, of: Option<Quantity>) -> Result<Option<Self>, TargetError> {
+    /// [`TargetError::NotPositive`] unless the error is positive and finite.
+    pub fn new(error: f64, of: Quantity) -> Result<Self, TargetError> {
+        if error > 0.0 && error.is_finite() {
+            Ok(Self { error, of })
+        } else {
+            Err(TargetError::NotPositive(error))
+        }
+    }
+
+    /// The target of two optional settings; `None` if neither is given. The quantity has a default.
+    ///
+    /// # Errors
+    /// [`TargetError`] as for [`Target::new`], and if a quantity is named without an error.
+    pub fn from_options(
+        error: Option<f64>,
+        of: Option<Quantity>,
+    ) -> Result<Option<Self>, TargetError> {
         match (error, of) {
             (None, None) => Ok(None),
             (None, Some(of)) => Err(TargetError::NoError(of)),
-            (Some(error), _) if !(error > 0.0 && error.is_finite()) => {
-                Err(TargetError::NotPositive(error))
-            }
-            (Some(error), of) => Ok(Some(Self {
-                error,
-                of: of.unwrap_or_default(),
-            })),
+            (Some(error), of) => Self::new(error, of.unwrap_or_default()).map(Some),
         }
     }
 

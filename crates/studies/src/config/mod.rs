@@ -239,7 +239,7 @@ impl RunConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range.
     pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
-        let target = Target::new(self.target_error.map(|error| error.0), self.of)?;
+        let target = Target::from_options(self.target_error.map(|error| error.0), self.of)?;
         Ok(Settings {
             tally: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
                 .with_sides(self.side),
