@@ -9,7 +9,7 @@
 use asperity_analysis::{SlopeCovariance, closed_form, hemispherical_energy};
 use asperity_optics::{Incidence, Material};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let glass = Material::dielectric(1.5)?;
     let light = Incidence::from_degrees(45.0, 0.0)?;
     let flat = glass.fresnel(light.theta().cos()).reflected;

@@ -14,7 +14,7 @@ use asperity_studies::energy_table;
 use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     // 64 x 64 samples of 0.1 um, one period of cosines 1 um high.
     let n = 64;
     let wave = |i: usize| (TAU * i as f64 / n as f64).cos();

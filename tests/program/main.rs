@@ -10,6 +10,7 @@ mod attenuation;
 mod commands;
 mod converge;
 mod estimators;
+mod examples;
 mod flags;
 mod gonio;
 mod gonio_given;
