@@ -117,7 +117,7 @@ fn samples_and_points_differ_by_the_spacing() {
 }
 
 #[test]
-fn a_sample_is_lit_and_seen_or_in_one_of_the_four() {
+fn samples_are_lit_and_visible_or_shadowed_or_masked() {
     let command = format!("{SMALL} --theta 70 --phi 25 --no-mirror");
     let paper = |view: &str| {
         let found = outcome(&format!("{command} {view}"));
@@ -501,7 +501,7 @@ fn a_file_says_the_same_as_flags_and_flags_override_it() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_in_a_sentence() {
+fn contradicting_settings_are_refused_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::write(folder.join("key.toml"), "[light]\nthetas = 3\n").unwrap();
@@ -537,7 +537,7 @@ fn what_makes_no_sense_is_refused_in_a_sentence() {
         ("--sigma 1e-300", "smoothness"),
         ("--realisations 1e15", "take fewer"),
         ("key.toml", "unknown key `thetas`"),
-        ("both.toml", "cannot stand beside"),
+        ("both.toml", "excludes"),
         ("figure.toml", "0.7 is not among"),
         ("missing.toml", "missing.toml"),
     ] {

@@ -230,7 +230,7 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
         assert!(text.contains("not asked"), "{text}");
         assert!(!text.contains(&format!("  {other} ")), "{text}");
         let out = folder.join(side);
-        // What is asked for is the same to the byte as in a run that asks for both sides.
+        // What is requested is the same to the byte as in a run that asks for both sides.
         for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
             let found = fs::read_to_string(out.join(name)).unwrap();
             let both = fs::read_to_string(folder.join("both").join(name)).unwrap();

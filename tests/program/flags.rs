@@ -51,10 +51,10 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
     let flat = summary(folder, "gonio r.toml --bins 2x2 --theta 40 --flat");
     assert_eq!(flat["sample"]["name"], "flat surface");
     let said = refused(folder, &words("gonio c.toml --flat --tau 4 -o out"), 2);
-    assert!(said.contains("cannot stand beside"), "{said}");
+    assert!(said.contains("excludes"), "{said}");
 }
 
-/// Ridges of a surface that is flat between them are troughs from below: `trace`, asked for the same, finds the same.
+/// Ridges of a surface that is flat between them are troughs from below: `trace` with the same request finds the same.
 #[test]
 fn light_comes_from_the_side_that_is_asked_for() {
     let folder = tempfile::tempdir().unwrap();

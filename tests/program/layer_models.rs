@@ -74,7 +74,7 @@ fn bins_of_a_layer_add_up_to_its_energies() {
 }
 
 #[test]
-fn a_layer_can_be_told_in_words() {
+fn layers_have_short_descriptions() {
     let text = model(&format!("flat-layer {LAYER} --bins 6x8"));
     for words in [
         "never scattered",

@@ -281,7 +281,7 @@ fn too_small_a_budget_is_not_resolved() {
 
 /// A model of all orders has one and the same claim on its own light and on all.
 #[test]
-fn a_model_of_all_orders_is_the_same_over_both_shares() {
+fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
     let folder = tempfile::tempdir().unwrap();
     let line = "map --tau 4 --size 64 --smoothness 1 --theta 40 --models smith,heitz --realisations 10 --rays 20000 --model-rays 20000 --bins 18x6 --no-plots --quiet -o out";
     succeed(folder.path(), &words(line));
@@ -385,7 +385,7 @@ fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
 }
 
 #[test]
-fn what_makes_no_map_is_refused() {
+fn invalid_map_settings_are_refused() {
     let folder = with_config();
     let folder = folder.path();
     for (line, what) in [

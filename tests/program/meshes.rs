@@ -90,7 +90,7 @@ fn a_cube_above_the_ground_is_traced() {
     }
     assert!(!folder.join("no").exists());
 
-    // An open patch unless asked for otherwise; turned over and with a hole, it says so.
+    // An open patch unless requested otherwise; turned over and with a hole, it says so.
     let text = succeed(folder, &trace);
     assert!(text.contains("the patch is open"), "{text}");
     assert!(
@@ -119,7 +119,7 @@ fn a_cube_above_the_ground_is_traced() {
 }
 
 #[test]
-fn what_meshes_are_not_for_gets_a_sentence() {
+fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::write(folder.join("table.obj"), TABLE).unwrap();

@@ -36,7 +36,7 @@ fn a_target_is_reached_with_the_same_bytes_on_any_number_of_threads() {
         assert_eq!(stopping["of"], "rings");
         assert!(stopping["error"].as_f64().unwrap() <= 1e-2);
         assert!(stopping["pilot"]["rays"].as_u64().unwrap() > 0);
-        // Numbers that were not asked for do not stand there as if they had been.
+        // Numbers that were not requested do not stand there as if they had been.
         assert!(one["config"]["verify"]["run"]["rays"].is_null());
         let report = fs::read_to_string(folder.join("1").join(case).join("report.txt")).unwrap();
         assert!(report.contains("error of rings"), "{report}");
@@ -102,7 +102,7 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
     assert_eq!(stopping["stopped_by"], "target");
     assert!(stopping["error"].as_f64().unwrap() <= 3e-3);
     assert!(one["config"]["rays"].is_null());
-    // The same rays, asked for by their number.
+    // The same rays, requested by their number.
     let rays = one["work"]["rays"].to_string();
     if stopping["rounds"] == 0 {
         let plain = [&words("trace h.exr --theta 30 --json --rays")[..], &[&rays]].concat();
@@ -169,7 +169,7 @@ fn flags_say_whether_the_target_of_a_file_holds() {
     fs::write(folder.join("v.toml"), text).unwrap();
     let error = refused(folder, &words("verify v.toml -o out"), 2);
     assert!(
-        error.contains("v.toml") && error.contains("cannot stand beside"),
+        error.contains("v.toml") && error.contains("excludes"),
         "{error}"
     );
 }

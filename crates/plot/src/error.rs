@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// No number to show: an empty field, or no sample on any side that was asked for.
+    /// No number to show: an empty field, or no sample on any side that was requested.
     #[error("nothing to draw: {what}")]
     NothingToDraw {
         /// What is empty.

@@ -9,7 +9,7 @@
 //! facets that light it from one direction of the sun's disc are looked for ([`asperity_tracer::LightBeams`]), a
 //! direction for each pass; chance finds the rest: what is reflected, or meets several facets on its way.
 //!
-//! A picture is made in passes, each with as many lines a pixel, spread evenly over it; every row of a pass
+//! A picture is made in passes, each with as many samples per pixel, spread evenly over it; every row of a pass
 //! has a random stream of its own. Errors are those of the mean over passes.
 
 mod lights;
@@ -47,7 +47,7 @@ pub struct RenderSettings {
     pub lights: Lights,
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Lines a pixel, at least; rounded up to whole passes.
+    /// Samples per pixel, at least; rounded up to whole passes.
     pub samples: u64,
     /// Seed of the lines and paths.
     pub seed: u64,
@@ -66,7 +66,7 @@ pub struct RenderSettings {
 pub struct RenderOutcome {
     /// Radiance, relative to the unit of the lights.
     pub picture: Picture,
-    /// Lines a pixel.
+    /// Samples per pixel.
     pub samples: u64,
     /// Passes, from which the errors are.
     pub passes: u64,
@@ -125,7 +125,7 @@ pub const MOST_PIXELS: usize = 16_384;
 /// Passes, where there are as many samples: enough for errors, few enough to spread lines evenly in each.
 const PASSES: u64 = 16;
 
-/// Most lines a pixel of a pass: more samples take more passes, so that each is soon complete.
+/// Most samples per pixel of a pass: more samples take more passes, so that each is soon complete.
 const MOST_OF_PASS: u64 = 4;
 
 /// Passes that are made even if time is over: fewer give no error.

@@ -10,9 +10,9 @@ use crate::store::SurfaceStore;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum StoppedBy {
-    /// The error asked for was reached.
+    /// The target error was reached.
     Target,
-    /// Surfaces and rays are as many as the error asked for takes, but the mesh adds too much to it.
+    /// Surfaces and rays are as many as the target error takes, but the mesh adds too much to it.
     Mesh,
     /// All that was planned is done.
     Plan,

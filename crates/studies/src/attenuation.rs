@@ -183,9 +183,9 @@ pub struct AttenuationOutcome {
     pub config: AttenuationConfig,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
-    /// Where shadow begins, one a sigma; empty if that was not asked for.
+    /// Where shadow begins, one a sigma; empty if that was not requested.
     pub demarcation: Vec<Demarcation>,
-    /// Visibility by sigma, light and height; empty if that was not asked for.
+    /// Visibility by sigma, light and height; empty if that was not requested.
     pub visibility: Vec<VisibilityRow>,
     /// What was done.
     pub work: AttenuationWork,

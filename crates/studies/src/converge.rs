@@ -1,7 +1,7 @@
 //! Run time against error: how long each way of computing takes to come how near.
 //!
 //! # Definitions
-//! - The *error* of a run is relative and over the bins of the sides asked for:
+//! - The *error* of a run is relative and over the bins of the recorded sides:
 //!   `sqrt(sum_b (q_b - ref_b)^2) / sqrt(sum_b ref_b^2)`, `q_b` the mean flux fraction of all orders in
 //!   bin `b` over the surfaces of the run, `ref_b` that of the reference. Repeats are averaged as squares.
 //! - The *reference* is a run of many rays on many surfaces, with the controlled estimator and
@@ -77,7 +77,7 @@ pub enum ConvergeError {
     Run(#[from] VerifyError),
     /// No light at all in the bins that are compared.
     #[error(
-        "no light reaches the bins of the side asked for; without any, no error can be a fraction of it"
+        "no light reaches the bins of the side requested; without any, no error can be a fraction of it"
     )]
     NoLight,
 }
@@ -140,7 +140,7 @@ pub struct Measurement {
     /// The same against the exact fluxes, where there are such.
     pub error_exact: Option<RepeatedError>,
     /// By how much the light of a surface that absorbs nothing misses one; `None` for others, and where
-    /// a side is not asked for.
+    /// a side is not requested.
     pub energy_error: Option<f64>,
     /// Whether the error is well above that of the reference.
     pub usable: bool,

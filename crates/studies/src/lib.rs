@@ -1,7 +1,6 @@
-//! Experiments: from a typed configuration to results with errors.
+//! Studies: from a typed configuration to results with errors, as tables, figures and checkpoints.
 //!
-//! [`verify`] draws fresh surfaces, sends light onto each,
-//! and compares what comes out with statistical models; [`converge()`] measures what the ways of
+//! [`verify`] simulates light on random surfaces and compares it with statistical models; [`converge()`] measures what the ways of
 //! computing cost, run time against error; [`map()`] says over a grid of cases where models hold; [`gonio()`]
 //! measures the whole BRDF and BTDF, direction by direction.
 

@@ -42,7 +42,7 @@ pub struct CaseOutcome {
     pub deviation_bound: Option<f64>,
     /// Samples of its surfaces along x and y.
     pub size: [usize; 2],
-    /// Length units a sample along x and y.
+    /// Length units per sample along x and y.
     pub spacing: [f64; 2],
     /// How the run came to its end, if that was to be found out.
     pub stopping: Option<Stopping>,

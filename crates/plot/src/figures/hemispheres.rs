@@ -363,7 +363,7 @@ mod tests {
         assert!(two.draw().is_err());
         two.cells.push(None);
         assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
-        // A row without a disc has no scale, be it one of its own or that of all.
+        // A row without a disc has no scale, neither its own nor a common one.
         for scale in [SharedColours::Rows, SharedColours::Common] {
             let mut empty = two.clone();
             empty.colours = scale;

@@ -227,7 +227,7 @@ impl ErrorBudget {
     }
 }
 
-/// Totals by name, and where they stand, if they are asked for.
+/// Totals by name, and where they stand, if they are requested.
 fn totals(spec: &TallySpec) -> [(&'static str, Option<Entry>); 5] {
     let [reflected, transmitted] = Side::BOTH;
     let asked = |side: Side, entry: Entry| spec.records(side).then_some(entry);

@@ -21,23 +21,23 @@ pub enum TargetError {
     NoError(Quantity),
     /// The material transmits nothing.
     #[error(
-        "nothing is transmitted by a conductor or a mirror, so no error of transmitted can be asked for"
+        "nothing is transmitted by a conductor or a mirror, so it cannot be the quantity of a target"
     )]
     NothingTransmitted,
     /// Nothing leaves below the layer.
-    #[error("nothing leaves below this medium, so no error of transmitted can be asked for")]
+    #[error("nothing leaves below this medium, so it cannot be the quantity of a target")]
     NothingBelow,
     /// The material absorbs nothing.
     #[error(
-        "nothing is absorbed by a dielectric or a mirror, so no error of absorbed can be asked for"
+        "nothing is absorbed by a dielectric or a mirror, so it cannot be the quantity of a target"
     )]
     NothingAbsorbed,
     /// The side of the quantity is not recorded.
-    #[error("the side {0} is not recorded, so no error of it can be asked for")]
+    #[error("the side {0} is not recorded, so it cannot be the quantity of a target")]
     NotRecorded(Quantity),
 }
 
-/// The quantity whose error is asked for.
+/// The quantity of a target error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Quantity {
@@ -47,7 +47,7 @@ pub enum Quantity {
     Transmitted,
     /// All that is absorbed, likewise.
     Absorbed,
-    /// The bins of the hemispheres that are asked for. The error of several fluxes `q` with standard
+    /// The bins of the hemispheres that are recorded. The error of several fluxes `q` with standard
     /// errors `se` is relative, `sqrt(sum se^2) / sqrt(sum q^2)`.
     #[default]
     Bins,
@@ -121,7 +121,7 @@ impl Quantity {
         ratio(std::f64::consts::SQRT_2 * bound, self.norm(squares.sum()))
     }
 
-    /// Refuses what a material has not, or nobody asks for.
+    /// Refuses a quantity that the material does not have, or whose side is not recorded.
     fn check(
         self,
         spec: &TallySpec,

@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_control_pays_where_most_is_seen_and_never_costs_much() {
+    fn a_control_variate_pays_where_most_is_visible_and_never_costs_much() {
         assert!(Worth::new(1.0, 0.0).time < 1e-12);
         assert!(Worth::new(0.98, 1e-4).time < 0.05);
         assert!(Worth::new(0.3, 1.5).time > 1.0);

@@ -6,7 +6,7 @@ use crate::input::target::Quantity;
 use crate::observer::StoppedBy;
 use crate::text::error_in_short;
 
-/// What a pilot run found, for the quantity asked for; variances and differences are divided by the
+/// What a pilot run found, for the requested quantity; variances and differences are divided by the
 /// norm of the fluxes, as the error is.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PilotFigures {
@@ -30,7 +30,7 @@ pub struct PilotFigures {
 /// How a run came to its end, and what had been planned.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stopping {
-    /// The error asked for.
+    /// The target error.
     pub target_error: Option<f64>,
     /// Whose error it is.
     pub of: Option<Quantity>,
@@ -46,7 +46,7 @@ pub struct Stopping {
     pub rays_per_surface: u64,
     /// Samples of a surface along x and y.
     pub size: Option<[usize; 2]>,
-    /// Length units a sample along x and y.
+    /// Length units per sample along x and y.
     pub spacing: Option<[f64; 2]>,
     /// Times that surfaces (or rays) were added.
     pub rounds: u32,

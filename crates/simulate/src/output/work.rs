@@ -19,7 +19,7 @@ pub struct SummaryWork {
     pub segments_skipped: u64,
     /// Those of them that the slopes nearby excused.
     pub segments_skipped_nearby: u64,
-    /// Branches not followed, since they could end only on a side that is not asked for.
+    /// Branches not followed, since they could end only on a side that is not recorded.
     pub branches_not_asked: u64,
     /// Scatterings inside a medium.
     #[serde(skip_serializing_if = "is_zero")]

@@ -25,7 +25,7 @@ pub struct AttenuationSurface {
     /// Samples along x and y, instead of `length`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<PerAxis<Count>>,
-    /// Length units a sample along x and y.
+    /// Length units per sample along x and y.
     pub spacing: PerAxis<Number>,
     /// What lies beyond the border: periodic or open.
     pub border: Border,

@@ -13,7 +13,7 @@ use crate::report::error::ReportError;
 use crate::report::figures::save;
 
 /// Writes what was found into `folder`: attenuation.csv, demarcation.csv and visibility.csv where they were
-/// asked for, plots, report.txt, and, last, summary.json.
+/// requested, plots, report.txt, and, last, summary.json.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.

@@ -45,7 +45,7 @@ impl CaseModel {
         }
     }
 
-    /// The name that it is asked for by.
+    /// The name that it is requested by.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {

@@ -28,11 +28,11 @@ const ALL_LIGHT: Component = Component::All;
 /// A component of the light beside a model.
 #[derive(Clone, Debug)]
 pub struct ComparedComponent {
-    /// Over the bins of the sides asked for.
+    /// Over the bins of the recorded sides.
     pub comparison: Comparison,
     /// What follows from it; `None` where the model makes no claim.
     pub verdict: Option<Verdict>,
-    /// Energies and peaks of the sides asked for; none of multiple scattering alone.
+    /// Energies and peaks of the recorded sides; none of multiple scattering alone.
     pub sides: Vec<SideDifference>,
 }
 
@@ -238,7 +238,7 @@ impl Compared<'_> {
 }
 
 /// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
-/// sides, which are the energies. Bins count from the first that is asked for.
+/// sides, which are the energies. Bins count from the first that is requested.
 fn rings_and_sides(spec: &TallySpec) -> [Grouping; 2] {
     let grid = spec.grid();
     let groups = |of_each: usize| -> Vec<Vec<usize>> {

@@ -131,7 +131,7 @@ impl VerifyConfig {
     }
 }
 
-/// Checks that light of `material` can leave on the sides asked for.
+/// Checks that light of `material` can leave on the recorded sides.
 ///
 /// # Errors
 /// [`ConfigError::Contradiction`] if transmitted light alone is asked of a surface that transmits none.
@@ -159,7 +159,7 @@ pub fn check_sides(
 /// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
 ///
 /// # Errors
-/// [`ConfigError::Contradiction`] if it comes from below, or a control is asked for.
+/// [`ConfigError::Contradiction`] if it comes from below, or a control is requested.
 pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
     let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
     if incident == HalfSpace::Below {
@@ -220,10 +220,7 @@ mod tests {
                 .to_string()
         };
         for (text, expected) in [
-            (
-                "[surface]\nsmoothness = 3\nsigma = 2",
-                "cannot stand beside",
-            ),
+            ("[surface]\nsmoothness = 3\nsigma = 2", "excludes"),
             ("[surface]\nsmoothness = []", "one or several"),
             (
                 "[surface]\nsmoothness = -1",
@@ -267,10 +264,7 @@ mod tests {
             ),
             ("[run]\ntarget_error = nan", "above 0"),
             ("[run]\ntarget_error = inf", "above 0"),
-            (
-                "[run]\ntarget_error = 1e-3\nrays = 1e5",
-                "cannot stand beside",
-            ),
+            ("[run]\ntarget_error = 1e-3\nrays = 1e5", "excludes"),
             ("[run]\ntarget_error = 1e-3\nof = \"ring\"", "ring"),
             ("[run]\nof = \"bins\"", "no target error"),
             (

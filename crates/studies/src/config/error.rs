@@ -33,7 +33,7 @@ pub enum ConfigError {
     /// The power spectral density is none.
     #[error(transparent)]
     Psd(#[from] PsdError),
-    /// The in-plane wedge is out of range.
+    /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),
     /// The path settings are out of range.

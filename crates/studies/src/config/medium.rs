@@ -260,7 +260,7 @@ mod tests {
             ("", "needs a mean free path"),
             ("mean_free_path = 1", "needs an albedo"),
             ("albedo = 0.9", "needs a mean free path"),
-            ("mean_free_path = 1\nabsorption = 1", "cannot stand beside"),
+            ("mean_free_path = 1\nabsorption = 1", "excludes"),
             (
                 "absorption = -1",
                 "absorption = -1: must be a number 0 or more",

@@ -41,7 +41,7 @@ pub struct SurfaceConfig {
     pub sigma: Option<OneOrMany<Number>>,
     /// Samples along x and y.
     pub size: PerAxis<Count>,
-    /// Length units a sample along x and y.
+    /// Length units per sample along x and y.
     pub spacing: PerAxis<Number>,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
@@ -197,7 +197,7 @@ pub struct RunConfig {
     pub seed: u64,
     /// Bins of a hemisphere, `THETAxPHI`.
     pub bins: HemisphereGrid,
-    /// Half width of the in-plane wedge, degrees.
+    /// Half width of the in-plane slice, degrees.
     pub in_plane_half_width: Number,
     /// The sides whose light is recorded.
     pub side: Sides,

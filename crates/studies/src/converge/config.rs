@@ -32,7 +32,7 @@ pub struct ConvergenceConfig {
     pub samplings: OneOrMany<Sampling>,
     /// How hits are found.
     pub accelerators: OneOrMany<AcceleratorKind>,
-    /// Length units a sample, along both axes; that of the surface unless given. The extent of the
+    /// Length units per sample, along both axes; that of the surface unless given. The extent of the
     /// surface stays, and its samples follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacings: Option<OneOrMany<Number>>,

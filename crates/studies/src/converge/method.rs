@@ -17,7 +17,7 @@ pub struct Method {
     pub sampling: Sampling,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
-    /// Length units a sample.
+    /// Length units per sample.
     pub spacing: PerAxis<Number>,
 }
 

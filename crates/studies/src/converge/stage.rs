@@ -232,7 +232,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Whether all light must be found on the sides that are asked for.
+    /// Whether all light must be found on the sides that are recorded.
     fn returns_all_light(&self) -> bool {
         let asks = |side| self.plan.spec.records(side);
         match self.case.material {

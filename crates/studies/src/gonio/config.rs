@@ -29,7 +29,7 @@ pub struct MeasuredConfig {
     /// What lies beyond the border; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub border: Option<Border>,
-    /// Length units a sample along x and y; as the file says unless given.
+    /// Length units per sample along x and y; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing: Option<PerAxis<Number>>,
     /// Length unit of heights and spacing; as the file says unless given.
@@ -248,23 +248,17 @@ mod tests {
             ("[light]\nphi = [0, inf]", "must be a number"),
             ("[light]\ntheta = [1, 1]", "theta has a value twice"),
             ("[light]\ndirections = \"0x4\"", "bins"),
-            (
-                "[light]\ndirections = \"3x4\"\ntheta = 3",
-                "cannot stand beside",
-            ),
+            ("[light]\ndirections = \"3x4\"\ntheta = 3", "excludes"),
             ("[light]\ntehta = 3", "tehta"),
             ("[compare]\nmodels = []", "compare"),
             ("[output]\nscale = \"log\"", "log"),
-            (
-                "[measured]\nflat = true\nfile = \"a.exr\"",
-                "cannot stand beside",
-            ),
+            ("[measured]\nflat = true\nfile = \"a.exr\"", "excludes"),
             ("[measured]\nborder = \"open\"", "there is none"),
             ("[measured]\nremove = \"plane\"", "there is none"),
             ("[measured]\nmissing = \"guess\"", "guess"),
             (
                 "[measured]\nflat = true\n[run]\nrealisations = 3",
-                "cannot stand beside",
+                "excludes",
             ),
             (
                 "[run]\ntarget_error = 1e-3\nrays = 10",

@@ -45,11 +45,11 @@ impl Means {
 pub struct MeasuredComponent {
     /// `all`; `unscattered`, `once` or `more` with a medium; `single` or `multiple` without.
     pub name: String,
-    /// By side, of those asked for.
+    /// By side, of those recorded.
     pub sides: Means,
-    /// By bin of the grid, of the sides asked for.
+    /// By bin of the grid, of the recorded sides.
     pub bins: Means,
-    /// By side asked for and bin of the in-plane profile.
+    /// By recorded side and bin of the in-plane profile.
     pub in_plane: Means,
 }
 
@@ -113,14 +113,14 @@ impl MeasuredComponent {
         }
     }
 
-    /// Flux that left on `side`; `None` if it was not asked for.
+    /// Flux that left on `side`; `None` if it was not requested.
     #[must_use]
     pub fn side(&self, spec: &TallySpec, side: Side) -> Option<Estimate> {
         let place = spec.sides().position(|s| s == side)?;
         Some(self.sides.estimate(place))
     }
 
-    /// Flux into bin `bin` of the grid; `None` if its side was not asked for.
+    /// Flux into bin `bin` of the grid; `None` if its side was not requested.
     #[must_use]
     pub fn bin(&self, spec: &TallySpec, bin: usize) -> Option<Estimate> {
         let asked = spec.recorded_bins();
@@ -129,7 +129,7 @@ impl MeasuredComponent {
             .then(|| self.bins.estimate(bin - asked.start))
     }
 
-    /// Flux into in-plane bin `i` of `side`; `None` if it was not asked for.
+    /// Flux into in-plane bin `i` of `side`; `None` if it was not requested.
     #[must_use]
     pub fn in_plane(&self, spec: &TallySpec, side: Side, i: usize) -> Option<Estimate> {
         let place = spec.sides().position(|s| s == side)?;

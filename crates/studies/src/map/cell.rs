@@ -70,7 +70,7 @@ pub struct CellSide {
 /// The distances of one model from the explicit result, over one share of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellDistances {
-    /// Total variation over the bins of the sides asked for.
+    /// Total variation over the bins of the recorded sides.
     pub total_variation: f64,
     /// What noise alone stays below with a probability of 95 %.
     pub noise_95: Option<f64>,
@@ -104,7 +104,7 @@ pub struct CellResults {
     pub rays: u64,
     /// Samples of a surface along x and y.
     pub size: [usize; 2],
-    /// Length units a sample along x and y.
+    /// Length units per sample along x and y.
     pub spacing: [f64; 2],
     /// What the fluxes are sure not to differ by, if nothing was traced.
     pub deviation_bound: Option<f64>,

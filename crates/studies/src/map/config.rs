@@ -171,10 +171,7 @@ mod tests {
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
             ("[surface]\nsmoothness = []", "one or several"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
-            (
-                "[run]\ntarget_error = 1e-3\nrays = 1e5",
-                "cannot stand beside",
-            ),
+            ("[run]\ntarget_error = 1e-3\nrays = 1e5", "excludes"),
         ] {
             let error = MapConfig::from_toml(text)
                 .and_then(|config| config.cells().map(|_| ()))

@@ -10,7 +10,7 @@ use crate::output::Head;
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
-    /// `None` on a side that is not asked for.
+    /// `None` on a side that is not recorded.
     reflected: Option<Estimate>,
     transmitted: Option<Estimate>,
     absorbed: Estimate,
@@ -18,7 +18,7 @@ struct Energy {
     lost: Estimate,
     /// The part of truncated that left an open patch sideways.
     left_patch: Estimate,
-    /// The part of truncated that went to a side that is not asked for.
+    /// The part of truncated that went to a side that is not recorded.
     not_asked: Estimate,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Order {
 
 #[derive(Clone, Debug, Serialize)]
 struct Orders {
-    /// `None` on a side that is not asked for.
+    /// `None` on a side that is not recorded.
     reflected: Option<Vec<Order>>,
     transmitted: Option<Vec<Order>>,
 }

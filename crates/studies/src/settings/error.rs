@@ -59,7 +59,7 @@ pub enum SettingError {
         expected: String,
     },
     /// Two values that exclude each other.
-    #[error("{first}: cannot stand beside {second}; give either one or the other")]
+    #[error("{first}: excludes {second}; give one or the other")]
     Excluded {
         /// One of them.
         first: Given,

@@ -233,7 +233,7 @@ fn what_excludes_each_other_is_refused_in_one_layer() {
     let flags = [flag("theta", "3"), flag("directions", "2x3")];
     let said = refusal(Command::Gonio, "", &flags);
     assert!(
-        said.starts_with("--theta 3: cannot stand beside --directions 2x3"),
+        said.starts_with("--theta 3: excludes --directions 2x3"),
         "{said}"
     );
     let file = "[measured]\nflat = true\n[surface]\ntau = 3";

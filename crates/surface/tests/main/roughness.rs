@@ -177,7 +177,7 @@ fn realised_values_scatter_as_claimed() {
 }
 
 /// On a tile of 64 x 48 correlation lengths a realised correlation length is within a few per cent
-/// of that asked for, each axis its own; the tolerance is four times the scatter of the variance,
+/// of that requested, each axis its own; the tolerance is four times the scatter of the variance,
 /// `sqrt(pi / (64 48)) = 3.2 %`, which the lag of a given fraction of it does not exceed.
 #[test]
 fn correlation_lengths_are_found_along_their_axes() {

@@ -86,7 +86,7 @@ fn even_exits(n_phi: u32) -> Vec<Exit> {
 
 #[test]
 fn free_azimuth_spreads_what_is_even_as_it_was_found() {
-    // 1440 directions a ring: the sectors of 10 deg and the wedges hold whole numbers of them.
+    // 1440 directions per ring: the sectors of 10 deg and the in-plane slices hold whole numbers of them.
     let spec = TallySpec::default().with_medium();
     let mut found = Tally::new(spec, Azimuth::From(0.0));
     let mut free = Tally::new(spec, Azimuth::Free);

@@ -427,7 +427,7 @@ fn what_faces_down_or_inwards_is_turned_over() {
 }
 
 #[test]
-fn what_is_no_surface_is_refused() {
+fn invalid_surfaces_are_refused() {
     let square = vec![
         [0.0, 0.0, 0.0],
         [1.0, 0.0, 0.0],
@@ -525,11 +525,11 @@ fn holed() -> Mesh {
 }
 
 #[test]
-fn a_tile_that_goes_on_needs_one_ground_without_gaps() {
+fn periodic_meshes_must_be_one_sheet_without_gaps() {
     let sphere = || icosphere(1);
     let two_grounds = || together(mushroom(), scaled(mushroom(), 1.0, 5.0));
     let slab = || together(mushroom(), scaled(turned_over(mushroom()), 1.0, -5.0));
-    // Opposite borders with the same corners, joined in the order asked for on the second.
+    // Opposite borders with the same corners, joined in the order requested on the second.
     let strip = |[a, b, c, d]: [u32; 4]| -> Mesh {
         let at = |x: f64| [[0.0, 0.0], [0.3, 0.1], [0.6, -0.1], [1.0, 0.0]].map(|[y, z]| [x, y, z]);
         let triangles = vec![

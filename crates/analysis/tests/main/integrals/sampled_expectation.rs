@@ -9,7 +9,7 @@ use asperity_tally::{
     Azimuth, Component, Event, EventPath, HemisphereGrid, Side, Sides, TallyResult, TallySpec,
 };
 
-/// Sectors of 10 degrees, like the in-plane wedge.
+/// Sectors of 10 degrees, like the in-plane slice.
 fn spec() -> TallySpec {
     let grid = HemisphereGrid::new(6, 36).unwrap();
     TallySpec::new(grid, 5_f64.to_radians()).unwrap()

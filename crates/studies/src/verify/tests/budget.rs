@@ -90,7 +90,7 @@ fn on_flat_surfaces_rays_explain_all() {
 }
 
 #[test]
-fn of_one_surface_nothing_is_said_of_others() {
+fn one_surface_has_no_error_between_surfaces() {
     let outcome = run("smoothness = 2", 20_000, "realisations = 1");
     let case = &outcome.cases[0];
     let errors = case.errors.at(TallySpec::BUDGET.reflected);

@@ -91,7 +91,7 @@ fn the_budget_closes_over_every_bottom_and_border() {
 }
 
 #[test]
-fn a_bottom_that_lets_light_through_unbent_is_no_bottom() {
+fn open_bottoms_with_a_shape_are_refused() {
     // An interface of equal indices and no interface at all, under the same surface.
     let surface = || rugged(9, 10, 1.0, 2, Border::Periodic);
     let layer = |bottom| slab(medium(2.0, 0.9), 4.0, bottom);

@@ -29,7 +29,7 @@ fn anywhere<R: Rng>(surface: &Surface, rng: &mut R) -> TileRay {
 }
 
 #[test]
-fn a_look_nearby_tells_what_a_search_finds() {
+fn nearby_search_and_full_search_agree() {
     let mut rng = ChaCha8Rng::seed_from_u64(3);
     let [mut clear, mut met, mut unknown] = [0_u32; 3];
     for (height, seed) in [(0.3, 1), (3.0, 2), (10.0, 3)] {

@@ -181,7 +181,7 @@ fn the_accelerator_changes_no_byte() {
 
 #[test]
 #[should_panic(expected = "lit from above")]
-fn light_from_inside_the_medium_is_no_light_of_this_tracer() {
+fn light_from_below_a_layer_is_refused() {
     let surface = rough(1.0);
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let layer = Layer::half_space(medium(1.0, 0.5));
