@@ -143,6 +143,56 @@ fn folders_of_the_models_use_only_what_lies_below_them() {
     assert_layers("analysis", &ANALYSIS);
 }
 
+/// Folders and files of the engine, each with those that it may use.
+const SIMULATE: [(&str, &[&str]); 11] = [
+    ("text", &[]),
+    ("slopes", &[]),
+    ("stream", &[]),
+    ("error", &[]),
+    ("input", &["error", "text"]),
+    ("methods", &["error", "input", "slopes"]),
+    ("errors", &["input", "methods", "slopes"]),
+    ("output", &["errors", "input", "methods", "text"]),
+    ("store", &["errors", "output"]),
+    ("observer", &["output", "store"]),
+    (
+        "engine",
+        &[
+            "error", "errors", "input", "methods", "observer", "output", "slopes", "store",
+            "stream", "text",
+        ],
+    ),
+];
+
+#[test]
+fn folders_of_the_engine_use_only_what_lies_below_them() {
+    assert_layers("simulate", &SIMULATE);
+}
+
+/// Folders of the studies, each with those that it may use.
+const STUDIES: [(&str, &[&str]); 9] = [
+    ("settings", &[]),
+    ("config", &["settings"]),
+    ("output", &["config"]),
+    ("verify", &["config", "output", "settings"]),
+    ("report", &["config", "output", "verify"]),
+    ("attenuation", &["config", "output", "report", "settings"]),
+    ("map", &["config", "output", "report", "settings", "verify"]),
+    (
+        "gonio",
+        &["config", "output", "report", "settings", "verify"],
+    ),
+    (
+        "converge",
+        &["config", "output", "report", "settings", "verify"],
+    ),
+];
+
+#[test]
+fn folders_of_the_studies_use_only_what_lies_below_them() {
+    assert_layers("studies", &STUDIES);
+}
+
 /// Asserts that each module of the crate `name` lies in a layer, and uses that layer and those listed with it
 /// alone.
 fn assert_layers(name: &str, layers: &[(&str, &[&str])]) {

@@ -2,27 +2,8 @@
 
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
-
+use crate::output::stopped_by::StoppedBy;
 use crate::store::SurfaceStore;
-
-/// What ended a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StoppedBy {
-    /// The target error was reached.
-    Target,
-    /// Surfaces and rays are as many as the target error takes, but the mesh adds too much to it.
-    Mesh,
-    /// All that was planned is done.
-    Plan,
-    /// Its time was over.
-    Time,
-    /// An interrupt.
-    Interrupt,
-    /// A bound on all that tracing could find lies below the target: nothing was traced.
-    Bound,
-}
 
 /// Told of a run's observer, and asked whether it should go on; called from any thread.
 pub trait Observer: Sync {

@@ -30,7 +30,7 @@ use crate::report::energies::lost_warning;
 use crate::verify::error::VerifyError;
 use crate::verify::{VerifyOutcome, verify};
 
-pub use config::{GonioConfig, GonioLight, GonioOutput, MeasuredConfig, PlotScale};
+pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
 pub use files::gonio_report;
 pub use json::gonio_summary;
 pub use results::{DirectionResults, Means, MeasuredComponent};

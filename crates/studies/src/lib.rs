@@ -5,7 +5,6 @@
 //! measures the whole BRDF and BTDF, direction by direction.
 
 mod attenuation;
-mod comparison;
 mod config;
 mod converge;
 mod gonio;
@@ -21,12 +20,10 @@ pub use attenuation::{
     Demarcation, VisibilityRow, Way, attenuation, attenuation_report, attenuation_summary,
     attenuation_table,
 };
-pub use comparison::case_model::CaseModel;
-pub use comparison::models::{ComparedComponent, ModelOutcome};
-pub use comparison::peak::PeakDifference;
-pub use comparison::side_difference::SideDifference;
+pub use config::case_model::CaseModel;
 pub use config::cases::{check_light, check_sides};
 pub use config::error::ConfigError;
+pub use config::measured::MeasuredConfig;
 pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use config::trace::TraceConfig;
 pub use config::values::{Count, Number, OneOrMany, PerAxis, Seconds};
@@ -41,8 +38,8 @@ pub use converge::{
 };
 pub use gonio::{
     Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredComponent, MeasuredConfig, PlotScale, Sample, Setting, gonio, gonio_report,
-    gonio_summary, gonio_table,
+    Means, MeasuredComponent, PlotScale, Sample, Setting, gonio, gonio_report, gonio_summary,
+    gonio_table,
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
@@ -60,5 +57,8 @@ pub use report::layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
 };
 pub use report::summary::Summary;
+pub use verify::comparison::models::{ComparedComponent, ModelOutcome};
+pub use verify::comparison::peak::PeakDifference;
+pub use verify::comparison::side_difference::SideDifference;
 pub use verify::error::VerifyError;
 pub use verify::{CaseOutcome, VerifyOutcome, verify};

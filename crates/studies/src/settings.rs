@@ -19,6 +19,7 @@ mod entry;
 mod error;
 mod file;
 mod kind;
+pub(crate) mod number;
 mod range;
 mod reference;
 mod setting;

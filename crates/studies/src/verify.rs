@@ -1,5 +1,6 @@
 //! Explicit surfaces against statistical models.
 
+pub(crate) mod comparison;
 pub(crate) mod error;
 
 use std::time::{Duration, Instant};
@@ -16,11 +17,11 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use self::error::VerifyError;
-use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::config::VerifyConfig;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::{Count, Number, PerAxis};
 use crate::output::{CheckpointError, SurfaceCheckpoints};
+use crate::verify::comparison::models::{Compared, ModelOutcome, compare_models};
 
 /// What was found for one case.
 pub struct CaseOutcome {

@@ -141,7 +141,7 @@ mod tests {
     use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
-    use crate::observer::StoppedBy;
+    use crate::output::stopped_by::StoppedBy;
 
     /// Goes on for so many questions whether to stop.
     struct Patience {

@@ -3,7 +3,8 @@
 //! A batch is a fresh surface, or a block of rays on a given one.
 
 use crate::error::SimulateError;
-use crate::observer::{Observer, StoppedBy};
+use crate::observer::Observer;
+use crate::output::stopped_by::StoppedBy;
 
 /// Times that batches are added to those planned, at most.
 const MAX_ROUNDS: u32 = 4;

@@ -21,7 +21,8 @@ use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes};
 use crate::input::settings::Settings;
 use crate::input::target::ratio;
-use crate::observer::{Observer, StoppedBy};
+use crate::observer::Observer;
+use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::store::{SavedSurface, Stage, SurfaceKey};
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::input::target::Quantity;
-use crate::observer::StoppedBy;
+use crate::output::stopped_by::StoppedBy;
 use crate::text::error_in_short;
 
 /// What a pilot run found, for the requested quantity; variances and differences are divided by the

@@ -8,7 +8,7 @@ use asperity_optics::{Layer, Material};
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace};
 
-use crate::comparison::case_model::CaseModel;
+use crate::config::case_model::CaseModel;
 use crate::config::error::ConfigError;
 use crate::config::sweep::Sweep;
 use crate::config::sweep_case::SweepCase;

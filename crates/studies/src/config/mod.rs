@@ -1,10 +1,11 @@
 //! The configuration of a verification: a TOML file, typed, with unknown keys refused.
 
+pub(crate) mod case_model;
 pub(crate) mod case_text;
 pub(crate) mod cases;
 pub(crate) mod error;
+pub(crate) mod measured;
 pub(crate) mod medium;
-pub(crate) mod number;
 pub(crate) mod sweep;
 pub(crate) mod sweep_case;
 pub(crate) mod trace;

@@ -4,11 +4,11 @@ use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
 use serde::{Deserialize, Serialize};
 
+use super::measured::MeasuredConfig;
 use crate::config::cases::{check_light, check_sides};
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::{Azimuth, LightConfig, MaterialConfig, OutputConfig, RunConfig};
-use crate::gonio::MeasuredConfig;
 use crate::settings::{Command, Document};
 
 /// Light on one given surface.

@@ -14,13 +14,13 @@ use serde::{Deserialize, Serialize};
 use super::ConvergeError;
 use super::method::{Effort, Method};
 use crate::config::error::ConfigError;
-use crate::config::number::MOST_COUNT;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::{Count, Number, OneOrMany, PerAxis};
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
     VerifyConfig,
 };
+use crate::settings::number::MOST_COUNT;
 use crate::settings::{Command, Document, defaults};
 
 /// `[converge]`: the methods, and how much each of them does.

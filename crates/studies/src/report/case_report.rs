@@ -8,13 +8,13 @@ use asperity_simulate::{Stopping, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
-use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::conclusion::{conclusion, strongest_deviation, verdict_name};
-use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
 use crate::report::energies::{
     endings, errors_table, flux_with_error, lost_warning, recorded_orders,
 };
+use crate::verify::comparison::compared::{COMPARED, key};
+use crate::verify::comparison::conclusion::{conclusion, strongest_deviation, verdict_name};
+use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
 
 use crate::verify::{CaseOutcome, VerifyOutcome};
 

@@ -7,7 +7,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::comparison::json::ComparisonJson;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::output::{Head, Place, figure_files, of_cases};
@@ -16,6 +15,7 @@ use crate::report::error::ReportError;
 use crate::report::figures::{self, Light};
 use crate::report::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::report::summary::Summary;
+use crate::verify::comparison::json::ComparisonJson;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Names of all files of a `trace` run.

@@ -3,13 +3,13 @@
 use asperity_simulate::{ErrorBudget, Errors};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 
-use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::models::ModelOutcome;
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
 use crate::report::error::ReportError;
 use crate::verify::CaseOutcome;
+use crate::verify::comparison::compared::{COMPARED, key};
+use crate::verify::comparison::models::ModelOutcome;
 
 /// The fluxes of one case with their errors.
 #[derive(Clone, Copy)]

@@ -131,7 +131,7 @@ impl Summary {
         }
     }
 
-    /// With the errors by where they come from: [`ErrorBudget::to_json`](crate::ErrorBudget::to_json).
+    /// With the errors by where they come from: [`ErrorBudget::to_json`](asperity_simulate::ErrorBudget::to_json).
     #[must_use]
     pub fn with_errors(mut self, error_budget: serde_json::Value) -> Self {
         self.error_budget = Some(error_budget);

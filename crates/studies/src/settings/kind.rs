@@ -4,7 +4,7 @@ use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
 use super::range::Range;
-use crate::config::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
+use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
 
 /// What a value is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -9,10 +9,10 @@ use asperity_analysis::{
 use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec};
 use rayon::prelude::*;
 
-use crate::comparison::case_model::CaseModel;
-use crate::comparison::side_difference::{SideDifference, side_differences};
 use crate::config::VerifyConfig;
+use crate::config::case_model::CaseModel;
 use crate::config::sweep_case::SweepCase;
+use crate::verify::comparison::side_difference::{SideDifference, side_differences};
 use crate::verify::error::VerifyError;
 
 /// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over

@@ -1,6 +1,5 @@
 //! Models beside explicit results: which component is compared with what, peaks, sides, conclusions.
 
-pub(crate) mod case_model;
 pub(crate) mod compared;
 pub(crate) mod conclusion;
 pub(crate) mod json;

@@ -6,11 +6,11 @@ use asperity_analysis::{ScaleTest, Scope};
 use asperity_tally::{Component, Estimate, Side, TallySpec};
 use serde::Serialize;
 
-use crate::comparison::case_model::CaseModel;
-use crate::comparison::compared::{COMPARED, key};
-use crate::comparison::conclusion::{conclusion, verdict_key};
-use crate::comparison::models::{ComparedComponent, ModelOutcome};
+use crate::config::case_model::CaseModel;
 use crate::verify::CaseOutcome;
+use crate::verify::comparison::compared::{COMPARED, key};
+use crate::verify::comparison::conclusion::{conclusion, verdict_key};
+use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
 
 /// Verdicts, p values and distances of one case.
 #[derive(Serialize)]

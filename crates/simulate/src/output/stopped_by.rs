@@ -1,0 +1,21 @@
+//! What ended a run.
+
+use serde::Serialize;
+
+/// What ended a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StoppedBy {
+    /// The target error was reached.
+    Target,
+    /// Surfaces and rays are as many as the target error takes, but the mesh adds too much to it.
+    Mesh,
+    /// All that was planned is done.
+    Plan,
+    /// Its time was over.
+    Time,
+    /// An interrupt.
+    Interrupt,
+    /// A bound on all that tracing could find lies below the target: nothing was traced.
+    Bound,
+}
