@@ -117,6 +117,8 @@ fn coefficients_take_the_place_of_path_and_albedo_and_efforts_that_of_a_target()
             run.is_object() && run["target_error"].is_null() && run["of"].is_null(),
             "{flag}: {run}"
         );
+        // Stopped by its time, it would be resumed by the same flags alone.
+        fs::remove_dir_all(folder.join("out")).unwrap();
     }
 }
 

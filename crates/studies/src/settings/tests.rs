@@ -229,7 +229,7 @@ fn what_excludes_each_other_is_refused_in_one_layer() {
     let both = "[surface]\nsmoothness = 3\nsigma = 2";
     let said = refusal(Command::Verify, both, &[]);
     assert!(said.contains("line 3") || said.contains("line 2"), "{said}");
-    assert!(said.contains("either one or the other"), "{said}");
+    assert!(said.contains("give one or the other"), "{said}");
     let flags = [flag("theta", "3"), flag("directions", "2x3")];
     let said = refusal(Command::Gonio, "", &flags);
     assert!(
