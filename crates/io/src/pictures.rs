@@ -41,7 +41,7 @@ impl PictureFormat {
     /// The format of the ending of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`WriteError::UnknownEnding`] if there is none.
+    /// [`WriteError::UnknownEnding`] if no format has this ending.
     pub fn from_path(path: &Path) -> Result<Self, WriteError> {
         let ending = path.extension().and_then(|ending| ending.to_str());
         match ending.map(str::to_ascii_lowercase).as_deref() {

@@ -18,7 +18,7 @@ impl SurfaceFormat {
     /// The format of the ending of `path`, in upper or lower case.
     ///
     /// # Errors
-    /// [`ReadError::UnknownSurfaceEnding`] if there is none.
+    /// [`ReadError::UnknownSurfaceEnding`] if no format has this ending.
     pub fn from_path(path: &Path) -> Result<Self, ReadError> {
         let mesh = || MeshFormat::from_path(path).map(Self::Mesh);
         HeightMapFormat::from_path(path)

@@ -135,7 +135,7 @@ impl FlatLayer {
         parts
     }
 
-    /// Interactions of light that passes straight through: an open bottom is none.
+    /// Interactions of light that passes straight through. An open bottom does not count as one.
     fn straight_order(&self) -> u32 {
         match self.bottom {
             Bottom::Open => 1,
@@ -156,7 +156,7 @@ fn beside(wo: DVec3) -> Vec<DVec3> {
         .to_vec()
 }
 
-/// The path of so many interactions of which the first and the last pass a face and all others are
+/// The path of the given number of interactions, of which the first and the last pass a face and all others are
 /// reflections: `T`, `TT`, `TRT` and so on.
 fn passing(order: u32) -> EventPath {
     let last = if order <= EventPath::KEPT {

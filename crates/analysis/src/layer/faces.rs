@@ -69,7 +69,7 @@ impl FlatLayer {
         inside
     }
 
-    /// Light that leaves on `side` at the cosine `c > 0` outside; `None` if there is none.
+    /// Light that leaves on `side` at the cosine `c > 0` outside, or `None` if no light leaves there.
     pub(super) fn leave(&self, inside: &Inside, side: Side, c: f64) -> Option<Leaving> {
         if self.albedo == 0.0 || inside.top.transmitted == 0.0 {
             return None;

@@ -43,7 +43,7 @@ impl Manifest {
         }
     }
 
-    /// The manifest of `folder`; `None` if there is none.
+    /// The manifest of `folder`, or `None` if the folder has no manifest.
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, ResultFolderError> {
         let path = folder.join(MANIFEST);
         let invalid = |reason: String| ResultFolderError::InvalidManifest {

@@ -102,7 +102,7 @@ pub struct Curve {
 
 /// Gives pairs of values a place in the figure.
 pub(crate) trait Plane {
-    /// Place of a pair of values, `None` where there is none, as for zero on a log axis. May lie outside.
+    /// Place of a pair of values, `None` where it does not exist, as for zero on a log axis. May lie outside.
     fn at(&self, x: f64, y: f64) -> Option<Xy>;
     /// The least value with a place; bars that begin below it begin there.
     fn floor(&self) -> f64;

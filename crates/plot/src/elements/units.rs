@@ -8,7 +8,7 @@ use super::numbers::{display_exponent, power_of_ten, scale_down, three_digits};
 pub(crate) struct LengthUnit {
     /// Shown unit over given unit.
     pub(crate) unit_size: f64,
-    /// "µm", "arb. units", or empty if there is none.
+    /// "µm", "arb. units", or empty if the unit is unknown.
     symbol: String,
     /// Power of ten taken out of the numbers as well.
     exponent: i32,
