@@ -40,7 +40,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let settings: Settings = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let path = results.required();
-    check_height_map_output(&path)?;
     let surface = &settings.surface;
     let (_, psd) = surface
         .psd()
@@ -50,6 +49,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let spacing = surface.spacing.xy().map(|spacing| spacing.0);
 
     let synthesis = Synthesis::new(psd, shape, spacing, surface.insist).map_err(refuse_surface)?;
+    check_height_map_output(&path)?;
     check_memory("this surface", synthesis.peak_bytes()).map_err(Failure::failed)?;
     let clock = std::time::Instant::now();
     let (seed, realisation) = (settings.run.seed, settings.generate.realisation);

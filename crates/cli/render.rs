@@ -100,13 +100,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             "--fov is of --camera pinhole alone: --width says how much is seen",
         ));
     }
+    let lights = settings.lights.lights()?;
+    settings.check_bottom()?;
     let picture = &settings.picture;
     for path in &picture.output {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
         check_folder_of(path).map_err(Failure::failed)?;
     }
-    let lights = settings.lights.lights()?;
-    settings.check_bottom()?;
     let surface = GivenSurface::required(&settings.measured, document.command(), common)?;
     let view = settings.view(surface.extent())?;
     let (name, notes) = (surface.name.clone(), surface.notes.clone());

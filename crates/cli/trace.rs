@@ -1,10 +1,12 @@
 //! `asperity trace`: light on one given surface.
 
+use std::path::Path;
+
 use asperity_io::ResultFolder;
 use asperity_optics::Material;
 use asperity_simulate::{
-    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, StoppedBy, Stopping,
-    layer_name, simulate,
+    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, Simulation,
+    Stopping, layer_name,
 };
 use asperity_studies::settings::Document;
 use asperity_studies::{
@@ -34,19 +36,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         Some(path) => Some(GivenSurface::read(path, &config.measured, common)?),
         None => None,
     };
-    let inputs = [
-        document.file(),
-        surface.file.as_deref(),
-        bottom.as_ref().and_then(|bottom| bottom.file.as_deref()),
+    let files = [
+        document.file().map(Path::to_owned),
+        surface.file.clone(),
+        bottom.as_ref().and_then(|bottom| bottom.file.clone()),
     ];
-    let folder = match &results.output {
-        Some(path) => {
-            let names = trace_files(&settings.tally, config.output.plots);
-            Some(result_folder(path, "trace", &inputs, &names)?)
-        }
-        None => None,
-    };
-
     let mut warnings = surface.warnings();
     let name = surface.name.clone();
     let about = About {
@@ -54,12 +48,33 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         bottom: bottom.as_ref().map(|bottom| surface_json(bottom, &config)),
     };
     let shape = shape(surface, bottom)?;
-    let case = config.case(shape).map_err(refuse)?;
+    let case = config.case(shape.clone()).map_err(refuse)?;
     let described = described(&config, &case, about);
+    // Everything is checked before a ray is traced; the folder is made when there are results.
+    let simulation = Simulation::new(&[case], &settings).map_err(refuse_simulation)?;
+    let folder = match &results.output {
+        Some(path) => {
+            let inputs = files.each_ref().map(Option::as_deref);
+            let names = trace_files(&settings.tally, config.output.plots);
+            Some(result_folder(path, "trace", &inputs, &names)?)
+        }
+        None => None,
+    };
+    let checkpoints = folder
+        .as_ref()
+        .map(|folder| config.checkpoints(folder, &shape));
+    let checkpoints = checkpoints.transpose().map_err(Failure::failed)?;
+    if checkpoints.as_ref().is_some_and(|kept| kept.resumed() > 0) {
+        say("resumed with the rays of the run that was ended");
+    }
     let bar = Bar::new(common);
     interrupt::listen();
     let bar = Deadline::new(&bar, duration(config.run.max_time));
-    let outcomes = simulate(&[case], &settings, &bar).map_err(refuse_simulation)?;
+    let outcomes = match &checkpoints {
+        Some(checkpoints) => simulation.resume(checkpoints, &bar),
+        None => simulation.run(&bar),
+    };
+    let outcomes = outcomes.map_err(refuse_simulation)?;
     let outcome = outcomes.into_iter().next();
     let outcome = outcome.ok_or_else(|| Failure::failed(SimulateError::Interrupted))?;
     warnings.extend(lost_warning(&outcome.statistics));
@@ -78,8 +93,15 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     .with_errors(outcome.errors.to_json())
     .with_warnings(warnings.clone())
     .with_stopping(stopping.cloned());
-    if let Some(folder) = folder {
+    if let Some(folder) = &folder {
         write(&config, folder, &name, &settings, (&outcome, &summary))?;
+    }
+    let is_stopped = outcome.stopping.is_cut_short();
+    if let Some(checkpoints) = checkpoints {
+        checkpoints.close(is_stopped).map_err(Failure::failed)?;
+    }
+    if let Some(folder) = folder {
+        folder.finish(!is_stopped).map_err(Failure::failed)?;
     }
     common.say(|| {
         let work = &outcome.work;
@@ -89,7 +111,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         )
     });
     if interrupt::came() {
-        say("interrupted; the results so far are written");
+        say(match &results.output {
+            Some(_) => "interrupted; the results so far are written, and the same command resumes",
+            None => "interrupted; these are the results so far",
+        });
     }
     if results.json {
         return print_json(&summary);
@@ -132,7 +157,7 @@ fn shape(surface: GivenSurface, bottom: Option<GivenSurface>) -> Result<Simulate
 /// Writes the results into a folder.
 fn write(
     config: &TraceConfig,
-    folder: ResultFolder,
+    folder: &ResultFolder,
     name: &str,
     settings: &Settings,
     (outcome, summary): (&Outcome, &Summary),
@@ -152,18 +177,13 @@ fn write(
         light: &light,
     });
     trace_report(
-        &folder,
+        folder,
         outcome,
         &settings.tally,
         summary,
         surroundings.as_ref(),
     )
-    .map_err(Failure::failed)?;
-    let is_stopped = matches!(
-        outcome.stopping.stopped_by,
-        StoppedBy::Time | StoppedBy::Interrupt
-    );
-    folder.finish(!is_stopped).map_err(Failure::failed)
+    .map_err(Failure::failed)
 }
 
 /// Energies, errors and notes as text.

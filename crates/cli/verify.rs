@@ -2,7 +2,7 @@
 
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    VerifyConfig, VerifyError, verify, verify_report, verify_summary, verify_table,
+    VerifyConfig, VerifyError, resume_verify, verify_report, verify_summary, verify_table,
 };
 
 use crate::common::{Common, Results};
@@ -37,7 +37,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     let bar = Bar::new(common);
     interrupt::listen();
-    let outcome = verify(&config, &checkpoints.observing(&bar)).map_err(|error| match error {
+    let outcome = resume_verify(&config, &checkpoints, &bar).map_err(|error| match error {
         error if error.is_usage() => refuse(&error),
         _ => Failure::failed(error),
     })?;

@@ -154,7 +154,7 @@ const SIMULATE: [(&str, &[&str]); 11] = [
     ("errors", &["input", "methods", "slopes"]),
     ("output", &["errors", "input", "methods", "text"]),
     ("store", &["errors", "output"]),
-    ("observer", &["output", "store"]),
+    ("observer", &["output"]),
     (
         "engine",
         &[
@@ -170,10 +170,11 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 9] = [
+const STUDIES: [(&str, &[&str]); 10] = [
     ("settings", &[]),
     ("config", &["settings"]),
     ("output", &["config"]),
+    ("trace", &["config", "output"]),
     ("verify", &["config", "output", "settings"]),
     ("report", &["config", "output", "verify"]),
     ("attenuation", &["config", "output", "report", "settings"]),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, with_surface, words};
+use crate::support::{asperity, files, json, refused, succeed, with_surface, words};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 
@@ -251,4 +251,65 @@ fn an_interrupt_writes_the_results_so_far_and_a_second_one_ends_at_once() {
         errors.is_empty() && !folder.join("none").exists(),
         "{errors}"
     );
+}
+
+/// Runs `arguments`, which must succeed, and returns whether it said that it resumed.
+fn resumes(folder: &Path, arguments: &[&str]) -> bool {
+    let output = asperity(folder, arguments);
+    let errors = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {errors}");
+    let resumed = errors.starts_with("resumed");
+    assert!(errors.lines().count() == usize::from(resumed), "{errors}");
+    resumed
+}
+
+#[test]
+fn a_stopped_trace_resumes_to_the_bytes_of_an_uninterrupted_one() {
+    let (_keep, folder) = with_surface();
+    for effort in ["--rays 2e6", "--target-error 1e-3 --of reflected --refine"] {
+        let flags = format!("trace h.exr --theta 30 --bins 9x4 {effort}");
+        let run = |more: &str| {
+            let line = format!("{flags} {more}");
+            resumes(&folder, &words(&line))
+        };
+        assert!(!run("-o whole"));
+        assert!(!run("--max-time 0.02 --no-plots -o t"));
+        let left = files(&folder.join("t/checkpoints"));
+        assert!(!left.is_empty() && left.len() <= 8, "{left:?}");
+        assert!(run("--max-time 0.02 --threads 1 -o t"));
+        assert!(run("-o t"));
+        let names = files(&folder.join("whole"));
+        assert_eq!(files(&folder.join("t")), names);
+        for name in names.iter().filter(|name| name.ends_with(".csv")) {
+            let read = |out: &str| fs::read(folder.join(out).join(name)).unwrap();
+            assert!(read("t") == read("whole"), "{name}");
+        }
+        let summary = |out: &str| {
+            let text = fs::read_to_string(folder.join(out).join("summary.json")).unwrap();
+            let mut summary = json(&text);
+            let work = summary["work"].as_object_mut().unwrap();
+            work.retain(|key, _| !key.ends_with("seconds"));
+            summary
+        };
+        assert_eq!(summary("t"), summary("whole"));
+        for out in ["t", "whole"] {
+            fs::remove_dir_all(folder.join(out)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_trace_is_not_resumed_with_other_settings_or_on_another_surface() {
+    let (_keep, folder) = with_surface();
+    let trace = "trace h.exr --theta 30 --rays 1e10 --max-time 0.02 --no-plots -o t";
+    assert!(!resumes(&folder, &words(trace)));
+    let left = files(&folder.join("t/checkpoints"));
+    let other = trace.replace("--theta 30", "--theta 40");
+    let error = refused(&folder, &words(&other), 1);
+    assert!(error.contains("light.theta 30"), "{error}");
+    let surface = "generate --tau 8 --smoothness 2 --size 64 --seed 8 -o h.exr";
+    succeed(&folder, &words(surface));
+    let error = refused(&folder, &words(trace), 1);
+    assert!(error.contains("points.top.heights"), "{error}");
+    assert_eq!(files(&folder.join("t/checkpoints")), left);
 }

@@ -3,7 +3,8 @@
 //! [`simulate`] is the door. A [`Case`] has one value each: a surface source, a material, perhaps a layer below,
 //! and the light. [`Settings`] say how all cases are simulated and how much is traced. Each case gives an
 //! [`Outcome`]: tallies with errors by where they come from, the work done, and how the run ended. An [`Observer`]
-//! is told of progress, may stop the run, and may keep finished surfaces in a [`SurfaceStore`] to resume from.
+//! is told of progress and may stop the run. A [`Simulation`] resumes from the finished parts that a
+//! [`SurfaceStore`] has kept.
 //!
 //! Folders: `input` (what is simulated, and limits), `methods` (how a case is estimated), `engine` (groups of
 //! cases, surfaces, blocks, rounds, pilot), `errors` (budget, mesh error, refinement), `output`.

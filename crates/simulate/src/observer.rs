@@ -3,9 +3,8 @@
 use std::time::{Duration, Instant};
 
 use crate::output::stopped_by::StoppedBy;
-use crate::store::SurfaceStore;
 
-/// Told of a run's observer, and asked whether it should go on; called from any thread.
+/// Told how far a run has come, and asked whether it should go on; called from any thread.
 pub trait Observer: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, stage: &str, total: u64);
@@ -19,10 +18,6 @@ pub trait Observer: Sync {
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
     fn surface_drawn(&self, _number: u64) {}
-    /// What keeps finished surfaces, if anything does.
-    fn store(&self) -> Option<&dyn SurfaceStore> {
-        None
-    }
     /// Why the run should end with what is there, if it should; once it should, it stays so.
     fn stop(&self) -> Option<StoppedBy> {
         None
@@ -73,9 +68,6 @@ impl Observer for Deadline<'_> {
     }
     fn surface_drawn(&self, number: u64) {
         self.observer.surface_drawn(number);
-    }
-    fn store(&self) -> Option<&dyn SurfaceStore> {
-        self.observer.store()
     }
     fn stop(&self) -> Option<StoppedBy> {
         self.observer.stop().or_else(|| {

@@ -1,8 +1,10 @@
-//! Surface store: what keeps finished surfaces, so that a run that was ended resumes surface by surface.
+//! Surface store: what keeps the finished parts of a run, so that a run that was ended resumes.
 //!
-//! The engine asks the store of its [`Observer`](crate::Observer) for every surface before it is drawn, and hands it
-//! every surface that is complete. Surfaces are reduced in the order of their number, so that a resumed run gives
-//! the bytes of one that was not ended. A store must keep the surfaces of different cases and settings apart.
+//! A store is handed to one [`Simulation`](crate::Simulation), by [`resume`](crate::Simulation::resume), and reaches no
+//! other. Of random surfaces the engine asks it for each before it is drawn, and hands it each that is complete. Of a
+//! given surface it hands over the statistics of the blocks of rays so far, round by round, and goes on from there.
+//! Surfaces and blocks are reduced in the order of their number, so that a resumed run gives the bytes of one that
+//! was not ended. A store must keep runs of other cases and settings apart.
 
 use asperity_tally::{SavedStatistics, TallySpec};
 use asperity_tracer::Work;
@@ -12,31 +14,36 @@ use crate::errors::refinement::MeshShifts;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
-/// Keeps finished surfaces; called from any thread.
+/// Keeps finished parts of a run; called from any thread.
 pub trait SurfaceStore: Sync {
-    /// What was saved under `key`; `None` if nothing was.
+    /// What was saved last under `key`; `None` if nothing was.
     fn load(&self, key: SurfaceKey) -> Option<SavedSurface>;
 
-    /// Saves what was found on a surface.
-    fn save(&self, key: SurfaceKey, surface: &SavedSurface);
+    /// Saves what was found on a surface, in place of what was saved under `key` before.
+    fn save(&self, key: SurfaceKey, surface: SavedSurface);
+
+    /// Whether a surface whose rays are not all traced yet should be saved by now. Asked often.
+    fn is_due(&self) -> bool {
+        true
+    }
 }
 
-/// Which surface of a run.
+/// Which part of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct SurfaceKey {
     /// Number of the first traced case of those that share the surface, among the cases of the run.
     pub case: usize,
-    /// What it is drawn for.
+    /// What it belongs to.
     pub stage: Stage,
-    /// Its number among the surfaces of that stage.
-    pub surface: u64,
+    /// Number of the surface, or of the round of rays on a given one.
+    pub number: u64,
 }
 
-/// What a surface is drawn for.
+/// What a part of a run belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stage {
-    /// The pilot run, from which the effort is planned.
+    /// Surfaces of the pilot run, from which the effort is planned.
     Pilot,
     /// The same surfaces at twice their spacing.
     CoarsePilot,
@@ -62,22 +69,20 @@ struct SavedCase {
     work: Work,
 }
 
-impl From<&SurfaceTallies> for SavedSurface {
-    fn from(surface: &SurfaceTallies) -> Self {
+impl SavedSurface {
+    pub(crate) fn new(cases: &[CaseOnSurface], seconds: Seconds, used: Used) -> Self {
         let save = |case: &CaseOnSurface| SavedCase {
             tally: SavedStatistics::from(&case.tally),
             shifts: case.shifts.as_ref().map_or_else(Vec::new, MeshShifts::save),
             work: case.work,
         };
         Self {
-            cases: surface.cases.iter().map(save).collect(),
-            seconds: surface.seconds,
-            used: surface.used.clone(),
+            cases: cases.iter().map(save).collect(),
+            seconds,
+            used,
         }
     }
-}
 
-impl SavedSurface {
     /// The tallies by `spec`; `None` if they were of another one.
     pub(crate) fn restore(self, spec: TallySpec) -> Option<SurfaceTallies> {
         let restore = |case: SavedCase| {

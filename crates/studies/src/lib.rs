@@ -12,6 +12,7 @@ mod map;
 mod output;
 mod report;
 pub mod settings;
+mod trace;
 mod verify;
 
 pub use attenuation::{
@@ -46,7 +47,7 @@ pub use map::{
     JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
-pub use output::{CheckpointError, Resuming, SurfaceCheckpoints};
+pub use output::{CheckpointError, SurfaceCheckpoints};
 pub use report::case_report::verify_table;
 pub use report::energies::{energy_table, errors_table, lost_warning, work_line};
 pub use report::error::ReportError;
@@ -61,4 +62,4 @@ pub use verify::comparison::models::{ComparedComponent, ModelOutcome};
 pub use verify::comparison::peak::PeakDifference;
 pub use verify::comparison::side_difference::SideDifference;
 pub use verify::error::VerifyError;
-pub use verify::{CaseOutcome, VerifyOutcome, verify};
+pub use verify::{CaseOutcome, VerifyOutcome, resume_verify, verify};

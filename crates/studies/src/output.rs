@@ -6,6 +6,7 @@ mod columns;
 mod head;
 mod number;
 mod place;
+mod points_hash;
 mod surface_checkpoints;
 mod table;
 
@@ -21,5 +22,6 @@ pub(crate) use columns::{
 pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
-pub use surface_checkpoints::{Resuming, SurfaceCheckpoints};
+pub(crate) use points_hash::{corners_hash, heights_hash, shape_hash};
+pub use surface_checkpoints::SurfaceCheckpoints;
 pub(crate) use table::{Cell, Column, Format, Table};

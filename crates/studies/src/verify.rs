@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, StoppedBy,
-    Stopping, SummaryWork, SurfaceSource, simulate,
+    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, Simulation,
+    StoppedBy, Stopping, SummaryWork, SurfaceSource,
 };
 use asperity_surface::{HeightField, Synthesis};
 use asperity_tally::{TallySpec, TallyStatistics};
@@ -168,13 +168,37 @@ pub fn verify(
     config: &VerifyConfig,
     observer: &dyn Observer,
 ) -> Result<VerifyOutcome, VerifyError> {
+    verify_with(config, observer, Simulation::run)
+}
+
+/// The same with what `checkpoints` keep of an earlier run of this configuration, to the same bytes.
+///
+/// # Errors
+/// As [`verify`].
+pub fn resume_verify(
+    config: &VerifyConfig,
+    checkpoints: &SurfaceCheckpoints<'_>,
+    observer: &dyn Observer,
+) -> Result<VerifyOutcome, VerifyError> {
+    verify_with(config, observer, |simulation, observer| {
+        simulation.resume(checkpoints, observer)
+    })
+}
+
+/// `run`: runs the simulation of all cases.
+fn verify_with(
+    config: &VerifyConfig,
+    observer: &dyn Observer,
+    run: impl FnOnce(Simulation, &dyn Observer) -> Result<Vec<Outcome>, SimulateError>,
+) -> Result<VerifyOutcome, VerifyError> {
     let began = Instant::now();
     let time = config.run.max_time.map(|time| time.0);
     let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
     let observer: &dyn Observer = &Deadline::new(observer, time);
     let settings = config.ray_settings()?;
     let cases = config.cases()?;
-    let outcomes = simulate(&config.simulated(&cases)?, &settings, observer)?;
+    let simulation = Simulation::new(&config.simulated(&cases)?, &settings)?;
+    let outcomes = run(simulation, observer)?;
     let is_missing = |number: &usize| outcomes.iter().all(|outcome| outcome.number != *number);
     let left_out = (0..cases.len()).filter(is_missing).map(|i| cases[i]);
     let left_out = left_out.collect();
@@ -231,6 +255,3 @@ fn judge(
         work: outcome.work,
     })
 }
-
-#[cfg(test)]
-mod tests;

@@ -47,7 +47,7 @@ pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
 pub use geometry::{Escape, Geometry, Nearby};
-pub use interaction::layer::{BottomShape, TracedLayer, TracedLayerError};
+pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Work};
 pub use periodic::{

@@ -1,5 +1,7 @@
 //! Hash of names and of checksums.
 
+use std::borrow::Borrow;
+
 /// FNV-1a of 64 bits, for names of random streams and for checksums against accidental changes. It is not
 /// cryptographic.
 ///
@@ -12,8 +14,8 @@
 /// # Source
 /// Fowler, Noll and Vo, The FNV Non-Cryptographic Hash Algorithm, RFC 9923.
 #[must_use]
-pub fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+pub fn fnv1a(bytes: impl IntoIterator<Item = impl Borrow<u8>>) -> u64 {
+    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(*byte.borrow())).wrapping_mul(0x0100_0000_01b3)
     })
 }

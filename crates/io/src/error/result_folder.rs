@@ -36,11 +36,21 @@ pub enum ResultFolderError {
         /// Command of this run.
         command: String,
     },
-    /// The folder holds results of a build that wrote no manifest.
-    #[error("`{}` holds results of an older build, which did not list its files in manifest.json; choose another folder or delete this one", .folder.display())]
+    /// The folder holds results, and no manifest lists them.
+    #[error("`{}` holds the summary.json of a run without the manifest.json that lists its files; choose another folder or delete this one", .folder.display())]
     NoManifest {
         /// The folder.
         folder: PathBuf,
+    },
+    /// The folder holds a part of the results in a folder above it.
+    #[error("`{}` holds a part of the results of `{found}` in `{}`; choose another folder", .folder.display(), .results.display())]
+    PartOfResults {
+        /// The folder.
+        folder: PathBuf,
+        /// Command that wrote them.
+        found: String,
+        /// The folder of all of these results.
+        results: PathBuf,
     },
     /// The manifest is damaged, of another form, or not ours.
     #[error("`{}` is not a manifest of results ({reason}); choose another folder or delete this one", .path.display())]

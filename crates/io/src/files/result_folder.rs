@@ -85,8 +85,8 @@ impl ResultFolder {
     /// `inputs`: files that the run reads, which it must not replace or remove.
     ///
     /// # Errors
-    /// [`ResultFolderError`] if the folder holds results of another command or of a build without
-    /// manifests, or its manifest is invalid or cannot be read.
+    /// [`ResultFolderError`] if the folder holds results of another command or results that its manifest
+    /// does not list, or its manifest is invalid or cannot be read.
     pub fn open(
         path: impl AsRef<Path>,
         command: &str,
@@ -95,7 +95,7 @@ impl ResultFolder {
         let root = path.as_ref().to_owned();
         let earlier = match Manifest::read(&root)? {
             None if has_unlisted_results(&root) => {
-                return Err(ResultFolderError::NoManifest { folder: root });
+                return Err(unlisted_results(root));
             }
             None => BTreeSet::new(),
             Some(manifest) if manifest.command != command => {
@@ -341,6 +341,27 @@ fn checked(name: &str) -> &str {
         "`{name}` is not a name inside a result folder"
     );
     name
+}
+
+/// Why a folder with results and without a manifest is refused: they may be a part of those in a folder above.
+fn unlisted_results(folder: PathBuf) -> ResultFolderError {
+    let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
+    for above in path.ancestors().skip(1) {
+        let inside = path.strip_prefix(above).unwrap_or(&path);
+        if let Ok(Some(manifest)) = Manifest::read(above)
+            && manifest
+                .files
+                .iter()
+                .any(|name| Path::new(name).starts_with(inside))
+        {
+            return ResultFolderError::PartOfResults {
+                folder,
+                found: manifest.command,
+                results: above.to_owned(),
+            };
+        }
+    }
+    ResultFolderError::NoManifest { folder }
 }
 
 /// Whether `folder` holds a `summary.json` of this program.

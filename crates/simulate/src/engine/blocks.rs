@@ -67,7 +67,15 @@ impl Blocks {
     }
 }
 
-/// Runs the blocks of one surface in parallel and hands the tallies of each block to `each`, in order.
+/// What one block of rays found.
+pub(crate) struct FinishedBlock {
+    pub(crate) number: u64,
+    /// A tally of each mesh.
+    pub(crate) tallies: Vec<TallyValues>,
+    pub(crate) work: Work,
+}
+
+/// Runs the blocks of one surface in parallel and hands each to `each`, in the order of their number.
 ///
 /// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
 /// and has a tally of each; the work counted is that of the first.
@@ -79,28 +87,27 @@ pub(crate) fn run_blocks<G: Geometry>(
     realisation: u64,
     blocks: Blocks,
     observer: &dyn Observer,
-    mut each: impl FnMut(&[TallyValues]) + Send,
-) -> Work {
-    let mut work = Work::default();
-    let mut take = |finished: Vec<Option<(Vec<TallyValues>, Work)>>| {
-        for (mut tallies, done) in finished.into_iter().flatten() {
-            for (tally, mesh) in tallies.iter_mut().zip(meshes) {
+    mut each: impl FnMut(FinishedBlock) + Send,
+) {
+    let mut take = |finished: Vec<Option<FinishedBlock>>| {
+        for mut block in finished.into_iter().flatten() {
+            for (tally, mesh) in block.tallies.iter_mut().zip(meshes) {
                 if let Some(control) = mesh.control {
                     control.complete(tally);
                 }
             }
-            each(&tallies);
-            work += done;
+            each(block);
         }
     };
     let trace = |block: usize| {
         if block >= MIN_BLOCKS && observer.stop().is_some() {
             return None;
         }
+        let number = blocks.first + block as u64;
         let mut work_of_first = None;
         let mut tallies = Vec::new();
         for mesh in meshes {
-            let mut rng = ray_stream(settings.seed, realisation, blocks.first + block as u64);
+            let mut rng = ray_stream(settings.seed, realisation, number);
             let spec = settings.tally;
             let (tally, work) =
                 mesh.tracer
@@ -109,7 +116,11 @@ pub(crate) fn run_blocks<G: Geometry>(
             work_of_first.get_or_insert(work);
         }
         observer.advance(u64::from(blocks.strata).pow(2));
-        Some((tallies, work_of_first.unwrap_or_default()))
+        Some(FinishedBlock {
+            number,
+            tallies,
+            work: work_of_first.unwrap_or_default(),
+        })
     };
     // Waves bound how many tallies are held at once; those of one are taken while the next is traced.
     let values = meshes.len() * settings.tally.len();
@@ -128,7 +139,6 @@ pub(crate) fn run_blocks<G: Geometry>(
         (finished, ()) = rayon::join(|| blocks.map(trace).collect(), || take(before));
     }
     take(finished);
-    work
 }
 
 #[cfg(test)]
@@ -137,11 +147,12 @@ mod tests {
 
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
-    use asperity_tally::{TallyResult, TallyStatistics};
+    use asperity_tally::TallyResult;
     use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Starts, Surface};
 
     use super::*;
     use crate::output::stopped_by::StoppedBy;
+    use crate::output::surface_tallies::CaseOnSurface;
 
     /// Goes on for so many questions whether to stop.
     struct Patience {
@@ -197,15 +208,15 @@ mod tests {
                 asked: AtomicU64::new(0),
                 advanced: AtomicU64::new(0),
             };
-            let mut statistics = TallyStatistics::new(settings.tally);
+            let mut found = CaseOnSurface::new(settings.tally, 1);
             let meshes = std::slice::from_ref(&mesh);
-            let work = run_blocks(meshes, &settings, 0, blocks, &progress, |tallies| {
-                statistics.push(&tallies[0]);
+            run_blocks(meshes, &settings, 0, blocks, &progress, |block| {
+                found.push(&block.tallies, block.work);
             });
-            assert_eq!(statistics.batches(), expected);
-            assert_eq!(work.rays, 9 * expected);
+            assert_eq!(found.tally.batches(), expected);
+            assert_eq!(found.work.rays, 9 * expected);
             assert_eq!(progress.advanced.into_inner(), 9 * expected);
-            assert_eq!(statistics.means().budget().reflected, 1.0);
+            assert_eq!(found.tally.means().budget().reflected, 1.0);
         }
     }
 

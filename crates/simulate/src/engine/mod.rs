@@ -2,18 +2,20 @@
 //!
 //! [`simulation`] is the door. It puts cases with equal surface sources into a [`group`]: [`random`] for fresh
 //! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
-//! and blocks of rays in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
+//! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
 //! they are traced on. [`pilot`] plans the effort that a target error takes. [`draft`] turns what was found of a
 //! case into its outcome.
 
 pub(crate) mod blocks;
 pub(crate) mod built_surface;
+pub(crate) mod context;
 pub(crate) mod draft;
 pub(crate) mod given;
 pub(crate) mod given_run;
 pub(crate) mod group;
 pub(crate) mod pilot;
 pub(crate) mod random;
+pub(crate) mod ray_blocks;
 pub(crate) mod ready_group;
 pub(crate) mod rounds;
 pub(crate) mod simulation;

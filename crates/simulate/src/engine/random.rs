@@ -6,6 +6,7 @@ use std::time::Instant;
 use asperity_surface::Synthesis;
 use rayon::prelude::*;
 
+use super::context::Context;
 use super::draft::Draft;
 use super::pilot::{self, Figures, PilotRun};
 use super::ready_group::ReadyGroup;
@@ -20,7 +21,6 @@ use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::analytic::AnalyticResult;
 use crate::methods::method::Method;
-use crate::observer::Observer;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
 use crate::slopes::slopes;
@@ -168,10 +168,10 @@ impl RandomGroup {
     fn run_pilot(
         &self,
         stage: Stage,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<Option<Vec<CaseTallies>>, SimulateError> {
         let surfaces = pilot::FIRST..pilot::FIRST + pilot::SURFACES;
-        let found = self.group(stage).run(surfaces, observer)?;
+        let found = self.group(stage).run(surfaces, context)?;
         let first = found.first();
         let complete = first.is_some_and(|t| t.surfaces.len() as u64 == pilot::SURFACES);
         Ok(complete.then_some(found))
@@ -257,7 +257,7 @@ impl RandomGroup {
     fn trace(
         &self,
         all_cases: usize,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<(Vec<CaseTallies>, Rounds), SimulateError> {
         let mut batches = Surfaces {
             group: self,
@@ -271,7 +271,7 @@ impl RandomGroup {
                 stopped_by: StoppedBy::Plan,
             }
         } else {
-            run_rounds(&mut batches, self.plan.surfaces, observer)?
+            run_rounds(&mut batches, self.plan.surfaces, context)?
         };
         Ok((batches.tallies, rounds))
     }
@@ -377,15 +377,15 @@ impl ReadyGroup for RandomGroup {
     }
 
     /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
-    fn plan(&mut self, all_cases: usize, observer: &dyn Observer) -> Result<(), SimulateError> {
+    fn plan(&mut self, all_cases: usize, context: Context<'_>) -> Result<(), SimulateError> {
         if self.settings.target().is_none() || self.traced.is_empty() {
             return Ok(());
         }
-        let Some(fine) = self.run_pilot(Stage::Pilot, observer)? else {
+        let Some(fine) = self.run_pilot(Stage::Pilot, context)? else {
             return Ok(());
         };
         let coarse = if self.has_coarser() {
-            self.run_pilot(Stage::CoarsePilot, observer)?
+            self.run_pilot(Stage::CoarsePilot, context)?
         } else {
             None
         };
@@ -400,10 +400,10 @@ impl ReadyGroup for RandomGroup {
     fn run(
         self: Box<Self>,
         all_cases: usize,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<Vec<Draft>, SimulateError> {
         let clock = Instant::now();
-        let (tallies, rounds) = self.trace(all_cases, observer)?;
+        let (tallies, rounds) = self.trace(all_cases, context)?;
         let seconds = clock.elapsed().as_secs_f64() / self.traced.len().max(1) as f64;
         let common = self.stopping(rounds);
         let mut drafts = self.analytic_drafts(&common);
@@ -450,14 +450,14 @@ struct Surfaces<'a> {
 }
 
 impl Batches for Surfaces<'_> {
-    fn trace_until(&mut self, count: u64, observer: &dyn Observer) -> Result<bool, SimulateError> {
+    fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
         let group = self.group.group(Stage::Result);
         let rays = group.blocks().rays();
         if self.done > 0 {
             let more = (count - self.done) * rays * self.group.traced.len() as u64;
-            observer.begin("adding", more);
+            context.observer.begin("adding", more);
         }
-        let more = group.run(self.done..count, observer)?;
+        let more = group.run(self.done..count, context)?;
         if self.done == 0 {
             self.tallies = more;
         } else {
@@ -525,7 +525,10 @@ mod tests {
                 surfaces: 3,
                 rays: 3 * 128,
             };
-            let draft = Box::new(group).run(1, &Silent).unwrap().remove(0);
+            let draft = Box::new(group)
+                .run(1, Context::without_store(&Silent))
+                .unwrap()
+                .remove(0);
             let stopping = draft.stopping;
             println!("{stopping:?}");
             assert_eq!(stopping.rounds, rounds);

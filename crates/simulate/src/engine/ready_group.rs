@@ -1,8 +1,8 @@
 //! Ready group: cases that share surfaces, ready to be planned and traced.
 
+use super::context::Context;
 use super::draft::Draft;
 use crate::error::SimulateError;
-use crate::observer::Observer;
 
 /// Cases that share surfaces, of which those that are given are built.
 pub(crate) trait ReadyGroup {
@@ -10,7 +10,7 @@ pub(crate) trait ReadyGroup {
     fn pilot_rays(&self) -> u64;
 
     /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
-    fn plan(&mut self, all_cases: usize, observer: &dyn Observer) -> Result<(), SimulateError>;
+    fn plan(&mut self, all_cases: usize, context: Context<'_>) -> Result<(), SimulateError>;
 
     /// Surfaces planned.
     fn surfaces(&self) -> u64;
@@ -23,6 +23,6 @@ pub(crate) trait ReadyGroup {
     fn run(
         self: Box<Self>,
         all_cases: usize,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<Vec<Draft>, SimulateError>;
 }

@@ -2,8 +2,8 @@
 //!
 //! A batch is a fresh surface, or a block of rays on a given one.
 
+use super::context::Context;
 use crate::error::SimulateError;
-use crate::observer::Observer;
 use crate::output::stopped_by::StoppedBy;
 
 /// Times that batches are added to those planned, at most.
@@ -13,7 +13,7 @@ const MAX_ROUNDS: u32 = 4;
 pub(crate) trait Batches {
     /// Traces further batches until there are `count` of them. Returns whether all are complete: a run that is
     /// to stop leaves some out.
-    fn trace_until(&mut self, count: u64, observer: &dyn Observer) -> Result<bool, SimulateError>;
+    fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError>;
 
     /// The largest error of a case over its target; `None` without a target, or where nothing scatters yet.
     fn error_over_target(&self) -> Option<f64>;
@@ -34,13 +34,13 @@ pub(crate) struct Rounds {
 pub(crate) fn run_rounds(
     batches: &mut impl Batches,
     planned: u64,
-    observer: &dyn Observer,
+    context: Context<'_>,
 ) -> Result<Rounds, SimulateError> {
     let mut count = planned;
     let mut added = 0;
     let stopped_by = loop {
-        if !batches.trace_until(count, observer)? {
-            break observer.stop().unwrap_or(StoppedBy::Interrupt);
+        if !batches.trace_until(count, context)? {
+            break context.observer.stop().unwrap_or(StoppedBy::Interrupt);
         }
         let Some(error_over_target) = batches.error_over_target() else {
             break StoppedBy::Plan;

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::context::Context;
 use super::draft::Draft;
 use super::group::Group;
 use crate::error::SimulateError;
@@ -10,6 +11,7 @@ use crate::input::limits::check_results;
 use crate::input::settings::{Effort, Settings};
 use crate::observer::Observer;
 use crate::output::outcome::Outcome;
+use crate::store::SurfaceStore;
 
 /// Simulates cases: traces light on their surfaces until the effort of `settings` is spent or its target reached.
 ///
@@ -99,8 +101,26 @@ impl Simulation {
     /// # Errors
     /// As [`simulate`].
     pub fn run(self, observer: &dyn Observer) -> Result<Vec<Outcome>, SimulateError> {
+        self.run_in(Context::without_store(observer))
+    }
+
+    /// Runs the cases, with what `store` keeps of an earlier run of the same cases and settings; what is finished is
+    /// handed to it. The result has the bytes of a run that was not ended.
+    ///
+    /// # Errors
+    /// As [`simulate`].
+    pub fn resume(
+        self,
+        store: &dyn SurfaceStore,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Outcome>, SimulateError> {
+        let store = Some(store);
+        self.run_in(Context { observer, store })
+    }
+
+    fn run_in(self, context: Context<'_>) -> Result<Vec<Outcome>, SimulateError> {
         let settings = self.settings;
-        let drafts = self.trace(observer)?;
+        let drafts = self.trace(context)?;
         if drafts.is_empty() {
             return Err(SimulateError::Interrupted);
         }
@@ -109,14 +129,15 @@ impl Simulation {
     }
 
     /// Builds, plans and traces.
-    fn trace(self, observer: &dyn Observer) -> Result<Vec<Draft>, SimulateError> {
+    fn trace(self, context: Context<'_>) -> Result<Vec<Draft>, SimulateError> {
+        let observer = context.observer;
         let all_cases = self.cases;
         let groups = self.groups.into_iter().map(|group| group.build(observer));
         let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
         if self.settings.target().is_some() {
             observer.begin("planning", groups.iter().map(|g| g.pilot_rays()).sum());
             for group in &mut groups {
-                group.plan(all_cases, observer)?;
+                group.plan(all_cases, context)?;
             }
             observer.end();
         }
@@ -131,7 +152,7 @@ impl Simulation {
         observer.begin("tracing", groups.iter().map(|group| group.rays()).sum());
         let mut drafts = Vec::new();
         for group in groups {
-            drafts.extend(group.run(all_cases, observer)?);
+            drafts.extend(group.run(all_cases, context)?);
         }
         observer.end();
         drafts.sort_unstable_by_key(|draft| draft.number);

@@ -13,10 +13,10 @@ use rayon::prelude::*;
 
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE, run_blocks};
 use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
+use super::context::Context;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use crate::error::SimulateError;
-use crate::errors::refinement::MeshStatistics;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes};
 use crate::input::settings::Settings;
@@ -122,7 +122,7 @@ impl SurfaceGroup<'_> {
     pub(crate) fn run(
         &self,
         surfaces: Range<u64>,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Result<Vec<CaseTallies>, SimulateError> {
         let bytes = surface_bytes(self.synthesis, self.cases, &self.settings);
         check_memory("tracing one surface", bytes)?;
@@ -134,7 +134,7 @@ impl SurfaceGroup<'_> {
         let mut found: Vec<Numbered> = (0..side_by_side)
             .into_par_iter()
             .with_max_len(1)
-            .flat_map_iter(|_| self.run_in_turn(&next, &surfaces, &watch, observer))
+            .flat_map_iter(|_| self.run_in_turn(&next, &surfaces, &watch, context))
             .collect();
         found.sort_unstable_by_key(|one| one.surface);
         // A surface that a stop cut short counts only if there is no other.
@@ -155,8 +155,9 @@ impl SurfaceGroup<'_> {
         next: &AtomicU64,
         surfaces: &Range<u64>,
         watch: &Mutex<Watch>,
-        observer: &dyn Observer,
+        context: Context<'_>,
     ) -> Vec<Numbered> {
+        let observer = context.observer;
         let mut all = Vec::new();
         let mut memory = Vec::new();
         loop {
@@ -170,7 +171,7 @@ impl SurfaceGroup<'_> {
             if over || surface >= surfaces.end {
                 return all;
             }
-            let one = self.load_or_trace(surface, &mut memory, observer);
+            let one = self.load_or_trace(surface, &mut memory, context);
             match &one.found {
                 Ok(found) if one.complete => self.watch(watch, found, observer),
                 Ok(_) => {}
@@ -180,24 +181,23 @@ impl SurfaceGroup<'_> {
         }
     }
 
-    /// What the store of the observer holds of a surface, or what is found on it, which is then saved.
+    /// What the store holds of a surface, or what is found on it, which is then saved.
     fn load_or_trace(
         &self,
         surface: u64,
         memory: &mut Vec<f64>,
-        observer: &dyn Observer,
+        Context { observer, store }: Context<'_>,
     ) -> Numbered {
         let key = SurfaceKey {
             case: self.cases.first().map_or(0, |traced| traced.number),
             stage: self.stage,
-            surface,
+            number: surface,
         };
         let rays = self.blocks().rays();
         let is_complete = |found: &SurfaceTallies| {
             let all_there = found.cases.len() == self.cases.len();
             all_there && found.cases.iter().all(|case| case.work.rays == rays)
         };
-        let store = observer.store();
         let saved = store.and_then(|store| store.load(key));
         let saved = saved.and_then(|saved| saved.restore(self.settings.tally));
         if let Some(saved) = saved.filter(is_complete) {
@@ -211,7 +211,8 @@ impl SurfaceGroup<'_> {
         let found = self.trace(surface, memory, observer);
         let complete = found.as_ref().is_ok_and(is_complete);
         if let (Some(store), Ok(found), true) = (store, &found, complete) {
-            store.save(key, &SavedSurface::from(found));
+            let saved = SavedSurface::new(&found.cases, found.seconds, found.used.clone());
+            store.save(key, saved);
         }
         Numbered {
             surface,
@@ -316,20 +317,16 @@ impl SurfaceGroup<'_> {
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
             let lit = built.lit(case, |_| method, &self.settings)?;
-            let mut statistics = MeshStatistics::new(self.settings.tally, lit.len());
-            let work = run_blocks(
+            let mut found = CaseOnSurface::new(self.settings.tally, lit.len());
+            run_blocks(
                 &lit,
                 &self.settings,
                 number,
                 self.blocks(),
                 observer,
-                |tallies| statistics.push(tallies),
+                |block| found.push(&block.tallies, block.work),
             );
-            cases.push(CaseOnSurface {
-                tally: statistics.tallies,
-                shifts: statistics.shifts,
-                work,
-            });
+            cases.push(found);
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = built.used();
@@ -393,7 +390,10 @@ mod tests {
             stage: Stage::Result,
         };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1);
-        let tallies = pool.build().unwrap().install(|| group.run(0..4, observer));
+        let tallies = pool
+            .build()
+            .unwrap()
+            .install(|| group.run(0..4, Context::without_store(observer)));
         (group.blocks(), tallies.unwrap().remove(0))
     }
 

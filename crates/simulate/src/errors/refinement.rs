@@ -10,33 +10,6 @@ const RESOLVED: f64 = 3.0;
 /// Orders that count as second.
 const SECOND_ORDER: std::ops::RangeInclusive<f64> = 1.5..=2.5;
 
-/// Statistics of what is reported, and of what differs between meshes.
-#[derive(Clone, Debug)]
-pub(crate) struct MeshStatistics {
-    /// Of the tallies of the first mesh.
-    pub(crate) tallies: TallyStatistics,
-    /// Of what differs, where there are several meshes.
-    pub(crate) shifts: Option<MeshShifts>,
-}
-
-impl MeshStatistics {
-    /// Statistics of tallies on so many meshes.
-    pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
-        Self {
-            tallies: TallyStatistics::new(spec),
-            shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
-        }
-    }
-
-    /// Adds one batch: a tally of each mesh.
-    pub(crate) fn push(&mut self, tallies: &[TallyValues]) {
-        self.tallies.push(&tallies[0]);
-        if let Some(shifts) = &mut self.shifts {
-            shifts.push(tallies);
-        }
-    }
-}
-
 /// Statistics of what differs between the finer, the given, and perhaps the coarser mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct MeshShifts {
@@ -49,7 +22,7 @@ pub(crate) struct MeshShifts {
 }
 
 impl MeshShifts {
-    fn new(spec: TallySpec, has_coarser: bool) -> Self {
+    pub(crate) fn new(spec: TallySpec, has_coarser: bool) -> Self {
         Self {
             given_less_finer: TallyStatistics::new(spec),
             extrapolated: TallyStatistics::new(spec),
@@ -58,7 +31,7 @@ impl MeshShifts {
     }
 
     /// Adds one batch: a tally of each mesh, the finest first.
-    fn push(&mut self, tallies: &[TallyValues]) {
+    pub(crate) fn push(&mut self, tallies: &[TallyValues]) {
         let (finer, given) = (&tallies[0], &tallies[1]);
         let shift = given.zip_map(finer, |g, f| g - f);
         self.given_less_finer.push(&shift);

@@ -4,7 +4,7 @@
 //! shard traces. Since surfaces are reduced in the order of their number, shards merge to the bytes of the whole.
 
 use asperity_tally::TallySpec;
-use asperity_tracer::{AcceleratorKind, PathSettings, Sampling, Surface, TracedLayer};
+use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, PathSettings, Sampling};
 
 use super::estimator::Estimator;
 use super::target::Target;
@@ -59,7 +59,7 @@ impl Default for Settings {
             sampling: Sampling::Stratified,
             refine: false,
             seed: 1,
-            max_scatterings: TracedLayer::<Surface>::DEFAULT_MAX_SCATTERINGS,
+            max_scatterings: DEFAULT_MAX_SCATTERINGS,
             effort: Effort::default(),
             mesh_quadrature: true,
         }

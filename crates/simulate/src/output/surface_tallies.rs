@@ -1,6 +1,6 @@
 //! What one surface did with the light of the cases that share it.
 
-use asperity_tally::TallyStatistics;
+use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
@@ -16,7 +16,7 @@ pub(crate) struct SurfaceTallies {
     pub(crate) used: Used,
 }
 
-/// What one surface did with the light of one case.
+/// What one surface did with the light of one case, block of rays by block of rays.
 #[derive(Clone, Debug)]
 pub(crate) struct CaseOnSurface {
     /// Flux fractions; a batch is a block of rays.
@@ -24,6 +24,26 @@ pub(crate) struct CaseOnSurface {
     /// What differs between its meshes, where it has several.
     pub(crate) shifts: Option<MeshShifts>,
     pub(crate) work: Work,
+}
+
+impl CaseOnSurface {
+    /// Of so many meshes of a surface, before the first block.
+    pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
+        Self {
+            tally: TallyStatistics::new(spec),
+            shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
+            work: Work::default(),
+        }
+    }
+
+    /// Adds one block: a tally of each mesh, and the work done.
+    pub(crate) fn push(&mut self, tallies: &[TallyValues], work: Work) {
+        self.tally.push(&tallies[0]);
+        if let Some(shifts) = &mut self.shifts {
+            shifts.push(tallies);
+        }
+        self.work += work;
+    }
 }
 
 /// Seconds spent, summed over surfaces.

@@ -6,5 +6,10 @@
     reason = "helpers of tests fail and speak as tests do"
 )]
 
+mod after;
+mod budget;
 mod mesh_error;
+mod resuming;
 mod sharing;
+mod stopping;
+mod support;

@@ -8,6 +8,8 @@ use asperity_surface::{Psd, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::HalfSpace;
 
+use crate::support::Rough;
+
 /// Vertical light on surfaces of mirrors of `size` samples a side, with four spacings or more a correlation length.
 fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
     let psd = Psd::gaussian(4.0 / 3.0, 4.0).unwrap();
@@ -62,4 +64,37 @@ fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
         strongest = strongest.max(expected.abs() / se);
     }
     assert!(strongest > 6.0, "{strongest}");
+}
+
+#[test]
+fn second_order_is_seen_on_a_smooth_surface() {
+    let settings = Settings {
+        estimator: Estimator::Plain,
+        refine: true,
+        effort: Effort::Rays {
+            total: 1_000_000,
+            surfaces: 64,
+        },
+        ..Settings::default()
+    };
+    let case = Rough::smooth(1.0, 8.0, 64).case(Material::Mirror, 30.0);
+    let outcome = crate::support::run(case, &settings);
+    let refinement = outcome.errors.refinement().unwrap();
+    let spec = outcome.statistics.spec();
+    let multiple = spec.flux_entry(Side::Reflected, Component::Multiple);
+    let order = refinement.order(multiple).unwrap();
+    println!(
+        "{:?} {:?} {order}",
+        refinement.coarser_shift(multiple),
+        refinement.shift(multiple)
+    );
+    assert!((order - 2.0).abs() < 0.4, "{order}");
+    // What is reported, less the rest that is left of its mesh, is Richardson's value.
+    let extrapolated = refinement.extrapolated(multiple).unwrap();
+    let found = outcome.statistics.at(multiple);
+    let remaining = outcome.errors.at(multiple).mesh.unwrap();
+    assert!((found.mean - remaining - extrapolated.mean).abs() < 1e-12);
+    assert!((extrapolated.se.unwrap() / found.se.unwrap() - 1.0).abs() < 0.2);
+    // All light is reflected by every mesh.
+    assert!(refinement.order(TallySpec::BUDGET.reflected).is_err());
 }

@@ -376,19 +376,43 @@ const fn one() -> Count {
 #[cfg(test)]
 mod tests {
     use asperity_analysis::{Heitz, Smith, XuSun};
-    use asperity_tracer::PathSettings;
+    use asperity_simulate::{BottomSurface, short};
+    use asperity_surface::{Form, MissingPolicy};
+    use asperity_tracer::DEFAULT_MAX_SCATTERINGS;
 
     use super::*;
+    use crate::config::trace::TraceConfig;
+    use crate::settings::SECTIONS;
 
     #[test]
     fn defaults_are_those_of_the_libraries() {
         let config = VerifyConfig::default();
+        // Tally, paths, effort, seed and all methods.
+        assert_eq!(config.ray_settings().unwrap(), Settings::default());
         assert_eq!(config.compare.level, DEFAULT_LEVEL);
-        assert_eq!(config.run.roulette.0, PathSettings::DEFAULT_ROULETTE);
-        assert_eq!(config.run.max_order, PathSettings::DEFAULT_MAX_ORDER);
-        assert_eq!(config.run.bins, HemisphereGrid::default());
-        let half_width = config.run.in_plane_half_width.0.to_radians();
-        assert_eq!(half_width, TallySpec::DEFAULT_HALF_WIDTH);
+        assert_eq!(config.compare.model_rays.0, Effort::DEFAULT_RAYS);
+        let above = VerifyConfig::from_toml("[medium]\nscattering = 1").unwrap();
+        let medium = above.medium.unwrap();
+        assert_eq!(medium.max_scatterings, DEFAULT_MAX_SCATTERINGS);
+        assert_eq!(medium.bottom_surface.named(), BottomSurface::default());
+        let trace: TraceConfig = defaults(Command::Trace);
+        let effort = Effort::rays(Effort::DEFAULT_RAYS);
+        assert_eq!(trace.ray_settings().unwrap().effort, effort);
+        assert_eq!(trace.measured.missing, MissingPolicy::default());
+        assert_eq!(trace.measured.remove, Form::default());
+        assert_eq!(config.material.kind, MaterialKind::default());
+        assert_eq!(config.light.from, Incident::default());
+        // What the help says of defaults that depend on other settings.
+        let says = |path: &str, default: &str| {
+            let settings = SECTIONS.iter().flat_map(|section| section.settings);
+            for setting in settings.filter(|setting| setting.path() == path) {
+                let words = setting.otherwise.split(' ').next();
+                assert_eq!(words, Some(default), "{path}");
+            }
+        };
+        says("material.eta", &short(GLASS));
+        says("run.of", &Quantity::default().to_string());
+        says("run.bins", &HemisphereGrid::default().to_string());
     }
 
     #[test]

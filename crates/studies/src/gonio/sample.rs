@@ -1,10 +1,11 @@
 //! A given surface, from a file or flat.
 
-use asperity_analysis::fnv1a;
 use asperity_simulate::Shape;
 use asperity_surface::HeightField;
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
+
+use crate::output::{corners_hash, heights_hash};
 
 /// A given surface.
 #[derive(Clone, Debug)]
@@ -28,11 +29,6 @@ impl Sample {
         reading: Value,
         warnings: Vec<String>,
     ) -> Self {
-        let bytes: Vec<u8> = field
-            .heights()
-            .iter()
-            .flat_map(|h| h.to_le_bytes())
-            .collect();
         let description = json!({
             "name": name,
             "shape": field.shape(),
@@ -40,7 +36,7 @@ impl Sample {
             "unit": field.unit(),
             "border": field.border(),
             "reading": reading,
-            "heights": format!("{:016x}", fnv1a(&bytes)),
+            "heights": heights_hash(&field),
         });
         Self {
             shape: Shape::height_field(field),
@@ -53,18 +49,13 @@ impl Sample {
     /// A triangle mesh.
     #[must_use]
     pub fn of_mesh(mesh: MeshSurface, name: String, warnings: Vec<String>) -> Self {
-        let corners = (0..mesh.facet_count()).flat_map(|i| mesh.corners(mesh.facet(i)));
-        let bytes: Vec<u8> = corners
-            .flat_map(|corner| corner.to_array())
-            .flat_map(f64::to_le_bytes)
-            .collect();
         let description = json!({
             "name": name,
             "vertices": mesh.vertex_count(),
             "triangles": mesh.facet_count(),
             "extent": mesh.size(),
             "border": mesh.border(),
-            "corners": format!("{:016x}", fnv1a(&bytes)),
+            "corners": corners_hash(&mesh),
         });
         Self {
             shape: Shape::triangle_mesh(mesh),

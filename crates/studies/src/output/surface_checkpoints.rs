@@ -1,9 +1,10 @@
-//! Surface checkpoints: the finished surfaces of a run, by which an interrupted or killed run resumes.
+//! Surface checkpoints: the finished parts of a run, by which an interrupted or killed run resumes.
 //!
-//! Files `checkpoints/N.json` in the result folder hold the surfaces that were finished since the file before: a
-//! line with the settings and the build that they follow from, and a line with the surfaces. They are written at
-//! most every [`INTERVAL`], so that short runs write none, and removed when the run has come to its end. Files of
-//! another results epoch or of other settings are refused by name, so that no run removes the work of another.
+//! Files `checkpoints/N.json` in the result folder hold what was finished since the file before: a line with the
+//! settings and the build that it follows from, and a line with the surfaces. A file whose surfaces were all saved
+//! again, as that of rays on a given surface, is removed. Files are written at most as often as [`Pace`] says, so that
+//! short runs write none, and removed when the run has come to its end. Files of another results epoch or of other
+//! settings are refused by name, so that no run removes the work of another.
 
 #[cfg(test)]
 mod tests;
@@ -16,7 +17,7 @@ use asperity_analysis::fnv1a;
 use asperity_io::{
     Build, ReadError, ResultFolder, ResultFolderError, names_in, read_text, write_bytes,
 };
-use asperity_simulate::{Observer, SavedSurface, StoppedBy, SurfaceKey, SurfaceStore};
+use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceStore};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -25,8 +26,20 @@ use super::checkpoints::{CheckpointError, first_difference, other_build};
 /// Folder of the files within the result folder.
 const FOLDER: &str = "checkpoints";
 
-/// Least time between two files: what a killed run may lose.
-const INTERVAL: Duration = Duration::from_secs(10);
+/// How often files are written, and thus what a killed run may lose.
+#[derive(Clone, Copy)]
+struct Pace {
+    /// Least time between two files.
+    interval: Duration,
+    /// So many times what the last file took to write, at least, lies between two files.
+    rest: u32,
+}
+
+/// Every 10 s, and no more than 1 % of the time.
+const PACE: Pace = Pace {
+    interval: Duration::from_secs(10),
+    rest: 99,
+};
 
 /// Form of the files; another number is another form.
 const SCHEMA: u64 = 1;
@@ -50,20 +63,29 @@ pub struct SurfaceCheckpoints<'a> {
     folder: &'a ResultFolder,
     study: &'static str,
     config: Value,
-    interval: Duration,
+    pace: Pace,
     /// Those of an earlier run that were not loaded yet.
     earlier: Mutex<HashMap<SurfaceKey, SavedSurface>>,
     resumed: usize,
     pending: Mutex<Pending>,
 }
 
-/// Surfaces that are finished and not written yet.
+/// Surfaces that are finished and not written yet, and the files so far.
 struct Pending {
     surfaces: Surfaces,
-    written: Instant,
+    /// When the next file is due, if there is a clock that goes so far.
+    due: Option<Instant>,
     /// Number of the next file.
     number: usize,
+    /// Number of the file that holds a surface as it was saved last.
+    files: HashMap<SurfaceKey, usize>,
     failure: Option<CheckpointError>,
+}
+
+impl Pending {
+    fn is_due(&self) -> bool {
+        self.due.is_some_and(|due| Instant::now() >= due)
+    }
 }
 
 impl<'a> SurfaceCheckpoints<'a> {
@@ -76,16 +98,16 @@ impl<'a> SurfaceCheckpoints<'a> {
         study: &'static str,
         config: Value,
     ) -> Result<Self, CheckpointError> {
-        let mut earlier = HashMap::new();
-        let mut number = 0;
-        for name in names_in(folder.path().join(FOLDER)) {
-            let stem = name.strip_suffix(".json");
-            let Some(index) = stem.and_then(|stem| stem.parse::<usize>().ok()) else {
-                continue;
-            };
-            number = number.max(index + 1);
-            if let Some(surfaces) = read(folder, study, &config, &name)? {
-                folder.keep(&format!("{FOLDER}/{name}"));
+        let names = names_in(folder.path().join(FOLDER));
+        let number_of = |name: &String| name.strip_suffix(".json")?.parse::<usize>().ok();
+        let mut numbers: Vec<usize> = names.iter().filter_map(number_of).collect();
+        // A later file holds what was saved later.
+        numbers.sort_unstable();
+        let (mut earlier, mut files) = (HashMap::new(), HashMap::new());
+        for &number in &numbers {
+            if let Some(surfaces) = read(folder, study, &config, number)? {
+                folder.keep(&file_name(number));
+                files.extend(surfaces.iter().map(|(key, _)| (*key, number)));
                 earlier.extend(surfaces);
             }
         }
@@ -93,13 +115,14 @@ impl<'a> SurfaceCheckpoints<'a> {
             folder,
             study,
             config,
-            interval: INTERVAL,
+            pace: PACE,
             resumed: earlier.len(),
             earlier: Mutex::new(earlier),
             pending: Mutex::new(Pending {
                 surfaces: Vec::new(),
-                written: Instant::now(),
-                number,
+                due: Instant::now().checked_add(PACE.interval),
+                number: numbers.last().map_or(0, |last| last + 1),
+                files,
                 failure: None,
             }),
         })
@@ -109,15 +132,6 @@ impl<'a> SurfaceCheckpoints<'a> {
     #[must_use]
     pub const fn resumed(&self) -> usize {
         self.resumed
-    }
-
-    /// Tells `observer` of a run whose surfaces are kept here.
-    #[must_use]
-    pub const fn observing<'b>(&'b self, observer: &'b dyn Observer) -> Resuming<'b> {
-        Resuming {
-            store: self,
-            observer,
-        }
     }
 
     /// Ends the run. The surfaces of a stopped one are kept, those of a complete one removed.
@@ -130,7 +144,7 @@ impl<'a> SurfaceCheckpoints<'a> {
             self.write(&mut pending);
         } else {
             for number in 0..pending.number {
-                self.folder.discard(&format!("{FOLDER}/{number}.json"))?;
+                self.folder.discard(&file_name(number))?;
             }
         }
         pending.failure.take().map_or(Ok(()), Err)
@@ -139,18 +153,37 @@ impl<'a> SurfaceCheckpoints<'a> {
     /// Writes the pending surfaces. A failure is kept for the end: the run itself needs no checkpoints.
     fn write(&self, pending: &mut Pending) {
         let surfaces = std::mem::take(&mut pending.surfaces);
-        pending.written = Instant::now();
         if surfaces.is_empty() || pending.failure.is_some() {
             return;
         }
-        match self.write_file(pending.number, &surfaces) {
-            Ok(()) => pending.number += 1,
-            Err(error) => pending.failure = Some(error),
+        let clock = Instant::now();
+        let written = self.write_file(pending.number, &surfaces);
+        let written = written.and_then(|()| self.discard_superseded(pending, &surfaces));
+        let rest = self.pace.interval.max(clock.elapsed() * self.pace.rest);
+        pending.due = Instant::now().checked_add(rest);
+        pending.number += 1;
+        pending.failure = written.err();
+    }
+
+    /// Removes the files of which no surface counts any more, since these `surfaces` were written.
+    fn discard_superseded(
+        &self,
+        pending: &mut Pending,
+        surfaces: &Surfaces,
+    ) -> Result<(), CheckpointError> {
+        for (key, _) in surfaces {
+            let Some(before) = pending.files.insert(*key, pending.number) else {
+                continue;
+            };
+            if pending.files.values().all(|&number| number != before) {
+                self.folder.discard(&file_name(before))?;
+            }
         }
+        Ok(())
     }
 
     fn write_file(&self, number: usize, surfaces: &Surfaces) -> Result<(), CheckpointError> {
-        let path = self.folder.claim(&format!("{FOLDER}/{number}.json"))?;
+        let path = self.folder.claim(&file_name(number))?;
         let json = |error| {
             ResultFolderError::Write(asperity_io::WriteError::Json {
                 path: path.clone(),
@@ -176,10 +209,10 @@ fn read(
     folder: &ResultFolder,
     study: &str,
     config: &Value,
-    name: &str,
+    number: usize,
 ) -> Result<Option<Surfaces>, CheckpointError> {
     let place = folder.path().join(FOLDER);
-    let path = place.join(name);
+    let path = folder.path().join(file_name(number));
     let text = match read_text(&path) {
         Err(ReadError::Text { .. }) => return Ok(None),
         text => text?,
@@ -213,6 +246,11 @@ fn read(
     Ok(serde_json::from_str(surfaces).ok())
 }
 
+/// Name of a file within the result folder.
+fn file_name(number: usize) -> String {
+    format!("{FOLDER}/{number}.json")
+}
+
 fn checksum(text: &str) -> String {
     format!("{:016x}", fnv1a(text.as_bytes()))
 }
@@ -227,44 +265,16 @@ impl SurfaceStore for SurfaceCheckpoints<'_> {
         lock(&self.earlier).remove(&key)
     }
 
-    fn save(&self, key: SurfaceKey, surface: &SavedSurface) {
+    fn save(&self, key: SurfaceKey, surface: SavedSurface) {
         let mut pending = lock(&self.pending);
-        pending.surfaces.push((key, surface.clone()));
-        if pending.written.elapsed() >= self.interval {
+        pending.surfaces.retain(|(other, _)| *other != key);
+        pending.surfaces.push((key, surface));
+        if pending.is_due() {
             self.write(&mut pending);
         }
     }
-}
 
-/// Passes everything on to an observer, and keeps surfaces beside it.
-pub struct Resuming<'a> {
-    store: &'a SurfaceCheckpoints<'a>,
-    observer: &'a dyn Observer,
-}
-
-impl Observer for Resuming<'_> {
-    fn begin(&self, stage: &str, total: u64) {
-        self.observer.begin(stage, total);
-    }
-    fn advance(&self, steps: u64) {
-        self.observer.advance(steps);
-    }
-    fn end(&self) {
-        self.observer.end();
-    }
-    fn note(&self, text: &str) {
-        self.observer.note(text);
-    }
-    fn expect(&self, total: u64) {
-        self.observer.expect(total);
-    }
-    fn surface_drawn(&self, number: u64) {
-        self.observer.surface_drawn(number);
-    }
-    fn store(&self) -> Option<&dyn SurfaceStore> {
-        Some(self.store)
-    }
-    fn stop(&self) -> Option<StoppedBy> {
-        self.observer.stop()
+    fn is_due(&self) -> bool {
+        lock(&self.pending).is_due()
     }
 }

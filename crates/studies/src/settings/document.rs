@@ -308,7 +308,14 @@ impl Document {
 
     /// Puts a layer above all others.
     fn add_layer(&mut self, layer: Vec<Entry>) -> Result<(), SettingError> {
-        for entry in &layer {
+        for (i, entry) in layer.iter().enumerate() {
+            let same = |other: &&Entry| std::ptr::eq(other.setting, entry.setting);
+            if let Some(other) = layer[..i].iter().find(same) {
+                return Err(SettingError::Twice {
+                    first: entry.given.clone(),
+                    second: other.given.text.clone(),
+                });
+            }
             if let Some(other) = layer
                 .iter()
                 .find(|other| entry.excludes(other.setting) && other.is_active())

@@ -66,6 +66,14 @@ pub enum SettingError {
         /// The text of the other.
         second: String,
     },
+    /// One setting under two names.
+    #[error("{first}: the same setting as {second}; give one or the other")]
+    Twice {
+        /// One of them.
+        first: Given,
+        /// The text of the other.
+        second: String,
+    },
     /// A key that no section of this name has.
     #[error("{place}unknown key `{key}` in [{section}]; its keys are {known}")]
     UnknownKey {

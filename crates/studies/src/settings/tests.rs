@@ -323,6 +323,15 @@ fn old_spellings_stay_valid() {
 }
 
 #[test]
+fn two_spellings_of_one_setting_are_refused_by_both_names() {
+    let said = refusal(Command::Verify, "[compare]\nalpha = 0.1\nlevel = 0.2", &[]);
+    assert!(
+        said.contains("level = 0.2") && said.contains("alpha = 0.1"),
+        "{said}"
+    );
+}
+
+#[test]
 fn models_may_be_one_name_several_or_none() {
     let models = |file: &str| {
         let document = Document::of_text(Command::Verify, file).unwrap();

@@ -98,6 +98,9 @@ const MAX_LENGTH: f64 = 1e10;
 /// The same of a thickness down to a bottom with a shape, whose heights are told from its depth.
 const MAX_DEPTH: f64 = 1e6;
 
+/// Scatterings inside a layer after which a path is truncated unless another number is given.
+pub const DEFAULT_MAX_SCATTERINGS: u32 = 100_000;
+
 /// One of the two surfaces of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Interface {
@@ -106,9 +109,6 @@ pub(crate) enum Interface {
 }
 
 impl<'a, G: Geometry> TracedLayer<'a, G> {
-    /// Scatterings after which a path is truncated unless another number is given.
-    pub const DEFAULT_MAX_SCATTERINGS: u32 = 100_000;
-
     /// A layer below `top`; light that is scattered inside `max_scatterings` times is truncated.
     ///
     /// # Errors

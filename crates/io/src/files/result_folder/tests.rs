@@ -297,7 +297,7 @@ fn checkpoints_are_kept_or_discarded() {
 }
 
 #[test]
-fn results_of_other_commands_and_of_builds_without_manifest_are_refused() {
+fn results_of_other_commands_and_results_without_manifest_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     run(path, &["a.csv"], "1");
@@ -310,12 +310,31 @@ fn results_of_other_commands_and_of_builds_without_manifest_are_refused() {
     fs::remove_file(path.join(MANIFEST)).unwrap();
     let summary = serde_json::json!({"schema": 1, "command": "verify", "version": "0.1.0"});
     write_json(path.join("summary.json"), &summary).unwrap();
-    let error = refused(ResultFolder::open(path, "verify", &[]), "older build");
+    let error = refused(
+        ResultFolder::open(path, "verify", &[]),
+        "without the manifest.json",
+    );
     assert!(matches!(error, ResultFolderError::NoManifest { .. }));
     // A summary.json of anything else is the user's.
     fs::write(path.join("summary.json"), "{\"schema\": 1}").unwrap();
     refused(open(path).check(["summary.json"]), "not written by");
     open(path).check(["other.csv"]).unwrap();
+}
+
+#[test]
+fn a_folder_with_a_part_of_other_results_is_refused_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    let results = open(folder.path());
+    let summary = serde_json::json!({"schema": 1, "command": "verify", "version": "0.1.0"});
+    let path = results.claim("s3_n1.5/summary.json").unwrap();
+    write_json(path, &summary).unwrap();
+    results.finish(true).unwrap();
+    let case = folder.path().join("s3_n1.5");
+    let error = refused(
+        ResultFolder::open(&case, "verify", &[]),
+        "holds a part of the results of `verify` in",
+    );
+    assert!(matches!(error, ResultFolderError::PartOfResults { .. }));
 }
 
 #[test]

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use asperity_simulate::Silent;
+use asperity_simulate::{Observer, Silent, StoppedBy};
 use serde_json::json;
 
 use super::*;
 use crate::config::VerifyConfig;
-use crate::verify::{VerifyOutcome, verify};
+use crate::verify::{VerifyOutcome, resume_verify, verify};
 
 const CONFIG: &str = "
     [surface]
@@ -23,6 +23,12 @@ const CONFIG: &str = "
     [compare]
     models = []
 ";
+
+/// Writes each surface at once.
+const AT_ONCE: Pace = Pace {
+    interval: Duration::ZERO,
+    rest: 0,
+};
 
 /// Interrupts a run after so many surfaces.
 struct Interrupt {
@@ -60,12 +66,13 @@ fn run(
 ) -> (usize, Option<VerifyOutcome>) {
     let folder = ResultFolder::open(place, "verify", &[]).unwrap();
     let mut store = SurfaceCheckpoints::open(&folder, "verify", json!(config)).unwrap();
-    store.interval = Duration::ZERO;
+    store.pace = AT_ONCE;
+    lock(&store.pending).due = Some(Instant::now());
     let resumed = store.resumed();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     let outcome = pool
         .unwrap()
-        .install(|| verify(config, &store.observing(observer)));
+        .install(|| resume_verify(config, &store, observer));
     if let Some(is_stopped) = close {
         store.close(is_stopped).unwrap();
         folder.finish(true).unwrap();

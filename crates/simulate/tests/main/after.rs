@@ -1,0 +1,35 @@
+//! An observer that interrupts a run after so many rays.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use asperity_simulate::{Observer, StoppedBy};
+
+/// Counts rays, and interrupts a run after so many.
+pub(crate) struct After {
+    rays: u64,
+    traced: AtomicU64,
+    /// Rays that were done at once: those of a block, or all that were resumed.
+    pub(crate) most_at_once: AtomicU64,
+}
+
+impl After {
+    pub(crate) const fn rays(rays: u64) -> Self {
+        Self {
+            rays,
+            traced: AtomicU64::new(0),
+            most_at_once: AtomicU64::new(0),
+        }
+    }
+}
+
+impl Observer for After {
+    fn begin(&self, _stage: &str, _total: u64) {}
+    fn advance(&self, steps: u64) {
+        self.traced.fetch_add(steps, Ordering::Relaxed);
+        self.most_at_once.fetch_max(steps, Ordering::Relaxed);
+    }
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        (self.traced.load(Ordering::Relaxed) >= self.rays).then_some(StoppedBy::Interrupt)
+    }
+}

@@ -1,0 +1,117 @@
+//! Runs that were ended and go on from what a store has kept.
+
+use std::collections::HashMap;
+use std::sync::Mutex;
+
+use asperity_optics::{Incidence, Material};
+use asperity_simulate::{
+    Case, Effort, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent, Simulation,
+    SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
+};
+use asperity_surface::{Psd, Synthesis};
+use asperity_tally::TallyResult;
+
+use crate::after::After;
+use crate::sharing::{Drawings, cases, settings};
+
+/// Keeps finished parts as text.
+#[derive(Default)]
+struct Keeper(Mutex<HashMap<SurfaceKey, String>>);
+
+impl SurfaceStore for Keeper {
+    fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
+        let text = self.0.lock().unwrap().get(&key).cloned()?;
+        Some(serde_json::from_str(&text).unwrap())
+    }
+    fn save(&self, key: SurfaceKey, surface: SavedSurface) {
+        let text = serde_json::to_string(&surface).unwrap();
+        self.0.lock().unwrap().insert(key, text);
+    }
+}
+
+fn resume(
+    cases: &[Case],
+    settings: &Settings,
+    keeper: &Keeper,
+    observer: &dyn Observer,
+) -> Vec<Outcome> {
+    let simulation = Simulation::new(cases, settings).unwrap();
+    simulation.resume(keeper, observer).unwrap()
+}
+
+/// All numbers that follow from the rays.
+fn numbers(outcomes: &[Outcome]) -> String {
+    let of_one = |one: &Outcome| {
+        let entries = one.statistics.spec().entries();
+        let errors: Vec<_> = entries.map(|entry| one.errors.at(entry)).collect();
+        let work = (one.work.rays, one.work.segments, one.work.scatterings);
+        format!(
+            "{:?} {errors:?} {work:?} {:?}",
+            one.statistics, one.stopping
+        )
+    };
+    outcomes.iter().map(of_one).collect()
+}
+
+#[test]
+fn random_surfaces_resume_from_those_kept_to_the_same_numbers() {
+    let keeper = Keeper::default();
+    let whole = resume(&cases(), &settings(), &keeper, &Silent);
+    // Every second surface is lost.
+    keeper
+        .0
+        .lock()
+        .unwrap()
+        .retain(|key, _| key.number % 2 == 0);
+    let drawings = Drawings::default();
+    let resumed = resume(&cases(), &settings(), &keeper, &drawings);
+    assert_eq!(drawings.0.into_inner(), 2 * 3);
+    assert_eq!(numbers(&resumed), numbers(&whole));
+}
+
+/// Two directions of light on one given surface.
+fn given() -> Vec<Case> {
+    let psd = Psd::gaussian(2.0, 4.0).unwrap();
+    let synthesis = Synthesis::new(psd, [32; 2], [1.0; 2], false).unwrap();
+    let surface = SurfaceSource::height_field(synthesis.draw(1, 0).unwrap());
+    let case = |theta: f64| {
+        let light = Light::from_above(Incidence::from_degrees(theta, 0.0).unwrap());
+        let glass = Material::dielectric(1.5).unwrap();
+        Case::new(surface.clone(), glass, light)
+    };
+    vec![case(10.0), case(50.0)]
+}
+
+/// A run is ended again and again, at its pilot run, in the first round and in later ones, by threads that leave out
+/// blocks in the middle.
+#[test]
+fn a_given_surface_resumes_round_by_round_to_the_same_numbers() {
+    let target = Target::new(4e-3, Quantity::Rings).unwrap();
+    for (refine, effort) in [
+        (false, Effort::rays(100_000)),
+        (true, Effort::rays(20_000)),
+        (false, Effort::TargetError(target)),
+    ] {
+        let settings = Settings {
+            refine,
+            effort,
+            ..Settings::default()
+        };
+        let whole = simulate(&given(), &settings, &Silent).unwrap();
+        let keeper = Keeper::default();
+        let all: u64 = whole.iter().map(|one| one.work.rays).sum();
+        for runs in 1.. {
+            // The rays that are resumed count as well.
+            let after = After::rays(runs * all / 4);
+            let resumed = resume(&given(), &settings, &keeper, &after);
+            let is_whole = resumed.iter().all(|one| !one.stopping.is_cut_short());
+            if is_whole && resumed.len() == whole.len() {
+                assert_eq!(numbers(&resumed), numbers(&whole));
+                assert!(runs > 2);
+                assert!(after.most_at_once.into_inner() > all / 8);
+                break;
+            }
+            assert!(runs < 20);
+        }
+    }
+}

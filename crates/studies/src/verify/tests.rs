@@ -1,3 +1,0 @@
-mod budget;
-mod mesh_error;
-mod stopping;
