@@ -377,7 +377,7 @@ const fn one() -> Count {
 mod tests {
     use asperity_analysis::{Heitz, Smith, XuSun};
     use asperity_simulate::{BottomSurface, short};
-    use asperity_surface::{Form, MissingPolicy};
+    use asperity_surface::MissingPolicy;
     use asperity_tracer::DEFAULT_MAX_SCATTERINGS;
 
     use super::*;
@@ -399,7 +399,6 @@ mod tests {
         let effort = Effort::rays(Effort::DEFAULT_RAYS);
         assert_eq!(trace.ray_settings().unwrap().effort, effort);
         assert_eq!(trace.measured.missing, MissingPolicy::default());
-        assert_eq!(trace.measured.remove, Form::default());
         assert_eq!(config.material.kind, MaterialKind::default());
         assert_eq!(config.light.from, Incident::default());
         // What the help says of defaults that depend on other settings.
