@@ -5,7 +5,7 @@ use std::path::Path;
 
 use asperity_io::{MeshFormat, read_text};
 use asperity_studies::settings::{
-    Command, Document, Setting, SettingError, Shape, commands_with_flag, settings_of,
+    Arity, Command, Document, Setting, SettingError, commands_with_flag, settings_of,
 };
 use clap::builder::NonEmptyStringValueParser;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -84,9 +84,9 @@ fn subcommand(command: Command) -> clap::Command {
 
 fn argument(setting: &Setting) -> Arg {
     let flag = setting.flag_name().unwrap_or_default();
-    let action = match (setting.takes_value(), setting.shape) {
+    let action = match (setting.takes_value(), setting.arity) {
         (false, _) => ArgAction::SetTrue,
-        (true, Shape::Repeated) => ArgAction::Append,
+        (true, Arity::Repeated) => ArgAction::Append,
         (true, _) => ArgAction::Set,
     };
     let argument = Arg::new(flag.clone())

@@ -14,7 +14,7 @@ use crate::input::{name_of, read_mesh_surface, read_surface};
 
 /// A given surface.
 pub(crate) struct GivenSurface {
-    pub(crate) shape: Shape,
+    pub(crate) shape: GivenShape,
     pub(crate) name: String,
     /// The file; `None` for the flat surface.
     pub(crate) file: Option<PathBuf>,
@@ -25,12 +25,12 @@ pub(crate) struct GivenSurface {
 }
 
 /// The geometry of a given surface.
-pub(crate) enum Shape {
+pub(crate) enum GivenShape {
     Field(HeightField),
     Mesh(MeshSurface),
 }
 
-impl Shape {
+impl GivenShape {
     /// The same as it is simulated.
     pub(crate) fn simulated(self) -> asperity_simulate::Shape {
         match self {
@@ -70,11 +70,11 @@ impl GivenSurface {
             match SurfaceFormat::from_path(path).map_err(Failure::failed)? {
                 SurfaceFormat::Mesh(_) => {
                     let mesh = read_mesh_surface(path, measured, common)?;
-                    (Shape::Mesh(mesh), 0, Vec::new())
+                    (GivenShape::Mesh(mesh), 0, Vec::new())
                 }
                 SurfaceFormat::HeightMap(_) => {
                     let input = read_surface(path, measured, common)?;
-                    (Shape::Field(input.field), input.filled, input.notes)
+                    (GivenShape::Field(input.field), input.filled, input.notes)
                 }
             };
         Ok(Self {
@@ -90,7 +90,7 @@ impl GivenSurface {
     fn flat() -> Result<Self, Failure> {
         let field = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).map_err(Failure::failed)?;
         Ok(Self {
-            shape: Shape::Field(field),
+            shape: GivenShape::Field(field),
             name: "flat surface".to_owned(),
             file: None,
             filled: 0,
@@ -101,8 +101,8 @@ impl GivenSurface {
     /// Lengths of the tile along x and y.
     pub(crate) fn extent(&self) -> [f64; 2] {
         match &self.shape {
-            Shape::Field(field) => field.extent(),
-            Shape::Mesh(mesh) => {
+            GivenShape::Field(field) => field.extent(),
+            GivenShape::Mesh(mesh) => {
                 let [x, y, _] = mesh.size();
                 [x, y]
             }
@@ -112,8 +112,8 @@ impl GivenSurface {
     /// What a reader of the results should know about the surface.
     pub(crate) fn warnings(&self) -> Vec<String> {
         match &self.shape {
-            Shape::Field(field) => field_warnings(field, self.notes.clone()),
-            Shape::Mesh(mesh) => mesh_warnings(mesh),
+            GivenShape::Field(field) => field_warnings(field, self.notes.clone()),
+            GivenShape::Mesh(mesh) => mesh_warnings(mesh),
         }
     }
 }

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::given::{GivenSurface, Shape};
+use crate::given::{GivenShape, GivenSurface};
 use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
@@ -85,9 +85,9 @@ fn sample(surface: GivenSurface, measured: &MeasuredConfig) -> Sample {
         ..
     } = surface;
     match (shape, file) {
-        (Shape::Mesh(mesh), _) => Sample::of_mesh(mesh, name, warnings),
-        (Shape::Field(field), None) => Sample::of_field(field, name, json!(null), Vec::new()),
-        (Shape::Field(field), Some(_)) => {
+        (GivenShape::Mesh(mesh), _) => Sample::of_mesh(mesh, name, warnings),
+        (GivenShape::Field(field), None) => Sample::of_field(field, name, json!(null), Vec::new()),
+        (GivenShape::Field(field), Some(_)) => {
             let read = json!({
                 "points_filled": filled,
                 "form_removed": measured.remove.to_string(),

@@ -1,6 +1,6 @@
 //! Help of the program and of each command, within 80 columns.
 
-use asperity_studies::settings::{Command, Kind, SECTIONS, Setting, Shape};
+use asperity_studies::settings::{Arity, Command, Kind, SECTIONS, Setting};
 
 /// Columns of a terminal.
 const WIDTH: usize = 80;
@@ -100,7 +100,7 @@ fn explanation(setting: &Setting, command: Command) -> String {
             text.push_str(" or a file");
         }
     }
-    if setting.takes_value() && setting.unit == "degrees" && setting.shape != Shape::PerAxis {
+    if setting.takes_value() && setting.unit == "degrees" && setting.arity != Arity::PerAxis {
         text.push_str(", degrees");
     }
     match (setting.takes_value(), setting.default_of(command)) {

@@ -16,7 +16,7 @@ use serde::Deserialize;
 
 use crate::common::Common;
 use crate::failure::Failure;
-use crate::given::{GivenSurface, Shape};
+use crate::given::{GivenShape, GivenSurface};
 use crate::interrupt;
 use crate::output::{print, say};
 use crate::progress::{Bar, duration};
@@ -194,12 +194,16 @@ impl Settings {
         };
         let layer = layer.as_ref();
         let outcome = match (surface.shape, bottom) {
-            (Shape::Field(field), None) => render(field, None, material, layer, &settings, bar),
-            (Shape::Mesh(mesh), None) => render_mesh(mesh, None, material, layer, &settings, bar),
-            (Shape::Field(field), Some(Shape::Field(bottom))) => {
+            (GivenShape::Field(field), None) => {
+                render(field, None, material, layer, &settings, bar)
+            }
+            (GivenShape::Mesh(mesh), None) => {
+                render_mesh(mesh, None, material, layer, &settings, bar)
+            }
+            (GivenShape::Field(field), Some(GivenShape::Field(bottom))) => {
                 render(field, Some(bottom), material, layer, &settings, bar)
             }
-            (Shape::Mesh(mesh), Some(Shape::Mesh(bottom))) => {
+            (GivenShape::Mesh(mesh), Some(GivenShape::Mesh(bottom))) => {
                 render_mesh(mesh, Some(bottom), material, layer, &settings, bar)
             }
             _ => {

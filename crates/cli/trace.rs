@@ -5,12 +5,11 @@ use std::path::Path;
 use asperity_io::ResultFolder;
 use asperity_optics::Material;
 use asperity_simulate::{
-    Case, Deadline, Outcome, Settings, Shape as SimulatedShape, SimulateError, Simulation,
-    Stopping, layer_name,
+    Case, Deadline, Outcome, Settings, Shape, SimulateError, Simulation, Stopping, layer_name,
 };
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    Azimuth, Incident, Light, Summary, Surroundings, TraceConfig, energy_table, errors_table,
+    Azimuth, Incident, PlottedCase, Summary, Surroundings, TraceConfig, energy_table, errors_table,
     lost_warning, trace_files, trace_report, work_line,
 };
 use asperity_tracer::Geometry;
@@ -18,7 +17,7 @@ use serde_json::{Value, json};
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::given::{GivenSurface, Shape};
+use crate::given::{GivenShape, GivenSurface};
 use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{print, print_json, result_folder, say};
@@ -133,7 +132,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
 /// Refuses to refine a mesh, which has no surface between its corners.
 fn check_refinement(config: &TraceConfig, surface: &GivenSurface) -> Result<(), Failure> {
     match (&surface.shape, &surface.file) {
-        (Shape::Mesh(_), Some(path)) if config.run.refine => Err(Failure::usage(format!(
+        (GivenShape::Mesh(_), Some(path)) if config.run.refine => Err(Failure::usage(format!(
             "--refine: {} is a triangle mesh, which says nothing of the surface between its corners; only height maps can be refined",
             path.display()
         ))),
@@ -142,7 +141,7 @@ fn check_refinement(config: &TraceConfig, surface: &GivenSurface) -> Result<(), 
 }
 
 /// A surface over the one below it, if there is one.
-fn shape(surface: GivenSurface, bottom: Option<GivenSurface>) -> Result<SimulatedShape, Failure> {
+fn shape(surface: GivenSurface, bottom: Option<GivenSurface>) -> Result<Shape, Failure> {
     let top = surface.shape.simulated();
     let Some(bottom) = bottom else {
         return Ok(top);
@@ -163,7 +162,7 @@ fn write(
     (outcome, summary): (&Outcome, &Summary),
 ) -> Result<(), Failure> {
     let case = &outcome.case;
-    let light = Light {
+    let light = PlottedCase {
         incidence: case.light.incidence,
         material: case.material,
         layer: case.layer.map(|below| below.layer),
@@ -271,7 +270,7 @@ fn described(config: &TraceConfig, case: &Case, about: About) -> Value {
 /// A surface as `summary.json` holds it.
 fn surface_json(surface: &GivenSurface, config: &TraceConfig) -> Value {
     match &surface.shape {
-        Shape::Field(field) => json!({
+        GivenShape::Field(field) => json!({
             "file": surface.file,
             "shape": field.shape(),
             "spacing": field.spacing(),
@@ -281,7 +280,7 @@ fn surface_json(surface: &GivenSurface, config: &TraceConfig) -> Value {
             "form_removed": config.measured.remove.to_string(),
             "generated": field.provenance(),
         }),
-        Shape::Mesh(mesh) => {
+        GivenShape::Mesh(mesh) => {
             let repairs = mesh.repairs();
             json!({
                 "file": surface.file,

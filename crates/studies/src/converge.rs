@@ -57,7 +57,7 @@ pub use deviation::RepeatedError;
 pub use files::converge_report;
 pub use fit::{Fit, SecondsTo};
 pub use json::converge_summary;
-pub use method::{Effort, Method};
+pub use method::{Method, RunEffort};
 pub use tables::converge_table;
 
 use stage::{Run, RunSample, Stage};
@@ -315,7 +315,7 @@ pub fn converge(
 }
 
 impl Measurement {
-    fn over(effort: Effort, samples: &[RunSample], reference_error: f64) -> Self {
+    fn over(effort: RunEffort, samples: &[RunSample], reference_error: f64) -> Self {
         let mut seconds: Vec<f64> = samples.iter().map(|sample| sample.seconds).collect();
         seconds.sort_by(f64::total_cmp);
         let middle = seconds.len() / 2;
@@ -372,7 +372,7 @@ impl Default for ConvergeWork {
 }
 
 impl ConvergeWork {
-    fn add(&mut self, run: &Run, effort: Effort) {
+    fn add(&mut self, run: &Run, effort: RunEffort) {
         self.runs += 1;
         self.surfaces += effort.surfaces;
         self.rays += run.work.rays;

@@ -11,7 +11,7 @@ mod json;
 mod plan;
 mod results;
 mod sample;
-mod setting;
+mod specimen;
 mod summary;
 mod tables;
 
@@ -35,7 +35,7 @@ pub use files::gonio_report;
 pub use json::gonio_summary;
 pub use results::{DirectionResults, Means, MeasuredComponent};
 pub use sample::Sample;
-pub use setting::Setting;
+pub use specimen::Specimen;
 pub use summary::gonio_table;
 
 use plan::{Plan, Work};
@@ -100,7 +100,7 @@ pub struct GonioOutcome {
     /// Where quantities stand in records, and the bins.
     pub spec: TallySpec,
     /// What is measured.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<Specimen>,
     /// Polar angles of the light, degrees, as in the configuration.
     pub thetas: Vec<f64>,
     /// Azimuths of the light, degrees.
@@ -201,7 +201,7 @@ pub fn gonio(
 struct Task<'a> {
     config: &'a GonioConfig,
     plan: &'a Plan,
-    setting: &'a Setting,
+    setting: &'a Specimen,
     sample: Option<&'a Sample>,
     spec: &'a TallySpec,
     folder: &'a ResultFolder,

@@ -34,12 +34,12 @@ pub use config::{
 };
 pub use converge::{
     ConvergeConfig, ConvergeError, ConvergeOutcome, ConvergeWork, ConvergedCase, ConvergenceConfig,
-    Efficiency, Effort, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError,
+    Efficiency, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError, RunEffort,
     SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
 pub use gonio::{
     Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredComponent, PlotScale, Sample, Setting, gonio, gonio_report, gonio_summary,
+    Means, MeasuredComponent, PlotScale, Sample, Specimen, gonio, gonio_report, gonio_summary,
     gonio_table,
 };
 pub use map::{
@@ -52,7 +52,7 @@ pub use report::case_report::verify_table;
 pub use report::energies::{energy_table, errors_table, lost_warning, work_line};
 pub use report::error::ReportError;
 pub use report::expectation::{expectation_json, write_expectation};
-pub use report::figures::{Light, Surroundings, height_map_figure};
+pub use report::figures::{PlottedCase, Surroundings, height_map_figure};
 pub use report::files::{trace_files, trace_report, verify_report, verify_summary};
 pub use report::layer_expectation::{
     layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,

@@ -31,7 +31,7 @@ pub use error::{Given, Place, SettingError};
 pub use kind::{Choice, Kind};
 pub use range::Range;
 pub use reference::reference_page;
-pub use setting::{Flag, Setting, Shape};
+pub use setting::{Arity, Flag, Setting};
 
 #[cfg(test)]
 mod tests;

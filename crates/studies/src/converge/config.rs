@@ -12,7 +12,7 @@ use asperity_tracer::{AcceleratorKind, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
-use super::method::{Effort, Method};
+use super::method::{Method, RunEffort};
 use crate::config::error::ConfigError;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::{Count, Number, OneOrMany, PerAxis};
@@ -78,9 +78,9 @@ pub struct ConvergeConfig {
 pub(super) struct Plan {
     pub(super) cases: Vec<SweepCase>,
     pub(super) methods: Vec<Method>,
-    pub(super) efforts: Vec<Effort>,
+    pub(super) efforts: Vec<RunEffort>,
     pub(super) repeats: u64,
-    pub(super) reference: (Method, Effort),
+    pub(super) reference: (Method, RunEffort),
     pub(super) errors: Vec<f64>,
     pub(super) spec: TallySpec,
     pub(super) incident: HalfSpace,
@@ -229,7 +229,7 @@ impl ConvergeConfig {
             .iter()
             .map(|e| e.0)
             .collect();
-        let reference = Effort {
+        let reference = RunEffort {
             rays: config.reference_rays.0,
             surfaces: config.reference_surfaces.0,
         };
@@ -270,7 +270,7 @@ fn coarsest(spacing: PerAxis<Number>) -> f64 {
 }
 
 /// Rays and surfaces, value by value; one value holds for all of the other.
-fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
+fn efforts(config: &ConvergenceConfig) -> Result<Vec<RunEffort>, ConfigError> {
     let rays = config.rays.values("rays")?;
     let surfaces = config.surfaces.values("surfaces")?;
     let count = rays.len().max(surfaces.len());
@@ -284,8 +284,8 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
             surfaces.len(),
         )));
     }
-    let efforts: Vec<Effort> = (0..count)
-        .map(|i| Effort {
+    let efforts: Vec<RunEffort> = (0..count)
+        .map(|i| RunEffort {
             rays: rays[i % rays.len()].0,
             surfaces: surfaces[i % surfaces.len()].0,
         })
@@ -300,7 +300,7 @@ fn efforts(config: &ConvergenceConfig) -> Result<Vec<Effort>, ConfigError> {
     Ok(efforts)
 }
 
-fn check_effort(effort: Effort) -> Result<(), ConfigError> {
+fn check_effort(effort: RunEffort) -> Result<(), ConfigError> {
     match effort.rays.checked_mul(effort.surfaces) {
         Some(all) if all as f64 <= MOST_COUNT => Ok(()),
         _ => Err(ConfigError::Contradiction(format!(

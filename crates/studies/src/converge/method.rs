@@ -45,7 +45,7 @@ impl Method {
 
 /// How much a run does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Effort {
+pub struct RunEffort {
     /// Rays a surface, at least.
     pub rays: u64,
     /// Surfaces.
@@ -61,7 +61,7 @@ pub(super) fn run_seed(
     seed: u64,
     case: &SweepCase,
     method: &Method,
-    effort: Effort,
+    effort: RunEffort,
     repeat: u64,
 ) -> u64 {
     let name = format!(
@@ -96,7 +96,7 @@ mod tests {
             accelerator: AcceleratorKind::Mesh,
             spacing: PerAxis::Both(Number(1.0)),
         };
-        let effort = Effort {
+        let effort = RunEffort {
             rays: 64,
             surfaces: 2,
         };
@@ -125,12 +125,12 @@ mod tests {
             run_seed(1, &cases[0], &controlled, effort, 0),
             run_seed(1, &cases[0], &stratified, effort, 0),
             run_seed(1, &cases[0], &finer, effort, 0),
-            run_seed(1, &cases[0], &method, Effort { rays: 65, ..effort }, 0),
+            run_seed(1, &cases[0], &method, RunEffort { rays: 65, ..effort }, 0),
             run_seed(
                 1,
                 &cases[0],
                 &method,
-                Effort {
+                RunEffort {
                     surfaces: 3,
                     ..effort
                 },

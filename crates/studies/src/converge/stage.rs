@@ -16,8 +16,8 @@ use super::config::Plan;
 use super::deviation::Target;
 use super::method::{reference_seed, run_seed};
 use super::{
-    ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Effort, Measurement, Method,
-    MethodOutcome, Reference,
+    ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Measurement, Method, MethodOutcome,
+    Reference, RunEffort,
 };
 use crate::config::sweep_case::SweepCase;
 
@@ -68,7 +68,7 @@ impl Observer for Steps<'_> {
 }
 
 /// The effort of a run as the engine takes it.
-const fn engine_effort(effort: Effort) -> asperity_simulate::Effort {
+const fn engine_effort(effort: RunEffort) -> asperity_simulate::Effort {
     asperity_simulate::Effort::Rays {
         total: effort.rays * effort.surfaces,
         surfaces: effort.surfaces,
@@ -101,7 +101,7 @@ impl<'a> Stage<'a> {
     pub(super) fn rays(&self) -> u64 {
         let plan = self.plan;
         let (reference, effort) = &plan.reference;
-        let of = |method, effort: &Effort| {
+        let of = |method, effort: &RunEffort| {
             let simulation = &self.prepared(method).simulation;
             simulation.repeated(engine_effort(*effort), 0).rays()
         };
@@ -117,7 +117,7 @@ impl<'a> Stage<'a> {
     fn run(
         &self,
         method: &Method,
-        effort: Effort,
+        effort: RunEffort,
         seed: u64,
         observer: &dyn Observer,
     ) -> Result<Run, ConvergeError> {

@@ -26,7 +26,7 @@ fn measured(seconds: &[f64], error: f64) -> Measurement {
             energy_error: Some(1e-9),
         })
         .collect();
-    let effort = Effort {
+    let effort = RunEffort {
         rays: 64,
         surfaces: 2,
     };

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::config::PlotScale;
 use super::results::component_names;
-use super::setting::Distinction;
+use super::specimen::Distinction;
 use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::results::component_names;
 use super::summary::warnings;
-use super::{DirectionResults, GonioOutcome, Setting, tables};
+use super::{DirectionResults, GonioOutcome, Specimen, tables};
 use crate::config::Azimuth;
 use crate::output::Head;
 
@@ -22,7 +22,7 @@ struct Summary<'a> {
     /// The given surface, if there is one.
     sample: Option<&'a Value>,
     azimuth: Azimuth,
-    settings: &'a [Setting],
+    settings: &'a [Specimen],
     thetas_deg: &'a [f64],
     phis_deg: &'a [f64],
     parts: Vec<Cow<'static, str>>,

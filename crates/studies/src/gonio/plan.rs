@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::config::GonioConfig;
 use super::sample::Sample;
-use super::setting::Setting;
+use super::specimen::Specimen;
 use crate::config::VerifyConfig;
 use crate::config::cases::{check_light, check_sides};
 use crate::config::error::ConfigError;
@@ -64,7 +64,7 @@ impl GonioConfig {
     pub(super) fn plans(
         &self,
         sample: Option<&Sample>,
-    ) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+    ) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
         self.measured.check()?;
         match sample {
             None if self.measured.is_given() => Err(ConfigError::Contradiction(
@@ -75,11 +75,11 @@ impl GonioConfig {
         }
     }
 
-    fn fresh(&self) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+    fn fresh(&self) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
         let (mut settings, mut plans) = (Vec::new(), Vec::new());
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
             plans.push(Plan {
-                setting: number_of(&mut settings, Setting::of_case(&case)),
+                setting: number_of(&mut settings, Specimen::of_case(&case)),
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),
@@ -89,7 +89,7 @@ impl GonioConfig {
         Ok((settings, plans))
     }
 
-    fn given(&self, sample: &Sample) -> Result<(Vec<Setting>, Vec<Plan>), ConfigError> {
+    fn given(&self, sample: &Sample) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let run = self.ray_settings()?;
         let medium = self.medium.as_ref();
@@ -104,7 +104,7 @@ impl GonioConfig {
         }
         let (mut settings, mut plans) = (Vec::new(), Vec::<Plan>::new());
         for SweptCase { case, config } in Sweep::of(&self.as_verification()?)?.cases {
-            let setting = Setting::of_given(case.material, case.layer);
+            let setting = Specimen::of_given(case.material, case.layer);
             let name = format!(
                 "{}_theta{}_{}",
                 setting.name(),
@@ -144,7 +144,7 @@ impl GonioConfig {
 }
 
 /// The number of a setting, which is added unless it is the last one: directions change faster than settings.
-fn number_of(settings: &mut Vec<Setting>, setting: Setting) -> usize {
+fn number_of(settings: &mut Vec<Specimen>, setting: Specimen) -> usize {
     if settings.last() != Some(&setting) {
         settings.push(setting);
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::GonioOutcome;
-use super::setting::Distinction;
+use super::specimen::Distinction;
 use super::tables::{Measured, measured, report};
 
 /// The summary as text: report.txt.

@@ -4,8 +4,8 @@ use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
 use asperity_tally::{Estimate, Side, TallySpec};
 
 use super::results::{MeasuredComponent, component_names};
-use super::setting::bottom_in_words;
-use super::{Direction, DirectionResults, GonioOutcome, Setting};
+use super::specimen::bottom_in_words;
+use super::{Direction, DirectionResults, GonioOutcome, Specimen};
 use crate::output::{
     Column, Table, bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle,
     solid_angle_column,
@@ -13,7 +13,7 @@ use crate::output::{
 
 /// A direction that was measured.
 pub(super) struct Measured<'a> {
-    pub(super) setting: &'a Setting,
+    pub(super) setting: &'a Specimen,
     pub(super) direction: &'a Direction,
     pub(super) results: &'a DirectionResults,
 }

@@ -28,7 +28,7 @@ const LINE_STEP_DEG: f64 = 0.5;
 
 /// The light and the material of a plot.
 #[derive(Clone, Debug)]
-pub struct Light {
+pub struct PlottedCase {
     /// The direction towards the light.
     pub incidence: Incidence,
     /// The material.
@@ -43,7 +43,7 @@ pub struct Light {
     pub case: Option<SweepCase>,
 }
 
-impl Light {
+impl PlottedCase {
     pub(crate) fn of_case(case: &SweepCase, config: &VerifyConfig) -> Self {
         Self {
             incidence: case.incidence,
@@ -104,7 +104,7 @@ pub struct Surroundings<'a> {
     /// Its name.
     pub name: String,
     /// The light.
-    pub light: &'a Light,
+    pub light: &'a PlottedCase,
 }
 
 /// Writes a figure as SVG and PNG under `name` into each of the places.
@@ -155,7 +155,7 @@ pub(crate) fn height_map(
 /// lobes, in_plane_reflected and in_plane_transmitted.
 pub(crate) fn lobes_and_curves(
     place: &Place<'_>,
-    light: &Light,
+    light: &PlottedCase,
     spec: &TallySpec,
     statistics: &TallyStatistics,
     models: &[ModelOutcome],
@@ -240,7 +240,7 @@ fn model_number(name: &str) -> usize {
 /// Explicit points, of all recorded light, and of light scattered once or by how often it was scattered
 /// inside a medium, and the models' lines, in 1/sr.
 fn series_of(
-    light: &Light,
+    light: &PlottedCase,
     spec: &TallySpec,
     statistics: &TallyStatistics,
     models: &[ModelOutcome],
@@ -281,7 +281,12 @@ fn series_of(
 }
 
 /// The line of a model: its density averaged over a sliding bin where it has one, and its bins otherwise.
-fn model_points(light: &Light, spec: &TallySpec, model: &ModelOutcome, side: Side) -> Vec<Point> {
+fn model_points(
+    light: &PlottedCase,
+    spec: &TallySpec,
+    model: &ModelOutcome,
+    side: Side,
+) -> Vec<Point> {
     let Some(density) = model.model.density() else {
         let component = match model.model {
             CaseModel::Surface(_) => Component::All,

@@ -12,7 +12,7 @@ use crate::config::error::ConfigError;
 use crate::output::{Head, Place, figure_files, of_cases};
 use crate::report::case_report::{case_table, verify_table, warnings};
 use crate::report::error::ReportError;
-use crate::report::figures::{self, Light};
+use crate::report::figures::{self, PlottedCase};
 use crate::report::flux_tables::{Fluxes, write_comparison, write_fluxes};
 use crate::report::summary::Summary;
 use crate::verify::comparison::json::ComparisonJson;
@@ -189,7 +189,7 @@ fn write_case(
         Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
     };
     let plots = || {
-        let light = Light::of_case(&case.case, &outcome.config);
+        let light = PlottedCase::of_case(&case.case, &outcome.config);
         figures::lobes_and_curves(place, &light, spec, &case.statistics, &case.models)
     };
     let plots = || {

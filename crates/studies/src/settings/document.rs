@@ -12,7 +12,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::file::File;
 use super::kind::Kind;
-use super::setting::{Flag, Setting, Shape};
+use super::setting::{Arity, Flag, Setting};
 
 /// The values of one run: defaults, then those of a file, then those of flags.
 ///
@@ -366,7 +366,7 @@ pub fn commands_with_flag(name: &str) -> Commands {
 /// The value that texts of the command line stand for; `None` if they are invalid.
 pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -> Option<Value> {
     let one = |text: &str| setting.kind.parse(text.trim(), setting.range);
-    if setting.shape == Shape::Repeated {
+    if setting.arity == Arity::Repeated {
         return texts.iter().map(|text| one(text)).collect();
     }
     let [text] = texts else {
@@ -375,17 +375,17 @@ pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -
     if setting.kind == Kind::Models && text == "none" {
         return Some(Value::Array(Vec::new()));
     }
-    let separators: &[char] = match setting.shape {
-        Shape::PerAxis => &[',', 'x', 'X'],
-        Shape::One if !setting.is_list(command) => &[],
-        Shape::ListIn(_) if !setting.is_list(command) => &[],
+    let separators: &[char] = match setting.arity {
+        Arity::PerAxis => &[',', 'x', 'X'],
+        Arity::One if !setting.is_list(command) => &[],
+        Arity::ListIn(_) if !setting.is_list(command) => &[],
         _ => &[','],
     };
     let values: Vec<Value> = text.split(separators).map(one).collect::<Option<_>>()?;
-    match (setting.shape, values.as_slice()) {
-        (Shape::Tuple(names), values) if values.len() != names.len() => None,
-        (Shape::PerAxis, [_, _, _, ..]) => None,
-        (Shape::Tuple(_), _) => Some(values.into()),
+    match (setting.arity, values.as_slice()) {
+        (Arity::Tuple(names), values) if values.len() != names.len() => None,
+        (Arity::PerAxis, [_, _, _, ..]) => None,
+        (Arity::Tuple(_), _) => Some(values.into()),
         _ if setting.kind == Kind::Models => Some(values.into()),
         (_, [value]) => Some(value.clone()),
         _ => Some(values.into()),

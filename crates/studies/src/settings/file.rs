@@ -9,7 +9,7 @@ use super::definitions::{SECTIONS, settings_of};
 use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
-use super::setting::{Setting, Shape};
+use super::setting::{Arity, Setting};
 
 /// A configuration file that is being read.
 pub(super) struct File<'a> {
@@ -139,9 +139,9 @@ impl File<'_> {
         let one = |value: &DeValue<'_>| scalar(setting, value);
         let DeValue::Array(values) = value else {
             let value = one(value)?;
-            return match (setting.kind, setting.shape) {
+            return match (setting.kind, setting.arity) {
                 (Kind::Models, _) => Some(Value::Array(vec![value])),
-                (_, Shape::Tuple(_)) => None,
+                (_, Arity::Tuple(_)) => None,
                 _ => Some(value),
             };
         };
@@ -149,9 +149,9 @@ impl File<'_> {
             .iter()
             .map(|value| one(value.get_ref()))
             .collect::<Option<_>>()?;
-        let allowed = match setting.shape {
-            Shape::PerAxis => values.len() == 2,
-            Shape::Tuple(names) => values.len() == names.len(),
+        let allowed = match setting.arity {
+            Arity::PerAxis => values.len() == 2,
+            Arity::Tuple(names) => values.len() == names.len(),
             _ if setting.kind == Kind::Models => true,
             _ => setting.is_list(self.command) && !values.is_empty(),
         };

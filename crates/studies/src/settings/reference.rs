@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::command::{Command, Commands};
 use super::definitions::SECTIONS;
 use super::kind::Kind;
-use super::setting::{Setting, Shape};
+use super::setting::{Arity, Setting};
 
 /// The page, in Markdown.
 #[must_use]
@@ -89,30 +89,30 @@ fn value(setting: &Setting) -> String {
             if matches!(setting.kind, Kind::ChoiceOrFile(_)) {
                 names.push("a file".to_owned());
             }
-            let several = match setting.shape {
-                Shape::ListIn(_) => "; one or several",
+            let several = match setting.arity {
+                Arity::ListIn(_) => "; one or several",
                 _ => "",
             };
             format!("{}{several}", names.join(", "))
         }
         _ => {
-            let text = match setting.shape {
+            let text = match setting.arity {
                 // What holds for lists is said once, below.
-                Shape::ListIn(_) => setting.kind.expected(setting.range),
+                Arity::ListIn(_) => setting.kind.expected(setting.range),
                 _ => setting.expected(first),
             };
             let text = text
                 .replace(", such as 1.4, 2e-3 or 1/1.4", "")
                 .replace(" such as 1.4, 2e-3 or 1/1.4", "");
-            let unit = match (setting.shape, setting.unit) {
-                (Shape::ListIn(_), unit) if !unit.is_empty() => format!(" ({unit})"),
+            let unit = match (setting.arity, setting.unit) {
+                (Arity::ListIn(_), unit) if !unit.is_empty() => format!(" ({unit})"),
                 _ => String::new(),
             };
-            let lists = match setting.shape {
-                Shape::ListIn(lists) if setting.commands.iter().all(|c| lists.contains(c)) => {
+            let lists = match setting.arity {
+                Arity::ListIn(lists) if setting.commands.iter().all(|c| lists.contains(c)) => {
                     "; one or several".to_owned()
                 }
-                Shape::ListIn(lists) => format!("; one or several in {}", commands(lists)),
+                Arity::ListIn(lists) => format!("; one or several in {}", commands(lists)),
                 _ => String::new(),
             };
             format!("{text}{unit}{lists}")

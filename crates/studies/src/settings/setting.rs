@@ -22,7 +22,7 @@ pub struct Setting {
     /// What its value is.
     pub kind: Kind,
     /// How many values it takes.
-    pub shape: Shape,
+    pub arity: Arity,
     /// The unit of numbers.
     pub unit: &'static str,
     /// The numbers that are allowed.
@@ -64,7 +64,7 @@ pub enum Flag {
 
 /// How many values a setting takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum Arity {
     /// One.
     One,
     /// One or several in these commands, one in all others.
@@ -93,7 +93,7 @@ pub(super) const fn setting(
         aliases: &[],
         in_file: true,
         kind,
-        shape: Shape::One,
+        arity: Arity::One,
         unit: "",
         range: Range::Any,
         value_name: "",
@@ -148,8 +148,8 @@ impl Setting {
         self
     }
 
-    pub(super) const fn shape(mut self, shape: Shape) -> Self {
-        self.shape = shape;
+    pub(super) const fn arity(mut self, arity: Arity) -> Self {
+        self.arity = arity;
         self
     }
 
@@ -223,9 +223,9 @@ impl Setting {
     /// Whether it may be a list in `command`.
     #[must_use]
     pub fn is_list(&self, command: Command) -> bool {
-        match self.shape {
-            Shape::ListIn(commands) => commands.contains(command),
-            Shape::Repeated => true,
+        match self.arity {
+            Arity::ListIn(commands) => commands.contains(command),
+            Arity::Repeated => true,
             _ => self.kind == Kind::Models,
         }
     }
@@ -242,10 +242,10 @@ impl Setting {
             ("", Kind::Choice(_), _) => "NAME",
             (name, _, _) => name,
         };
-        match self.shape {
-            Shape::PerAxis => "X,Y".to_owned(),
-            Shape::Tuple(names) => names.join(","),
-            Shape::ListIn(commands) if commands.contains(command) => format!("{one},.."),
+        match self.arity {
+            Arity::PerAxis => "X,Y".to_owned(),
+            Arity::Tuple(names) => names.join(","),
+            Arity::ListIn(commands) if commands.contains(command) => format!("{one},.."),
             _ => one.to_owned(),
         }
     }
@@ -267,9 +267,9 @@ impl Setting {
             "" => String::new(),
             unit => format!(" ({unit})"),
         };
-        match self.shape {
-            Shape::PerAxis => format!("{one}{unit}, one for both axes or two as X,Y"),
-            Shape::Tuple(names) => format!("{one}{unit}, given as {}", names.join(",")),
+        match self.arity {
+            Arity::PerAxis => format!("{one}{unit}, one for both axes or two as X,Y"),
+            Arity::Tuple(names) => format!("{one}{unit}, given as {}", names.join(",")),
             _ if self.is_list(command) => format!("{one}{unit}, one or several"),
             _ => format!("{one}{unit}"),
         }

@@ -174,8 +174,8 @@ fn every_range_is_kept_and_named_with_the_flag_and_the_key() {
             let Some(name) = setting.flag_name() else {
                 continue;
             };
-            let bad = match setting.shape {
-                Shape::Tuple(names) => vec!["one"; names.len()].join(","),
+            let bad = match setting.arity {
+                Arity::Tuple(names) => vec!["one"; names.len()].join(","),
                 _ => bad.to_owned(),
             };
             let said = refusal(command, "", &[flag(&name, &bad)]);

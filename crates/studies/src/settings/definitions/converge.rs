@@ -4,15 +4,15 @@ use super::choices::{ACCELERATOR, ESTIMATOR, SAMPLING, SIDE};
 use super::{CONVERGE, LENGTH};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Setting, Shape, setting};
+use crate::settings::setting::{Arity, Setting, setting};
 
 const SECTION: &str = "converge";
-const LIST: Shape = Shape::ListIn(CONVERGE);
+const LIST: Arity = Arity::ListIn(CONVERGE);
 
 pub(super) const SETTINGS: &[Setting] = &[
     setting(SECTION, "estimators", ESTIMATOR, CONVERGE, "Estimators")
         .value_name("NAMES")
-        .shape(LIST)
+        .arity(LIST)
         .default("plain,controlled"),
     setting(
         SECTION,
@@ -22,7 +22,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "How rays are distributed",
     )
     .value_name("NAMES")
-    .shape(LIST)
+    .arity(LIST)
     .default("random,stratified,quasi-random"),
     setting(
         SECTION,
@@ -32,7 +32,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "How hits are found",
     )
     .value_name("NAMES")
-    .shape(LIST)
+    .arity(LIST)
     .default("auto"),
     setting(
         SECTION,
@@ -43,7 +43,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .shape(LIST)
+    .arity(LIST)
     .otherwise("that of the surface"),
     setting(
         SECTION,
@@ -52,7 +52,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         CONVERGE,
         "Rays per surface: one for all, or as many values as surfaces",
     )
-    .shape(LIST)
+    .arity(LIST)
     .default("16384"),
     setting(
         SECTION,
@@ -61,7 +61,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         CONVERGE,
         "Surfaces per run: one for all, or as many values as rays",
     )
-    .shape(LIST)
+    .arity(LIST)
     .default("4,16,64"),
     setting(
         SECTION,
@@ -131,6 +131,6 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Relative errors for which the run time is reported",
     )
     .range(Range::Above(0.0))
-    .shape(LIST)
+    .arity(LIST)
     .default("1e-2,1e-3,1e-4"),
 ];

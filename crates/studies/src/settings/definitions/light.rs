@@ -5,7 +5,7 @@ use super::{ATTENUATION, CONVERGE, DEGREES, GONIO, MODEL, RENDER, SWEEPS, TRACE,
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, Shape, setting};
+use crate::settings::setting::{Arity, Flag, Setting, setting};
 
 const COMMANDS: Commands = TRACING.and(CONVERGE).and(ATTENUATION).and(MODEL);
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
@@ -20,7 +20,7 @@ pub(super) const LIGHT: &[Setting] = &[
     )
     .unit(DEGREES)
     .range(POLAR)
-    .shape(Shape::ListIn(SWEEPS.and(ATTENUATION)))
+    .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
     .default("30")
     .default_in(&[
         (GONIO, Some("0,15,30,45,60,75")),
@@ -37,7 +37,7 @@ pub(super) const LIGHT: &[Setting] = &[
         "Azimuth of the direction towards the light",
     )
     .unit(DEGREES)
-    .shape(Shape::ListIn(GONIO))
+    .arity(Arity::ListIn(GONIO))
     .default("0")
     .default_yields()
     .excludes(&["light.directions"]),
@@ -81,7 +81,7 @@ pub(super) const VIEW: &[Setting] = &[
     .flag(Flag::Named("view-theta"))
     .unit(DEGREES)
     .range(POLAR)
-    .shape(Shape::ListIn(ATTENUATION))
+    .arity(Arity::ListIn(ATTENUATION))
     .default("0")
     .default_in(&[(RENDER, Some("50"))]),
     setting(

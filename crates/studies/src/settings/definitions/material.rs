@@ -5,7 +5,7 @@ use super::{CONVERGE, GONIO, MAP, MODEL, RENDER, SWEEPS, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, Shape, setting};
+use crate::settings::setting::{Arity, Flag, Setting, setting};
 
 const SECTION: &str = "material";
 const COMMANDS: Commands = TRACE
@@ -28,7 +28,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Relative refractive index n_transmitted / n_incident",
     )
     .range(Range::FromTo(1e-6, 1e6))
-    .shape(Shape::ListIn(SWEEPS))
+    .arity(Arity::ListIn(SWEEPS))
     .otherwise("1.5 for a dielectric"),
     setting(
         SECTION,

@@ -4,7 +4,7 @@ use super::choices::{BORDER, FORM, MISSING, UNIT};
 use super::{GIVEN, GONIO, LENGTH, RENDER, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, Shape, setting};
+use crate::settings::setting::{Arity, Flag, Setting, setting};
 
 const SECTION: &str = "measured";
 
@@ -57,7 +57,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .shape(Shape::PerAxis)
+    .arity(Arity::PerAxis)
     .otherwise("as the file says"),
     setting(
         SECTION,

@@ -5,11 +5,11 @@ use super::{GONIO, LENGTH, MODEL, RENDER, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Setting, Shape, setting};
+use crate::settings::setting::{Arity, Setting, setting};
 
 const SECTION: &str = "medium";
 const COMMANDS: Commands = TRACE.and(RENDER).and(VERIFY).and(GONIO).and(MODEL);
-const LISTS: Shape = Shape::ListIn(VERIFY.and(GONIO));
+const LISTS: Arity = Arity::ListIn(VERIFY.and(GONIO));
 
 pub(super) const SETTINGS: &[Setting] = &[
     setting(
@@ -22,7 +22,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .unit(LENGTH)
     .value_name("LENGTH")
     .range(Range::FromTo(1e-150, 1e150))
-    .shape(LISTS)
+    .arity(LISTS)
     .excludes(&["medium.absorption", "medium.scattering"]),
     setting(
         SECTION,
@@ -32,7 +32,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Fraction of interactions that scatters; the rest absorbs",
     )
     .range(Range::FromTo(0.0, 1.0))
-    .shape(LISTS)
+    .arity(LISTS)
     .excludes(&["medium.absorption", "medium.scattering"]),
     setting(
         SECTION,
@@ -44,7 +44,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .unit("1 / length")
     .value_name("COEFFICIENT")
     .range(Range::AtLeast(0.0))
-    .shape(LISTS)
+    .arity(LISTS)
     .otherwise("0 beside scattering")
     .excludes(&["medium.mean_free_path", "medium.albedo"]),
     setting(
@@ -57,7 +57,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .unit("1 / length")
     .value_name("COEFFICIENT")
     .range(Range::AtLeast(0.0))
-    .shape(LISTS)
+    .arity(LISTS)
     .otherwise("0 beside absorption")
     .excludes(&["medium.mean_free_path", "medium.albedo"]),
     setting(SECTION, "phase", PHASE, COMMANDS, "Phase function")
@@ -70,7 +70,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Mean cosine of scattering by Henyey and Greenstein",
     )
     .range(Range::Between(-1.0, 1.0))
-    .shape(LISTS),
+    .arity(LISTS),
     setting(
         SECTION,
         "thickness",
@@ -81,7 +81,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .unit(LENGTH)
     .value_name("LENGTH")
     .range(Range::Above(0.0))
-    .shape(LISTS)
+    .arity(LISTS)
     .otherwise("infinite"),
     setting(
         SECTION,
@@ -116,7 +116,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "bottom_surface",
         Kind::ChoiceOrFile(BOTTOM_SHAPES),
         TRACE.and(RENDER),
-        "Shape of the bottom",
+        "Arity of the bottom",
     )
     .value_name("SHAPE|FILE")
     .default("flat"),
@@ -125,7 +125,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "bottom_surface",
         Kind::Choice(BOTTOM_SHAPES),
         VERIFY.and(GONIO).and(MODEL),
-        "Shape of the bottom",
+        "Arity of the bottom",
     )
     .value_name("SHAPE")
     .default("flat"),

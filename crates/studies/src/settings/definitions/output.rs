@@ -7,7 +7,7 @@ use super::{
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, Shape, setting};
+use crate::settings::setting::{Arity, Flag, Setting, setting};
 
 const FIGURES_IN: Commands = TRACING.and(CONVERGE).and(ATTENUATION);
 
@@ -39,7 +39,7 @@ pub(super) const FIGURES: &[Setting] = &[
     )
     .flag(Flag::None)
     .range(Range::Above(0.0))
-    .shape(Shape::ListIn(ATTENUATION))
+    .arity(Arity::ListIn(ATTENUATION))
     .otherwise("up to three of them"),
     setting(
         "output",
@@ -50,7 +50,7 @@ pub(super) const FIGURES: &[Setting] = &[
     )
     .flag(Flag::None)
     .range(Range::FromBelow(0.0, 90.0))
-    .shape(Shape::ListIn(ATTENUATION))
+    .arity(Arity::ListIn(ATTENUATION))
     .otherwise("up to five of them"),
 ];
 

@@ -4,7 +4,7 @@ use super::choices::CAMERA as CAMERAS;
 use super::{DEGREES, LENGTH, RENDER};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Flag, Setting, Shape, setting};
+use crate::settings::setting::{Arity, Flag, Setting, setting};
 
 const POLAR: Range = Range::FromBelow(0.0, 90.0);
 const RADIANCE: Range = Range::FromTo(0.0, 1e30);
@@ -34,7 +34,7 @@ pub(super) const CAMERA: &[Setting] = &[
         "Point of the mean plane at the centre of the picture",
     )
     .unit(LENGTH)
-    .shape(Shape::Tuple(&["X", "Y"]))
+    .arity(Arity::Tuple(&["X", "Y"]))
     .otherwise("the centre of the tile")
     .flag_only(),
     setting(
@@ -115,7 +115,7 @@ pub(super) const LIGHTS: &[Setting] = &[
         "Rectangle of the mean plane that the sun lights",
     )
     .unit(LENGTH)
-    .shape(Shape::Tuple(&["X0", "Y0", "X1", "Y1"]))
+    .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
     .otherwise("the whole plane")
     .flag_only(),
     setting(
@@ -165,7 +165,7 @@ pub(super) const PICTURE: &[Setting] = &[
     )
     .short('o')
     .value_name("FILE")
-    .shape(Shape::Repeated)
+    .arity(Arity::Repeated)
     .required(RENDER)
     .flag_only(),
 ];

@@ -4,7 +4,7 @@ use super::choices::DRAWN_BORDER;
 use super::{ATTENUATION, DEGREES, GENERATE, LENGTH, MODEL, RANDOM, SWEEPS};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Setting, Shape, setting};
+use crate::settings::setting::{Arity, Setting, setting};
 
 const SECTION: &str = "surface";
 
@@ -40,7 +40,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Smoothness s = tau / sigma, along the first principal axis",
     )
     .range(Range::Above(0.0))
-    .shape(Shape::ListIn(SWEEPS))
+    .arity(Arity::ListIn(SWEEPS))
     .default("3")
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
@@ -64,7 +64,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .shape(Shape::ListIn(SWEEPS.and(ATTENUATION)))
+    .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
     .default_in(&[(ATTENUATION, Some("0.5"))])
     .excludes(&["surface.smoothness", "measured.*"])
     .clears(&["output.models_at_sigma"]),
@@ -86,7 +86,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         RANDOM.and(ATTENUATION),
         "Samples along x and y",
     )
-    .shape(Shape::PerAxis)
+    .arity(Arity::PerAxis)
     .default("512")
     .default_in(&[(GENERATE, Some("1024")), (ATTENUATION, None)])
     .excludes(&["surface.length", "measured.*"]),
@@ -99,7 +99,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .shape(Shape::PerAxis)
+    .arity(Arity::PerAxis)
     .default("12.8")
     .default_yields()
     .excludes(&["surface.size"]),
@@ -112,7 +112,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .shape(Shape::PerAxis)
+    .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05"))]),
     setting(

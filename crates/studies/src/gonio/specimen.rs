@@ -10,7 +10,7 @@ use asperity_simulate::layer_folder;
 
 /// One combination of surface and material, measured from all directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Setting {
+pub struct Specimen {
     /// `tau / sigma` of random surfaces, by the first principal axis; `None` of a given one.
     pub smoothness: Option<f64>,
     /// What an anisotropic surface has beside it.
@@ -23,7 +23,7 @@ pub struct Setting {
     pub layer: Option<Layer>,
 }
 
-impl Setting {
+impl Specimen {
     pub(super) fn of_case(case: &SweepCase) -> Self {
         Self {
             smoothness: Some(case.smoothness),
@@ -124,9 +124,9 @@ pub(super) struct Distinction {
 }
 
 impl Distinction {
-    pub(super) fn of(settings: &[Setting]) -> Self {
+    pub(super) fn of(settings: &[Specimen]) -> Self {
         let all: Vec<Vec<(&'static str, String)>> =
-            settings.iter().map(Setting::parameters).collect();
+            settings.iter().map(Specimen::parameters).collect();
         let value = |of: &[(&'static str, String)], name: &str| {
             of.iter().find(|(n, _)| *n == name).map(|(_, v)| v.clone())
         };
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn what_differs_heads_the_columns() {
-        let glass = |s, eta| Setting {
+        let glass = |s, eta| Specimen {
             smoothness: Some(s),
             grooves: None,
             material: Material::Dielectric { eta },
