@@ -3,8 +3,8 @@
 //! [`simulation`] is the door. It puts cases with equal surface sources into a [`group`]: [`random`] for fresh
 //! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
-//! they are traced on. [`pilot`] plans the effort that a target error takes. [`draft`] turns what was found of a
-//! case into its outcome.
+//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes; [`watch`] shows how
+//! near the run has come. [`draft`] turns what was found of a case into its outcome.
 
 pub(crate) mod blocks;
 pub(crate) mod built_surface;
@@ -15,6 +15,8 @@ pub(crate) mod given_run;
 pub(crate) mod group;
 pub(crate) mod pilot;
 pub(crate) mod random;
+pub(crate) mod random_plan;
+pub(crate) mod random_rounds;
 pub(crate) mod ray_blocks;
 pub(crate) mod ready_group;
 pub(crate) mod rounds;
@@ -22,3 +24,4 @@ pub(crate) mod simulation;
 pub(crate) mod surfaces;
 pub(crate) mod tallies;
 pub(crate) mod traced_case;
+pub(crate) mod watch;

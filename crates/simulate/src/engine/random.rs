@@ -1,4 +1,4 @@
-//! Cases that share fresh surfaces: what needs no rays, how much of the others is traced, and when that ends.
+//! Cases that share fresh surfaces: what needs no rays, and how each case stands when the others have had theirs.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -8,15 +8,14 @@ use rayon::prelude::*;
 
 use super::context::Context;
 use super::draft::Draft;
-use super::pilot::{self, Figures, PilotRun};
+use super::pilot::{self, Figures};
 use super::ready_group::ReadyGroup;
-use super::rounds::{Batches, Rounds, run_rounds};
-use super::surfaces::{SurfaceGroup, SurfacePlan, surface_bytes};
+use super::rounds::Rounds;
+use super::surfaces::{SurfaceGroup, SurfacePlan};
 use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
 use crate::error::SimulateError;
 use crate::input::case::Case;
-use crate::input::limits::{check_memory, most_realisations};
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::analytic::AnalyticResult;
@@ -25,23 +24,19 @@ use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
 use crate::slopes::slopes;
 use crate::store::Stage;
-use crate::text::error_in_short;
 
 /// What the mesh may add to an error at its target: a third of it, squared.
 pub const MESH_ALLOWANCE: f64 = 1.055;
 
-/// Surfaces added are so many times more than the present error requires.
-const ROUND_MARGIN: f64 = 1.1;
-
 /// Cases that share fresh surfaces, and the effort that they take.
 #[derive(Clone)]
 pub(crate) struct RandomGroup {
-    synthesis: Synthesis,
-    settings: Settings,
+    pub(super) synthesis: Synthesis,
+    pub(super) settings: Settings,
     analytic: Vec<AnalyticCase>,
-    traced: Vec<TracedCase>,
-    plan: SurfacePlan,
-    pilot: PilotOutcome,
+    pub(super) traced: Vec<TracedCase>,
+    pub(super) plan: SurfacePlan,
+    pub(super) pilot: PilotOutcome,
 }
 
 /// A case that needs no rays.
@@ -54,14 +49,14 @@ struct AnalyticCase {
 
 /// What the pilot run told.
 #[derive(Clone)]
-struct PilotOutcome {
+pub(super) struct PilotOutcome {
     /// By traced case.
-    figures: Vec<Figures>,
+    pub(super) figures: Vec<Figures>,
     /// The spacing chosen, over that given.
-    scale: f64,
+    pub(super) scale: f64,
     /// What the mesh adds to each error, by traced case.
-    mesh_errors: Vec<Option<f64>>,
-    warnings: Vec<String>,
+    pub(super) mesh_errors: Vec<Option<f64>>,
+    pub(super) warnings: Vec<String>,
 }
 
 /// How a case stands at the end of a run.
@@ -136,7 +131,7 @@ impl RandomGroup {
         }
     }
 
-    fn group(&self, stage: Stage) -> SurfaceGroup<'_> {
+    pub(super) fn group(&self, stage: Stage) -> SurfaceGroup<'_> {
         let (settings, plan) = match stage {
             Stage::Result => (self.settings, self.plan),
             Stage::Pilot | Stage::CoarsePilot => (
@@ -157,123 +152,6 @@ impl RandomGroup {
             plan,
             stage,
         }
-    }
-
-    /// Whether every second sample makes a surface.
-    fn has_coarser(&self) -> bool {
-        self.synthesis.shape().iter().all(|n| n % 2 == 0 && *n >= 4)
-    }
-
-    /// The pilot run; `None` if it was stopped.
-    fn run_pilot(
-        &self,
-        stage: Stage,
-        context: Context<'_>,
-    ) -> Result<Option<Vec<CaseTallies>>, SimulateError> {
-        let surfaces = pilot::FIRST..pilot::FIRST + pilot::SURFACES;
-        let found = self.group(stage).run(surfaces, context)?;
-        let first = found.first();
-        let complete = first.is_some_and(|t| t.surfaces.len() as u64 == pilot::SURFACES);
-        Ok(complete.then_some(found))
-    }
-
-    /// What the pilot run tells of each traced case.
-    fn figures(&self, fine: &[CaseTallies], coarse: Option<&[CaseTallies]>) -> Vec<Figures> {
-        let Some(target) = self.settings.target() else {
-            return Vec::new();
-        };
-        let tally = &self.settings.tally;
-        let cells = self.synthesis.shape().iter().product();
-        let of_case = |i: usize, fine: &CaseTallies| {
-            let control = self.traced[i].method.control();
-            let run = PilotRun {
-                fine,
-                coarse: coarse.map(|coarse| &coarse[i]),
-                cells,
-                counted: pilot::entries_with_least_error(target.of(), tally, control),
-            };
-            Figures::new(target, tally, &run)
-        };
-        fine.iter()
-            .enumerate()
-            .map(|(i, fine)| of_case(i, fine))
-            .collect()
-    }
-
-    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
-    fn choose_spacing(&mut self) {
-        let Some(target) = self.settings.target() else {
-            return;
-        };
-        let mut recipes = Vec::new();
-        for scale in [2.0, 0.5] {
-            if let Some(synthesis) = pilot::respaced(&self.synthesis, scale)
-                && check_memory("", surface_bytes(&synthesis, &self.traced, &self.settings)).is_ok()
-            {
-                recipes.push((scale, synthesis));
-            }
-        }
-        let mut scales: Vec<f64> = recipes.iter().map(|(scale, _)| *scale).collect();
-        scales.push(1.0);
-        scales.sort_by(|a, b| b.total_cmp(a));
-        let chosen = pilot::spacing(&self.pilot.figures, target, &scales);
-        let figures = self.pilot.figures.iter();
-        self.pilot.mesh_errors = figures.map(|f| f.mesh_error(chosen.scale)).collect();
-        if let Some((_, synthesis)) = recipes.into_iter().find(|(s, _)| *s == chosen.scale) {
-            self.synthesis = synthesis;
-        }
-        self.pilot.scale = chosen.scale;
-        if let (Some(error), false) = (chosen.mesh_error, chosen.fine_enough) {
-            let spacing = self.synthesis.spacing()[0];
-            self.pilot.warnings.push(format!(
-                "at the spacing {spacing} the mesh adds an error of up to {}, above a third of the target: give a finer spacing",
-                error_in_short(error)
-            ));
-        }
-    }
-
-    /// Chooses the surfaces and rays that reach the target in the least time.
-    fn choose_effort(&mut self, all_cases: usize) {
-        let Some(target) = self.settings.target() else {
-            return;
-        };
-        let most = most_realisations(&self.settings.tally, all_cases);
-        let (figures, scale) = (&self.pilot.figures, self.pilot.scale);
-        let Some(effort) = pilot::plan(figures, target.error(), scale, most) else {
-            return;
-        };
-        if effort.expected > target.error() {
-            self.pilot.warnings.push(format!(
-                "the target {} takes more than {} surfaces, the most that results are held of: expect {}",
-                error_in_short(target.error()),
-                effort.surfaces,
-                error_in_short(effort.expected)
-            ));
-        }
-        self.plan = effort.plan();
-    }
-
-    /// The tallies of every traced case, and how their rounds came to an end.
-    fn trace(
-        &self,
-        all_cases: usize,
-        context: Context<'_>,
-    ) -> Result<(Vec<CaseTallies>, Rounds), SimulateError> {
-        let mut batches = Surfaces {
-            group: self,
-            tallies: Vec::new(),
-            done: 0,
-            most: most_realisations(&self.settings.tally, all_cases),
-        };
-        let rounds = if self.traced.is_empty() {
-            Rounds {
-                added: 0,
-                stopped_by: StoppedBy::Plan,
-            }
-        } else {
-            run_rounds(&mut batches, self.plan.surfaces, context)?
-        };
-        Ok((batches.tallies, rounds))
     }
 
     /// What the stopping of all cases has in common.
@@ -327,7 +205,7 @@ impl RandomGroup {
     }
 
     /// The error of traced case `i`.
-    fn error(&self, i: usize, tallies: &CaseTallies) -> Option<f64> {
+    pub(super) fn error(&self, i: usize, tallies: &CaseTallies) -> Option<f64> {
         let method = &self.traced[i].method;
         let statistics = method.with_least_errors(tallies.statistics(), tallies.work.rays);
         self.settings.target()?.of().error(&statistics)
@@ -376,23 +254,8 @@ impl ReadyGroup for RandomGroup {
         self.plan.surfaces
     }
 
-    /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
     fn plan(&mut self, all_cases: usize, context: Context<'_>) -> Result<(), SimulateError> {
-        if self.settings.target().is_none() || self.traced.is_empty() {
-            return Ok(());
-        }
-        let Some(fine) = self.run_pilot(Stage::Pilot, context)? else {
-            return Ok(());
-        };
-        let coarse = if self.has_coarser() {
-            self.run_pilot(Stage::CoarsePilot, context)?
-        } else {
-            None
-        };
-        self.pilot.figures = self.figures(&fine, coarse.as_deref());
-        self.choose_spacing();
-        self.choose_effort(all_cases);
-        Ok(())
+        self.plan_by_pilot(all_cases, context)
     }
 
     /// Traces all cases: as planned, and more until the error is reached. Cases that were not begun before an
@@ -437,51 +300,6 @@ impl ReadyGroup for RandomGroup {
 enum Prepared {
     Analytic(AnalyticCase),
     Traced(TracedCase),
-}
-
-/// Surfaces as batches.
-struct Surfaces<'a> {
-    group: &'a RandomGroup,
-    /// By traced case.
-    tallies: Vec<CaseTallies>,
-    done: u64,
-    /// Surfaces whose results fit into memory.
-    most: u64,
-}
-
-impl Batches for Surfaces<'_> {
-    fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
-        let group = self.group.group(Stage::Result);
-        let rays = group.blocks().rays();
-        if self.done > 0 {
-            let more = (count - self.done) * rays * self.group.traced.len() as u64;
-            context.observer.begin("adding", more);
-        }
-        let more = group.run(self.done..count, context)?;
-        if self.done == 0 {
-            self.tallies = more;
-        } else {
-            for (tallies, more) in self.tallies.iter_mut().zip(more) {
-                tallies.append(more);
-            }
-        }
-        self.done = count;
-        let traced = self.tallies.first().map_or(0, |t| t.work.rays);
-        Ok(traced >= count * rays)
-    }
-
-    fn error_over_target(&self) -> Option<f64> {
-        let target = self.group.settings.target()?;
-        let errors = self.tallies.iter().enumerate();
-        let errors: Option<Vec<f64>> = errors.map(|(i, t)| self.group.error(i, t)).collect();
-        let worst = errors?.into_iter().fold(0.0, f64::max);
-        Some(worst / target.error())
-    }
-
-    fn needed(&self, count: u64, error_over_target: f64) -> u64 {
-        let needed = count as f64 * error_over_target * error_over_target * ROUND_MARGIN;
-        (needed.ceil() as u64).max(count + 2).min(self.most)
-    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,11 @@
 //! Surface group: draws fresh surfaces, and traces all cases that share them on each.
 
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
 use asperity_surface::{HeightField, Synthesis};
-use asperity_tally::BatchStatistics;
 use asperity_tracer::Surface;
 use rayon::prelude::*;
 
@@ -16,11 +14,11 @@ use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
 use super::context::Context;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
+use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes};
 use crate::input::settings::Settings;
-use crate::input::target::ratio;
 use crate::observer::Observer;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
@@ -34,9 +32,6 @@ const MIN_BLOCKS_OF_ALL: u64 = 16;
 
 /// Fewest blocks of each of several surfaces: their scatter is the error of the rays.
 const MIN_BLOCKS_OF_EACH: u64 = 2;
-
-/// Surfaces after which the error so far is worth showing.
-const WORTH_SHOWING: u64 = 4;
 
 /// Number of the surface that is the bottom below the first one, where bottoms are surfaces of their own.
 const FIRST_BOTTOM: u64 = 1 << 50;
@@ -56,13 +51,6 @@ pub(crate) struct SurfaceGroup<'a> {
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
     pub(crate) stage: Stage,
-}
-
-/// What is shown of a run while it goes on: the quantity whose error is to reach a target, by case.
-#[derive(Default)]
-struct Watch {
-    surfaces: u64,
-    cases: Vec<BatchStatistics>,
 }
 
 /// What was found on the surface of a number.
@@ -130,7 +118,7 @@ impl SurfaceGroup<'_> {
         let fit = MEMORY_BUDGET.min(available) / bytes as u64;
         let side_by_side = (fit as usize).clamp(1, rayon::current_num_threads());
         let next = AtomicU64::new(surfaces.start);
-        let watch = Mutex::new(Watch::default());
+        let watch = self.watch();
         let mut found: Vec<Numbered> = (0..side_by_side)
             .into_par_iter()
             .with_max_len(1)
@@ -148,13 +136,23 @@ impl SurfaceGroup<'_> {
         Ok(CaseTallies::of_surfaces(self.settings.tally, surfaces))
     }
 
+    /// What is shown of the run: nothing of a pilot run.
+    fn watch(&self) -> Watch {
+        let target = self.settings.target();
+        Watch::new(
+            target.filter(|_| self.stage == Stage::Result),
+            self.plan.surfaces,
+            self.blocks().rays() * self.cases.len() as u64,
+        )
+    }
+
     /// Runs the surface whose turn it is, each in the memory of the one before, until all have had theirs, one
     /// fails or the run is to stop.
     fn run_in_turn(
         &self,
         next: &AtomicU64,
         surfaces: &Range<u64>,
-        watch: &Mutex<Watch>,
+        watch: &Watch,
         context: Context<'_>,
     ) -> Vec<Numbered> {
         let observer = context.observer;
@@ -173,7 +171,7 @@ impl SurfaceGroup<'_> {
             }
             let one = self.load_or_trace(surface, &mut memory, context);
             match &one.found {
-                Ok(found) if one.complete => self.watch(watch, found, observer),
+                Ok(found) if one.complete => watch.add(found, observer),
                 Ok(_) => {}
                 Err(_) => next.store(surfaces.end, Ordering::Relaxed),
             }
@@ -218,42 +216,6 @@ impl SurfaceGroup<'_> {
             surface,
             found,
             complete,
-        }
-    }
-
-    /// Shows the error so far of the most demanding case, and what it lets expect.
-    ///
-    /// Surfaces come here in any order: nothing but what is shown depends on it.
-    fn watch(&self, watch: &Mutex<Watch>, surface: &SurfaceTallies, observer: &dyn Observer) {
-        let spec = &self.settings.tally;
-        let (Some(target), Stage::Result) = (self.settings.target(), self.stage) else {
-            return;
-        };
-        let Ok(mut watch) = watch.lock() else { return };
-        watch.surfaces += 1;
-        let entries = target.of().entries(spec);
-        let mut worst = 0.0_f64;
-        watch
-            .cases
-            .resize_with(self.cases.len(), || BatchStatistics::new(entries.len()));
-        for (seen, case) in watch.cases.iter_mut().zip(&surface.cases) {
-            let means = case.tally.means();
-            let values: Vec<f64> = entries.iter().map(|&i| means[i]).collect();
-            seen.push(&values);
-            let squares: f64 = seen.error_squares().sum();
-            let norm = target
-                .of()
-                .norm(seen.means().iter().map(|mean| mean * mean).sum());
-            worst = worst.max(ratio(squares.sqrt(), norm));
-        }
-        if watch.surfaces < WORTH_SHOWING {
-            return;
-        }
-        observer.note(&format!("error {worst:.2e} of {:.2e}", target.error()));
-        let rays = self.blocks().rays() * self.cases.len() as u64;
-        let needed = watch.surfaces as f64 * (worst / target.error()).powi(2);
-        if needed > self.plan.surfaces as f64 && needed < 1e15 / rays as f64 {
-            observer.expect((needed * rays as f64) as u64);
         }
     }
 

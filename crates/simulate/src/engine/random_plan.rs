@@ -1,0 +1,130 @@
+//! The plan of cases that share fresh surfaces: surfaces, rays and spacing that reach a target, by a pilot run.
+
+use super::context::Context;
+use super::pilot::{self, Figures, PilotRun};
+use super::random::RandomGroup;
+use super::surfaces::surface_bytes;
+use super::tallies::CaseTallies;
+use crate::error::SimulateError;
+use crate::input::limits::{check_memory, most_realisations};
+use crate::store::Stage;
+use crate::text::error_in_short;
+
+impl RandomGroup {
+    /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
+    pub(super) fn plan_by_pilot(
+        &mut self,
+        all_cases: usize,
+        context: Context<'_>,
+    ) -> Result<(), SimulateError> {
+        if self.settings.target().is_none() || self.traced.is_empty() {
+            return Ok(());
+        }
+        let Some(fine) = self.run_pilot(Stage::Pilot, context)? else {
+            return Ok(());
+        };
+        let coarse = if self.has_coarser() {
+            self.run_pilot(Stage::CoarsePilot, context)?
+        } else {
+            None
+        };
+        self.pilot.figures = self.figures(&fine, coarse.as_deref());
+        self.choose_spacing();
+        self.choose_effort(all_cases);
+        Ok(())
+    }
+
+    /// Whether every second sample makes a surface.
+    pub(super) fn has_coarser(&self) -> bool {
+        self.synthesis.shape().iter().all(|n| n % 2 == 0 && *n >= 4)
+    }
+
+    /// The pilot run; `None` if it was stopped.
+    fn run_pilot(
+        &self,
+        stage: Stage,
+        context: Context<'_>,
+    ) -> Result<Option<Vec<CaseTallies>>, SimulateError> {
+        let surfaces = pilot::FIRST..pilot::FIRST + pilot::SURFACES;
+        let found = self.group(stage).run(surfaces, context)?;
+        let first = found.first();
+        let complete = first.is_some_and(|t| t.surfaces.len() as u64 == pilot::SURFACES);
+        Ok(complete.then_some(found))
+    }
+
+    /// What the pilot run tells of each traced case.
+    fn figures(&self, fine: &[CaseTallies], coarse: Option<&[CaseTallies]>) -> Vec<Figures> {
+        let Some(target) = self.settings.target() else {
+            return Vec::new();
+        };
+        let tally = &self.settings.tally;
+        let cells = self.synthesis.shape().iter().product();
+        let of_case = |i: usize, fine: &CaseTallies| {
+            let control = self.traced[i].method.control();
+            let run = PilotRun {
+                fine,
+                coarse: coarse.map(|coarse| &coarse[i]),
+                cells,
+                counted: pilot::entries_with_least_error(target.of(), tally, control),
+            };
+            Figures::new(target, tally, &run)
+        };
+        fine.iter()
+            .enumerate()
+            .map(|(i, fine)| of_case(i, fine))
+            .collect()
+    }
+
+    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
+    fn choose_spacing(&mut self) {
+        let Some(target) = self.settings.target() else {
+            return;
+        };
+        let mut recipes = Vec::new();
+        for scale in [2.0, 0.5] {
+            if let Some(synthesis) = pilot::respaced(&self.synthesis, scale)
+                && check_memory("", surface_bytes(&synthesis, &self.traced, &self.settings)).is_ok()
+            {
+                recipes.push((scale, synthesis));
+            }
+        }
+        let mut scales: Vec<f64> = recipes.iter().map(|(scale, _)| *scale).collect();
+        scales.push(1.0);
+        scales.sort_by(|a, b| b.total_cmp(a));
+        let chosen = pilot::spacing(&self.pilot.figures, target, &scales);
+        let figures = self.pilot.figures.iter();
+        self.pilot.mesh_errors = figures.map(|f| f.mesh_error(chosen.scale)).collect();
+        if let Some((_, synthesis)) = recipes.into_iter().find(|(s, _)| *s == chosen.scale) {
+            self.synthesis = synthesis;
+        }
+        self.pilot.scale = chosen.scale;
+        if let (Some(error), false) = (chosen.mesh_error, chosen.fine_enough) {
+            let spacing = self.synthesis.spacing()[0];
+            self.pilot.warnings.push(format!(
+                "at the spacing {spacing} the mesh adds an error of up to {}, above a third of the target: give a finer spacing",
+                error_in_short(error)
+            ));
+        }
+    }
+
+    /// Chooses the surfaces and rays that reach the target in the least time.
+    fn choose_effort(&mut self, all_cases: usize) {
+        let Some(target) = self.settings.target() else {
+            return;
+        };
+        let most = most_realisations(&self.settings.tally, all_cases);
+        let (figures, scale) = (&self.pilot.figures, self.pilot.scale);
+        let Some(effort) = pilot::plan(figures, target.error(), scale, most) else {
+            return;
+        };
+        if effort.expected > target.error() {
+            self.pilot.warnings.push(format!(
+                "the target {} takes more than {} surfaces, the most that results are held of: expect {}",
+                error_in_short(target.error()),
+                effort.surfaces,
+                error_in_short(effort.expected)
+            ));
+        }
+        self.plan = effort.plan();
+    }
+}

@@ -1,0 +1,83 @@
+//! The rounds of cases that share fresh surfaces: a batch is a surface.
+
+use super::context::Context;
+use super::random::RandomGroup;
+use super::rounds::{Batches, Rounds, run_rounds};
+use super::tallies::CaseTallies;
+use crate::error::SimulateError;
+use crate::input::limits::most_realisations;
+use crate::output::stopped_by::StoppedBy;
+use crate::store::Stage;
+
+/// Surfaces added are so many times more than the present error requires.
+const ROUND_MARGIN: f64 = 1.1;
+
+impl RandomGroup {
+    /// The tallies of every traced case, and how their rounds came to an end.
+    pub(super) fn trace(
+        &self,
+        all_cases: usize,
+        context: Context<'_>,
+    ) -> Result<(Vec<CaseTallies>, Rounds), SimulateError> {
+        let mut batches = Surfaces {
+            group: self,
+            tallies: Vec::new(),
+            done: 0,
+            most: most_realisations(&self.settings.tally, all_cases),
+        };
+        let rounds = if self.traced.is_empty() {
+            Rounds {
+                added: 0,
+                stopped_by: StoppedBy::Plan,
+            }
+        } else {
+            run_rounds(&mut batches, self.plan.surfaces, context)?
+        };
+        Ok((batches.tallies, rounds))
+    }
+}
+
+/// Surfaces as batches.
+struct Surfaces<'a> {
+    group: &'a RandomGroup,
+    /// By traced case.
+    tallies: Vec<CaseTallies>,
+    done: u64,
+    /// Surfaces whose results fit into memory.
+    most: u64,
+}
+
+impl Batches for Surfaces<'_> {
+    fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
+        let group = self.group.group(Stage::Result);
+        let rays = group.blocks().rays();
+        if self.done > 0 {
+            let more = (count - self.done) * rays * self.group.traced.len() as u64;
+            context.observer.begin("adding", more);
+        }
+        let more = group.run(self.done..count, context)?;
+        if self.done == 0 {
+            self.tallies = more;
+        } else {
+            for (tallies, more) in self.tallies.iter_mut().zip(more) {
+                tallies.append(more);
+            }
+        }
+        self.done = count;
+        let traced = self.tallies.first().map_or(0, |t| t.work.rays);
+        Ok(traced >= count * rays)
+    }
+
+    fn error_over_target(&self) -> Option<f64> {
+        let target = self.group.settings.target()?;
+        let errors = self.tallies.iter().enumerate();
+        let errors: Option<Vec<f64>> = errors.map(|(i, t)| self.group.error(i, t)).collect();
+        let worst = errors?.into_iter().fold(0.0, f64::max);
+        Some(worst / target.error())
+    }
+
+    fn needed(&self, count: u64, error_over_target: f64) -> u64 {
+        let needed = count as f64 * error_over_target * error_over_target * ROUND_MARGIN;
+        (needed.ceil() as u64).max(count + 2).min(self.most)
+    }
+}
