@@ -1,4 +1,4 @@
-//! Light on a rough surface above a scattering medium, a layer on a black bottom.
+//! Light on a rough surface above a scattering medium, a layer on an absorbing bottom.
 //!
 //! The flux that leaves above is split by how often the medium scattered it.
 //!

@@ -1,5 +1,6 @@
 //! `asperity attenuation`: shadowing and masking on explicit surfaces.
 
+use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use asperity_studies::{
     AttenuationConfig, AttenuationError, attenuation, attenuation_report, attenuation_summary,
@@ -44,15 +45,18 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     if interrupt::came() {
         say(&format!(
-            "interrupted; results are of the {} surfaces that were finished",
-            outcome.work.realisations
+            "interrupted; results are of {} that finished",
+            counted(outcome.work.realisations, "surface")
         ));
     }
     common.say(|| {
         let work = &outcome.work;
         format!(
-            "{} surfaces of {} points by {} in {:.2} s",
-            work.realisations, work.points, work.way, work.seconds
+            "{} of {} points by {} in {:.2} s",
+            counted(work.realisations, "surface"),
+            work.points,
+            work.method,
+            work.seconds
         )
     });
     if results.json {

@@ -1,5 +1,6 @@
 //! `asperity converge`: run time against error.
 
+use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use asperity_studies::{
     ConvergeConfig, ConvergeError, VerifyError, converge, converge_report, converge_summary,
@@ -34,7 +35,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     if interrupt::came() {
         say("interrupted; the cases that were finished are written");
     }
-    common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
+    common.say(|| {
+        let cases = counted(outcome.cases.len() as u64, "case");
+        format!("{cases} in {:.1} s", outcome.seconds)
+    });
     if results.json {
         return print_json(&converge_summary(&outcome));
     }

@@ -1,6 +1,6 @@
 //! `asperity gonio`: the whole BRDF and BTDF.
 
-use asperity_simulate::StoppedBy;
+use asperity_simulate::{StoppedBy, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{
     GonioConfig, GonioError, MeasuredConfig, Sample, VerifyError, gonio, gonio_report,
@@ -48,7 +48,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     common.say(|| {
         let (resumed, computed) = (outcome.resumed, outcome.computed);
-        format!("{resumed} directions from checkpoints, {computed} computed")
+        let resumed = counted(resumed as u64, "direction");
+        format!("{resumed} from checkpoints, {computed} computed")
     });
     if let Some(stop) = outcome.stopped_by {
         let why = match stop {

@@ -122,7 +122,7 @@ fn row(left: &str, right: &str, indent: usize) -> String {
     format!("{left:<indent$}{right}\n")
 }
 
-/// Text broken into lines that fit beside `indent` columns, which all but the first begin with.
+/// Text broken into lines that fit next to `indent` columns, which all but the first begin with.
 fn wrapped(text: &str, indent: usize) -> String {
     let mut lines: Vec<String> = vec![String::new()];
     for word in text.split_whitespace() {

@@ -1,6 +1,6 @@
 //! `asperity map`: where each model holds.
 
-use asperity_simulate::StoppedBy;
+use asperity_simulate::{StoppedBy, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{MapConfig, MapError, VerifyError, map, map_report, map_summary, map_table};
 
@@ -39,7 +39,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     common.say(|| {
         let (resumed, computed) = (outcome.resumed, outcome.computed);
-        format!("{resumed} cells from checkpoints, {computed} computed")
+        let resumed = counted(resumed as u64, "cell");
+        format!("{resumed} from checkpoints, {computed} computed")
     });
     if let Some(stop) = outcome.stopped_by {
         let why = match stop {

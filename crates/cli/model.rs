@@ -238,7 +238,7 @@ fn bins(
 }
 
 /// Values at single directions, by polar angle and azimuth in radians, of the model of that description;
-/// `notes` are said beside them.
+/// `notes` are printed below them.
 fn directions(
     settings: &Settings,
     common: &Common,

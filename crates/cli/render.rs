@@ -22,7 +22,7 @@ use crate::output::{print, say};
 use crate::progress::{Bar, duration};
 
 /// What the values of an EXR are.
-const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: share of the pixel that shows the surface";
+const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: fraction of the pixel that shows the surface";
 
 /// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
 const ROULETTE: f64 = 0.2;
@@ -251,21 +251,21 @@ fn report(
     let [build, follow] = outcome.seconds;
     let lines = outcome.samples as f64 * (columns * rows) as f64;
     let mut text = format!(
-        "{name}, {columns} x {rows} pixels of {} lines of sight, {lines:.3e} in {:.1} s\n  mean radiance {:.5}, standard error of a pixel {:.2e} on average, from {} passes; exposure {factor:.4}\n",
+        "{name}, {columns} x {rows} pixels of {} camera rays, {lines:.3e} in {:.1} s\n  mean radiance {:.5}, standard error of a pixel {:.2e} on average, from {} passes; exposure {factor:.4}\n",
         outcome.samples,
         build + follow,
         mean(&picture.radiance),
         mean(&picture.error),
         outcome.passes,
     );
-    for (share, what) in [
+    for (fraction, what) in [
         (outcome.truncated, "ended by a limit"),
         (outcome.left_patch, "left the patch sideways"),
         (outcome.lost, "failed numerically"),
     ] {
-        if share > 0.0 {
+        if fraction > 0.0 {
             text.push_str(&format!(
-                "note: {share:.1e} of the light {what} and is dark\n"
+                "note: {fraction:.1e} of the light {what} and is dark\n"
             ));
         }
     }

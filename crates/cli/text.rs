@@ -127,7 +127,7 @@ pub(crate) fn roughness_table(path: &Path, input: &Input, r: &Roughness) -> Stri
     out
 }
 
-/// Requested beside realised statistics; empty for a surface that was not generated.
+/// Requested and realised statistics; empty for a surface that was not generated.
 pub(crate) fn requested_and_realised(r: &Roughness, unit: LengthUnit) -> String {
     let Some(realised) = &r.realised else {
         return String::new();

@@ -1,5 +1,6 @@
 //! `asperity verify`: random surfaces against the scattering models.
 
+use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use asperity_studies::{
     VerifyConfig, VerifyError, resume_verify, verify_report, verify_summary, verify_table,
@@ -31,8 +32,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let checkpoints = config.checkpoints(&folder).map_err(Failure::failed)?;
     if checkpoints.resumed() > 0 {
         say(&format!(
-            "resumed with {} surfaces of the run that was ended",
-            checkpoints.resumed()
+            "resumed with {} of the run that was ended",
+            counted(checkpoints.resumed() as u64, "surface")
         ));
     }
     let bar = Bar::new(common);
@@ -45,7 +46,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let is_stopped = outcome.is_stopped();
     checkpoints.close(is_stopped).map_err(Failure::failed)?;
     folder.finish(!is_stopped).map_err(Failure::failed)?;
-    common.say(|| format!("{} cases in {:.1} s", outcome.cases.len(), outcome.seconds));
+    common.say(|| {
+        let cases = counted(outcome.cases.len() as u64, "case");
+        format!("{cases} in {:.1} s", outcome.seconds)
+    });
     if interrupt::came() {
         say("interrupted; the results so far are written, and the same command resumes");
     }

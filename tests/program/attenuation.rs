@@ -59,7 +59,7 @@ fn explicit_surfaces_are_lit_as_theory_has_it_within_its_bias() {
     assert_eq!(number(row, "theta"), 45.0);
     assert!((number(row, "smith_lit") - 0.633_731_086_365_558_1).abs() < 1e-12);
     assert!((number(row, "smith_g1") - 0.833_582_554_806_990_5).abs() < 1e-12);
-    // Light sees the area of the mean plane, which makes the visible share of projected areas Smith's. The
+    // Light sees the area of the mean plane, which makes the visible fraction of projected areas Smith's. The
     // slopes of the mesh are low by a quarter of a percent, which moves G1 by less than 0.001.
     assert!(z(row, "lit_projected", 1.0).abs() < 4.0);
     let smith = number(row, "smith_g1");
@@ -67,10 +67,10 @@ fn explicit_surfaces_are_lit_as_theory_has_it_within_its_bias() {
         (mean(row, "g1_projected") - smith).abs() < 4.0 * estimate(row, "g1_projected")[1] + 1e-3
     );
     z(row, "g1_projected", smith);
-    // The share that faces the light is that of Gaussian slopes, erf(1/2) / 2 + 1/2.
+    // The fraction that faces the light is that of Gaussian slopes, erf(1/2) / 2 + 1/2.
     let away = 0.5 - 0.5 * 0.520_499_877_813_046_5;
     assert!(z(row, "local_shadow", away).abs() < 4.0);
-    // Shares of points lie below Smith's. Along a line the surface is a Gaussian process; one of 20,000
+    // Fractions of points lie below Smith's. Along a line the surface is a Gaussian process; one of 20,000
     // correlation lengths, simulated apart from this program, gave 0.598 and 0.787, to some 0.003.
     for (key, expected, smith) in [("lit", 0.598, "smith_lit"), ("g1", 0.787, "smith_g1")] {
         let [mean, se] = estimate(row, key);
@@ -124,8 +124,8 @@ fn samples_are_lit_and_visible_or_shadowed_or_masked() {
         mean(&rows(&found)[0], "paper_g2")
     };
     let lit = paper("--view-theta 0");
-    // Who looks from the light sees what is lit; from elsewhere, a part of it, and no less than the rest of
-    // what is seen leaves.
+    // Seen along the light, the visible points are the lit ones. From elsewhere a part of them is visible, and
+    // at least lit + visible - 1.
     assert_eq!(paper("--view-theta 70 --view-phi 25"), lit);
     let both = paper("--view-theta 60 --view-phi 205");
     let seen = mean(
@@ -153,8 +153,8 @@ fn vertical_light_reaches_everything_and_mirrors_do_not_send_it_all_away() {
     for key in ["smith_lit", "smith_g1", "v_cavity_lit", "v_cavity_g2"] {
         assert!((number(row, key) - 1.0).abs() < 1e-12, "{key}");
     }
-    // A facet steeper than 45 degrees throws vertical light down: at s = 1 the share exp(-1/4) of all
-    // (slopes of variance 2 an axis exceed one in exp(-1/4)), so at most 1 - exp(-1/4) gets away.
+    // A facet steeper than 45 degrees throws vertical light down: at s = 1 the fraction exp(-1/4) of all
+    // (slopes of variance 2 an axis exceed one in exp(-1/4)), so at most 1 - exp(-1/4) escapes.
     let mirrored = mean(row, "mirror_g2");
     assert!(
         mirrored > 0.05 && mirrored < 1.0 - (-0.25_f64).exp() + 0.01,
@@ -162,7 +162,7 @@ fn vertical_light_reaches_everything_and_mirrors_do_not_send_it_all_away() {
     );
 }
 
-/// Share of all points whose facet faces the light and sends its mirrored ray up, unseen by Smith's
+/// Fraction of all points whose facet faces the light and sends its mirrored ray up, unmasked by Smith's
 /// height-correlated masking: a sum over slopes, in steps of a tenth of a deviation.
 fn smith_mirror_g2(smoothness: f64, theta_deg: f64) -> f64 {
     let slopes = SlopeCovariance::isotropic(smoothness).unwrap();
@@ -209,34 +209,34 @@ fn both_ways_find_the_same() {
     let directions = "--theta 20,60,85 --phi 30 --view-theta 0,50 --view-phi 200 --heights";
     let command = format!("{SMALL} {directions}");
     let [rays, horizons] =
-        ["rays", "horizons"].map(|way| outcome(&format!("{command} --way {way}")));
+        ["rays", "horizons"].map(|method| outcome(&format!("{command} --method {method}")));
     assert_eq!(rays["rows"], horizons["rows"]);
     assert_eq!(rays["visibility"], horizons["visibility"]);
     assert_eq!(rays["rows"].as_array().unwrap().len(), 6);
-    assert_eq!(horizons["work"]["way"], "horizons");
+    assert_eq!(horizons["work"]["method"], "horizons");
     // Horizons of the first sigma serve all: on surfaces twice as high the light is as if it were steeper.
     let several = outcome(&format!(
-        "{SMALLEST} --sigma 0.75,1.5 --realisations 3 {directions} --way horizons"
+        "{SMALLEST} --sigma 0.75,1.5 --realisations 3 {directions} --method horizons"
     ));
     assert_eq!(rows(&several)[6..], rows(&rays)[..]);
     // On an open patch too.
-    let [rays, horizons] =
-        ["rays", "horizons"].map(|way| outcome(&format!("{command} --border open --way {way}")));
+    let [rays, horizons] = ["rays", "horizons"]
+        .map(|method| outcome(&format!("{command} --border open --method {method}")));
     assert_eq!(rays["rows"], horizons["rows"]);
 }
 
 #[test]
 fn the_eye_at_the_light_sees_what_is_lit() {
     let command = format!("{SMALL} --theta 70 --phi 25 --view-theta 70,40");
-    for way in ["rays", "horizons"] {
-        let same = outcome(&format!("{command} --view-phi 25 --way {way}"));
+    for method in ["rays", "horizons"] {
+        let same = outcome(&format!("{command} --view-phi 25 --method {method}"));
         let row = &rows(&same)[0];
         assert_eq!(row["g2"], row["g1"]);
         assert_eq!(row["g1_view"], row["g1"]);
         assert_eq!(row["local_mask"], row["local_shadow"]);
         // Smith's bistatic forms know nothing of that.
         assert!(number(row, "smith_correlated_g2") < mean(row, "g2"));
-        let opposite = outcome(&format!("{command} --view-phi 205 --way {way}"));
+        let opposite = outcome(&format!("{command} --view-phi 205 --method {method}"));
         assert!(mean(&rows(&opposite)[0], "g2") < mean(row, "g2"));
     }
 }
@@ -437,7 +437,7 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
             assert_eq!(one, two);
             assert_eq!(
                 (&one["schema"], &one["command"]),
-                (&Value::from(1), &"attenuation".into())
+                (&Value::from(2), &"attenuation".into())
             );
             assert_eq!(one["config"]["run"]["seed"], 1);
         } else {
@@ -530,7 +530,7 @@ fn contradicting_settings_are_refused_in_one_sentence() {
         ("--sigma -1", "sigma"),
         ("--tau 0", "tau"),
         ("--realisations 0", "1 or more"),
-        ("--way best", "rays or horizons"),
+        ("--method best", "rays or horizons"),
         ("--border mirrored", "periodic or open"),
         ("--border open --size 40,2 --insist", "none inside"),
         ("--length 12.8 --size 256", "--size"),

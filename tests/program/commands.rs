@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::support::{asperity, json, refused, succeed, with_surface, words};
 
 #[test]
-fn generate_then_inspect_shows_requested_beside_realised() {
+fn generate_then_inspect_shows_requested_and_realised_statistics() {
     let (_keep, folder) = with_surface();
     let text = succeed(&folder, &["inspect", "h.exr"]);
     for word in [
@@ -167,7 +167,7 @@ fn trace_writes_what_it_says() {
         );
     }
     let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
-    assert_eq!(summary["schema"], 1);
+    assert_eq!(summary["schema"], 2);
     assert_eq!(summary["command"], "trace");
     let energy = |name: &str| summary["energy"][name]["mean"].as_f64().unwrap();
     let names = ["reflected", "transmitted", "absorbed", "truncated", "lost"];
@@ -191,7 +191,7 @@ fn trace_writes_what_it_says() {
     assert_eq!(summary["orders"]["reflected"][0]["order"], 1);
     assert_eq!(summary["paths"][0]["events"], "T");
 
-    // The histogram holds the energies, 18 x 36 bins a side.
+    // The histogram holds the energies, 18 x 36 bins per side.
     let table = fs::read_to_string(out.join("histogram.csv")).unwrap();
     let header = "side,theta_min_deg,theta_max_deg,phi_min_deg,phi_max_deg,solid_angle_sr,flux,flux_se,intensity,bsdf,bsdf_se";
     assert!(table.starts_with(header));
@@ -217,7 +217,7 @@ fn trace_writes_what_it_says() {
 }
 
 #[test]
-fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
+fn a_side_that_is_not_recorded_is_left_out_of_every_file() {
     let (_keep, folder) = with_surface();
     let fixed =
         words("trace h.exr --theta 40 --rays 2e4 --max-order 1 --roulette 0.1 --estimator plain");
@@ -227,7 +227,7 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
             &folder,
             &[&fixed[..], &["--side", side, "-o", side]].concat(),
         );
-        assert!(text.contains("not asked"), "{text}");
+        assert!(text.contains("not recorded"), "{text}");
         assert!(!text.contains(&format!("  {other} ")), "{text}");
         let out = folder.join(side);
         // What is requested is the same to the byte as in a run that asks for both sides.
@@ -252,11 +252,11 @@ fn a_side_that_is_not_asked_for_is_left_out_of_every_file() {
         let paths = one["paths"].as_array().unwrap();
         assert!(paths.iter().all(|path| path["side"] == side), "{paths:?}");
         let mean = |key: &str| one["energy"][key]["mean"].as_f64().unwrap();
-        assert!(mean("not_asked") > 0.01 && mean("not_asked") <= mean("truncated") + 0.01);
+        assert!(mean("not_recorded") > 0.01 && mean("not_recorded") <= mean("truncated") + 0.01);
         assert!((mean(side) + mean("truncated") - 1.0).abs() < 1e-12);
-        assert!(one["work"]["branches_not_asked"].as_u64().unwrap() > 1000);
-        assert_eq!(both["work"]["branches_not_asked"], 0);
-        assert_eq!(both["energy"]["not_asked"]["mean"], 0.0);
+        assert!(one["work"]["branches_not_recorded"].as_u64().unwrap() > 1000);
+        assert_eq!(both["work"]["branches_not_recorded"], 0);
+        assert_eq!(both["energy"]["not_recorded"]["mean"], 0.0);
         assert_eq!(one["config"]["side"], side);
 
         let in_plane = |side: &str| out.join(format!("in_plane_{side}.svg"));

@@ -111,7 +111,7 @@ fn the_summary_holds_slopes_seconds_and_gains() {
     assert_eq!(summary, file);
     assert_eq!(
         (&summary["schema"], &summary["command"]),
-        (&1.into(), &"converge".into())
+        (&2.into(), &"converge".into())
     );
     assert_eq!(summary["seed"], 5);
     assert_eq!(summary["config"]["converge"]["surface"]["size"], 32);

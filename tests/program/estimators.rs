@@ -2,12 +2,12 @@
 //! Gaussian slopes, and on given ones, where it is a sum over facets.
 //!
 //! Tried and seen to fail: points on the surface whose weight lacks a cosine, a slope covariance half as
-//! large, shares that are subtracted but not added; a sum that leaves out an eighth of the facets, lights
+//! large, fractions that are subtracted but not added; a sum that leaves out an eighth of the facets, lights
 //! them from the other side, or forgets two of the images of a mirrored tile.
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, ControlMean, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
+    Case, ControlVariateMean, Estimator, Light, Settings, Silent, SurfaceSource, simulate,
 };
 use asperity_studies::{Count, RunConfig, VerifyConfig, VerifyOutcome, verify};
 use asperity_surface::{Border, Psd, Synthesis};
@@ -160,7 +160,7 @@ fn estimators_agree_for_grooves_metals_and_mirrors() {
     }
 }
 
-/// Of a given surface the mean of the control is the sum over its facets. The numbers of one surface are
+/// Of a given surface the mean of the control variate is the sum over its facets. The numbers of one surface are
 /// few and go together, so that only the largest deviation says something.
 #[test]
 fn estimators_agree_on_a_given_surface() {
@@ -202,8 +202,8 @@ fn estimators_agree_on_a_given_surface() {
             controlled.work.estimator, controlled.work.starts
         );
         assert_eq!(controlled.work.estimator, Estimator::Controlled);
-        let mean = controlled.work.control;
-        assert_eq!(mean, Some(ControlMean::FacetsOfSurface));
+        let mean = controlled.work.control_variate;
+        assert_eq!(mean, Some(ControlVariateMean::FacetsOfSurface));
         Scores::new(&entries(&spec), &plain.statistics, &controlled.statistics).check();
     }
 }

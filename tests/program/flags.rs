@@ -144,7 +144,7 @@ fn light_of_random_azimuth_leaves_the_plane_of_grooves() {
     println!("in plane: {fixed} from one azimuth, {random} from random ones");
     assert!(fixed_bytes != random_bytes);
     assert!((fixed - 1.0).abs() < 1e-9);
-    // The control of one surface knows light of one azimuth: by default it is left out.
+    // The control variate of one surface knows light of one azimuth: by default it is left out.
     assert!(random < 0.2);
     let line = "trace h.csv --border periodic --material mirror --theta 40 --light-azimuth random --estimator controlled";
     assert!(refused(folder, &words(line), 2).contains("one azimuth"));
@@ -167,7 +167,7 @@ fn a_lambertian_bottom_reflects_all_unless_told_otherwise() {
     assert_eq!(of(&results["absorbed"], "mean"), 0.0);
 }
 
-/// Light from azimuth 20 deg goes on towards 200 deg, and that is where its mirror image and its straight beam lie.
+/// Light from azimuth 20 deg travels towards 200 deg, where its mirror image and its unscattered beam lie.
 #[test]
 fn bins_of_a_flat_layer_lie_across_the_normal_and_hold_projected_densities() {
     let folder = tempfile::tempdir().unwrap();

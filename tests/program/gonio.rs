@@ -1,4 +1,4 @@
-//! The virtual gonioreflectometer: its tables, its files, and runs that go on where they were left.
+//! The virtual gonioreflectometer: its tables, its files, and runs that resume.
 
 use std::fs;
 use std::path::Path;
@@ -286,7 +286,7 @@ fn a_folder_with_directions_that_are_not_planned_is_refused() {
         assert_eq!(files(&out.join("directions")).len(), 2);
         assert_eq!(fs::read(out.join("gonio.csv")).unwrap(), before);
     }
-    // A table alone, of which the numbers to go on from are gone, is one too.
+    // A table without the checkpoints to resume from is one too.
     fs::remove_file(out.join(format!("directions/{name}.json"))).unwrap();
     refused(folder, &words("gonio g.toml --theta 50 -o out"), 1);
     // The same with more directions is the same measurement.
@@ -453,7 +453,7 @@ fn bad_input_gets_a_sentence() {
         assert!(said.contains(expected), "{line}: {said}");
     }
     assert_eq!(files(folder), ["g.toml"]);
-    // Keys of verify and trace, be it that a flag would have its say.
+    // Keys of verify and trace, even where a flag replaces them.
     for (key, flags) in [
         ("target_error = 0.01", ""),
         ("target_error = 0.01", "--rays 100 "),
@@ -485,7 +485,7 @@ fn summary_tells_all_and_examples_are_understood() {
     assert_eq!(summary["complete"], true);
     assert_eq!(summary["azimuth"], "random");
     assert_eq!(
-        summary["parts"],
+        summary["components"],
         serde_json::json!(["all", "unscattered", "once", "more"])
     );
     let directions: &Vec<Value> = summary["directions"].as_array().unwrap();

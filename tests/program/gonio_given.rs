@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::support::{Table, refused, succeed, words};
 
-/// Twelve bins a side, a thousand rays.
+/// Twelve bins per side, a thousand rays.
 const SHORT: &str = "--theta 30 --bins 3x4 --no-plots";
 
 /// Grooves along y as a table of heights: a triangle wave of slope `height`.
@@ -18,7 +18,7 @@ fn run(folder: &Path, line: &str) -> String {
     succeed(folder, &words(line))
 }
 
-fn foreign(folder: &Path, line: &str, what: &str) {
+fn mismatched(folder: &Path, line: &str, what: &str) {
     let said = refused(folder, &words(line), 1);
     assert!(
         said.contains("another run") && said.contains(what),
@@ -58,11 +58,11 @@ fn results_on_a_file_are_refused_by_what_differs() {
             "light.any_azimuth false in place of true",
         ),
     ] {
-        foreign(folder, &line, what);
+        mismatched(folder, &line, what);
     }
     // Nothing but heights is another.
     grooves(&folder.join("h.csv"), 0.26);
-    foreign(folder, &line("periodic", "1e3", ""), "measured.heights");
+    mismatched(folder, &line("periodic", "1e3", ""), "measured.heights");
     assert_eq!(fs::read(folder.join("out/summary.json")).unwrap(), before);
     grooves(&folder.join("h.csv"), 0.25);
     run(folder, &line("periodic", "1e3", ""));
@@ -93,14 +93,14 @@ fn results_above_a_medium_are_refused_by_what_differs_below() {
             (" --bottom mirror", "layer.slab.bottom"),
             (" --seed 2", "run.seed 1 in place of 2"),
         ] {
-            foreign(folder, &line(more), what);
+            mismatched(folder, &line(more), what);
         }
         fs::remove_dir_all(folder.join("out")).unwrap();
     }
 }
 
-/// Every row of in_plane.csv beside that of `trace`, which holds fluxes and solid angles: fluxes over solid angle and
-/// mean cosine, that of a wedge between two polar angles being half the sum of their cosines.
+/// Every row of in_plane.csv against that of `trace`, which holds fluxes and solid angles: fluxes over solid angle and
+/// mean cosine, that of an in-plane bin between two polar angles being half the sum of their cosines.
 #[test]
 fn profiles_are_fluxes_over_projected_solid_angle_and_multiple_is_all_above_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -144,7 +144,7 @@ fn profiles_are_fluxes_over_projected_solid_angle_and_multiple_is_all_above_one(
     assert!(by_order.iter().all(|flux| *flux > 0.001));
 }
 
-/// Vertical light on a bare medium leaves the same at all azimuths: a profile is the mean of its ring of bins. Wedge and
+/// Vertical light on a bare medium leaves the same at all azimuths: a profile is the mean of its ring of bins. In-plane bin and
 /// ring share rays, which makes the error of their difference smaller than the root of the sum of squares; of six
 /// scores none lies above 4 but for one in 2600.
 #[test]

@@ -105,7 +105,7 @@ fn light_of_any_azimuth_has_the_same_energy() {
 }
 
 #[test]
-fn the_same_bytes_on_any_number_of_threads_and_histories_that_add_up() {
+fn the_same_bytes_on_any_number_of_threads_and_components_that_add_up() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     for threads in ["1", "2"] {
@@ -124,7 +124,7 @@ fn the_same_bytes_on_any_number_of_threads_and_histories_that_add_up() {
         }
         let summary = json(&String::from_utf8(read("1", "summary.json").unwrap()).unwrap());
         for side in ["reflected", "transmitted"] {
-            let parts: f64 = summary["histories"]
+            let parts: f64 = summary["components"]
                 .as_array()
                 .unwrap()
                 .iter()

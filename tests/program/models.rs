@@ -1,4 +1,4 @@
-//! Models by name: on their own, and beside explicit surfaces with single and multiple scattering apart.
+//! Models by name: alone, and against explicit surfaces with single and multiple scattering separate.
 
 use std::fs;
 
@@ -107,8 +107,8 @@ fn single_and_multiple_scattering_are_judged_apart() {
         smith["single"]["total_variation"],
         heitz["single"]["total_variation"]
     );
-    let energy = |share: &str| {
-        let of = &heitz["energy"][share];
+    let energy = |component: &str| {
+        let of = &heitz["energy"][component];
         number(&of["reflected"]["mean"]) + number(&of["transmitted"]["mean"])
     };
     assert!((energy("single") + energy("multiple") - energy("total")).abs() < 1e-12);

@@ -14,10 +14,7 @@ fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_
         let medium = words("--mean-free-path 2 --albedo 0.9 --g 0.5");
         let rest = ["-o", &exr, "-o", &png, "--threads", threads];
         let text = succeed(&folder, &[&words(SMALL)[..], &medium, &rest].concat());
-        assert!(
-            text.contains("24 x 18 pixels of 4 lines of sight"),
-            "{text}"
-        );
+        assert!(text.contains("24 x 18 pixels of 4 camera rays"), "{text}");
         assert!(text.contains("standard error"), "{text}");
     }
     for ending in ["exr", "png"] {

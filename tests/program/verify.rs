@@ -53,7 +53,7 @@ fn verify_judges_every_case_and_says_so() {
     // A rough surface transmits far more than Xu and Sun's visibility lets through.
     let rough = &summary["cases"][0]["summary"]["comparison"]["models"][0];
     assert_eq!(rough["model"], "xu-sun");
-    assert_eq!(rough["verdict"], "fails");
+    assert_eq!(rough["verdict"], "rejected");
     assert!(rough["single"]["p"].as_f64().unwrap() < 0.01);
 }
 
@@ -155,7 +155,7 @@ fn vertical_light_is_even_over_azimuth_and_judged_by_rings() {
         assert!((number(0, "max_t") / number(1, "max_t") - 1.0).abs() < 1e-9);
     }
     // A rough surface at normal incidence: Xu and Sun lose light, and the test sees it.
-    assert_eq!(models[0]["verdict"], "fails");
+    assert_eq!(models[0]["verdict"], "rejected");
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn a_verification_of_one_side_judges_that_side() {
     let text = succeed(folder, &["verify", "v.toml", "-o", "one"]);
     let of_both = ["verify", "v.toml", "--side", "both", "-o", "both"];
     succeed(folder, &of_both);
-    assert!(text.contains("transmitted single") && text.contains("not asked"));
+    assert!(text.contains("transmitted single") && text.contains("not recorded"));
     assert!(!text.contains("reflected"), "{text}");
     let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
     for name in [
@@ -303,13 +303,21 @@ fn every_result_says_where_its_error_comes_from() {
         let budget = &summary["error_budget"];
         let of = |part: &str| budget["reflected"][part].as_f64();
         assert!(of("rays").unwrap() > 0.0 && of("total") >= of("rays"));
-        // A control leaves nothing of the first order, so that only a finer mesh shows the rest.
+        // A control variate leaves nothing of the first order, so that only a finer mesh shows the rest.
         assert_eq!(of("mesh").is_some(), estimator == "plain" || refine);
         assert_eq!(of("mesh_se").is_some(), refine);
         assert_eq!(of("mesh_removed").is_some(), estimator == "controlled");
-        let way = |part: &str| budget["ways"][part].as_str().unwrap().to_owned();
-        assert!(way("rays").contains("ray blocks") && way("surfaces").contains("0 where"));
-        assert_eq!(way("mesh").contains("--refine"), !refine, "{}", way("mesh"));
+        let explanation = |part: &str| budget["explanations"][part].as_str().unwrap().to_owned();
+        assert!(
+            explanation("rays").contains("ray blocks")
+                && explanation("surfaces").contains("0 where")
+        );
+        assert_eq!(
+            explanation("mesh").contains("--refine"),
+            !refine,
+            "{}",
+            explanation("mesh")
+        );
         assert_eq!(budget["refinement"].is_object(), refine);
         let read = |name: &str| fs::read_to_string(folder.join("out").join(name)).unwrap();
         for name in ["histogram.csv", "theta.csv", "in_plane.csv"] {
@@ -370,10 +378,12 @@ fn finer_meshes_are_asked_for_where_there_are_any() {
         let mean = |of: &Value| of["energy"]["reflected"]["mean"].as_f64().unwrap();
         let mesh = reflected["mesh"].as_f64().unwrap();
         assert!((mean(&given) - mean(&one) - 3.0 * mesh).abs() < 1e-12);
-        let way = given["error_budget"]["ways"]["mesh"].as_str().unwrap();
+        let explanation = given["error_budget"]["explanations"]["mesh"]
+            .as_str()
+            .unwrap();
         assert!(
-            way == "not estimated: --refine traces a finer mesh",
-            "{way}"
+            explanation == "not estimated: --refine traces a finer mesh",
+            "{explanation}"
         );
     }
     let open = refused(&folder, &trace(&["--refine", "--border", "open"]), 2);
@@ -396,7 +406,7 @@ fn every_example_configuration_is_understood() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|ending| ending == "toml") {
             let text = fs::read_to_string(&path).unwrap();
-            // Those of other commands are looked at beside the other tests of these.
+            // Those of other commands are read in the tests of these commands.
             let of_attenuation = ["geometric_attenuation", "visibility"]
                 .into_iter()
                 .any(|name| path.file_stem().is_some_and(|stem| stem == name));

@@ -1,7 +1,7 @@
 //! Flat layer: a medium between flat faces, with light that is unscattered inside and light scattered once.
 //!
 //! A face of relative index `eta` on top, a homogeneous medium of optical thickness `tau = sigma_t d` (or
-//! infinite), and a bottom that is open, an interface, a mirror or black. Reflection at flat faces keeps the
+//! infinite), and a bottom that is open, an interface, a mirror or absorbing. Reflection at flat faces keeps the
 //! angle of light, so the inner reflections of one direction are a geometric series, and single scattering has a
 //! closed form. Two models differ in the paths that count: see [`LayerPaths`].
 //!
@@ -90,7 +90,7 @@ impl LayerPaths {
     pub const fn valid_range(self) -> &'static str {
         match self {
             Self::HanrahanKrueger => {
-                "flat faces, thin or absorbing media; all of light scattered once over half spaces and black bottoms, elsewhere without what inner faces reflect; no mirror or Lambertian bottom"
+                "flat faces, thin or absorbing media; all of light scattered once over half spaces and absorbing bottoms, elsewhere without what inner faces reflect; no mirror or Lambertian bottom"
             }
             Self::All => {
                 "flat faces, thin or absorbing media; exact for light scattered once and never, without what is scattered more often; no Lambertian bottom"

@@ -111,6 +111,6 @@ fn too_large(path: &Path, [ny, nx]: [u64; 2], length: u64) -> ReadError {
 /// them leave no way to such a panic that the tests with damaged files would have found; should
 /// there be one, its message goes to standard error and the file is reported as damaged.
 pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
-    // What the closure borrows is dropped after a panic, never looked at again.
+    // What the closure borrows is dropped after a panic, never used again.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).ok()
 }

@@ -1,6 +1,6 @@
 //! Pictures: radiance by pixel, as OpenEXR for numbers and as PNG for viewing.
 //!
-//! EXR (.exr): the channels `Y`, radiance, `error`, its standard error, and `A`, the share of the pixel in
+//! EXR (.exr): the channels `Y`, radiance, `error`, its standard error, and `A`, the fraction of the pixel in
 //! which the camera sees the surface; single precision, ZIP compression, lossless. Radiance is linear, and
 //! relative to a unit that the text attribute `comments` names. PNG (.png): greyscale of 8 bits, radiance
 //! times the exposure by the curve of sRGB, cut off at white. Row 0 is on top in both.
@@ -24,7 +24,7 @@ pub struct Picture {
     pub radiance: Vec<f64>,
     /// Its standard error.
     pub error: Vec<f64>,
-    /// Share of the pixel in which the camera sees the surface, `[0, 1]`.
+    /// Fraction of the pixel in which the camera sees the surface, `[0, 1]`.
     pub coverage: Vec<f64>,
 }
 

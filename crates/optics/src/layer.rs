@@ -21,9 +21,9 @@ pub enum Bottom {
     Absorbing,
     /// Reflects all light as a mirror does.
     Mirror,
-    /// Reflects a share of the light into all directions, by Lambert's law.
+    /// Reflects a fraction of the light into all directions, by Lambert's law.
     Lambertian {
-        /// That share, `[0, 1]`; the rest is absorbed.
+        /// That fraction, `[0, 1]`; the rest is absorbed.
         reflectance: f64,
     },
 }

@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn directions_follow_the_density() {
-        // The cosine at the quantile u leaves the share u of the density below it.
+        // The cosine at the quantile u leaves the fraction u of the density below it.
         let d = from_spherical(1.1, 2.0);
         for phase in ALL {
             for u in [0.001, 0.1, 0.4, 0.5, 0.9, 0.999] {

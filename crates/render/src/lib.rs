@@ -6,7 +6,7 @@
 //! factors cancel, and a path may be followed as light is ([`asperity_tracer::PathIntegrator`]).
 //!
 //! A sun behind a refracting surface is hardly found by chance. Where a path is scattered inside a medium, the
-//! facets that light it from one direction of the sun's disc are looked for ([`asperity_tracer::LightBeams`]), a
+//! facets that light it from one direction of the sun's disc are computed ([`asperity_tracer::LightBeams`]), a
 //! direction for each pass; chance finds the rest: what is reflected, or meets several facets on its way.
 //!
 //! A picture is made in passes, each with as many samples per pixel, spread evenly over it; every row of a pass
@@ -70,7 +70,7 @@ pub struct RenderOutcome {
     pub samples: u64,
     /// Passes, from which the errors are.
     pub passes: u64,
-    /// Mean share of a line's light that was ended by a limit, without roulette, which is zero on average.
+    /// Mean fraction of a line's light that was ended by a limit, without roulette, which is zero on average.
     pub truncated: f64,
     /// That of light that left an open patch sideways.
     pub left_patch: f64,
@@ -205,7 +205,7 @@ fn render_on<G: BuildAccelerator>(
         geometry: &geometry,
         accelerator: &*accelerator,
     };
-    let substrate = layer
+    let medium = layer
         .map(|&layer| {
             let bottom = settings.bottom;
             LayerBelow { layer, bottom }.traced(top, own, settings.most_scatterings)
@@ -216,14 +216,8 @@ fn render_on<G: BuildAccelerator>(
     let scene = Scene {
         camera: settings.view.camera(settings.size, place.highest())?,
         lights: settings.lights,
-        integrator: PathIntegrator::new(
-            &geometry,
-            &*accelerator,
-            material,
-            settings.paths,
-            substrate,
-        )
-        .with_flight_search(FlightSearch::Nearby),
+        integrator: PathIntegrator::new(&geometry, &*accelerator, material, settings.paths, medium)
+            .with_flight_search(FlightSearch::Nearby),
         place,
         size: settings.size,
     };
@@ -243,7 +237,7 @@ fn render_on<G: BuildAccelerator>(
         [rng.random::<f64>(), rng.random::<f64>()]
     };
     for pass in 0..passes {
-        // Under a medium the sun is looked for in one direction a pass.
+        // Inside a medium sunlight comes from one direction per pass.
         if let (Some(sun), true) = (settings.lights.sun(), scatters) {
             let towards = sun.point(spread(pass, sun_shift));
             match &mut beams {
@@ -428,7 +422,7 @@ impl<G: Geometry> Scene<'_, G> {
             return 0.0;
         };
         let place = self.place.on_mean_plane(lit.origin, beams.towards());
-        lit.share * sun.collimated(place)
+        lit.fraction * sun.collimated(place)
     }
 
     /// What comes along a path, from where it leaves.

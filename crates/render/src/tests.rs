@@ -140,8 +140,8 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
     }
 }
 
-/// A uniform sky is seen with the radiance that is the share of light from the camera that goes back up:
-/// Helmholtz. The one is found by lines of sight, the other by light on its way, over the whole tile.
+/// A uniform sky is seen with the radiance that is the fraction of light from the camera that goes back up:
+/// Helmholtz. The one comes from camera rays, the other from light paths over the whole tile.
 #[test]
 fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
     let layer = slab(0.9, 14.0, Bottom::Lambertian { reflectance: 0.5 });
@@ -149,7 +149,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
         let field = rough(Border::Periodic);
         let sky = Lights::new(1.0, 0.0, None).unwrap();
         let mut settings = settings(theta, ORTHOGRAPHIC, sky);
-        // From any direction, a picture that covers whole tiles: as wide as one, and as high as one looks.
+        // From any direction, a picture that covers whole tiles: as wide as one tile, and as high as it appears.
         let towards = Incidence::from_degrees(theta, 270.0).unwrap();
         settings.view = View::new(ORTHOGRAPHIC, towards, [16.0, 16.0], 32.0).unwrap();
         settings.size = if theta == 0.0 { [16, 16] } else { [16, 8] };
@@ -317,8 +317,8 @@ fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
     // The same plane, but chance alone finds the sun.
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-    let substrate = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
-    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, settings.paths, Some(substrate));
+    let medium = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
+    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, settings.paths, Some(medium));
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let height = 16.0 / 4.0;
     let seen_depth = width / height;

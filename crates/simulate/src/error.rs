@@ -31,7 +31,7 @@ pub enum SimulateError {
     Layer(#[from] TracedLayerError),
     /// Results too large for memory.
     #[error(
-        "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results; 4 GiB is the most, so ask for fewer"
+        "{bins} bins, {realisations} surfaces and {cases} cases take {gib:.1} GiB of results, more than 4 GiB: reduce one of them"
     )]
     TooManyResults {
         /// Bins of both hemispheres.
@@ -55,7 +55,7 @@ pub enum SimulateError {
     },
     /// A control variate for light on an open patch.
     #[error(
-        "the controlled estimator needs a surface that goes on beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
+        "the controlled estimator needs a surface that continues beyond its border; this one is an open patch, so take auto or plain, or a periodic or mirrored border"
     )]
     OpenControl,
     /// A control variate for light of random azimuth on one surface.

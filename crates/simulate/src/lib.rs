@@ -39,7 +39,7 @@ pub use input::limits::{
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};
-pub use methods::method::ControlMean;
+pub use methods::method::ControlVariateMean;
 pub use observer::{Deadline, Observer, Silent};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;
@@ -48,4 +48,4 @@ pub use output::work::SummaryWork;
 pub use slopes::slopes;
 pub use store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
 pub use stream::{convergence_stream, picture_stream, point_stream, ray_stream};
-pub use text::{error_in_short, short};
+pub use text::{counted, error_in_short, short};

@@ -1,10 +1,10 @@
-//! How far a run has come, and whether it should go on.
+//! Observer: is told the progress of a run, and decides when it stops.
 
 use std::time::{Duration, Instant};
 
 use crate::output::stopped_by::StoppedBy;
 
-/// Told how far a run has come, and asked whether it should go on; called from any thread.
+/// Is told the progress of a run and decides when it stops; called from any thread.
 pub trait Observer: Sync {
     /// A stage of `total` steps begins.
     fn begin(&self, stage: &str, total: u64);
@@ -12,7 +12,7 @@ pub trait Observer: Sync {
     fn advance(&self, steps: u64);
     /// The stage is over.
     fn end(&self);
-    /// Something to show beside the steps, until something else is.
+    /// Text to show with the progress, until it is replaced.
     fn note(&self, _text: &str) {}
     /// The stage is now expected to take `total` steps.
     fn expect(&self, _total: u64) {}

@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers and counts as people read them.
 
 use std::ops::Range;
 
@@ -38,6 +38,15 @@ fn without_zeros(text: &str) -> &str {
     }
 }
 
+/// A count with its noun, as in `1 surface` and `2 surfaces`.
+#[must_use]
+pub fn counted(count: u64, noun: &str) -> String {
+    match count {
+        1 => format!("1 {noun}"),
+        _ => format!("{count} {noun}s"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
@@ -52,6 +61,13 @@ mod tests {
         assert_eq!(short(100.0), "100");
         assert_eq!(short(0.0), "0");
         assert_eq!(short(1e-9), "0.000000001");
+    }
+
+    #[test]
+    fn nouns_agree_with_their_counts() {
+        assert_eq!(counted(0, "case"), "0 cases");
+        assert_eq!(counted(1, "case"), "1 case");
+        assert_eq!(counted(2, "case"), "2 cases");
     }
 
     #[test]

@@ -1,27 +1,27 @@
-//! Geometric attenuation on explicit surfaces: which share of their points light reaches and an eye sees.
+//! Geometric attenuation: the fraction of the points of explicit surfaces that is lit and visible.
 //!
 //! # Definitions
 //! One point on each facet, anywhere on it, both triangles of every cell: points are spread evenly over the
-//! *mean plane*, each with the normal of its facet, which is exact for the mesh. Shares are of points, not
+//! *mean plane*, each with the normal of its facet, which is exact for the mesh. Fractions are of points, not
 //! of projected areas.
 //! - A point is in *local shadow* if its facet faces away, `wi.m <= 0`; in *distant shadow* if the facet
 //!   faces the light but another one hides it. (Light towards a facet that faces away would have to come
 //!   out of the ground; a point is counted once.) *Local* and *distant masking* are the same of `wo`.
-//! - *lit*: share of all points in no shadow. `g1`: share of those that face the light. `g1_view`: the same
-//!   of the view. `g2`: share of the points that face both directions that are lit and seen.
+//! - *lit*: fraction of all points in no shadow. `g1`: fraction of those that face the light. `g1_view`: the same
+//!   of the view. `g2`: fraction of the points that face both directions that are lit and visible.
 //! - `paper_g2`: `1 - N_s / N` over the *samples* of the grid, `N_s` those in one of the four: the counting
 //!   of the 2019 paper (Sec. 2.2), for which each element of the matrix of heights is a microfacet. A sample
-//!   has six facets around it, and stands on the one into which the direction, to the light or to the eye, sets
-//!   out: along a row, the samples that follow decide alone. Of an open patch the samples of the border
-//!   are left out, around which facets are missing. The paper watches from straight above, from where
-//!   everything is seen on a height field; then it is the share of samples that are lit.
-//! - `mirror_g2`: share of all points that are lit and whose *mirrored* ray gets away, as the paper's Sec.
+//!   has six facets around it, and belongs to the one into which the direction to the light or the eye points:
+//!   along a row, only the samples that follow decide. Of an open patch the samples of the border
+//!   are left out, around which facets are missing. The paper's view is vertical, and from above
+//!   all of a height field is visible; then it is the fraction of samples that are lit.
+//! - `mirror_g2`: fraction of all points that are lit and whose *mirrored* ray escapes, as the paper's Sec.
 //!   3.2.4 describes masking. It is not one at normal incidence.
-//! - `g1_projected`, `lit_projected`: weighted by projected areas. The light sees as much area as the mean
-//!   plane has, so that the second is one; and therefore the mean of the first is Smith's `1 / (1 +
-//!   Lambda)` for Gaussian slopes, whatever the surface. `g1` has no such reason, and is smaller: what hardly
-//!   faces the light is more often hidden.
-//! - The *visibility* of a height is the share of the points there that face the light and see it.
+//! - `g1_projected`, `lit_projected`: weighted by projected areas. The projected area of the lit points is
+//!   that of the mean plane, so the second is one, and therefore the mean of the first is Smith's `1 / (1 +
+//!   Lambda)` for Gaussian slopes, whatever the surface. `g1` is smaller: points that hardly face the light are shadowed
+//!   more often.
+//! - The *visibility* of a height is the fraction of the points there that face the light and are lit.
 //!
 //! # Points and samples
 //! Where the edge of a shadow falls across a facet, the side away from the light is lit, and there the sample is
@@ -31,14 +31,14 @@
 //! order in the spacing, while `lit` itself, being that of a mesh, is off by the second order.
 //!
 //! # Errors
-//! Shares are ratios of sums over surfaces. Points of one surface are correlated; errors are from the scatter
+//! Fractions are ratios of sums over surfaces. Points of one surface are correlated; errors are from the scatter
 //! between surfaces. Surfaces of different sigma are the same ones, higher or lower: errors at
 //! different sigma, as at different angles, are not independent. No surface is rescaled to its sigma.
 //!
-//! # Two ways
-//! By rays, a point looks along a direction ([`asperity_tracer::trace_visibility`]). By horizons, the steepest rise
-//! before it answers for all polar angles of an azimuth ([`asperity_tracer::Horizons`]), and, since it
-//! grows as sigma does, for all sigma. The mirrored rays have no azimuth in common and are always rays.
+//! # Two methods
+//! Rays: one visibility ray per point and direction ([`asperity_tracer::trace_visibility`]). Horizons: the
+//! steepest rise along an azimuth answers for all its polar angles ([`asperity_tracer::Horizons`]), and for all
+//! sigma, to which it is proportional. The mirrored rays have no azimuth in common and are always rays.
 
 mod config;
 mod counts;
@@ -68,7 +68,7 @@ use crate::config::error::ConfigError;
 
 pub use config::{
     AttenuationConfig, AttenuationLight, AttenuationOutput, AttenuationRun, AttenuationSurface,
-    AttenuationView, Way,
+    AttenuationView, VisibilityMethod,
 };
 pub use demarcation::Demarcation;
 pub use files::{attenuation_report, attenuation_summary};
@@ -99,7 +99,7 @@ pub enum AttenuationError {
     Run(#[from] SimulateError),
 }
 
-/// What was measured for one sigma, light and view, beside what theory expects.
+/// What was measured for one sigma, light and view, with what theory expects.
 ///
 /// Polar angles and azimuths are in degrees; theory is that of the continuous surface.
 #[derive(Clone, Debug)]
@@ -114,35 +114,35 @@ pub struct AttenuationRow {
     pub view_theta: f64,
     /// Of the direction towards the eye.
     pub view_phi: f64,
-    /// Share of all points that light reaches.
+    /// Fraction of all points that are lit.
     pub lit: Estimate,
-    /// Share of the points that face the light that it reaches.
+    /// Fraction of the points facing the light that are lit.
     pub g1: Estimate,
     /// The same weighted by projected areas, `wi.m / m.z`: what Smith's G1 stands for exactly.
     pub g1_projected: Estimate,
     /// Projected area of all lit points over that of the mean plane: one, if none is lost or seen twice.
     pub lit_projected: Estimate,
-    /// Smith's lit share.
+    /// Smith's lit fraction.
     pub smith_lit: f64,
     /// Smith's `1 / (1 + Lambda)`.
     pub smith_g1: f64,
-    /// The lit share by Smith's formula as the 2019 paper prints it.
+    /// The lit fraction by Smith's formula as the 2019 paper prints it.
     pub smith_lit_as_printed: f64,
-    /// The lit share of V-cavities.
+    /// The lit fraction of V-cavities.
     pub v_cavity_lit: f64,
     /// The same of the points that face the light.
     pub v_cavity_g1: f64,
-    /// Share of all points that face away from the light.
+    /// Fraction of all points that face away from the light.
     pub local_shadow: Estimate,
-    /// Share of all points that face the light and do not see it.
+    /// Fraction of all points that face the light and are shadowed.
     pub distant_shadow: Estimate,
-    /// Share of all points that face away from the eye.
+    /// Fraction of all points that face away from the eye.
     pub local_mask: Estimate,
-    /// Share of all points that face the eye and are not seen.
+    /// Fraction of all points that face the eye and are masked.
     pub distant_mask: Estimate,
-    /// Share of the points that face the eye that are seen.
+    /// Fraction of the points facing the eye that are visible.
     pub g1_view: Estimate,
-    /// Share of the points that face both directions that are lit and seen.
+    /// Fraction of the points that face both directions that are lit and visible.
     pub g2: Estimate,
     /// Smith's `G1(wi) G1(wo)`.
     pub smith_separable_g2: f64,
@@ -150,10 +150,10 @@ pub struct AttenuationRow {
     pub smith_correlated_g2: f64,
     /// `g2` of V-cavities.
     pub v_cavity_g2: f64,
-    /// `1 - N_s / N` of the 2019 paper, over the samples of the grid: the share of those that are lit and
+    /// `1 - N_s / N` of the 2019 paper, over the samples of the grid: the fraction of those that are lit and
     /// seen.
     pub paper_g2: Estimate,
-    /// Share of all points that are lit and whose mirrored ray gets away.
+    /// Fraction of all points that are lit and whose mirrored ray escapes.
     pub mirror_g2: Option<Estimate>,
 }
 
@@ -167,8 +167,8 @@ pub struct AttenuationWork {
     /// Samples of a surface over which `paper_g2` is.
     pub samples: u64,
     /// Rays or horizons.
-    pub way: Way,
-    /// Looks of which it could not be told what they see; they count as blocked.
+    pub method: VisibilityMethod,
+    /// Visibility rays lost to numerical failure; they count as blocked.
     pub lost: u64,
     /// Seconds from beginning to end.
     pub seconds: f64,
@@ -183,13 +183,13 @@ pub struct AttenuationOutcome {
     pub config: AttenuationConfig,
     /// Rows by sigma, light and view, the last changing fastest.
     pub rows: Vec<AttenuationRow>,
-    /// Where shadow begins, one a sigma; empty if that was not requested.
+    /// Where shadow begins, one per sigma; empty if that was not requested.
     pub demarcation: Vec<Demarcation>,
     /// Visibility by sigma, light and height; empty if that was not requested.
     pub visibility: Vec<VisibilityRow>,
     /// What was done.
     pub work: AttenuationWork,
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a share.
+    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction.
     pub mesh_slope_deficit: f64,
     models_at: Vec<f64>,
     over_sigma_at: Vec<f64>,
@@ -240,7 +240,7 @@ pub fn attenuation(
             realisations: counts[0].len() as u64,
             points: first.points,
             samples: first.samples,
-            way: plan.way,
+            method: plan.method,
             lost: counts.iter().flatten().map(|counts| counts.lost).sum(),
             seconds: began.elapsed().as_secs_f64(),
             threads: rayon::current_num_threads(),
@@ -267,11 +267,11 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
     let (wi, wo) = (light.wi(), view.wi());
     let sigma = plan.sigmas[sigma];
     // Ratios of what is counted on each surface.
-    let share = |over: &dyn Fn(&Counts) -> u64, under: &dyn Fn(&Counts) -> u64| {
+    let fraction = |over: &dyn Fn(&Counts) -> u64, under: &dyn Fn(&Counts) -> u64| {
         let pair = |counts: &Counts| [over(counts), under(counts)].map(|count| count as f64);
         ratio(counts.iter().map(pair))
     };
-    let of_all = |over: &dyn Fn(&Counts) -> u64| share(over, &|counts| counts.points);
+    let of_all = |over: &dyn Fn(&Counts) -> u64| fraction(over, &|counts| counts.points);
     let areas = |of: fn(Area, f64) -> [f64; 2]| {
         let pair = |counts: &Counts| of(counts.areas[i], counts.points as f64);
         ratio(counts.iter().map(pair))
@@ -284,7 +284,7 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         view_theta: view.theta_deg(),
         view_phi: view.phi_deg(),
         lit: of_all(&|counts| counts.lights[i].free),
-        g1: share(&|counts| counts.lights[i].free, &|counts| {
+        g1: fraction(&|counts| counts.lights[i].free, &|counts| {
             counts.lights[i].facing
         }),
         g1_projected: areas(|area, _| [area.free, area.facing]),
@@ -298,16 +298,16 @@ fn row(plan: &Plan, [sigma, i, o]: [usize; 3], counts: &[Counts]) -> Attenuation
         distant_shadow: of_all(&|counts| counts.lights[i].facing - counts.lights[i].free),
         local_mask: of_all(&|counts| counts.points - counts.views[o].facing),
         distant_mask: of_all(&|counts| counts.views[o].facing - counts.views[o].free),
-        g1_view: share(&|counts| counts.views[o].free, &|counts| {
+        g1_view: fraction(&|counts| counts.views[o].free, &|counts| {
             counts.views[o].facing
         }),
-        g2: share(&|counts| counts.pairs[pair].free, &|counts| {
+        g2: fraction(&|counts| counts.pairs[pair].free, &|counts| {
             counts.pairs[pair].facing
         }),
         smith_separable_g2: smith_separable_g2(slopes, wi, wo),
         smith_correlated_g2: smith_correlated_g2(slopes, wi, wo),
         v_cavity_g2: v_cavity_mean_g2(slopes, wi, wo),
-        paper_g2: share(&|counts| counts.paper[pair], &|counts| counts.samples),
+        paper_g2: fraction(&|counts| counts.paper[pair], &|counts| counts.samples),
         mirror_g2: (!counts[0].mirrored.is_empty()).then(|| of_all(&|counts| counts.mirrored[i])),
     }
 }

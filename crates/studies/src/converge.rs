@@ -1,4 +1,4 @@
-//! Run time against error: how long each way of computing takes to come how near.
+//! Run time against error: which error each method reaches in which time.
 //!
 //! # Definitions
 //! - The *error* of a run is relative and over the bins of the recorded sides:
@@ -16,12 +16,12 @@
 //!   transmitted light miss one, root mean square over repeats.
 //! - *Seconds* are those by the clock from before the first surface is drawn until the last ray has
 //!   ended: drawing, building and tracing, on all threads. The median over repeats counts. Methods take
-//!   turns, so that a machine that slows down does so for all. What a control is expected to give is
+//!   turns, so that a machine that slows down does so for all. What a control variate is expected to give is
 //!   integrated once for a case; that takes `setup_seconds`, which are told apart.
 //! - The *slope* is that of a least-squares line through the logarithms of seconds and error; the line
 //!   also gives the seconds to an error, beyond what was measured with a mark. A line knows nothing of
 //!   what lies beyond: plain rays, which see the mesh alone, come no nearer to the reference than the mesh
-//!   error of what the control takes from the continuous surface.
+//!   error of what the control variate takes from the continuous surface.
 //! - The *efficiency* of a method is `err_plain^2 t_plain / (err^2 t)`, the geometric mean over the runs
 //!   of equal effort: how many times longer plain random rays would take to the same error, if errors
 //!   fall as the root of time.
@@ -151,7 +151,7 @@ pub struct Measurement {
 pub struct MethodOutcome {
     /// The method.
     pub method: Method,
-    /// Seconds spent once, before its runs and not counted in theirs: on the mean of its control.
+    /// Seconds spent once, before its runs and not counted in theirs: on the mean of its control variate.
     pub setup_seconds: f64,
     /// Its runs, in the order of the efforts.
     pub measurements: Vec<Measurement>,
@@ -165,7 +165,7 @@ pub struct Efficiency {
     /// So many times.
     pub ratio: f64,
     /// What the standard errors of the errors make of it; `None` for single runs, and for plain random
-    /// rays beside themselves.
+    /// rays in addition to the rays themselves.
     pub se: Option<f64>,
 }
 

@@ -1,8 +1,8 @@
 //! The virtual gonioreflectometer: the whole BRDF and BTDF, direction by direction.
 //!
 //! A direction is one run of [`verify`](crate::verify()) without models, or one simulation of a
-//! given surface, and its file is written as soon as it is found, so that a run that was ended goes on where
-//! it was left. All directions share their surfaces and their random numbers.
+//! given surface, and its file is written as soon as it is found, so that an interrupted run
+//! resumes. All directions share their surfaces and their random numbers.
 
 mod config;
 mod figures;
@@ -142,7 +142,7 @@ pub(crate) const FOLDER: &str = "directions";
 ///
 /// # Errors
 /// [`GonioError`] if the configuration makes no sense, a direction cannot be traced or written, or a
-/// direction of another configuration or results epoch is in its place or beside them.
+/// direction of another configuration or results epoch is in the folder.
 pub fn gonio(
     config: &GonioConfig,
     sample: Option<&Sample>,

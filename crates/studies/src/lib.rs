@@ -18,8 +18,8 @@ mod verify;
 pub use attenuation::{
     AttenuationConfig, AttenuationError, AttenuationLight, AttenuationOutcome, AttenuationOutput,
     AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationView, AttenuationWork,
-    Demarcation, VisibilityRow, Way, attenuation, attenuation_report, attenuation_summary,
-    attenuation_table,
+    Demarcation, VisibilityMethod, VisibilityRow, attenuation, attenuation_report,
+    attenuation_summary, attenuation_table,
 };
 pub use config::case_model::CaseModel;
 pub use config::cases::{check_light, check_sides};

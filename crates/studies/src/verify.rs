@@ -33,11 +33,11 @@ pub struct CaseOutcome {
     pub errors_from: &'static str,
     /// The errors of the fluxes by where they come from.
     pub errors: ErrorBudget,
-    /// Whether what leaves is spread evenly over azimuth: every bin holds its share of its ring.
+    /// Whether what leaves is spread evenly over azimuth: every bin holds its fraction of the light of its ring.
     pub free_azimuth: bool,
     /// The models.
     pub models: Vec<ModelOutcome>,
-    /// Level of each test: that of the configuration, shared among the shares that models claim.
+    /// Level of each test: that of the configuration, shared among the components that models claim.
     pub level: f64,
     /// What the fluxes are sure not to differ by, if nothing was traced.
     pub deviation_bound: Option<f64>,

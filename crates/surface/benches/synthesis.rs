@@ -1,4 +1,4 @@
-//! What a draw takes, beside the FFTs that it cannot do without, on one thread.
+//! Time of a draw on one thread, and of the FFTs alone.
 //!
 //! `cargo bench -p asperity-surface` prints medians in milliseconds and their ratios. The bare FFTs
 //! are those of the whole inverse real FFT, of columns and of rows, on arrays that are there already

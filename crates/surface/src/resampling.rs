@@ -79,7 +79,7 @@ impl HeightField {
     /// it is mirrored with a slope, the kink makes waves about it, as any kink or step does that the
     /// grid does not resolve.
     ///
-    /// It holds four times the bytes of the heights beside them, and some columns.
+    /// It holds four times the bytes of the heights in addition to them, and some columns.
     ///
     /// # Errors
     /// - [`RefinementError::Open`] for an open border: the surface is unknown beyond its border, so it has

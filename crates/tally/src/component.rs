@@ -94,10 +94,10 @@ impl Component {
         Self::OrderAndAbove(FIRST_GROUPED_ORDER),
     ];
 
-    /// What bins keep, beside components kept in full.
+    /// What bins keep, in addition to components kept in full.
     pub const BINS: [Self; 3] = [Self::Single, Self::Multiple, Self::All];
 
-    /// What rings and in-plane bins keep, beside components kept in full.
+    /// What rings and in-plane bins keep, in addition to components kept in full.
     pub const RINGS: [Self; 5] = [
         Self::Order(1),
         Self::Order(2),

@@ -3,7 +3,7 @@
 //! A tally is a table of *scores* (flux, rays) by *filters* (side, component of the light, direction).
 //! [`TallySpec`] says what is kept, a [`Tally`] collects what one batch of rays did, and closing it gives
 //! [`TallyValues`]; [`TallyStatistics`] turns those of independent batches into means and standard
-//! errors. All fluxes are *flux fractions*: shares of the flux that falls on the mean plane, so that they
+//! errors. All fluxes are *flux fractions*: relative to the flux that falls on the mean plane, so that they
 //! add up.
 //!
 //! # Shapes
@@ -26,7 +26,7 @@
 
 mod budget;
 mod component;
-mod control;
+mod control_variate;
 mod describe;
 mod entry;
 mod events;
@@ -47,7 +47,7 @@ mod values;
 
 pub use budget::Budget;
 pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
-pub use control::{ControlVariate, UnshadowedFluxes, VisibleFractions};
+pub use control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
 pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};

@@ -105,7 +105,7 @@ impl TallySpec {
         self.with_components(&Component::MEDIUM)
     }
 
-    /// Components kept in full beside the surface's orders: [`Component::MEDIUM`] with a medium.
+    /// Components kept in full in addition to the surface's orders: [`Component::MEDIUM`] with a medium.
     #[must_use]
     pub const fn components(&self) -> &'static [Component] {
         self.components

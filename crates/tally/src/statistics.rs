@@ -40,7 +40,11 @@ impl BatchStatistics {
     /// # Panics
     /// If the number of quantities is another.
     pub fn push(&mut self, batch: &[f64]) {
-        assert_eq!(batch.len(), self.mean.len(), "a batch of another layout");
+        assert_eq!(
+            batch.len(),
+            self.mean.len(),
+            "a batch of another tally spec"
+        );
         self.batches += 1;
         add_batch(self.batches, &mut self.mean, &mut self.squares, batch);
     }

@@ -17,10 +17,10 @@ pub enum Azimuth {
     /// plus half a turn.
     From(f64),
     /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
-    /// surfaces without a preferred direction. The azimuths of exits are not looked at.
+    /// surfaces without a preferred direction. The azimuths of exits are ignored.
     ///
     /// When the tally is closed, the flux of a ring is spread evenly over its bins, and each half
-    /// of the in-plane slice gets its share of the full turn. The number of rays is spread alike, so
+    /// of the in-plane slice gets its fraction of the full turn. The number of rays is spread alike, so
     /// that a bin's is a fraction of its ring's and need not be whole.
     Free,
 }
@@ -108,7 +108,9 @@ impl<'c> Tally<'c> {
     pub fn add_exit(&mut self, exit: &Exit) {
         let ring = self.finder.ring(exit.side, exit.wo);
         let left = match self.control_variate {
-            Some(control) if exit.path.order() == 1 => 1.0 - control.fraction(exit.side, ring),
+            Some(control_variate) if exit.path.order() == 1 => {
+                1.0 - control_variate.fraction(exit.side, ring)
+            }
             _ => 1.0,
         };
         self.book(exit, left * exit.flux, ring);
@@ -122,9 +124,13 @@ impl<'c> Tally<'c> {
             Side::Reflected => exit.wo.z > 0.0,
             Side::Transmitted => exit.wo.z < 0.0,
         };
-        if let (true, Some(control)) = (away, self.control_variate) {
+        if let (true, Some(control_variate)) = (away, self.control_variate) {
             let ring = self.finder.ring(exit.side, exit.wo);
-            self.book(exit, -control.fraction(exit.side, ring) * exit.flux, ring);
+            self.book(
+                exit,
+                -control_variate.fraction(exit.side, ring) * exit.flux,
+                ring,
+            );
         }
     }
 
@@ -304,13 +310,13 @@ impl<'c> Tally<'c> {
         self.spread_over_bins(side, ring, [bins, bins + spec.grid().len()], flux);
     }
 
-    /// Gives each half of the in-plane slice its share of the `flux` of a ring.
+    /// Gives each half of the in-plane slice its fraction of the `flux` of a ring.
     fn spread_in_plane(&mut self, side: Side, ring: usize, start: usize, flux: f64) {
         // Each half of the slice is twice its half width wide.
-        let share = 2.0 * self.spec.in_plane_half_width() / TAU;
+        let fraction = 2.0 * self.spec.in_plane_half_width() / TAU;
         for half in Half::BOTH {
             let i = self.spec.in_plane_filter(side).number(ring, half);
-            self.values[start + i] = share * flux;
+            self.values[start + i] = fraction * flux;
         }
     }
 

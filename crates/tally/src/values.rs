@@ -15,7 +15,7 @@ pub struct ByEntry<T> {
 
 /// Flux fractions by entry: what one batch or one surface did, what a model expects, or errors.
 ///
-/// Flux fractions are shares of the flux that falls on the mean plane, so that they add up.
+/// Flux fractions are relative to the flux that falls on the mean plane, so that they add up.
 pub type TallyValues = ByEntry<f64>;
 
 impl<T> ByEntry<T> {

@@ -136,7 +136,7 @@ fn segments(n: usize, s: f64) {
         skipped[0], skipped[1]
     );
     println!(
-        "| accelerator       | build ms | bytes a cell | searched        | times first   | in whole paths  |"
+        "| accelerator       | build ms | bytes / cell | searched        | times first   | in whole paths  |"
     );
     println!("|---|---|---|---|---|---|");
     let rate = |i: usize, j: usize| work[j].segments as f64 / median(searched[i][j].clone()) * 1e-6;

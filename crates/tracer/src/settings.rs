@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Branching {
-    /// Both branches are followed, each with its share of the flux.
+    /// Both branches are followed, each with its fraction of the flux.
     #[default]
     Split,
-    /// One branch is picked at random, with the probability of its share, and carries all flux.
+    /// One branch is picked at random, with the probability of its fraction, and carries all flux.
     Pick,
 }
 
@@ -45,7 +45,7 @@ impl PathSettings {
     /// Settings for tracing.
     ///
     /// `roulette_below`: flux, as a fraction of the incident ray's, below which Russian roulette
-    /// decides whether a branch goes on, from `1e-6` to `1`. `max_order`: interactions
+    /// decides whether a branch continues, from `1e-6` to `1`. `max_order`: interactions
     /// after which a path is ended and counted as truncated.
     ///
     /// # Errors

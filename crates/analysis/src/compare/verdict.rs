@@ -1,4 +1,4 @@
-//! Verdict: whether a model holds within the error of the explicit result.
+//! Verdict: whether a model is rejected, given the error of the explicit result.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use crate::compare::comparison::Comparison;
 use crate::compare::multiple_tests::sidak_level;
 use crate::compare::sign_flip::{MIN_P, Untested};
 
-/// The probability with which at least one correct model is reported to fail.
+/// The probability with which at least one correct model is rejected.
 pub const DEFAULT_LEVEL: f64 = 0.01;
 
 /// Result of a comparison for one model.
@@ -14,14 +14,14 @@ pub const DEFAULT_LEVEL: f64 = 0.01;
 pub enum Verdict {
     /// No deviation beyond the error was found. A smaller error might still find one: the noise of the total
     /// variation says how large a deviation would have been detected.
-    Holds,
+    NotRejected,
     /// The deviation is significant.
-    Fails,
+    Rejected,
     /// The data cannot decide.
     NotResolved(Unresolved),
 }
 
-/// Why the data cannot decide whether a model holds.
+/// Why the data cannot decide whether to reject a model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unresolved {
@@ -50,8 +50,8 @@ pub enum Unresolved {
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Holds => f.write_str("holds"),
-            Self::Fails => f.write_str("fails"),
+            Self::NotRejected => f.write_str("not rejected"),
+            Self::Rejected => f.write_str("rejected"),
             Self::NotResolved(reason) => write!(f, "not resolved: {reason}"),
         }
     }
@@ -59,8 +59,8 @@ impl fmt::Display for Verdict {
 
 /// One verdict for each of the models compared with the same surfaces.
 ///
-/// A model fails if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that no correct
-/// model fails with a probability of `1 - level`. This is exact for independent comparisons. Comparisons on the
+/// A model is rejected if `p` is below the Sidak level `1 - (1 - level)^(1 / n)` of `n` comparisons, so that no correct
+/// model is rejected with a probability of `1 - level`. This is exact for independent comparisons. Comparisons on the
 /// same surfaces, and of components of the same light, are dependent. As far as they depend positively on
 /// each other, which is not proven, the test is conservative.
 #[must_use]
@@ -76,8 +76,8 @@ pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
                 // R surfaces have 2^(R - 1) distinct flips, and the number tried is limited.
                 needed: (level > MIN_P).then(|| 2 + (-level.log2()).floor() as u32),
             }),
-            Ok(test) if test.p < level => Verdict::Fails,
-            Ok(_) => Verdict::Holds,
+            Ok(test) if test.p < level => Verdict::Rejected,
+            Ok(_) => Verdict::NotRejected,
         })
         .collect()
 }
@@ -95,12 +95,15 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_print_as_holds_and_fails() {
+    fn verdicts_print_as_rejected_and_not_rejected() {
         let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
         let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
         let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
-        assert_eq!(both, [Verdict::Holds, Verdict::Fails]);
-        assert_eq!(format!("{} {}", both[0], both[1]), "holds fails");
+        assert_eq!(both, [Verdict::NotRejected, Verdict::Rejected]);
+        assert_eq!(
+            format!("{}, {}", both[0], both[1]),
+            "not rejected, rejected"
+        );
     }
 
     #[test]
@@ -117,7 +120,7 @@ mod tests {
             assert!(verdict.starts_with(text), "{verdict}");
         }
         let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
-        assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Fails]);
+        assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Rejected]);
     }
 
     /// The Sidak level of two comparisons at 0.01 is 0.00501, of three 0.00334.
@@ -130,9 +133,19 @@ mod tests {
             found
         };
         let cases = [
-            (0.007, [Verdict::Fails, Verdict::Holds, Verdict::Holds]),
-            (0.004, [Verdict::Fails, Verdict::Fails, Verdict::Holds]),
-            (0.003, [Verdict::Fails; 3]),
+            (
+                0.007,
+                [
+                    Verdict::Rejected,
+                    Verdict::NotRejected,
+                    Verdict::NotRejected,
+                ],
+            ),
+            (
+                0.004,
+                [Verdict::Rejected, Verdict::Rejected, Verdict::NotRejected],
+            ),
+            (0.003, [Verdict::Rejected; 3]),
         ];
         for (p, expected) in cases {
             for (others, expected) in expected.into_iter().enumerate() {
@@ -148,7 +161,7 @@ mod tests {
     #[test]
     fn two_models_need_more_surfaces_than_one() {
         let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
-        assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Fails]);
+        assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Rejected]);
         let reason = Unresolved::LevelOutOfReach {
             min_p: 1.0 / 128.0,
             level: sidak_level(0.01, 2),

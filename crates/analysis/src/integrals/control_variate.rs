@@ -44,9 +44,9 @@ pub fn control_variate(
     incidence: Incidence,
     spec: &TallySpec,
 ) -> Result<ControlVariate, ModelError> {
-    let shares = visible_fractions(slopes, material, incidence, spec)?;
+    let fractions = visible_fractions(slopes, material, incidence, spec)?;
     let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
-    Ok(ControlVariate::new(*spec, shares, &fluxes))
+    Ok(ControlVariate::new(*spec, fractions, &fluxes))
 }
 
 /// Unshadowed single scattering itself as a control variate, without masking.
@@ -61,11 +61,11 @@ pub fn unshadowed_control_variate(
 ) -> Result<ControlVariate, ModelError> {
     let fluxes = unshadowed_fluxes(slopes, material, incidence, spec)?;
     let all = vec![1.0; spec.grid().n_theta()];
-    let shares = VisibleFractions {
+    let fractions = VisibleFractions {
         rings: [all.clone(), all],
         absorbed: 1.0,
     };
-    Ok(ControlVariate::new(*spec, shares, &fluxes))
+    Ok(ControlVariate::new(*spec, fractions, &fluxes))
 }
 
 /// The fractions of unshadowed single scattering that Smith's height-correlated masking leaves, for every

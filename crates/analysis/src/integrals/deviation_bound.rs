@@ -171,10 +171,10 @@ mod tests {
 
     /// Equal indices transmit all light to `-wi` whatever the slope, so the masked flux is one integral over
     /// slopes. With `T(q) = int_q^mu (1 - q' / mu) p(q') dq'`, which falls from
-    /// `1 + Lambda` to 0, and the share `min(1, Lambda / T)` it is
+    /// `1 + Lambda` to 0, and the fraction `min(1, Lambda / T)` it is
     /// `int (1 - q / mu) min(1, Lambda / T) p dq = int_0^(1 + Lambda) min(1, Lambda / T) dT`, which is
     /// `Lambda (1 + ln(1 + 1 / Lambda))`; at least the `Lambda` that really is hidden. The midpoint rule
-    /// misses less than 1e-3 of it where the integrand bends, at facets seen edge on and where the share
+    /// misses less than 1e-3 of it where the integrand bends, at facets seen edge on and where the fraction
     /// reaches one: two kinks in steps of a fifteenth.
     #[test]
     fn masked_flux_of_matched_indices_is_the_closed_form() {
@@ -191,7 +191,7 @@ mod tests {
     /// The same over directions `wo`, into which `D(m) / (4 cos theta_i)` of the light goes: other points
     /// and weights than those over slopes. In steps of a hundredth both rules agree to 1e-3. Smith's
     /// masking hides `1 - G1(wo)` of every facet, whatever its slope, and since `T(q)` is at most
-    /// `1 + Lambda(wo)`, no share is below that.
+    /// `1 + Lambda(wo)`, no fraction is below that.
     #[test]
     fn masked_flux_of_a_mirror_agrees_with_directions_and_exceeds_smiths() {
         for (slopes, light) in scenes() {
@@ -205,14 +205,14 @@ mod tests {
                 let m = (wi + wo).normalize();
                 let solid_angle = 2.0 * TAU / (steps * steps) as f64;
                 let flux = Beckmann::new(slopes).d(m) / (4.0 * wi.z) * solid_angle;
-                let share = max_masked_fraction(&slopes, -m.truncate() / m.z, wo);
+                let fraction = max_masked_fraction(&slopes, -m.truncate() / m.z, wo);
                 let least = if z > 0.0 {
                     1.0 - Beckmann::new(slopes).g1(wo)
                 } else {
                     1.0
                 };
-                assert!(share >= least - 1e-12, "{share} {least}");
-                hidden += flux * share;
+                assert!(fraction >= least - 1e-12, "{fraction} {least}");
+                hidden += flux * fraction;
                 masked += flux * least;
             }
             let bound = deviation_bound(&slopes, Material::Mirror, light);

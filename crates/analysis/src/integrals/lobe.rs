@@ -27,7 +27,7 @@ pub(crate) struct Lobe {
     sin_i: f64,
     cos_i: f64,
     eta: f64,
-    /// 1 or -1: the sign of `h_z` if the facet looks upward.
+    /// 1 or -1: the sign of `h_z` if the facet faces upward.
     upward: f64,
     /// `C^-1` along forward and to the left of it.
     forward: f64,

@@ -40,7 +40,7 @@ impl FlatLayer {
         let mut expected = self.unscattered_tally(incidence, spec, azimuth);
         for side in spec.sides().filter(|&side| self.sides().includes(side)) {
             let all = self.scattered_once(incidence, spec, side);
-            // Alone where the way out is no interface, the way in is the only one.
+            // Where light leaves through no interface, only the face of entry counts.
             let first = if side == Side::Transmitted && self.bottom == Bottom::Open {
                 let direct = Self {
                     paths: LayerPaths::HanrahanKrueger,
@@ -80,12 +80,12 @@ impl FlatLayer {
         let inside = self.enter(incidence.wi());
         for beam in self.unscattered(incidence.wi()) {
             for (path, flux) in self.by_path(&inside, beam.side, beam.flux) {
-                let ways = beside(beam.wo);
-                for &wo in &ways {
+                let directions = nearby(beam.wo);
+                for &wo in &directions {
                     tally.add_exit(&Exit {
                         side: beam.side,
                         wo,
-                        flux: flux / ways.len() as f64,
+                        flux: flux / directions.len() as f64,
                         path,
                         scatterings: 0,
                     });
@@ -144,16 +144,21 @@ impl FlatLayer {
     }
 }
 
-/// Directions a hair to all sides of one, beyond the reach of rounding; of one that is vertical, or nearly level, itself.
-fn beside(wo: DVec3) -> Vec<DVec3> {
-    const HAIR: f64 = 1e-7;
+/// Four directions slightly off `wo`, by more than rounding; `wo` itself if it is vertical or nearly level.
+fn nearby(wo: DVec3) -> Vec<DVec3> {
+    const OFFSET: f64 = 1e-7;
     let (theta, phi) = (polar_angle(wo), azimuth(wo));
-    if wo.truncate().length() < 2.0 * HAIR || wo.z.abs() < 2.0 * HAIR {
+    if wo.truncate().length() < 2.0 * OFFSET || wo.z.abs() < 2.0 * OFFSET {
         return vec![wo];
     }
-    [(-HAIR, -HAIR), (-HAIR, HAIR), (HAIR, -HAIR), (HAIR, HAIR)]
-        .map(|(up, around)| from_spherical(theta + up, phi + around))
-        .to_vec()
+    [
+        (-OFFSET, -OFFSET),
+        (-OFFSET, OFFSET),
+        (OFFSET, -OFFSET),
+        (OFFSET, OFFSET),
+    ]
+    .map(|(up, around)| from_spherical(theta + up, phi + around))
+    .to_vec()
 }
 
 /// The path of the given number of interactions, of which the first and the last pass a face and all others are

@@ -167,7 +167,7 @@ mod tests {
             return false;
         }
         let sin_m = m.x.hypot(m.y);
-        // Across the groove; the side lies at negative x and looks to positive.
+        // Across the groove; the side lies at negative x and faces positive x.
         let x = w.truncate().dot(m.truncate()) / sin_m;
         x <= 0.0 || t * sin_m + w.z / x * m.z * (1.0 + t) >= sin_m
     }

@@ -109,7 +109,7 @@ pub(crate) fn replace(
 }
 
 /// [`replace`] for a file that stands alone, outside of a result folder: also removes what killed runs
-/// have left beside it.
+/// have left next to it.
 pub(crate) fn replace_alone(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), WriteError>,

@@ -5,13 +5,13 @@ use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 
 use super::axis::Axis;
 use super::geometry::Rect;
-use super::scene::{Align, Level, Pen, Picture, Scene, TextLook};
+use super::scene::{Align, Level, Pen, Picture, Scene, TextStyle};
 use super::text::text_width;
 use super::theme;
 use crate::PlotError;
 
-/// A range of values, linear or logarithmic, in the colours of *viridis*: equal steps look equally large, also in
-/// grey. Values beyond an end look like the end.
+/// A range of values, linear or logarithmic, in the colours of *viridis*: equal steps appear equally large, also in
+/// grey. Values beyond an end have its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ColourScale {
     pub(crate) lo: f64,
@@ -95,7 +95,7 @@ pub(crate) fn draw_bar(
     });
     let pen = Pen::solid(theme::INK, theme::FRAME_WIDTH);
     scene.rect_outline(bar, pen);
-    let beside = TextLook::new(theme::TICK_SIZE, Align::Left, Level::Middle);
+    let beside = TextStyle::new(theme::TICK_SIZE, Align::Left, Level::Middle);
     let texts = bar.right + theme::TICK_LENGTH + 4.0;
     for (value, text) in &axis.major {
         if let Some(t) = axis.fraction(*value) {
@@ -104,9 +104,9 @@ pub(crate) fn draw_bar(
             scene.text(text, (texts, y), beside);
         }
     }
-    let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
+    let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
     let x = texts + axis.text_width()? + 10.0;
     let title = that_fits(titles, bar.height())?;
-    scene.text_upwards(title, (x, bar.centre().1), look);
+    scene.text_upwards(title, (x, bar.centre().1), style);
     Ok(())
 }

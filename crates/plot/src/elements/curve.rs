@@ -114,7 +114,7 @@ pub(crate) trait Plane {
     fn contains(&self, at: Xy) -> bool;
 }
 
-/// Share of a curve's colour in its band, the rest being white.
+/// Fraction of a curve's colour in its band, the rest being white.
 const TINT: f64 = 0.25;
 /// The end of the ramp: what lies beyond is too bright on white.
 const RAMP_END: f64 = 0.88;

@@ -8,7 +8,7 @@ use plotters::style::RGBColor;
 use super::colour_scale::{self, ColourScale};
 use super::theme;
 
-/// Share of the solid angle that may lie beyond a linear scale, and how many times above its end something must:
+/// Fraction of the solid angle that may lie beyond a linear scale, and how many times above its end something must:
 /// lobes of rough surfaces are to be seen whole, mirror peaks are not to hide all else.
 const OUTSHINING: f64 = 0.02;
 const FAR_ABOVE: f64 = 8.0;
@@ -129,7 +129,7 @@ mod tests {
         for (value, t) in [(1e-3, 0.0), (1e-2, 0.25), (0.1, 0.5), (10.0, 1.0)] {
             assert!((scale.fraction(value) - t).abs() < 1e-12, "{value}");
         }
-        // Nothing and what lies below look like the lower end.
+        // Zero and values below the scale have the colour of its lower end.
         assert_eq!([0.0, -1.0, 1e-9].map(|v| scale.fraction(v)), [0.0; 3]);
         // Ten decades are too many to tell colours apart.
         assert!((ColourScale::decades(1e-9, 10.0, DECADES).lo / 1e-3 - 1.0).abs() < 1e-12);

@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn dashes_cover_their_share_of_the_path() {
+    fn dashes_cover_their_fraction_of_the_path() {
         let path: Vec<Xy> = (0..=100).map(|i| (f64::from(i), 0.0)).collect();
         let drawn: f64 = dashes(&path, &[3.0, 2.0])
             .iter()

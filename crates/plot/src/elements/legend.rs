@@ -1,9 +1,9 @@
-//! Legends, set beside the data and never over them.
+//! Legend: names of curves and signs, next to the data and never over them.
 
 use plotters::style::RGBColor;
 
 use super::geometry::Xy;
-use super::scene::{Align, Level, Marker, Pen, Scene, TextLook};
+use super::scene::{Align, Level, Marker, Pen, Scene, TextStyle};
 use super::text::{text_width, wrap};
 use super::theme;
 use crate::PlotError;
@@ -51,11 +51,11 @@ impl Entry {
     }
 
     /// Size of the text, and the room to its left.
-    fn layout(&self) -> (TextLook, f64) {
-        let look = |size| TextLook::new(size, Align::Left, Level::Middle);
+    fn layout(&self) -> (TextStyle, f64) {
+        let style = |size| TextStyle::new(size, Align::Left, Level::Middle);
         match self.key {
-            Key::Note => (look(theme::NOTE_SIZE).muted(), 0.0),
-            _ => (look(theme::LEGEND_SIZE), KEY_WIDTH + KEY_GAP),
+            Key::Note => (style(theme::NOTE_SIZE).muted(), 0.0),
+            _ => (style(theme::LEGEND_SIZE), KEY_WIDTH + KEY_GAP),
         }
     }
 }
@@ -80,8 +80,8 @@ impl Legend {
     pub(crate) fn column(entries: Vec<Entry>, width: f64) -> Result<Self, PlotError> {
         let (mut placed, mut height) = (Vec::new(), 0.0);
         for entry in entries {
-            let (look, room) = entry.layout();
-            let lines = wrap(&entry.text, look.size, width - room)?;
+            let (style, room) = entry.layout();
+            let lines = wrap(&entry.text, style.size, width - room)?;
             let at = (0.0, height + 0.5 * ROW);
             height += ROW + LINE * lines.len().saturating_sub(1) as f64;
             placed.push((entry, at, lines));
@@ -93,8 +93,8 @@ impl Legend {
     pub(crate) fn rows(entries: Vec<Entry>, width: f64) -> Result<Self, PlotError> {
         let (mut placed, mut x, mut y) = (Vec::new(), 0.0, 0.5 * ROW);
         for entry in entries {
-            let (look, room) = entry.layout();
-            let needed = room + text_width(&entry.text, look.size)?;
+            let (style, room) = entry.layout();
+            let needed = room + text_width(&entry.text, style.size)?;
             if x > 0.0 && x + needed > width {
                 (x, y) = (0.0, y + 1.1 * ROW);
             }
@@ -113,9 +113,9 @@ impl Legend {
         for (entry, at, lines) in &self.placed {
             let (x, y) = (corner.0 + at.0, corner.1 + at.1);
             draw_key(scene, entry.key, (x, y));
-            let (look, room) = entry.layout();
+            let (style, room) = entry.layout();
             for (i, line) in lines.iter().enumerate() {
-                scene.text(line, (x + room, y + LINE * i as f64), look);
+                scene.text(line, (x + room, y + LINE * i as f64), style);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Names of the rows and columns of a matrix.
 
 use super::geometry::Rect;
-use super::scene::{Align, Level, Scene, TextLook};
+use super::scene::{Align, Level, Scene, TextStyle};
 use super::text::text_width;
 use super::theme;
 use crate::PlotError;
@@ -13,13 +13,13 @@ pub(crate) fn stacked_at_bottom(
     texts: &[(f64, Vec<String>)],
     size: f64,
 ) -> f64 {
-    let look = TextLook::new(size, Align::Centre, Level::Top);
+    let style = TextStyle::new(size, Align::Centre, Level::Top);
     let line = 1.35 * size;
     let most = texts.iter().map(|text| text.1.len()).max().unwrap_or(1);
     for (x, lines) in texts {
         for (k, text) in lines.iter().enumerate() {
             let above = (most - lines.len() + k) as f64;
-            scene.text(text, (*x, top + above * line), look);
+            scene.text(text, (*x, top + above * line), style);
         }
     }
     most as f64 * line
@@ -31,26 +31,26 @@ pub(crate) fn draw_column_texts(
     frame: Rect,
     texts: &[String],
 ) -> Result<(), PlotError> {
-    let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Top);
+    let style = TextStyle::new(theme::TICK_SIZE, Align::Centre, Level::Top);
     let w = frame.width() / texts.len() as f64;
     let mut free_from = f64::NEG_INFINITY;
     for (i, text) in texts.iter().enumerate() {
         let x = frame.left + (i as f64 + 0.5) * w;
         let half = 0.5 * text_width(text, theme::TICK_SIZE)?;
         if x - half >= free_from {
-            scene.text(text, (x, frame.bottom + 6.0), look);
+            scene.text(text, (x, frame.bottom + 6.0), style);
             free_from = x + half + 3.0;
         }
     }
     Ok(())
 }
 
-/// Texts beside rows, the smoothest on top.
+/// Texts to the left of rows, the smoothest on top.
 pub(crate) fn draw_row_texts(scene: &mut Scene, frame: Rect, texts: &[String]) {
-    let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
+    let style = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
     let h = frame.height() / texts.len() as f64;
     for (i, text) in texts.iter().enumerate() {
         let y = frame.bottom - (i as f64 + 0.5) * h;
-        scene.text(text, (frame.left - 6.0, y), look);
+        scene.text(text, (frame.left - 6.0, y), style);
     }
 }

@@ -1,4 +1,4 @@
-//! A page: header, remarks, and one panel with its legend beside it.
+//! Page: header, notes, and one panel with its legend.
 
 use super::axis::Axis;
 use super::curve::Curve;
@@ -6,7 +6,7 @@ use super::geometry::Rect;
 use super::legend::{Entry, Legend};
 use super::panel::{Panel, X_AXIS_DEPTH, y_axis_room};
 use super::render::Figure;
-use super::scene::{Align, Level, Scene, TextLook};
+use super::scene::{Align, Level, Scene, TextStyle};
 use super::text::wrap;
 use super::theme;
 use crate::PlotError;
@@ -27,25 +27,25 @@ impl Page {
             width: width.round(),
             y: theme::MARGIN,
         };
-        let look = |size| TextLook::new(size, Align::Left, Level::Top);
-        page.lines(title, look(theme::TITLE_SIZE))?;
-        page.lines(subtitle, look(theme::SUBTITLE_SIZE).muted())?;
+        let style = |size| TextStyle::new(size, Align::Left, Level::Top);
+        page.lines(title, style(theme::TITLE_SIZE))?;
+        page.lines(subtitle, style(theme::SUBTITLE_SIZE).muted())?;
         Ok(page)
     }
 
     /// Text in lines as wide as the page.
-    pub(crate) fn lines(&mut self, text: &str, look: TextLook) -> Result<(), PlotError> {
-        for line in wrap(text, look.size, self.width - 2.0 * theme::MARGIN)? {
-            self.scene.text(&line, (theme::MARGIN, self.y), look);
-            self.y += 1.45 * look.size;
+    pub(crate) fn lines(&mut self, text: &str, style: TextStyle) -> Result<(), PlotError> {
+        for line in wrap(text, style.size, self.width - 2.0 * theme::MARGIN)? {
+            self.scene.text(&line, (theme::MARGIN, self.y), style);
+            self.y += 1.45 * style.size;
         }
         Ok(())
     }
 
     /// A remark in small type.
     pub(crate) fn note(&mut self, text: &str) -> Result<(), PlotError> {
-        let look = TextLook::new(theme::NOTE_SIZE, Align::Left, Level::Top);
-        self.lines(text, look.muted())
+        let style = TextStyle::new(theme::NOTE_SIZE, Align::Left, Level::Top);
+        self.lines(text, style.muted())
     }
 
     /// A legend in rows as wide as the page.

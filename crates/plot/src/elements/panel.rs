@@ -3,7 +3,7 @@
 use super::axis::Axis;
 use super::curve::{Curve, Plane, draw_curves};
 use super::geometry::{Rect, Xy};
-use super::scene::{Align, Level, Pen, Scene, TextLook};
+use super::scene::{Align, Level, Pen, Scene, TextStyle};
 use super::theme;
 use crate::PlotError;
 
@@ -120,14 +120,14 @@ impl Panel {
         for y in self.y.minor.iter().filter_map(|v| self.y_of(*v)) {
             scene.line(&[(left - MINOR, y), (left, y)], pen);
         }
-        let below = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Top);
+        let below = TextStyle::new(theme::TICK_SIZE, Align::Centre, Level::Top);
         for (value, text) in &self.x.major {
             if let Some(x) = self.x_of(*value) {
                 scene.line(&[(x, bottom), (x, bottom + theme::TICK_LENGTH)], pen);
                 scene.text(text, (x, bottom + theme::TICK_LENGTH + 5.0), below);
             }
         }
-        let beside = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
+        let beside = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
         for (value, text) in &self.y.major {
             if let Some(y) = self.y_of(*value) {
                 scene.line(&[(left - theme::TICK_LENGTH, y), (left, y)], pen);
@@ -135,10 +135,10 @@ impl Panel {
             }
         }
 
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
-        scene.text(&self.x.label, (middle_x, bottom + X_LABEL_DEPTH), look);
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top);
+        scene.text(&self.x.label, (middle_x, bottom + X_LABEL_DEPTH), style);
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
         let x = left - theme::TICK_LENGTH - 4.0 - self.y_texts - 10.0;
-        scene.text_upwards(&self.y.label, (x, middle_y), look);
+        scene.text_upwards(&self.y.label, (x, middle_y), style);
     }
 }

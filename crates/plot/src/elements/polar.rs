@@ -3,7 +3,7 @@
 use super::curve::{Curve, Plane};
 use super::geometry::{Rect, Xy};
 use super::numbers::{decimals, fixed, scale_down};
-use super::scene::{Align, Level, Pen, Scene, TextLook};
+use super::scene::{Align, Level, Pen, Scene, TextStyle};
 use super::series::Side;
 use super::text::text_width;
 use super::theme;
@@ -30,11 +30,11 @@ pub(crate) struct HalfPlane {
 impl Plane for HalfPlane {
     fn at(&self, theta_deg: f64, value: f64) -> Option<Xy> {
         // Compared first: the quotient of infinite or vanishing scales is not a number.
-        let share = match value >= self.full {
+        let fraction = match value >= self.full {
             true => 1.0,
             false => (value / self.full).max(0.0),
         };
-        Some(polar(self.origin, self.side, theta_deg, share * RADIUS))
+        Some(polar(self.origin, self.side, theta_deg, fraction * RADIUS))
     }
 
     fn floor(&self) -> f64 {
@@ -71,13 +71,13 @@ impl HalfPlane {
         for value in self.rings() {
             scene.line(&arc(value / self.full * RADIUS), grid);
         }
-        let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
+        let style = TextStyle::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
         for theta in [-60.0, -30.0, 0.0, 30.0, 60.0] {
             scene.line(&[self.origin, at(theta, RADIUS)], grid);
             scene.text(
                 &format!("{}°", fixed(theta, 0)),
                 at(theta, RADIUS + 17.0),
-                look,
+                style,
             );
         }
         scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
@@ -103,8 +103,8 @@ impl HalfPlane {
         }
         for (text, plate) in numbers {
             scene.rect(plate, theme::WHITE);
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
-            scene.text(&text, plate.centre(), look.muted());
+            let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
+            scene.text(&text, plate.centre(), style.muted());
         }
         Ok(())
     }
@@ -144,8 +144,8 @@ impl HalfPlane {
             true => format!("{name}, enlarged {:.0} times", self.factor),
             false => name.to_owned(),
         };
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Left, level);
-        scene.text(&text, (theme::MARGIN, y), look);
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Left, level);
+        scene.text(&text, (theme::MARGIN, y), style);
     }
 }
 

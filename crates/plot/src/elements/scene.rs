@@ -87,16 +87,16 @@ pub(crate) enum Level {
 
 /// Size, colour and anchoring of a text.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TextLook {
+pub(crate) struct TextStyle {
     pub(crate) size: f64,
     pub(crate) colour: RGBColor,
     pub(crate) align: Align,
     pub(crate) level: Level,
 }
 
-impl TextLook {
+impl TextStyle {
     pub(crate) fn new(size: f64, align: Align, level: Level) -> Self {
-        TextLook {
+        TextStyle {
             size,
             colour: theme::INK,
             align,
@@ -105,7 +105,7 @@ impl TextLook {
     }
 
     pub(crate) fn muted(self) -> Self {
-        TextLook {
+        TextStyle {
             colour: theme::MUTED,
             ..self
         }
@@ -288,36 +288,36 @@ impl Scene {
     }
 
     /// Text from left to right.
-    pub(crate) fn text(&mut self, text: &str, at: Xy, look: TextLook) {
-        let anchor = (at.0, at.1 + baseline_shift(look));
-        self.push_text(text, anchor, look, false);
+    pub(crate) fn text(&mut self, text: &str, at: Xy, style: TextStyle) {
+        let anchor = (at.0, at.1 + baseline_shift(style));
+        self.push_text(text, anchor, style, false);
     }
 
     /// Text that runs upwards; its [`Level`] acts along x.
-    pub(crate) fn text_upwards(&mut self, text: &str, at: Xy, look: TextLook) {
-        let anchor = (at.0 + baseline_shift(look), at.1);
-        self.push_text(text, anchor, look, true);
+    pub(crate) fn text_upwards(&mut self, text: &str, at: Xy, style: TextStyle) {
+        let anchor = (at.0 + baseline_shift(style), at.1);
+        self.push_text(text, anchor, style, true);
     }
 
-    fn push_text(&mut self, text: &str, anchor: Xy, look: TextLook, upwards: bool) {
+    fn push_text(&mut self, text: &str, anchor: Xy, style: TextStyle, upwards: bool) {
         if text.is_empty() {
             return;
         }
         self.items.push(Item::Text(TextItem {
             text: text.chars().map(printable).collect(),
             anchor,
-            align: look.align,
-            size: look.size,
-            colour: look.colour,
+            align: style.align,
+            size: style.size,
+            colour: style.colour,
             upwards,
         }));
     }
 }
 
-fn baseline_shift(look: TextLook) -> f64 {
-    match look.level {
-        Level::Top => CAP_HEIGHT * look.size,
-        Level::Middle => 0.5 * CAP_HEIGHT * look.size,
+fn baseline_shift(style: TextStyle) -> f64 {
+    match style.level {
+        Level::Top => CAP_HEIGHT * style.size,
+        Level::Middle => 0.5 * CAP_HEIGHT * style.size,
         Level::Baseline => 0.0,
     }
 }

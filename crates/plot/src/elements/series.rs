@@ -94,7 +94,7 @@ impl Series {
         matches!(self.source, Source::Model(_))
     }
 
-    /// The series as it is drawn, its points from left to right. Components beside all light are hollow: where both
+    /// The series as it is drawn, its points from left to right. Components drawn with all light are hollow: where both
     /// lie at one place both can be seen.
     pub(crate) fn curve(&self) -> Curve {
         let (colour, style) = match (self.source, self.component) {
@@ -147,19 +147,19 @@ mod tests {
     }
 
     #[test]
-    fn a_model_has_one_look_whatever_is_drawn_beside_it() {
-        let beside = |others: &[Series], side| {
+    fn a_model_has_one_style_whatever_is_drawn_with_it() {
+        let drawn_with = |others: &[Series], side| {
             let model = Series::model("b", 3, side, vec![]);
             let all: Vec<Series> = others.iter().cloned().chain([model]).collect();
             let curve = shown(&all, |_| true).unwrap().pop().unwrap().curve();
             (curve.colour.rgb(), curve.style)
         };
-        let alone = beside(&[], Side::Reflected);
+        let alone = drawn_with(&[], Side::Reflected);
         let others = [
             Series::explicit("rays", 0, Side::Reflected, vec![]),
             Series::model("a", 0, Side::Reflected, vec![]),
         ];
-        assert_eq!(alone, beside(&others, Side::Transmitted));
+        assert_eq!(alone, drawn_with(&others, Side::Transmitted));
         assert_ne!(alone.0, model(0).colour.rgb());
         let all = others[0].curve();
         assert_eq!(all.colour.rgb(), plotters::style::RGBColor(0, 0, 0));

@@ -55,7 +55,7 @@ const SLATE: RGBColor = RGBColor(124, 148, 172);
 
 /// Colours of explicit results by component: black for all light, and no colour of a model.
 pub(crate) const COMPONENT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
-/// Colours of models: neighbours in a list of models look least alike.
+/// Colours of models: neighbours in a list of models differ most.
 pub(crate) const MODEL_COLOURS: [RGBColor; 11] = [
     BLUE,
     VERMILLION,

@@ -2,7 +2,7 @@
 
 use super::colour_scale::ColourScale;
 use super::geometry::{Rect, Xy};
-use super::scene::{Align, Level, Pen, Scene, TextLook};
+use super::scene::{Align, Level, Pen, Scene, TextStyle};
 use super::theme;
 
 /// The verdict on a cell.
@@ -48,8 +48,8 @@ pub(crate) fn draw_sign(scene: &mut Scene, (x, y): Xy, verdict: MapVerdict) {
         }
         MapVerdict::NotResolved => {
             scene.disc((x, y), SIGN + 3.2, theme::WHITE);
-            let look = TextLook::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
-            scene.text("?", (x, y), look);
+            let style = TextStyle::new(theme::TICK_SIZE, Align::Centre, Level::Middle);
+            scene.text("?", (x, y), style);
         }
     }
 }

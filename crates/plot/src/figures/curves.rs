@@ -17,7 +17,7 @@ pub struct CurveAxis {
     pub range: Option<[f64; 2]>,
 }
 
-/// Curves over two linear axes, the legend beside them.
+/// Curves over two linear axes, with a legend at the right.
 ///
 /// ```
 /// use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
@@ -60,7 +60,7 @@ const PANEL: (f64, f64) = (560.0, 420.0);
 const LEGEND_WIDTH: f64 = 262.0;
 const X_TICKS: usize = 9;
 const Y_TICKS: usize = 6;
-/// Free space beside what an axis is drawn around, as a share of it.
+/// Free space around the data of an axis, as a fraction of it.
 const PADDING: f64 = 0.04;
 
 impl Curves {

@@ -113,21 +113,21 @@ impl ErrorOverTime {
         let (x, y) = self.axes()?;
 
         // Lines beneath runs, and the entries of the legend by method.
-        let looks = self.looks();
-        let methods = || self.methods.iter().zip(&looks);
+        let styles = self.styles();
+        let methods = || self.methods.iter().zip(&styles);
         let mut curves = slopes(&x, &y);
         curves.extend(self.reference_error.map(|error| {
             let ends = [(x.lo, error), (x.hi, error)];
             Curve::guide("error of the reference itself", Style::Guide, ends)
         }));
         let guides = curve_entries(&curves);
-        curves.extend(methods().map(|(method, look)| method.fitted_line(*look)));
+        curves.extend(methods().map(|(method, style)| method.fitted_line(*style)));
         let mut entries = Vec::new();
-        for (method, look) in methods() {
-            let [fitted, hollow] = method.runs(*look);
+        for (method, style) in methods() {
+            let [fitted, hollow] = method.runs(*style);
             let key = Key::Joined {
                 marker: fitted.marker(),
-                pen: method.fitted_line(*look).pen(),
+                pen: method.fitted_line(*style).pen(),
             };
             entries.push(Entry::new(key, method.legend_text()));
             curves.extend([fitted, hollow]);
@@ -171,7 +171,7 @@ impl ErrorOverTime {
     }
 
     /// A colour per family, and a marker and dash pattern per variant, in the order in which they first come.
-    fn looks(&self) -> Vec<(Colour, usize)> {
+    fn styles(&self) -> Vec<(Colour, usize)> {
         fn rank<'a>(known: &mut Vec<&'a str>, name: &'a str) -> usize {
             known.iter().position(|k| *k == name).unwrap_or_else(|| {
                 known.push(name);
@@ -179,11 +179,11 @@ impl ErrorOverTime {
             })
         }
         let (mut families, mut variants) = (Vec::new(), Vec::new());
-        let looks = self.methods.iter().map(|method| {
+        let styles = self.methods.iter().map(|method| {
             let family = rank(&mut families, &method.family);
             (Colour::Nth(family), rank(&mut variants, &method.variant))
         });
-        looks.collect()
+        styles.collect()
     }
 
     fn notes(&self) -> Vec<Entry> {
@@ -344,10 +344,10 @@ mod tests {
             ],
             reference_error: None,
         };
-        let looks = figure.looks();
-        assert_eq!(looks[0].0, looks[1].0);
-        assert_ne!(looks[0].0, looks[2].0);
-        assert_eq!(looks[1].1, looks[3].1);
-        assert_ne!(looks[2].1, looks[3].1);
+        let styles = figure.styles();
+        assert_eq!(styles[0].0, styles[1].0);
+        assert_ne!(styles[0].0, styles[2].0);
+        assert_eq!(styles[1].1, styles[3].1);
+        assert_ne!(styles[2].1, styles[3].1);
     }
 }

@@ -5,7 +5,7 @@ use crate::elements::colour_scale::{ColourScale, bar_ticks, draw_bar, palette};
 use crate::elements::geometry::Rect;
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH, y_axis_room};
-use crate::elements::scene::{Align, Level, Picture, TextLook};
+use crate::elements::scene::{Align, Level, Picture, TextStyle};
 use crate::elements::theme;
 use crate::elements::units::LengthUnit;
 use crate::error::{Valid, check_length};
@@ -13,7 +13,7 @@ use crate::{Figure, PlotError};
 
 /// Heights of one periodic tile, in colour, with a colour bar.
 ///
-/// The colours are *viridis*: equal steps of height look equally large, also in grey. The subtitle gains the
+/// The colours are *viridis*: equal steps of height appear equally large, also in grey. The subtitle gains the
 /// root mean square height about the mean and the extremes, taken from the samples as given. A field of more
 /// than 512 samples per side is averaged over blocks for display; the colours then span the averages, which are
 /// flatter than the samples.
@@ -100,8 +100,8 @@ impl HeightMapFigure<'_> {
         if aspect != true_aspect {
             facts.push_str("; axes not to the same scale");
         }
-        let look = TextLook::new(theme::SUBTITLE_SIZE, Align::Left, Level::Top);
-        page.lines(&facts, look.muted())?;
+        let style = TextStyle::new(theme::SUBTITLE_SIZE, Align::Left, Level::Top);
+        page.lines(&facts, style.muted())?;
 
         // The colour bar is at least tall enough to be read.
         let (top, band) = (page.y + 16.0, height.max(MIN_BAR_HEIGHT));
@@ -250,8 +250,8 @@ mod tests {
                     total[first + i] += overlap / cells as f64;
                 }
             }
-            for share in total {
-                assert!((share - 1.0 / n as f64).abs() < 1e-12, "{n}");
+            for fraction in total {
+                assert!((fraction - 1.0 / n as f64).abs() < 1e-12, "{n}");
             }
         }
     }

@@ -9,7 +9,7 @@ use crate::elements::geometry::{Rect, Xy};
 use crate::elements::matrix::stacked_at_bottom;
 use crate::elements::numbers::per_steradian;
 use crate::elements::page::Page;
-use crate::elements::scene::{Align, Level, Pen, Picture, Scene, TextLook};
+use crate::elements::scene::{Align, Level, Pen, Picture, Scene, TextStyle};
 use crate::elements::text::{widest, wrap};
 use crate::elements::theme;
 use crate::error::{Valid, check_length};
@@ -40,7 +40,7 @@ pub struct Hemisphere {
 ///
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
 /// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
-/// value of those that share them; values below zero, which noise makes, look like zero. Where a few bins outshine
+/// value of those that share them; values below zero, which come from noise, have the colour of zero. Where a few bins outshine
 /// all others by far, as mirror peaks do, the scale is logarithmic, over four decades at most. Faint circles are at
 /// 30 and 60 degrees from the normal.
 ///
@@ -149,8 +149,8 @@ impl Hemispheres {
         for (row, name) in self.rows.iter().enumerate() {
             let y = top + row as f64 * row_height;
             let middle = y + 0.5 * diameter;
-            let look = TextLook::new(theme::TICK_SIZE, Align::Right, Level::Middle);
-            page.scene.text(name, (left - TICK - 6.0, middle), look);
+            let style = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
+            page.scene.text(name, (left - TICK - 6.0, middle), style);
             for (column, cell) in self.row(row).iter().enumerate() {
                 let centre = (layout.centre(column), middle);
                 self.draw_cell(&mut page.scene, centre, 0.5 * diameter, cell, scales[row]);
@@ -164,9 +164,9 @@ impl Hemispheres {
             let bar = Rect::at((bar_left, top), BAR_WIDTH, bottom - top);
             self.draw_colour_bar(&mut page.scene, bar, scales[0])?;
         }
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         let beside = (theme::MARGIN, 0.5 * (top + bottom));
-        page.scene.text_upwards(&self.row_title, beside, look);
+        page.scene.text_upwards(&self.row_title, beside, style);
         page.y = top + rows as f64 * row_height - GAP + 10.0;
         page.note(&self.remarks(scales.iter().flatten().any(|scale| scale.log)))?;
         let end = page.y;
@@ -217,10 +217,10 @@ impl Hemispheres {
     }
 
     fn draw_column_names(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         if !self.column_title.is_empty() {
             let middle = 0.5 * (layout.left + layout.right);
-            page.scene.text(&self.column_title, (middle, page.y), look);
+            page.scene.text(&self.column_title, (middle, page.y), style);
             page.y += 1.5 * theme::LABEL_SIZE;
         }
         let room = layout.diameter + GAP - 6.0;
@@ -244,8 +244,8 @@ impl Hemispheres {
     ) {
         let Some(cell) = cell else {
             scene.circle(centre, radius, Pen::solid(theme::FAINT, theme::GRID_WIDTH));
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
-            scene.text("not there yet", centre, look);
+            let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
+            scene.text("not there yet", centre, style);
             return;
         };
         if let Some(scale) = scale {
@@ -258,12 +258,12 @@ impl Hemispheres {
             });
         } else {
             // Without a value above zero there is no scale: colours would have no meaning.
-            let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
-            scene.text("no light", centre, look);
+            let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
+            scene.text("no light", centre, style);
         }
         for theta in [30.0_f64, 60.0] {
-            let share = SQRT_2 * (0.5 * theta.to_radians()).sin();
-            scene.circle(centre, share * radius, Pen::solid(theme::MUTED, 0.5));
+            let fraction = SQRT_2 * (0.5 * theta.to_radians()).sin();
+            scene.circle(centre, fraction * radius, Pen::solid(theme::MUTED, 0.5));
         }
         scene.circle(centre, radius, Pen::solid(theme::INK, theme::FRAME_WIDTH));
         if let Some(phi) = cell.light_deg {
@@ -272,8 +272,8 @@ impl Hemispheres {
             let tick = [at(radius), at(radius + TICK)];
             scene.line(&tick, Pen::solid(theme::INK, 3.0));
         }
-        let look = TextLook::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
-        scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), look);
+        let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Top).muted();
+        scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), style);
     }
 
     /// The bar of a scale, if there is one.

@@ -7,7 +7,7 @@ use crate::elements::legend::{Entry, Legend};
 use crate::elements::numbers::per_steradian;
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
-use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
+use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
 use crate::elements::series::{Source, shown, stacked};
 use crate::elements::theme;
 use crate::error::Valid;
@@ -48,8 +48,8 @@ const RESIDUAL_GAP: f64 = 16.0;
 const Y_AXIS_ROOM: f64 = 72.0;
 /// The logarithmic panel shows at most this many decades.
 const MAX_DECADES: f64 = 6.0;
-/// What exceeds this share of the peak belongs to the lobe.
-const LOBE_SHARE: f64 = 0.005;
+/// What exceeds this fraction of the peak belongs to the lobe.
+const LOBE_FRACTION: f64 = 0.005;
 const QUANTITY: &str = "f |cos θₒ|";
 /// Residuals that are marked.
 const MARKED_Z: f64 = 2.0;
@@ -186,11 +186,11 @@ impl InPlaneCurves {
             return Ok(());
         }
         scene.rect_outline(frame, Pen::solid(theme::GRID, theme::FRAME_WIDTH));
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Middle);
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Middle);
         scene.text(
             "no positive value: nothing to show on a logarithmic scale",
             frame.centre(),
-            look.muted(),
+            style.muted(),
         );
         Ok(())
     }
@@ -203,9 +203,9 @@ fn points(curves: &[Curve]) -> impl Iterator<Item = &Point> + Clone {
 /// All angles, or the lobe if it is narrow.
 fn linear_x_axis(curves: &[Curve]) -> Axis {
     let peak = points(curves).fold(0.0_f64, |m, p| m.max(p.y));
-    let lobe = points(curves).filter(|p| peak > 0.0 && p.y >= LOBE_SHARE * peak);
+    let lobe = points(curves).filter(|p| peak > 0.0 && p.y >= LOBE_FRACTION * peak);
     let narrow = extent(lobe.map(|p| p.x)).map(|[lo, hi]| {
-        // Bins or points beside the lobe belong to the picture, and one bin alone has a neighbourhood.
+        // The neighbours of the lobe are shown too, so that a lobe of one bin has a range.
         let pad = (0.3 * (hi - lo)).max(1.0);
         [(lo - pad).floor(), (hi + pad).ceil()]
     });

@@ -6,7 +6,7 @@ use crate::elements::legend::{Entry, Key, Legend};
 use crate::elements::numbers::{display_exponent, fixed, per_steradian, round_step_below};
 use crate::elements::page::Page;
 use crate::elements::polar::{ANGLE_ROOM, HalfPlane, RADIUS, polar};
-use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
+use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
 use crate::elements::series::{shown, stacked};
 use crate::elements::theme;
 use crate::error::Valid;
@@ -19,7 +19,7 @@ pub enum Sides {
     Reflected,
     /// The lower half plane.
     Transmitted,
-    /// Both, each with its own radial scale where one side is much weaker; the factor is written beside it.
+    /// Both, each with its own radial scale where one side is much weaker; the factor is written next to it.
     Both,
 }
 
@@ -214,9 +214,9 @@ impl PolarLobes {
         scene.line(&ends, Pen::solid(theme::INK, 1.6));
         // Far enough from the circle to leave room for the number of the outer ring.
         for (text, side, align) in [("−90°", -1.0, Align::Right), ("90°", 1.0, Align::Left)] {
-            let look = TextLook::new(theme::TICK_SIZE, align, Level::Middle);
+            let style = TextStyle::new(theme::TICK_SIZE, align, Level::Middle);
             let gap = if side < 0.0 { 18.0 } else { 5.0 };
-            scene.text(text, (origin.0 + side * (reach + gap), origin.1), look);
+            scene.text(text, (origin.0 + side * (reach + gap), origin.1), style);
         }
         let start = match self.sides {
             Sides::Transmitted => (ARROW_ROOM - 12.0).min(RADIUS),

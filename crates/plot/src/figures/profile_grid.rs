@@ -6,7 +6,7 @@ use crate::elements::geometry::Rect;
 use crate::elements::legend::Key;
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
-use crate::elements::scene::{Align, Level, TextLook};
+use crate::elements::scene::{Align, Level, TextStyle};
 use crate::elements::theme;
 use crate::error::{Valid, check_length};
 use crate::{Figure, PlotError};
@@ -74,7 +74,7 @@ const NAME_DEPTH: f64 = theme::LEGEND_SIZE + 10.0;
 const OUTSHINING: f64 = 20.0;
 /// Times both of its neighbours from which a point is a peak of one bin.
 const ONE_BIN: f64 = 10.0;
-/// Least value of a logarithmic axis, as a share of its largest.
+/// Least value of a logarithmic axis, as a fraction of its largest.
 const LEAST: f64 = 1e-6;
 
 impl ProfileGrid {
@@ -119,8 +119,8 @@ impl ProfileGrid {
             let x = left + column as f64 * (panel_width + GAP);
             let y = top + row as f64 * row_height;
             let frame = Rect::at((x, y + name_depth), panel_width, panel_height);
-            let look = TextLook::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
-            page.scene.text(name, (frame.centre().0, y), look);
+            let style = TextStyle::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
+            page.scene.text(name, (frame.centre().0, y), style);
             let angles = Axis::degrees(-90.0, 90.0);
             let angles = match i + columns >= self.panels.len() {
                 true => angles.with_label("angle from the normal θₒ (°)"),
@@ -343,7 +343,7 @@ mod tests {
             with_peak(4.1).positive_values(&[4]),
         ];
         assert_eq!(rows.map(|row| outshone(&row)), [false, true]);
-        // Nothing beside the peak: there is nothing to see.
+        // Nothing but the peak: there is nothing to see.
         assert!(!outshone(&[9.0]) && !outshone(&[]));
     }
 

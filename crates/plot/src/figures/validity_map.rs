@@ -8,7 +8,7 @@ use crate::elements::matrix::{draw_column_texts, draw_row_texts, stacked_at_bott
 use crate::elements::numbers::{decimals, fixed};
 use crate::elements::page::Page;
 use crate::elements::panel::X_AXIS_DEPTH;
-use crate::elements::scene::{Align, Level, Pen, Scene, TextLook};
+use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
 use crate::elements::text::{text_width, widest, wrap};
 use crate::elements::theme;
 use crate::elements::verdict::{MapVerdict, draw_sign, draw_swatch, draw_tolerance_mark};
@@ -28,7 +28,7 @@ pub struct MappedCell {
 ///
 /// Panels stand side by side by model and below each other by material. Rows of a panel are smoothness
 /// values, the smoothest on top, columns are angles; both are spaced evenly, as they are listed. The colours
-/// are *viridis* on a logarithmic scale of four decades at most, below which all cells look alike. Verdicts
+/// are *viridis* on a logarithmic scale of four decades at most, below which all cells have the same colour. Verdicts
 /// differ by shape, so that they read in grey.
 ///
 /// ```
@@ -142,13 +142,13 @@ impl ValidityMap {
             }
             let first = Rect::at((left, y), width, height);
             draw_row_texts(&mut page.scene, first, &rows_of);
-            let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
+            let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Baseline);
             let middle = y + 0.5 * height;
             let axis = that_fits(&["smoothness s", "s"], height + ROW_GAP)?;
             let scene = &mut page.scene;
-            scene.text_upwards(axis, (beside, middle), look.muted());
+            scene.text_upwards(axis, (beside, middle), style.muted());
             let material_x = beside - theme::LABEL_SIZE - 6.0;
-            scene.text_upwards(material, (material_x, middle), look);
+            scene.text_upwards(material, (material_x, middle), style);
             page.y += height + ROW_GAP;
         }
         page.y -= ROW_GAP;
@@ -245,9 +245,9 @@ impl ValidityMap {
         let label = "angle of incidence θᵢ (°)";
         let half = 0.5 * text_width(label, theme::LABEL_SIZE)?;
         let x = (0.5 * (layout.left + layout.right)).max(theme::MARGIN + half);
-        let look = TextLook::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
+        let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         let below = page.y + theme::TICK_SIZE + 14.0;
-        page.scene.text(label, (x, below), look);
+        page.scene.text(label, (x, below), style);
         Ok(x + half)
     }
 

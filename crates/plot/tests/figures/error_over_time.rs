@@ -91,7 +91,7 @@ fn errors_over_time_survive_degenerate_runs_and_refuse_bad_ones() {
         change(&mut method);
         over_time(vec![method], None).draw()
     };
-    // A run without error has no place; another one beside it has.
+    // A run without error has no place; another one has.
     assert!(with(|method| method.runs[0].error = 0.0).is_ok());
     let error = with(|method| method.runs[1].seconds = 0.0).unwrap_err();
     assert_eq!(

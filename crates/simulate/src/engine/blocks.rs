@@ -13,7 +13,7 @@ use crate::stream::ray_stream;
 pub(crate) struct LitMesh<'a, G: Geometry> {
     pub(crate) tracer: Tracer<'a, G>,
     pub(crate) light: Illumination,
-    pub(crate) control: Option<&'a ControlVariate>,
+    pub(crate) control_variate: Option<&'a ControlVariate>,
 }
 
 /// A division of rays into blocks of `strata * strata` rays.
@@ -45,7 +45,7 @@ impl Blocks {
     /// Quasi-random rays come in smaller blocks, of a size that `sampling` allows.
     pub(crate) fn plan(rays: u64, fewest: u64, sampling: Sampling) -> Self {
         let count = rays.div_ceil(MAX_STRATA.pow(2)).max(fewest.min(rays));
-        // The smallest square that holds a block's share. Counts end at 1e15, so it fits.
+        // The smallest square that holds a block's rays. Counts end at 1e15, so it fits.
         let strata = match sampling {
             Sampling::Random | Sampling::Stratified => (rays.div_ceil(count) - 1).isqrt() + 1,
             Sampling::QuasiRandom => {
@@ -92,8 +92,8 @@ pub(crate) fn run_blocks<G: Geometry>(
     let mut take = |finished: Vec<Option<FinishedBlock>>| {
         for mut block in finished.into_iter().flatten() {
             for (tally, mesh) in block.tallies.iter_mut().zip(meshes) {
-                if let Some(control) = mesh.control {
-                    control.complete(tally);
+                if let Some(control_variate) = mesh.control_variate {
+                    control_variate.complete(tally);
                 }
             }
             each(block);
@@ -109,9 +109,13 @@ pub(crate) fn run_blocks<G: Geometry>(
         for mesh in meshes {
             let mut rng = ray_stream(settings.seed, realisation, number);
             let spec = settings.tally;
-            let (tally, work) =
-                mesh.tracer
-                    .batch(&mesh.light, blocks.strata, spec, mesh.control, &mut rng);
+            let (tally, work) = mesh.tracer.batch(
+                &mesh.light,
+                blocks.strata,
+                spec,
+                mesh.control_variate,
+                &mut rng,
+            );
             tallies.push(tally);
             work_of_first.get_or_insert(work);
         }
@@ -154,7 +158,7 @@ mod tests {
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
-    /// Goes on for so many questions whether to stop.
+    /// Answers "do not stop" so many times, then "stop".
     struct Patience {
         questions: u64,
         asked: AtomicU64,
@@ -195,7 +199,7 @@ mod tests {
                 sampling: Sampling::Stratified,
                 starts: Starts::FromAbove,
             },
-            control: None,
+            control_variate: None,
         };
         let blocks = Blocks {
             first: 0,
@@ -236,7 +240,7 @@ mod tests {
             for fewest in [1, 64] {
                 let blocks = Blocks::plan(rays, fewest, Sampling::Stratified);
                 assert!(blocks.rays() >= rays, "{rays} {blocks:?}");
-                // A square may be 2 strata + 1 larger than the share, in each block.
+                // A square may be 2 strata + 1 larger than a block's rays.
                 let slack = blocks.count * (2 * u64::from(blocks.strata) + 1);
                 assert!(blocks.rays() - rays <= slack, "{rays} {blocks:?}");
                 // So that a run that is to stop does so soon.

@@ -155,11 +155,11 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
                 tracer = tracer.over(layer.traced(top, bottom, settings.max_scatterings)?);
             }
             let method: &'a Method = method_of(i);
-            let control: Option<&'a ControlVariate> = method.control();
+            let control_variate: Option<&'a ControlVariate> = method.control_variate();
             Ok(LitMesh {
                 tracer,
                 light: method.illumination(light, settings.sampling),
-                control,
+                control_variate,
             })
         };
         (0..self.top.accelerators.len()).map(mesh).collect()

@@ -29,10 +29,10 @@ pub(crate) const RAYS: u64 = SURFACES << 11;
 
 /// Nanoseconds that a cell takes to be drawn and built into the pyramid: processor time of one thread on
 /// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which were
-/// taken by hand from runs from `s = 0.5` to 20 and hold within a quarter or so: where the optimum is flat.
+/// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
 const CELL_NS: f64 = 8.0;
 
-/// Nanoseconds beside, for each surface and case: streams, records, their sums.
+/// Nanoseconds of overhead per surface and case: streams, tallies, their sums.
 const SURFACE_NS: f64 = 50_000.0;
 
 /// Nanoseconds that a segment takes to be searched, with what happens at its end.
@@ -41,7 +41,7 @@ const SEGMENT_NS: f64 = 200.0;
 /// Nanoseconds that a segment takes of which slopes tell that it meets nothing.
 const SKIPPED_NS: f64 = 20.0;
 
-/// Nanoseconds that a ray takes beside its segments.
+/// Nanoseconds of overhead per ray, without its segments.
 const RAY_NS: f64 = 60.0;
 
 /// Fewest and most rays of a surface: two blocks of eight by eight; beyond the most they cost so much
@@ -64,7 +64,7 @@ const MARGIN: f64 = 1.25;
 const LEAST_OF_SURFACES: f64 = 0.1;
 
 /// Error of the mesh, of the target.
-const MESH_SHARE: f64 = 1.0 / 3.0;
+const MESH_FRACTION: f64 = 1.0 / 3.0;
 
 /// Error of a mesh as part of the difference at twice its spacing, being of second order.
 const MESH_ORDER: f64 = 1.0 / 3.0;
@@ -112,7 +112,7 @@ pub(crate) struct ChosenSpacing {
     pub(crate) scale: f64,
     /// What the mesh adds to the error of the most demanding case; `None` where that is not known.
     pub(crate) mesh_error: Option<f64>,
-    /// Whether that is small beside the target.
+    /// Whether that is small compared with the target.
     pub(crate) fine_enough: bool,
 }
 
@@ -222,7 +222,7 @@ pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Opti
         })
 }
 
-/// The coarsest of the spacings `scales` at which the mesh error of every case is small beside the
+/// The coarsest of the spacings `scales` at which the mesh error of every case is small compared with the
 /// target, or the finest.
 pub(crate) fn spacing(cases: &[Figures], target: Target, scales: &[f64]) -> ChosenSpacing {
     let worst = |scale: f64| {
@@ -243,7 +243,7 @@ pub(crate) fn spacing(cases: &[Figures], target: Target, scales: &[f64]) -> Chos
     let mut chosen = given;
     for &scale in scales {
         let mesh_error = worst(scale);
-        let most = MESH_SHARE * target.error();
+        let most = MESH_FRACTION * target.error();
         chosen = ChosenSpacing {
             scale,
             mesh_error,
@@ -291,14 +291,14 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     [mean, if n > 1.0 { squares / (n - 1.0) } else { 0.0 }]
 }
 
-/// How many entries of `aim` the control of an estimate knows of, each with an error of one ray at least.
+/// How many entries of `aim` the control variate of an estimate knows of, each with an error of one ray at least.
 pub(crate) fn entries_with_least_error(
     aim: Quantity,
     spec: &TallySpec,
-    control: Option<&ControlVariate>,
+    control_variate: Option<&ControlVariate>,
 ) -> usize {
-    control.map_or(0, |control| {
-        let expected = control.expected();
+    control_variate.map_or(0, |control_variate| {
+        let expected = control_variate.expected();
         let entries = aim.entries(spec);
         entries.into_iter().filter(|&i| expected[i] != 0.0).count()
     })

@@ -105,7 +105,7 @@ impl SurfaceGroup<'_> {
     /// Draws the surfaces of these numbers once each and traces all cases on each.
     ///
     /// Surfaces run side by side as far as memory allows; what comes out does not depend on that. If the run is
-    /// to stop, the surfaces that are complete are returned, or, if none is, what there is of the first, if it
+    /// to stop, the surfaces that are complete are returned, or, if none is, the finished part of the first, if it
     /// has begun.
     pub(crate) fn run(
         &self,

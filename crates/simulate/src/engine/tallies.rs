@@ -53,10 +53,10 @@ impl CaseTallies {
                 let new = || Self::new(spec, surface.used.clone());
                 all.resize_with(surface.cases.len(), new);
             }
-            let share = 1.0 / surface.cases.len() as f64;
+            let fraction = 1.0 / surface.cases.len() as f64;
             for (tallies, case) in all.iter_mut().zip(surface.cases) {
                 tallies.add(case, is_only);
-                tallies.seconds.add(share, &surface.seconds);
+                tallies.seconds.add(fraction, &surface.seconds);
             }
         }
         all

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::mesh_error::MeshErrors;
 use super::refinement::Refinement;
-use crate::methods::method::{ControlMean, Method};
+use crate::methods::method::{ControlVariateMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -109,9 +109,9 @@ impl ErrorBudget {
 
     /// The errors of a result on one surface, of which `blocks` are the ray blocks.
     pub(crate) fn of_one(blocks: &TallyStatistics, rays: TracedRays<'_>, mesh: MeshErrors) -> Self {
-        let explanation = match rays.method.control_mean() {
-            Some(ControlMean::GaussianSlopes) => {
-                "not known: one surface tells nothing of others, whose mean its control adds"
+        let explanation = match rays.method.control_variate_mean() {
+            Some(ControlVariateMean::GaussianSlopes) => {
+                "not known: one surface tells nothing of others, whose mean its control variate adds"
             }
             _ => "none: the result is that of this one surface alone",
         };
@@ -147,11 +147,15 @@ impl ErrorBudget {
         mesh: MeshErrors,
     ) -> Self {
         let mut explanation = BY_BLOCKS.to_owned();
-        if let Some(control) = rays.method.control() {
-            of_rays.update(&control.least_errors(rays.count), |square, least| {
-                *square = square.max(least * least);
-            });
-            explanation.push_str(", and no less than one ray where the control expects light");
+        if let Some(control_variate) = rays.method.control_variate() {
+            of_rays.update(
+                &control_variate.least_errors(rays.count),
+                |square, least| {
+                    *square = square.max(least * least);
+                },
+            );
+            explanation
+                .push_str(", and no less than one ray where the control variate expects light");
         }
         let less_rays = |all: TallyValues| all.zip_map(&of_rays, |a, r| a - r);
         let said_of_mesh = mesh.explanation.clone();
@@ -206,7 +210,7 @@ impl ErrorBudget {
 
     /// How the errors by the mesh were estimated, or why not.
     #[must_use]
-    pub fn way_of_mesh(&self) -> &str {
+    pub fn mesh_explanation(&self) -> &str {
         &self.explanation.mesh
     }
 
@@ -219,7 +223,7 @@ impl ErrorBudget {
             let errors = entry.map(|i| self.errors(i));
             out.insert(name.to_owned(), json!(errors));
         }
-        out.insert("ways".to_owned(), json!(self.explanation));
+        out.insert("explanations".to_owned(), json!(self.explanation));
         if let Some(refinement) = &self.mesh.refinement {
             out.insert("refinement".to_owned(), refinement_json(refinement, spec));
         }

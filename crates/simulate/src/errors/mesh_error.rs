@@ -107,9 +107,11 @@ impl MeshErrors {
             spec: &settings.tally,
         };
         let mut errors = Self::unknown(settings.tally, NOT_REQUESTED);
-        match method.control() {
+        match method.control_variate() {
             _ if !settings.mesh_quadrature => {}
-            Some(control) => first_order.removed_from(&mut errors, refinement.is_some(), control),
+            Some(control_variate) => {
+                first_order.removed_from(&mut errors, refinement.is_some(), control_variate)
+            }
             None if case.layer.is_some() => {
                 let said = &mut errors.explanation.remaining;
                 said.push_str("; with a medium below no quadrature tells it");
@@ -149,14 +151,19 @@ struct FirstOrder<'a> {
 
 impl FirstOrder<'_> {
     /// Puts what the control variate has removed into `errors`.
-    fn removed_from(&self, errors: &mut MeshErrors, refined: bool, control: &ControlVariate) {
+    fn removed_from(
+        &self,
+        errors: &mut MeshErrors,
+        refined: bool,
+        control_variate: &ControlVariate,
+    ) {
         let said = &mut errors.explanation;
-        match self.removed(refined, control) {
+        match self.removed(refined, control_variate) {
             Ok(values) => {
                 said.remaining
                     .push_str("; what is removed is no part of it");
                 said.removed = format!(
-                    "exact, by quadrature: unshadowed single scattering by the slopes of the facets, less that by those of the continuous surface, in the shares that the control subtracts{}",
+                    "exact, by quadrature: unshadowed single scattering by the slopes of the facets, less that by those of the continuous surface, in the fractions that the control variate subtracts{}",
                     self.over_azimuth()
                 );
                 errors.removed = Some(values);
@@ -171,7 +178,7 @@ impl FirstOrder<'_> {
         match self.shift() {
             Ok(values) => {
                 *said = format!(
-                    "{SIGN}; estimated by quadrature: unshadowed single scattering by the slopes of the facets, less that by those of the continuous surface, in the shares that Smith's masking leaves{}; what it gains or loses in all is taken off the energies in proportion; null for light scattered more than once: --refine traces a finer mesh",
+                    "{SIGN}; estimated by quadrature: unshadowed single scattering by the slopes of the facets, less that by those of the continuous surface, in the fractions that Smith's masking leaves{}; what it gains or loses in all is taken off the energies in proportion; null for light scattered more than once: --refine traces a finer mesh",
                     self.over_azimuth()
                 );
                 errors.remaining = values;
@@ -181,7 +188,11 @@ impl FirstOrder<'_> {
     }
 
     /// What completing the tallies of a control variate has removed.
-    fn removed(&self, refined: bool, control: &ControlVariate) -> Result<TallyValues, String> {
+    fn removed(
+        &self,
+        refined: bool,
+        control_variate: &ControlVariate,
+    ) -> Result<TallyValues, String> {
         let slopes = if refined {
             let finer = finer(self.synthesis).ok_or("the finer mesh has too many samples")?;
             self.slopes(&finer)
@@ -190,7 +201,7 @@ impl FirstOrder<'_> {
         };
         let fluxes = slopes.and_then(|slopes| self.fluxes(&slopes));
         let fluxes = fluxes.map_err(|error| error.to_string())?;
-        Ok(control.removed(&fluxes))
+        Ok(control_variate.removed(&fluxes))
     }
 
     /// What the mesh adds to the plain estimate, where light of the first order reaches.
@@ -205,16 +216,16 @@ impl FirstOrder<'_> {
     fn shift_of_rough(&self) -> Result<ByEntry<Option<f64>>, ModelError> {
         let (material, incidence) = (self.case.material, self.case.light.incidence);
         let of_surface = slopes(self.synthesis.psd())?;
-        let control = control_variate(&of_surface, material, incidence, self.spec)?;
+        let control_variate = control_variate(&of_surface, material, incidence, self.spec)?;
         let fluxes = self.fluxes(&self.slopes(self.synthesis)?)?;
-        let of_mesh = ControlVariate::new(*self.spec, control.fractions().clone(), &fluxes);
+        let of_mesh = ControlVariate::new(*self.spec, control_variate.fractions().clone(), &fluxes);
         let mut shift = of_mesh
             .expected()
-            .zip_map(control.expected(), |mesh, surface| {
+            .zip_map(control_variate.expected(), |mesh, surface| {
                 (mesh != surface).then_some(mesh - surface)
             });
         // What single scattering gains, light scattered more often loses, and the energies hold both.
-        let closed = control.removed(&fluxes);
+        let closed = control_variate.removed(&fluxes);
         for total in [
             TallySpec::BUDGET.reflected,
             TallySpec::BUDGET.transmitted,

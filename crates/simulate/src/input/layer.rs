@@ -64,7 +64,7 @@ pub fn layer_name(layer: &Layer) -> String {
         let bottom = match slab.bottom {
             Bottom::Open => "open below".to_owned(),
             Bottom::Interface { eta } => format!("on an interface of n = {}", short(eta)),
-            Bottom::Absorbing => "on a black bottom".to_owned(),
+            Bottom::Absorbing => "on an absorbing bottom".to_owned(),
             Bottom::Mirror => "on a mirror".to_owned(),
             Bottom::Lambertian { reflectance } => {
                 format!("on a Lambertian bottom of {}", short(reflectance))

@@ -33,16 +33,17 @@ pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), SimulateErro
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced with an accelerator, at the
 /// peak, which is that of building it.
 pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
-    // Measured, in bytes a cell: the heights, and 1 for the bounds of slopes and for rounding up.
+    // Measured, in bytes per cell: the heights, and 1 for the bounds of slopes and for rounding up.
     let heights = 8 + 1;
-    let beside = match accelerator {
-        // Two facets, each with its box while the hierarchy is built and its share of the nodes.
+    let of_accelerator = match accelerator {
+        // Two facets, each with its box while the hierarchy is built, and its part of the nodes.
         AcceleratorKind::Mesh => 541,
         // Heights in single precision, and a word for every node.
         AcceleratorKind::Pyramid | AcceleratorKind::Auto => 6,
         _ => 0,
     };
-    nx.saturating_mul(ny).saturating_mul(heights + beside)
+    nx.saturating_mul(ny)
+        .saturating_mul(heights + of_accelerator)
 }
 
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced, and, if it is refined, with
@@ -64,7 +65,7 @@ pub fn meshes_bytes(
     given.saturating_add(finer).saturating_add(coarser)
 }
 
-/// Bytes that the hierarchy over the triangles of a mesh takes beside the mesh: as over those of a cell,
+/// Bytes that the hierarchy over the triangles of a mesh takes in addition to the mesh: as over those of a cell,
 /// without their heights.
 pub const fn hierarchy_bytes(triangles: usize) -> usize {
     triangles.saturating_mul(270)
@@ -98,7 +99,7 @@ pub fn check_results(
     Ok(())
 }
 
-/// Most surfaces whose results fit beside those of all `cases`.
+/// Most surfaces whose results fit in memory with those of all `cases`.
 pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
     let tallies = (spec.len() * cases) as f64;
     let left = RESULT_BUDGET / 8.0 - 8.0 * tallies;

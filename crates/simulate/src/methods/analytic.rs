@@ -10,7 +10,7 @@ use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
-use crate::methods::method::{ControlMean, Method};
+use crate::methods::method::{ControlVariateMean, Method};
 use crate::slopes::slopes;
 
 /// The result of a case with no rays traced.
@@ -46,14 +46,15 @@ impl AnalyticResult {
             return Ok(None);
         }
         let spec = &settings.tally;
-        let control = match unshadowed_control_variate(&slopes, case.material, incidence, spec) {
-            Ok(control) => control,
-            Err(ModelError::MatchedIndices(_)) => return Ok(None),
-            Err(error) => return Err(error.into()),
-        };
-        let budget: f64 = control.expected().budget().total();
+        let control_variate =
+            match unshadowed_control_variate(&slopes, case.material, incidence, spec) {
+                Ok(control_variate) => control_variate,
+                Err(ModelError::MatchedIndices(_)) => return Ok(None),
+                Err(error) => return Err(error.into()),
+            };
+        let budget: f64 = control_variate.expected().budget().total();
         let mut fluxes = TallyValues::zeros(*spec);
-        control.complete(&mut fluxes);
+        control_variate.complete(&mut fluxes);
         // The budget was closed, by so much at most in any sum.
         let bound = bound + (1.0 - budget).abs();
         let error = target.of().error_within(&fluxes, bound);
@@ -72,7 +73,7 @@ impl AnalyticResult {
         errors.clear_hits();
         Ok(Some(Self {
             method: Method {
-                control: Some((control, ControlMean::GaussianSlopes)),
+                control_variate: Some((control_variate, ControlVariateMean::GaussianSlopes)),
                 ..Method::PLAIN
             },
             statistics: TallyStatistics::analytic(fluxes, errors),

@@ -17,13 +17,13 @@ use crate::slopes::slopes;
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
-    pub(crate) control: Option<(ControlVariate, ControlMean)>,
+    pub(crate) control_variate: Option<(ControlVariate, ControlVariateMean)>,
 }
 
 /// Where the mean of a control variate comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ControlMean {
+pub enum ControlVariateMean {
     /// The integral over Gaussian slopes: it removes noise of rays and of surfaces, and the mesh error,
     /// of unshadowed single scattering.
     GaussianSlopes,
@@ -35,14 +35,14 @@ pub enum ControlMean {
 /// are worth more than what their first segment costs.
 const MOST_WEIGHT_VARIANCE: f64 = 0.25;
 
-/// The least probability of looking into the shadow is that of so many heads in a row.
+/// The least probability of tracing into the shadow is that of so many heads in a row.
 const HALVINGS: i32 = 6;
 
 impl Method {
     /// Rays from above, and nothing else.
     pub(crate) const PLAIN: Self = Self {
         starts: Starts::FromAbove,
-        control: None,
+        control_variate: None,
     };
 
     /// The method for a case of random surfaces.
@@ -65,10 +65,14 @@ impl Method {
         let slopes = slopes(synthesis.psd())?;
         let incidence = case.light.incidence;
         match control_variate(&slopes, case.material, incidence, &settings.tally) {
-            Ok(control) => {
-                let mean = ControlMean::GaussianSlopes;
-                Ok(Self::with_control(
-                    estimator, control, mean, &slopes, incidence,
+            Ok(control_variate) => {
+                let mean = ControlVariateMean::GaussianSlopes;
+                Ok(Self::with_control_variate(
+                    estimator,
+                    control_variate,
+                    mean,
+                    &slopes,
+                    incidence,
                 ))
             }
             // Light that goes straight on through equal indices has no density to integrate.
@@ -78,14 +82,14 @@ impl Method {
     }
 
     /// The method that makes best use of a control variate, or of none if the choice is free and none pays.
-    pub(crate) fn with_control(
+    pub(crate) fn with_control_variate(
         estimator: Estimator,
-        control: ControlVariate,
-        mean: ControlMean,
+        control_variate: ControlVariate,
+        mean: ControlVariateMean,
         slopes: &SlopeCovariance,
         incidence: Incidence,
     ) -> Self {
-        let seen: f64 = control.expected().budget().total();
+        let seen: f64 = control_variate.expected().budget().total();
         let worth = Worth::new(seen, Beckmann::new(*slopes).lambda(incidence.wi()));
         if seen == 0.0 || estimator == Estimator::Auto && worth.time >= 1.0 {
             return Self::PLAIN;
@@ -99,10 +103,10 @@ impl Method {
             } else {
                 Starts::FromAbove
             },
-            control: Some((
-                control
+            control_variate: Some((
+                control_variate
                     .weakened(worth.weight)
-                    .looking_into_shadow(worth.looks),
+                    .with_shadow_probability(worth.shadow_probability),
                 mean,
             )),
         }
@@ -119,13 +123,15 @@ impl Method {
     }
 
     /// The control variate, if there is one.
-    pub(crate) fn control(&self) -> Option<&ControlVariate> {
-        self.control.as_ref().map(|(control, _)| control)
+    pub(crate) fn control_variate(&self) -> Option<&ControlVariate> {
+        self.control_variate
+            .as_ref()
+            .map(|(control_variate, _)| control_variate)
     }
 
     /// Where its mean comes from.
-    pub(crate) fn control_mean(&self) -> Option<ControlMean> {
-        self.control.as_ref().map(|(_, mean)| *mean)
+    pub(crate) fn control_variate_mean(&self) -> Option<ControlVariateMean> {
+        self.control_variate.as_ref().map(|(_, mean)| *mean)
     }
 
     /// Statistics of `rays` rays by this method, with no error below that of one ray where a control variate
@@ -135,15 +141,17 @@ impl Method {
         statistics: TallyStatistics,
         rays: u64,
     ) -> TallyStatistics {
-        match self.control() {
-            Some(control) => statistics.with_least_errors(control.least_errors(rays)),
+        match self.control_variate() {
+            Some(control_variate) => {
+                statistics.with_least_errors(control_variate.least_errors(rays))
+            }
             None => statistics,
         }
     }
 
     /// The name of the estimator that this is.
     pub(crate) const fn estimator(&self) -> Estimator {
-        match self.control {
+        match self.control_variate {
             Some(_) => Estimator::Controlled,
             None => Estimator::Plain,
         }
@@ -152,29 +160,29 @@ impl Method {
 
 /// What a control variate is expected to bring to rays from above.
 ///
-/// A ray meets one facet and passes `lambda` others in its shadow, on average. What it does at the first
-/// is seen with probability `v`. If what is subtracted has the weight `b`, and shadows are looked into
+/// A ray hits one facet and passes `lambda` others in its shadow, on average. The light that leaves the first
+/// is not masked with probability `v`. If what is subtracted has the weight `b`, and shadows are traced
 /// with probability `q`, the variance is `1 - 2 v b + b^2 (1 + lambda / q)` of what it is without, least
 /// at `b = v / (1 + lambda / q)`. The time rises to about `1 + q lambda`, since a facet in the shadow
-/// costs about as much as a path does. With all shadows, `b` is the share of facets facing the light
-/// that are lit and seen.
+/// costs about as much as a path does. With all shadows, `b` is the fraction of facets facing the light
+/// that are lit and visible.
 struct Worth {
-    /// Best probability of looking into the shadow.
-    looks: f64,
+    /// Best probability of tracing into the shadow.
+    shadow_probability: f64,
     /// Weight then, over that with all shadows.
     weight: f64,
-    /// Time for the same error, over that without a control.
+    /// Time for the same error, over that without a control variate.
     time: f64,
 }
 
 impl Worth {
     fn new(seen: f64, lambda: f64) -> Self {
-        let with = |looks: f64| {
-            let spread = 1.0 + lambda / looks;
+        let with = |shadow_probability: f64| {
+            let spread = 1.0 + lambda / shadow_probability;
             Self {
-                looks,
+                shadow_probability,
                 weight: (1.0 + lambda) / spread,
-                time: (1.0 + looks * lambda) * (1.0 - seen * seen / spread),
+                time: (1.0 + shadow_probability * lambda) * (1.0 - seen * seen / spread),
             }
         };
         // The minimum is flat.

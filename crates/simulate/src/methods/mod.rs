@@ -1,5 +1,5 @@
 //! How a case is estimated: where its paths start, and the control variate that is subtracted.
 
 pub(crate) mod analytic;
-pub(crate) mod facet_control;
+pub(crate) mod facet_control_variate;
 pub(crate) mod method;

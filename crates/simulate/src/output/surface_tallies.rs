@@ -55,10 +55,10 @@ pub(crate) struct Seconds {
 }
 
 impl Seconds {
-    /// Adds `share` of `other`.
-    pub(crate) fn add(&mut self, share: f64, other: &Self) {
-        self.generate += share * other.generate;
-        self.build += share * other.build;
-        self.trace += share * other.trace;
+    /// Adds `fraction` of `other`.
+    pub(crate) fn add(&mut self, fraction: f64, other: &Self) {
+        self.generate += fraction * other.generate;
+        self.build += fraction * other.build;
+        self.trace += fraction * other.trace;
     }
 }

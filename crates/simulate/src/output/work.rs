@@ -4,7 +4,7 @@ use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, 
 use serde::{Deserialize, Serialize};
 
 use crate::input::estimator::Estimator;
-use crate::methods::method::{ControlMean, Method};
+use crate::methods::method::{ControlVariateMean, Method};
 
 /// What was done, and how long it took.
 #[derive(Clone, Debug, Serialize)]
@@ -20,7 +20,7 @@ pub struct SummaryWork {
     /// Those of them that the slopes nearby excused.
     pub segments_skipped_nearby: u64,
     /// Branches not followed, since they could end only on a side that is not recorded.
-    pub branches_not_asked: u64,
+    pub branches_not_recorded: u64,
     /// Scatterings inside a medium.
     #[serde(skip_serializing_if = "is_zero")]
     pub scatterings: u64,
@@ -33,8 +33,8 @@ pub struct SummaryWork {
     pub instructions: Option<String>,
     /// Estimator used.
     pub estimator: Estimator,
-    /// Where the mean of its control comes from; `None` without one.
-    pub control: Option<ControlMean>,
+    /// Where the mean of its control variate comes from; `None` without one.
+    pub control_variate: Option<ControlVariateMean>,
     /// Where its paths start.
     pub starts: Starts,
     /// How they are spread.
@@ -85,13 +85,13 @@ impl SummaryWork {
             segments: work.segments,
             segments_skipped: work.segments_skipped,
             segments_skipped_nearby: work.segments_skipped_nearby,
-            branches_not_asked: work.branches_not_recorded,
+            branches_not_recorded: work.branches_not_recorded,
             scatterings: work.scatterings,
             most_scatterings: work.max_scatterings.into(),
             accelerator: used.accelerator,
             instructions: used.instructions,
             estimator: method.estimator(),
-            control: method.control_mean(),
+            control_variate: method.control_variate_mean(),
             starts: method.starts,
             sampling,
             generate_seconds: 0.0,

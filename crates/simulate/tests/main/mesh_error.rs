@@ -10,7 +10,7 @@ use asperity_tracer::HalfSpace;
 
 use crate::support::Rough;
 
-/// Vertical light on surfaces of mirrors of `size` samples a side, with four spacings or more a correlation length.
+/// Vertical light on surfaces of mirrors of `size` samples per side, with four spacings or more per correlation length.
 fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
     let psd = Psd::gaussian(4.0 / 3.0, 4.0).unwrap();
     let synthesis = Synthesis::new(psd, [size; 2], [spacing; 2], false).unwrap();
@@ -35,7 +35,7 @@ fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
 
 /// On four spacings a correlation length, facets lack 3 % of the slope variance, and the middle of the
 /// lobe is brighter for it. Each of three rings passes |z| < 4 with probability 1 - 7e-5, if Smith's
-/// visible shares, all above 0.97 and taken for one here, do not change with the mesh.
+/// visible fractions, all above 0.97 and taken for one here, do not change with the mesh.
 #[test]
 fn quadrature_foresees_what_halving_a_coarse_spacing_changes() {
     let measured = run(128, 1.0, 2_000_000, true);

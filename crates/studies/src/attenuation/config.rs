@@ -51,10 +51,10 @@ pub struct AttenuationView {
     pub phi: Number,
 }
 
-/// How it is found out whether a point sees the sky.
+/// How the visibility of the sky from a point is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Way {
+pub enum VisibilityMethod {
     /// The quicker one.
     #[default]
     Auto,
@@ -64,7 +64,7 @@ pub enum Way {
     Horizons,
 }
 
-impl fmt::Display for Way {
+impl fmt::Display for VisibilityMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Auto => "auto",
@@ -81,8 +81,8 @@ pub struct AttenuationRun {
     pub realisations: Count,
     /// Seed of the surfaces and of the points on them.
     pub seed: u64,
-    /// How it is found out whether a point sees the sky.
-    pub way: Way,
+    /// How the visibility of the sky from a point is computed.
+    pub method: VisibilityMethod,
     /// Follow the mirrored ray of each lit point as well: `mirror_g2`.
     pub mirror: bool,
     /// Measure the visibility by height.
@@ -99,7 +99,7 @@ pub struct AttenuationOutput {
     /// Values of sigma at which models are drawn over theta; up to three of them unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub models_at_sigma: Option<OneOrMany<Number>>,
-    /// Values of theta at which shares are drawn over sigma, degrees; up to five of them unless given.
+    /// Values of theta at which fractions are drawn over sigma, degrees; up to five of them unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_sigma_at_theta: Option<OneOrMany<Number>>,
 }

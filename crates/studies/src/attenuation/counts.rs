@@ -27,24 +27,24 @@ pub(super) struct Area {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Counts {
     pub(super) points: u64,
-    /// One a light.
+    /// One per light.
     pub(super) lights: Vec<Seen>,
     /// The same lights' projected areas, each point having one of the mean plane.
     pub(super) areas: Vec<Area>,
-    /// One a view.
+    /// One per view.
     pub(super) views: Vec<Seen>,
-    /// Points that face both directions, and those of them that are lit and seen; views of one light after
+    /// Points that face both directions, and those of them that are lit and visible; views of one light after
     /// the other.
     pub(super) pairs: Vec<Seen>,
     /// Samples of the grid.
     pub(super) samples: u64,
-    /// Samples that are lit and seen; views of one light after the other.
+    /// Samples that are lit and visible; views of one light after the other.
     pub(super) paper: Vec<u64>,
-    /// Lit points whose mirrored ray gets away, one a light.
+    /// Lit points whose mirrored ray escapes, one number per light.
     pub(super) mirrored: Vec<u64>,
     /// Points that face a light and are lit, by their height; the bins of one light after the other.
     pub(super) heights: Vec<Seen>,
-    /// Looks of which it cannot be told what they see.
+    /// Visibility rays lost to numerical failure.
     pub(super) lost: u64,
 }
 

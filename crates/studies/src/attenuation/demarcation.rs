@@ -6,8 +6,8 @@ use asperity_tracer::Horizon;
 
 use super::estimate::mean;
 
-/// The share of points whose shadow counts as its beginning.
-pub(super) const SHARE: f64 = 0.01;
+/// The fraction of points whose shadow counts as its beginning.
+pub(super) const SHADOWED_FRACTION: f64 = 0.01;
 
 /// Rises `cot(theta)` at which shadow begins on one surface, if it does above those that were told apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,7 +27,7 @@ impl Rises {
         for rises in [&mut steepest, &mut own] {
             rises.sort_unstable_by(|a, b| b.total_cmp(a));
         }
-        let enough = (SHARE * horizons.len() as f64).ceil() as usize;
+        let enough = (SHADOWED_FRACTION * horizons.len() as f64).ceil() as usize;
         let told = |rise: &f64| *rise > least;
         let shadowed = horizons.iter().filter(|h| h.beyond > h.own);
         Self {
@@ -37,7 +37,7 @@ impl Rises {
                 .max_by(f64::total_cmp)
                 .filter(told),
             one_percent_dark: steepest.get(enough.max(1) - 1).copied().filter(told),
-            one_percent_shadowed: shadowed_share(&steepest, &own, enough).filter(told),
+            one_percent_shadowed: shadowed_fraction(&steepest, &own, enough).filter(told),
         }
     }
 
@@ -55,7 +55,7 @@ impl Rises {
 
 /// The steepest rise at which `enough` points face the light and yet are dark, both lists in falling
 /// order: those with a horizon above it less those that face away.
-fn shadowed_share(steepest: &[f64], own: &[f64], enough: usize) -> Option<f64> {
+fn shadowed_fraction(steepest: &[f64], own: &[f64], enough: usize) -> Option<f64> {
     let mut away = 0;
     steepest.iter().enumerate().find_map(|(dark, &rise)| {
         while away < own.len() && own[away] >= rise {
@@ -112,7 +112,8 @@ impl Demarcation {
             found.map(|found| mean(found.into_iter().map(angle)))
         };
         let deviation = slopes.xx().sqrt();
-        let smith = |within_facing| smith_demarcation(slopes, SHARE, within_facing).map(angle);
+        let smith =
+            |within_facing| smith_demarcation(slopes, SHADOWED_FRACTION, within_facing).map(angle);
         let paper = PAPER.iter().find(|(of, _)| *of == sigma && tau == 0.5);
         Self {
             sigma,

@@ -40,7 +40,7 @@ mod tests {
         let expected = (0.75_f64 / 3.0).sqrt() * 3.0 / 8.0;
         assert!((found.se.unwrap() - expected).abs() < 1e-15);
         assert_eq!(ratio([[1.0, 2.0]].into_iter()).se, None);
-        // What is the same share of every surface has no error, however their sizes scatter.
+        // What is the same fraction of every surface has no error, however their sizes scatter.
         let same = ratio([[1.0, 2.0], [2.0, 4.0]].into_iter());
         assert_eq!((same.mean, same.se), (0.5, Some(0.0)));
     }

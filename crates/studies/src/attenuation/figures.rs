@@ -5,7 +5,7 @@ use asperity_analysis::{
 };
 use asperity_optics::{Incidence, from_spherical};
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
-use asperity_simulate::short;
+use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
@@ -39,7 +39,7 @@ pub(super) fn figures(outcome: &AttenuationOutcome) -> Vec<(&'static str, Curves
 const THETA: &str = "polar angle of the light θᵢ (°)";
 const LIT: &str = "fraction of all points that are lit";
 
-/// The lit share over theta, a curve a sigma.
+/// The lit fraction over theta, a curve per sigma.
 fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
     let curves = sigmas.iter().enumerate().map(|(i, &sigma)| Curve {
         name: format!("σ = {}", short(sigma)),
@@ -57,7 +57,7 @@ fn over_theta(outcome: &AttenuationOutcome, sigmas: &[f64]) -> Curves {
     }
 }
 
-/// The lit share over theta beside models, for some sigma.
+/// The lit fraction over theta against models, for some sigma.
 fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
     let tau = outcome.config.surface.tau.0;
     let phi = outcome.config.light.phi.0.to_radians();
@@ -103,7 +103,7 @@ fn models_over_theta(outcome: &AttenuationOutcome) -> Curves {
     }
 }
 
-/// The lit share over sigma beside Smith's, for some angles.
+/// The lit fraction over sigma against Smith's, for some angles.
 fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
     let tau = outcome.config.surface.tau.0;
     let phi = outcome.config.light.phi.0;
@@ -271,7 +271,7 @@ fn point(x: f64, estimate: Estimate) -> Point {
     Point::with_error(x, estimate.mean, estimate.se)
 }
 
-/// Rows of the first view, which the lit share does not depend on.
+/// Rows of the first view, which the lit fraction does not depend on.
 fn lights(outcome: &AttenuationOutcome) -> impl Iterator<Item = &AttenuationRow> {
     let view = outcome.rows[0].view_theta;
     outcome
@@ -312,16 +312,15 @@ fn distinct(values: impl Iterator<Item = f64>) -> Vec<f64> {
 
 fn subtitle(outcome: &AttenuationOutcome) -> String {
     let surface = &outcome.config.surface;
-    let count = outcome.work.realisations;
-    let plural = if count == 1 { "" } else { "s" };
     let border = match surface.border {
         asperity_surface::Border::Periodic => String::new(),
         other => format!(", {other} border"),
     };
     format!(
-        "τ = {}, spacing {}, {count} surface{plural} of {} points{border}",
+        "τ = {}, spacing {}, {} of {} points{border}",
         short(surface.tau.0),
         short(surface.spacing.xy()[0].0),
+        counted(outcome.work.realisations, "surface"),
         outcome.work.points
     )
 }

@@ -41,7 +41,7 @@ pub struct VisibilityRow {
     pub height_max: f64,
     /// Points of that height that face the light, a surface.
     pub points: f64,
-    /// Share of them that see it; `None` where there are no such points.
+    /// Fraction of them that see it; `None` where there are no such points.
     pub visibility: Option<Estimate>,
     /// Smith's `Phi(h)^Lambda`, the mean over the bin's three-point rule.
     pub smith: f64,

@@ -7,7 +7,7 @@ use asperity_surface::{Border, Psd, Synthesis, SynthesisError};
 use asperity_tracer::{AcceleratorKind, HorizonError};
 
 use super::AttenuationError;
-use super::config::{AttenuationConfig, AttenuationRun, Way};
+use super::config::{AttenuationConfig, AttenuationRun, VisibilityMethod};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
 
@@ -22,8 +22,8 @@ pub(super) struct Plan {
     pub(super) lights: Vec<Incidence>,
     pub(super) views: Vec<Incidence>,
     /// Either rays or horizons.
-    pub(super) way: Way,
-    /// Recipes of the surfaces, one a sigma.
+    pub(super) method: VisibilityMethod,
+    /// Recipes of the surfaces, one per sigma.
     pub(super) recipes: Vec<Synthesis>,
     /// Their slopes, as those of the continuous surface.
     pub(super) slopes: Vec<SlopeCovariance>,
@@ -34,7 +34,7 @@ pub(super) struct Plan {
 impl Plan {
     /// Whether horizons are found at all.
     pub(super) fn needs_horizons(&self, run: &AttenuationRun) -> bool {
-        self.way == Way::Horizons || run.demarcation
+        self.method == VisibilityMethod::Horizons || run.demarcation
     }
 
     /// Azimuths along which horizons are needed, radians: that of the lights, and that of the views where
@@ -86,7 +86,7 @@ impl AttenuationConfig {
             ANGLES_DRAWN,
         )?;
         let mut plan = Plan {
-            way: self.run.way,
+            method: self.run.method,
             sigmas,
             tau: surface.tau.0,
             shape,
@@ -99,24 +99,24 @@ impl AttenuationConfig {
             models_at,
             over_sigma_at,
         };
-        if plan.way == Way::Auto {
-            plan.way = self.quicker_way(&plan);
+        if plan.method == VisibilityMethod::Auto {
+            plan.method = self.quicker_method(&plan);
         }
         self.check_size(&plan)?;
         Ok(plan)
     }
 
     /// Horizons where they are needed in any case, or where many directions share their azimuths.
-    fn quicker_way(&self, plan: &Plan) -> Way {
+    fn quicker_method(&self, plan: &Plan) -> VisibilityMethod {
         let slanted = |directions: &[Incidence]| {
             let slanted = directions.iter().filter(|one| !one.is_vertical());
             slanted.count()
         };
-        let looks = plan.sigmas.len() * (slanted(&plan.lights) + slanted(&plan.views));
-        if self.run.demarcation || looks >= LOOKS_WORTH_A_HORIZON * plan.azimuths().len() {
-            Way::Horizons
+        let rays = plan.sigmas.len() * (slanted(&plan.lights) + slanted(&plan.views));
+        if self.run.demarcation || rays >= RAYS_WORTH_A_HORIZON * plan.azimuths().len() {
+            VisibilityMethod::Horizons
         } else {
-            Way::Rays
+            VisibilityMethod::Rays
         }
     }
 
@@ -128,7 +128,7 @@ impl AttenuationConfig {
         } else {
             0
         };
-        // Two facets and a sample a cell; a horizon takes 16 bytes, and the demarcation sorts two copies of
+        // Two facets and a sample per cell; a horizon takes 16 bytes, and the demarcation sorts two copies of
         // the halves of those of facets.
         let sorted = usize::from(self.run.demarcation);
         let cells = nx.saturating_mul(ny);
@@ -186,11 +186,11 @@ impl AttenuationConfig {
 /// Values of sigma whose models are drawn unless they are named.
 const MODELS_DRAWN: usize = 3;
 
-/// Angles at which shares are drawn over sigma unless they are named.
+/// Angles at which fractions are drawn over sigma unless they are named.
 const ANGLES_DRAWN: usize = 5;
 
-/// Looks, one a point and direction, that take as long as a horizon: measured at s = 1 and up to 80 degrees.
-const LOOKS_WORTH_A_HORIZON: usize = 8;
+/// Visibility rays that take as long as one horizon: measured at s = 1 and up to 80 degrees.
+const RAYS_WORTH_A_HORIZON: usize = 8;
 
 /// Most samples along a side that are told from one another.
 const MOST_SAMPLES: f64 = 1e9;

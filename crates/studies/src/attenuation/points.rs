@@ -9,22 +9,22 @@ use rand::{Rng, RngExt};
 /// Facets whose points share a random stream and are surveyed together, with the samples of their cells.
 pub(super) const CHUNK: usize = 1 << 13;
 
-/// A point of the surface, looking along the normal of its facet until it is told where to look.
+/// A point of the surface with a ray along the normal of its facet.
 pub(super) struct Point {
     pub(super) facet: Facet,
-    pub(super) look: VisibilityRay,
+    pub(super) ray: VisibilityRay,
     is_sample: bool,
 }
 
 impl Point {
-    /// What it looks at along a direction that its facet faces and that is not vertical.
-    pub(super) fn look_along(&self, direction: &Incidence, surface: &Surface) -> VisibilityRay {
+    /// The visibility ray along a direction that its facet faces and that is not vertical.
+    pub(super) fn ray_along(&self, direction: &Incidence, surface: &Surface) -> VisibilityRay {
         let w = direction.wi();
-        let mut origin = self.look.origin;
+        let mut origin = self.ray.origin;
         if self.is_sample {
-            // At the sample itself the ray touches six facets, which would hide or not as z is rounded. So
-            // it starts where it has gone half-way over its own, which has nothing to hide: facets reach
-            // from a corner as far as |x| + |y| = 1 at least.
+            // At the sample itself the ray touches six facets, so that rounding of z would decide whether it
+            // is blocked. It starts half-way across its own facet instead, which cannot block it: facets
+            // extend from a corner to |x| + |y| = 1 at least.
             let [x, y] = [w.x, w.y * surface.aspect()];
             let half = 0.5 / (x.abs() + y.abs());
             origin.x += half * x;
@@ -58,22 +58,22 @@ pub(super) fn points(
         let [a, b, c] = surface.corners(facet);
         let [far, near] = sorted_pair(&mut rng);
         let place = a + far * (b - a) + near * (c - b);
-        let look = VisibilityRay {
+        let ray = VisibilityRay {
             origin: surface.snap(facet, place),
             direction: surface.normal(facet),
         };
         Point {
             facet,
-            look,
+            ray,
             is_sample: false,
         }
     })
 }
 
-/// The samples of a chunk, each on that of the six facets around it into which the azimuth, radians, sets
-/// out. Along an edge either facet does: they rise alike along it.
+/// The samples of a chunk, each on that of the six facets around it into which the azimuth, radians, points.
+/// Along an edge either facet will do: they have the same slope along it.
 ///
-/// A periodic surface has one a cell, its first corner. Of an open patch those of the border are left out,
+/// A periodic surface has one per cell, its first corner. Of an open patch those of the border are left out,
 /// around which facets are missing.
 pub(super) fn samples(
     surface: &Surface,
@@ -111,13 +111,13 @@ pub(super) fn samples(
                 ix: before(ix, left, cx) as u32,
                 triangle,
             };
-            let look = VisibilityRay {
+            let ray = VisibilityRay {
                 origin: surface.corners(facet)[corner],
                 direction: surface.normal(facet),
             };
             Point {
                 facet,
-                look,
+                ray,
                 is_sample: true,
             }
         })

@@ -4,20 +4,20 @@ use asperity_optics::Incidence;
 use asperity_tracer::{Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
-use super::config::Way;
+use super::config::VisibilityMethod;
 use super::plan::Plan;
 use super::points::{Point, chunks, points, samples};
 use super::{AttenuationConfig, AttenuationError};
 
 /// Horizons along one azimuth.
 pub(super) struct Skyline {
-    /// One a point.
+    /// One per point.
     pub(super) points: Vec<Horizon>,
-    /// One a sample, a list a chunk; none where looks are rays.
+    /// One per sample, in one list per chunk; empty where visibility is found by rays.
     pub(super) samples: Vec<Vec<Horizon>>,
 }
 
-/// The skylines of a surface, one an azimuth.
+/// The skylines of a surface, one per azimuth.
 pub(super) fn find_skylines(
     config: &AttenuationConfig,
     plan: &Plan,
@@ -29,12 +29,12 @@ pub(super) fn find_skylines(
         .into_iter()
         .map(|azimuth| {
             let horizons = Horizons::new(surface, azimuth, least)?;
-            let of = |point: Point| horizons.of(point.facet, point.look.origin);
+            let of = |point: Point| horizons.of(point.facet, point.ray.origin);
             let found: Vec<(Vec<Horizon>, Vec<Horizon>)> = chunks(surface)
                 .into_par_iter()
                 .map(|chunk| {
                     let points = points(surface, config.run.seed, index, chunk).map(of);
-                    let samples = if plan.way == Way::Horizons {
+                    let samples = if plan.method == VisibilityMethod::Horizons {
                         samples(surface, azimuth, chunk).map(of).collect()
                     } else {
                         Vec::new()

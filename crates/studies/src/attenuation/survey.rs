@@ -9,7 +9,7 @@ use asperity_tracer::{
 };
 use rayon::prelude::*;
 
-use super::config::Way;
+use super::config::VisibilityMethod;
 use super::counts::{Area, Counts, Seen};
 use super::heights::{self, BINS};
 use super::plan::Plan;
@@ -19,14 +19,14 @@ use super::{AttenuationConfig, AttenuationError};
 
 /// What was found on one realisation.
 pub(super) struct Surveyed {
-    /// One a sigma.
+    /// One per sigma.
     pub(super) counts: Vec<Counts>,
     /// Horizons of the points along the azimuth of the lights, on the surface of the first sigma, and the least rise that
     /// they tell apart.
     pub(super) horizons: Option<(Vec<Horizon>, f64)>,
 }
 
-/// Surveys the surfaces of realisation `index`, one a sigma; `None` if the run is to stop.
+/// Surveys the surfaces of realisation `index`, one per sigma; `None` if the run is to stop.
 ///
 /// They are one surface at several scales of height, and so are their horizons: these are found once.
 pub(super) fn survey(
@@ -45,7 +45,7 @@ pub(super) fn survey(
         Ok(directions.try_for_each(|direction| check_grazing(surface, *direction))?)
     };
     let first = draw(0)?;
-    // Before horizons are looked for, which light this flat would have to come over.
+    // Light this grazing would have to cross too many tiles: refuse it before horizons are computed.
     grazing(&first)?;
     let least = least_rise(config, plan);
     let skylines = if plan.needs_horizons(run) {
@@ -73,7 +73,9 @@ pub(super) fn survey(
             sigma: plan.sigmas[sigma],
             surface: &surface,
             accelerator: &*accelerator,
-            skylines: skylines.as_deref().filter(|_| plan.way == Way::Horizons),
+            skylines: skylines
+                .as_deref()
+                .filter(|_| plan.method == VisibilityMethod::Horizons),
             steeper: plan.sigmas[sigma] / plan.sigmas[0],
             azimuths: plan.azimuths(),
             index,
@@ -230,7 +232,7 @@ impl Site<'_> {
         let w = direction.wi();
         let facing: Vec<bool> = points
             .iter()
-            .map(|point| point.look.direction.dot(w) > 0.0)
+            .map(|point| point.ray.direction.dot(w) > 0.0)
             .collect();
         // From straight above, every point is seen.
         if direction.is_vertical() {
@@ -247,10 +249,10 @@ impl Site<'_> {
                     .collect()
             }
             None => {
-                let looks = points.iter().zip(&facing).map(|(point, &facing)| {
-                    facing.then(|| point.look_along(direction, self.surface))
+                let rays = points.iter().zip(&facing).map(|(point, &facing)| {
+                    facing.then(|| point.ray_along(direction, self.surface))
                 });
-                self.free(looks, lost)
+                self.free(rays, lost)
             }
         };
         Marks { facing, free }
@@ -259,38 +261,37 @@ impl Site<'_> {
     /// How many of the lit points send the mirrored ray away.
     fn mirrored(&self, light: &Incidence, points: &[Point], lit: &[bool], lost: &mut u64) -> u64 {
         let wi = light.wi();
-        let looks = points.iter().zip(lit).map(|(point, &lit)| {
-            let wo = reflect(wi, point.look.direction);
+        let rays = points.iter().zip(lit).map(|(point, &lit)| {
+            let wo = reflect(wi, point.ray.direction);
             // What goes down meets the surface.
             (lit && wo.z > 0.0).then_some(VisibilityRay {
                 direction: wo,
-                ..point.look
+                ..point.ray
             })
         });
-        ones(self.free(looks, lost).into_iter())
+        ones(self.free(rays, lost).into_iter())
     }
 
-    /// Which of the looks that are taken see the sky.
-    fn free(
-        &self,
-        looks: impl Iterator<Item = Option<VisibilityRay>>,
-        lost: &mut u64,
-    ) -> Vec<bool> {
-        let all: Vec<Option<VisibilityRay>> = looks.collect();
+    /// For each ray, whether it escapes; false where there is none.
+    fn free(&self, rays: impl Iterator<Item = Option<VisibilityRay>>, lost: &mut u64) -> Vec<bool> {
+        let all: Vec<Option<VisibilityRay>> = rays.collect();
         let taken: Vec<VisibilityRay> = all.iter().copied().flatten().collect();
         let mut seen = Vec::new();
         trace_visibility(self.surface, self.accelerator, &taken, &mut seen);
-        *lost += ones(seen.iter().map(|sight| *sight == Visibility::Lost));
+        *lost += ones(
+            seen.iter()
+                .map(|visibility| *visibility == Visibility::Lost),
+        );
         let mut seen = seen.into_iter();
         all.iter()
-            .map(|look| look.is_some() && seen.next() == Some(Visibility::Visible))
+            .map(|ray| ray.is_some() && seen.next() == Some(Visibility::Visible))
             .collect()
     }
 
     /// The bin of a point's height.
     fn bin(&self, point: &Point) -> Option<usize> {
         let [dx, _] = self.surface.field().spacing();
-        let height = (point.look.origin.z - self.surface.mean_plane()) * dx;
+        let height = (point.ray.origin.z - self.surface.mean_plane()) * dx;
         heights::bin(height / self.sigma)
     }
 }
@@ -301,7 +302,7 @@ fn area(light: &Incidence, points: &[Point], lit: &Marks) -> Area {
     let mut sum = Area::default();
     for ((point, &facing), &free) in points.iter().zip(&lit.facing).zip(&lit.free) {
         if facing {
-            let m = point.look.direction;
+            let m = point.ray.direction;
             let area = wi.dot(m) / (m.z * wi.z);
             sum.facing += area;
             sum.free += if free { area } else { 0.0 };

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::short;
+use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
@@ -13,8 +13,8 @@ fn angle<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) ->
     Column::new(name, about, value).unit("deg")
 }
 
-/// A column of measured shares.
-fn share<'a, R: 'a>(
+/// A column of measured fractions.
+fn fraction<'a, R: 'a>(
     name: &'a str,
     about: &'static str,
     value: impl Fn(&R) -> Estimate + 'a,
@@ -30,9 +30,9 @@ fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -
 /// attenuation.csv: a row per sigma, light and view.
 pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
     type Row = AttenuationRow;
-    let less = |share: Estimate, smith: f64| Estimate {
-        mean: share.mean - smith,
-        ..share
+    let less = |fraction: Estimate, smith: f64| Estimate {
+        mean: fraction.mean - smith,
+        ..fraction
     };
     Table::new()
         .column(Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"))
@@ -40,28 +40,28 @@ pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
         .column(angle("phi", "azimuth of the light", |row: &Row| row.phi))
         .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view_theta))
         .column(angle("view_phi", "azimuth of the eye", |row: &Row| row.view_phi))
-        .column(share("lit", "share of all points that are lit", |row: &Row| row.lit))
-        .column(share("g1", "share of the points facing the light that are lit", |row: &Row| row.g1).heading("g1 (facing)"))
-        .column(share("g1_projected", "g1 weighted by the areas projected towards the light: Smith's G1", |row: &Row| row.g1_projected))
-        .column(share("lit_projected", "projected area of the lit points over that of the mean plane", |row: &Row| row.lit_projected))
+        .column(fraction("lit", "fraction of all points that are lit", |row: &Row| row.lit))
+        .column(fraction("g1", "fraction of the points facing the light that are lit", |row: &Row| row.g1).heading("g1 (facing)"))
+        .column(fraction("g1_projected", "g1 weighted by the areas projected towards the light: Smith's G1", |row: &Row| row.g1_projected))
+        .column(fraction("lit_projected", "projected area of the lit points over that of the mean plane", |row: &Row| row.lit_projected))
         .column(theory("smith_lit", "lit, by Smith", |row: &Row| row.smith_lit).heading("Smith lit"))
         .column(theory("smith_g1", "g1, by Smith: 1 / (1 + Lambda)", |row: &Row| row.smith_g1).heading("Smith g1"))
         .column(theory("smith_lit_as_printed", "lit, by Smith's formula as the 2019 paper prints it", |row: &Row| row.smith_lit_as_printed).heading("as printed"))
         .column(theory("v_cavity_lit", "lit, of V-cavities", |row: &Row| row.v_cavity_lit).heading("V-cavity lit"))
         .column(theory("v_cavity_g1", "g1, of V-cavities", |row: &Row| row.v_cavity_g1).heading("V-cavity g1"))
-        .column(share("local_shadow", "share of all points that face away from the light", |row: &Row| row.local_shadow))
-        .column(share("distant_shadow", "share of all points that face the light and are shadowed", |row: &Row| row.distant_shadow))
-        .column(share("local_mask", "share of all points that face away from the eye", |row: &Row| row.local_mask))
-        .column(share("distant_mask", "share of all points that face the eye and are masked", |row: &Row| row.distant_mask))
-        .column(share("g1_view", "share of the points facing the eye that are visible", |row: &Row| row.g1_view))
-        .column(share("g2", "share of the points facing both that are lit and visible", |row: &Row| row.g2).heading("g2 (facing both)"))
+        .column(fraction("local_shadow", "fraction of all points that face away from the light", |row: &Row| row.local_shadow))
+        .column(fraction("distant_shadow", "fraction of all points that face the light and are shadowed", |row: &Row| row.distant_shadow))
+        .column(fraction("local_mask", "fraction of all points that face away from the eye", |row: &Row| row.local_mask))
+        .column(fraction("distant_mask", "fraction of all points that face the eye and are masked", |row: &Row| row.distant_mask))
+        .column(fraction("g1_view", "fraction of the points facing the eye that are visible", |row: &Row| row.g1_view))
+        .column(fraction("g2", "fraction of the points facing both that are lit and visible", |row: &Row| row.g2).heading("g2 (facing both)"))
         .column(theory("smith_separable_g2", "g2, by Smith: G1(wi) G1(wo)", |row: &Row| row.smith_separable_g2).heading("separable"))
         .column(theory("smith_correlated_g2", "g2, by Smith: 1 / (1 + Lambda(wi) + Lambda(wo))", |row: &Row| row.smith_correlated_g2).heading("Smith correlated"))
         .column(theory("v_cavity_g2", "g2, of V-cavities", |row: &Row| row.v_cavity_g2).heading("V-cavity"))
-        .column(share("paper_g2", "share of the samples of the grid that are lit and visible: 1 - N_s / N of the 2019 paper", |row: &Row| row.paper_g2))
-        .column(Column::estimate("mirror_g2", "share of all points that are lit and whose mirrored ray escapes", |row: &Row| row.mirror_g2))
-        .column(share("g1_less_smith", "g1 less smith_g1", move |row: &Row| less(row.g1, row.smith_g1)))
-        .column(share("lit_less_smith", "lit less smith_lit", move |row: &Row| less(row.lit, row.smith_lit)))
+        .column(fraction("paper_g2", "fraction of the samples of the grid that are lit and visible: 1 - N_s / N of the 2019 paper", |row: &Row| row.paper_g2))
+        .column(Column::estimate("mirror_g2", "fraction of all points that are lit and whose mirrored ray escapes", |row: &Row| row.mirror_g2))
+        .column(fraction("g1_less_smith", "g1 less smith_g1", move |row: &Row| less(row.g1, row.smith_g1)))
+        .column(fraction("lit_less_smith", "lit less smith_lit", move |row: &Row| less(row.lit, row.smith_lit)))
 }
 
 /// demarcation.csv: a row per sigma.
@@ -88,7 +88,7 @@ pub(super) fn demarcation() -> Table<'static, Demarcation> {
             .heading("first dark"),
         )
         .column(
-            share(
+            fraction(
                 "first_dark_scaled",
                 "its cotangent over the root mean square slope",
                 |row: &Row| row.first_dark_scaled,
@@ -175,7 +175,7 @@ pub(super) fn visibility() -> Table<'static, VisibilityRow> {
         .column(
             Column::estimate(
                 "visibility",
-                "share of these points that are lit",
+                "fraction of these points that are lit",
                 |row: &Row| row.visibility,
             )
             .heading("explicit"),
@@ -192,25 +192,24 @@ pub(super) fn visibility() -> Table<'static, VisibilityRow> {
         )
 }
 
-/// What was measured, beside theory: report.txt.
+/// What was measured, next to theory: report.txt.
 #[must_use]
 pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     let surface = &outcome.config.surface;
     let work = &outcome.work;
     let mut out = String::new();
-    let plural = if work.realisations == 1 { "" } else { "s" };
     let _ = writeln!(
         out,
-        "tau {}, {} surface{plural} of {} points, {} border, by {};\nshares of points, not of projected areas",
+        "tau {}, {} of {} points, {} border, by {};\nfractions of points, not of projected areas",
         short(surface.tau.0),
-        work.realisations,
+        counted(work.realisations, "surface"),
         work.points,
         surface.border,
-        work.way,
+        work.method,
     );
     let _ = writeln!(
         out,
-        "paper_g2: share of the samples of the grid, {} per surface",
+        "paper_g2: fraction of the samples of the grid, {} per surface",
         work.samples,
     );
     let _ = writeln!(
@@ -218,7 +217,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
         "errors from the scatter between surfaces; the slope variance of the mesh is\n{:.2} % below that of the continuous surface\n",
         100.0 * outcome.mesh_slope_deficit,
     );
-    out.push_str(&shares(outcome));
+    out.push_str(&fractions(outcome));
     if !outcome.demarcation.is_empty() {
         let table = demarcation().text(&outcome.demarcation);
         let _ = write!(
@@ -246,8 +245,8 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     out
 }
 
-/// The shares by light, and by light and view where a view is not vertical.
-fn shares(outcome: &AttenuationOutcome) -> String {
+/// The fractions by light, and by light and view where a view is not vertical.
+fn fractions(outcome: &AttenuationOutcome) -> String {
     let slanted = outcome.rows.iter().any(|row| row.view_theta > 0.0);
     // What depends on the light alone is the same for each view.
     let first_view = outcome.rows.first().map(|row| row.view_theta);

@@ -11,7 +11,7 @@ use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 use crate::config::error::ConfigError;
 use asperity_simulate::slopes;
 
-/// A model beside a case.
+/// A model for a case.
 pub enum CaseModel {
     /// Of a rough surface with nothing below that scatters.
     Surface(Box<dyn ScatteringModel>),
@@ -32,7 +32,7 @@ impl CaseModel {
                 }
             }
             (Some(_), _) if MODEL_NAMES.contains(&name) => refuse(format!(
-                "the model {name} is of a surface with nothing below it that scatters; beside a medium, take {}",
+                "the model {name} describes a surface without a medium below it; with a medium, take {}",
                 FlatLayer::NAMES.join(" or ")
             )),
             (None, _) if of_layers => refuse(format!(
@@ -82,7 +82,7 @@ impl CaseModel {
         }
     }
 
-    /// The parts of the light that it claims to describe.
+    /// The components of the light that it claims to describe.
     pub(crate) fn claims(&self) -> Vec<Component> {
         match self {
             Self::Surface(model) if model.scope() == Scope::AllOrders => Component::BINS.to_vec(),
@@ -95,8 +95,8 @@ impl CaseModel {
         }
     }
 
-    /// The part by which it is judged.
-    pub(crate) fn judged_part(&self) -> Component {
+    /// The component by which it is judged.
+    pub(crate) fn judged_component(&self) -> Component {
         match self.scope() {
             Scope::AllOrders => Component::All,
             Scope::ScatteredInside => Component::ScatteredOnce,

@@ -145,7 +145,7 @@ pub fn check_sides(
     }
     if layer.is_some_and(|layer| !layer.transmits()) {
         return Err(ConfigError::Contradiction(
-            "nothing leaves below a medium without end, or one that ends on a black, mirror or Lambertian bottom; ask for side reflected or both".into(),
+            "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; ask for side reflected or both".into(),
         ));
     }
     if material.transmitting_index().is_some() {
@@ -159,7 +159,7 @@ pub fn check_sides(
 /// Checks light that is to fall on a surface with a medium below, and how it is to be estimated.
 ///
 /// # Errors
-/// [`ConfigError::Contradiction`] if it comes from below, or a control is requested.
+/// [`ConfigError::Contradiction`] if it comes from below, or a control variate is requested.
 pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), ConfigError> {
     let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
     if incident == HalfSpace::Below {

@@ -75,7 +75,7 @@ pub struct MediumConfig {
     /// Mean distance between interactions, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_free_path: Option<OneOrMany<Number>>,
-    /// Share of these interactions that scatters; the rest absorbs.
+    /// Fraction of these interactions that scatters; the rest absorbs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub albedo: Option<OneOrMany<Number>>,
     /// Absorption coefficient, 1 / length unit; with `scattering` instead of the two above.
@@ -99,7 +99,7 @@ pub struct MediumConfig {
     /// Index n_beyond / n_layer of an interface; that of the medium above unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom_eta: Option<Number>,
-    /// Share of the light that a Lambertian bottom reflects; all of it unless given.
+    /// Fraction of the light that a Lambertian bottom reflects; all of it unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bottom_reflectance: Option<Number>,
     /// The shape of the bottom.
@@ -206,7 +206,7 @@ impl MediumConfig {
             BottomKind::Absorbing => Bottom::Absorbing,
             BottomKind::Mirror => Bottom::Mirror,
             BottomKind::Lambertian => Bottom::Lambertian {
-                reflectance: self.bottom_reflectance.map_or(1.0, |share| share.0),
+                reflectance: self.bottom_reflectance.map_or(1.0, |fraction| fraction.0),
             },
         })
     }

@@ -290,7 +290,7 @@ const fn default_level() -> f64 {
     DEFAULT_LEVEL
 }
 
-/// `[output]`: what is written beside the numbers.
+/// `[output]`: what is written in addition to the tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OutputConfig {
     /// Draw plots.
@@ -334,7 +334,7 @@ impl VerifyConfig {
 
     /// The configuration of a document.
     ///
-    /// With a medium the default models, which are of bare surfaces, give way to that of a layer between flat faces;
+    /// With a medium the default models, which are of bare surfaces, are replaced by that of a layer between flat faces;
     /// to none where that ends on a Lambertian bottom.
     ///
     /// # Errors
@@ -423,7 +423,7 @@ mod tests {
     }
 
     #[test]
-    fn beside_a_medium_default_models_are_those_of_layers_and_named_ones_stay() {
+    fn with_a_medium_default_models_are_those_of_layers_and_named_ones_stay() {
         let models = |text: &str| VerifyConfig::from_toml(text).unwrap().compare.models;
         let medium = "[medium]\nscattering = 1\nthickness = 9\n";
         assert_eq!(

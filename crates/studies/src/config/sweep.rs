@@ -44,7 +44,7 @@ const DIMENSIONS: [(&str, Dimension); 11] = [
 pub(crate) struct SweptCase {
     /// The case.
     pub(crate) case: SweepCase,
-    /// The configuration of this case alone: it is the same whatever stands beside it.
+    /// The configuration of this case alone, independent of the other cases.
     pub(crate) config: VerifyConfig,
 }
 

@@ -58,7 +58,7 @@ impl fmt::Display for SweepCase {
 }
 
 impl SweepCase {
-    /// What an anisotropic surface has beside the smoothness along its first axis: that along the second, and
+    /// What an anisotropic surface has in addition to the smoothness along its first axis: that along the second, and
     /// the angle from +x to the first.
     #[must_use]
     pub fn grooves(&self) -> Option<String> {

@@ -36,13 +36,13 @@ pub struct ConvergenceConfig {
     /// surface stays, and its samples follow.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacings: Option<OneOrMany<Number>>,
-    /// Rays a surface. Goes with `surfaces` value by value; one value holds for all of the other.
+    /// Rays per surface. Goes with `surfaces` value by value; one value holds for all of the other.
     pub rays: OneOrMany<Count>,
     /// Surfaces that a run draws.
     pub surfaces: OneOrMany<Count>,
     /// Runs of each method and effort, each with surfaces and rays of its own.
     pub repeats: Count,
-    /// Rays a surface of the reference.
+    /// Rays per surface of the reference.
     pub reference_rays: Count,
     /// Surfaces of the reference.
     pub reference_surfaces: Count,

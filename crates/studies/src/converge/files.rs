@@ -1,6 +1,6 @@
 //! The files of a convergence run: convergence.csv, the plot, report.txt and summary.json.
 
-use asperity_simulate::Observer;
+use asperity_simulate::{Observer, counted, short};
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use asperity_plot::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
@@ -97,14 +97,13 @@ fn write_case(
 /// Error over seconds of one case.
 fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
     let parameters = case_text(&case.case);
-    let [x, y] = outcome.config.extent().map(asperity_simulate::short);
-    let repeats = outcome.config.converge.repeats.0;
-    let plural = if repeats == 1 { "" } else { "s" };
+    let [x, y] = outcome.config.extent().map(short);
+    let runs = counted(outcome.config.converge.repeats.0, "run");
     let threads = case.work.threads;
     ErrorOverTime {
         title: format!("Run time against error: {parameters}"),
         subtitle: format!(
-            "surfaces of {x} × {y} length units; seconds are medians of {repeats} run{plural} on {threads} threads"
+            "surfaces of {x} × {y} length units; seconds are medians of {runs} on {threads} threads"
         ),
         methods: case
             .methods

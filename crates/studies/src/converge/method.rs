@@ -46,7 +46,7 @@ impl Method {
 /// How much a run does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct RunEffort {
-    /// Rays a surface, at least.
+    /// Rays per surface, at least.
     pub rays: u64,
     /// Surfaces.
     pub surfaces: u64,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use asperity_io::WriteError;
-use asperity_simulate::short;
+use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
 
 use super::{
@@ -13,7 +13,7 @@ use super::{
 };
 use crate::output::{Cell, Column, Table, significant, with_error};
 
-/// What a method is called beside the others of its case: what they have in common is left out, the
+/// What a method is called among the methods of its case: what they have in common is left out, the
 /// estimator and the sampling aside.
 pub(super) fn method_name(case: &ConvergedCase, method: &Method) -> String {
     let mut name = format!("{}, {}", method.estimator, method.sampling);
@@ -79,11 +79,10 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
             );
         }
     }
-    let repeats = outcome.config.converge.repeats.0;
-    let plural = if repeats == 1 { "" } else { "s" };
+    let runs = counted(outcome.config.converge.repeats.0, "run");
     let _ = writeln!(
         out,
-        "seconds are medians of {repeats} run{plural} on {} threads, and in brackets the fastest and the slowest\n",
+        "seconds are medians of {runs} on {} threads, and in brackets the fastest and the slowest\n",
         case.work.threads,
     );
     out.push_str(&measured(case).text(measurements(case)));

@@ -158,7 +158,7 @@ fn errors_fall_with_rays_and_agree_with_the_exact_answer() {
     let case = &outcome.cases[0];
     let [few, many] = [0, 1].map(|i| &case.methods[0].measurements[i]);
     assert!(case.is_exact && few.usable && many.usable);
-    // Independent rays, and surfaces that all look alike: 16 times as many have a quarter of the
+    // Independent rays, and surfaces that are all alike: 16 times as many have a quarter of the
     // error, to the standard errors of both (and the error of the reference in the second).
     let ratio = few.error.rms / many.error.rms;
     let se = ratio

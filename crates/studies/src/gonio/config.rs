@@ -88,7 +88,7 @@ pub enum PlotScale {
     Rows,
 }
 
-/// `[output]`: what is written beside the numbers.
+/// `[output]`: what is written in addition to the tables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GonioOutput {
     /// Draw plots.

@@ -34,7 +34,7 @@ pub(super) fn names(spec: &TallySpec, thetas: &[f64]) -> Vec<String> {
     let of_side = |side: Side| {
         let of_theta = move |theta: &f64| {
             let theta = short(*theta);
-            ["parts", "profiles"].map(|kind| format!("{kind}_theta{theta}_{side}"))
+            ["components", "profiles"].map(|kind| format!("{kind}_theta{theta}_{side}"))
         };
         let matrix = std::iter::once(format!("matrix_{side}"));
         matrix.chain(thetas.iter().flat_map(of_theta))
@@ -63,8 +63,11 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
                 continue;
             }
             let theta = short(*theta);
-            let parts = move || parts(outcome, side, number).draw();
-            jobs.push((format!("parts_theta{theta}_{side}"), Box::new(parts)));
+            let components = move || components(outcome, side, number).draw();
+            jobs.push((
+                format!("components_theta{theta}_{side}"),
+                Box::new(components),
+            ));
             let profiles = move || profiles(outcome, side, number).draw();
             jobs.push((format!("profiles_theta{theta}_{side}"), Box::new(profiles)));
         }
@@ -75,7 +78,7 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
 
 /// Whether any light of a direction left on `side`.
 fn leaves(outcome: &GonioOutcome, direction: &Direction, side: Side) -> bool {
-    let flux = |results: &super::DirectionResults| results.parts[0].side(&outcome.spec, side);
+    let flux = |results: &super::DirectionResults| results.components[0].side(&outcome.spec, side);
     let flux = direction.results.as_ref().and_then(flux);
     flux.is_some_and(|flux| flux.mean != 0.0)
 }
@@ -146,7 +149,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             hemisphere(outcome, direction, side, 0)
         })
     });
-    let (what, share) = match side {
+    let (what, letter) = match side {
         Side::Reflected => ("Reflected light by angle of incidence", "R"),
         Side::Transmitted => ("Transmitted light by angle of incidence", "T"),
     };
@@ -156,7 +159,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             outcome,
             &[
                 more,
-                format!("{share}: fraction of the incident light that leaves on this side"),
+                format!("{letter}: fraction of the incident light that leaves on this side"),
             ]
             .into_iter()
             .filter(|w| !w.is_empty())
@@ -181,12 +184,17 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
     }
 }
 
-fn parts(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
+fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
     let names = component_names(&outcome.spec);
     let (column_title, columns) = columns(outcome);
-    let cells = (0..names.len()).flat_map(|part| {
+    let cells = (0..names.len()).flat_map(|component| {
         (0..columns.len()).map(move |setting| {
-            hemisphere(outcome, outcome.direction(setting, theta, 0), side, part)
+            hemisphere(
+                outcome,
+                outcome.direction(setting, theta, 0),
+                side,
+                component,
+            )
         })
     });
     Hemispheres {
@@ -213,11 +221,11 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
     let names = component_names(spec);
     let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
     let settings = 0..outcome.settings.len();
-    let points = |part: usize, setting: usize| -> Vec<Point> {
+    let points = |component: usize, setting: usize| -> Vec<Point> {
         let results = outcome.direction(setting, theta, 0).results.as_ref();
         let bins = 0..spec.in_plane_filter(side).len();
         let point = |i: usize| {
-            let flux = results?.parts[part].in_plane(spec, side, i)?;
+            let flux = results?.components[component].in_plane(spec, side, i)?;
             let bsdf = over(flux, projected_in_plane(spec, i));
             let [from, to] = spec.in_plane_filter(side).theta_deg(i);
             Some(Point::with_error(0.5 * (from + to), bsdf.mean, bsdf.se))
@@ -225,7 +233,7 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
         bins.filter_map(point).collect()
     };
     let incidence = outcome.directions[theta * outcome.phis.len()].incidence;
-    // Light goes back where it came from on the near side alone; into a medium it goes on in no direction.
+    // Retroreflection exists only on the side of incidence; a medium has no straight continuation.
     let (light_deg, mirror_deg) = match side {
         Side::Reflected => (Some(-incidence.theta_deg()), Some(incidence.theta_deg())),
         Side::Transmitted => (None, None),
@@ -244,11 +252,11 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
         components: names
             .iter()
             .enumerate()
-            .map(|(part, name)| ProfileComponent {
+            .map(|(component, name)| ProfileComponent {
                 name: name.to_string(),
                 points: settings
                     .clone()
-                    .map(|setting| points(part, setting))
+                    .map(|setting| points(component, setting))
                     .collect(),
             })
             .collect(),
@@ -275,25 +283,25 @@ fn bins(spec: &TallySpec) -> [usize; 2] {
     [spec.grid().n_theta(), spec.grid().n_phi()]
 }
 
-/// The BSDF of one part of one direction, ring by ring from the normal of `side`.
+/// The BSDF of one component of one direction, ring by ring from the normal of `side`.
 fn hemisphere(
     outcome: &GonioOutcome,
     direction: &Direction,
     side: Side,
-    part: usize,
+    component: usize,
 ) -> Option<Hemisphere> {
     let spec = &outcome.spec;
-    let part = &direction.results.as_ref()?.parts[part];
+    let component = &direction.results.as_ref()?.components[component];
     let [rings, sectors] = bins(spec);
     let values = (0..rings).flat_map(|ring| {
         let ring = row_of(side, ring, rings);
         (0..sectors).map(move |sector| ring * sectors + sector)
     });
     let bsdf = |bin| {
-        let flux = part.bin(spec, bin)?;
+        let flux = component.bin(spec, bin)?;
         Some(flux.mean / projected_solid_angle(&spec.grid(), bin))
     };
-    let share = part.side(spec, side)?.mean;
+    let fraction = component.side(spec, side)?.mean;
     let letter = match side {
         Side::Reflected => "R",
         Side::Transmitted => "T",
@@ -301,7 +309,7 @@ fn hemisphere(
     Some(Hemisphere {
         values: values.map(bsdf).collect::<Option<_>>()?,
         light_deg: (!direction.incidence.is_vertical()).then(|| direction.incidence.phi_deg()),
-        note: format!("{letter} = {}", percent(share)),
+        note: format!("{letter} = {}", percent(fraction)),
     })
 }
 
@@ -315,8 +323,8 @@ const fn row_of(side: Side, ring: usize, rings: usize) -> usize {
 }
 
 /// A fraction of the light, to three digits.
-fn percent(share: f64) -> String {
-    let percent = 100.0 * share;
+fn percent(fraction: f64) -> String {
+    let percent = 100.0 * fraction;
     let digits = if percent.abs() >= 10.0 { 1 } else { 2 };
     format!("{percent:.digits$} %")
 }

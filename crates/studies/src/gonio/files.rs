@@ -140,7 +140,7 @@ fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultF
     for direction in &outcome.directions {
         for bin in 0..grid.len() {
             let results = direction.results.as_ref();
-            let flux = results.and_then(|results| results.parts[0].bin(spec, bin));
+            let flux = results.and_then(|results| results.components[0].bin(spec, bin));
             let bsdf = flux.map(|flux| over(flux, projected_solid_angle(&grid, bin)));
             means.push(bsdf.map_or(f64::NAN, |bsdf| bsdf.mean));
             errors.push(bsdf.and_then(|bsdf| bsdf.se).unwrap_or(f64::NAN));

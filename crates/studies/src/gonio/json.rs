@@ -25,7 +25,7 @@ struct Summary<'a> {
     settings: &'a [Specimen],
     thetas_deg: &'a [f64],
     phis_deg: &'a [f64],
-    parts: Vec<Cow<'static, str>>,
+    components: Vec<Cow<'static, str>>,
     complete: bool,
     missing: usize,
     directions: Vec<Direction<'a>>,
@@ -90,7 +90,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         settings: &outcome.settings,
         thetas_deg: &outcome.thetas,
         phis_deg: &outcome.phis,
-        parts: component_names(spec),
+        components: component_names(spec),
         complete: outcome.missing() == 0,
         missing: outcome.missing(),
         directions: directions.collect(),
@@ -124,15 +124,15 @@ fn config(outcome: &GonioOutcome) -> Value {
 }
 
 fn describe<'a>(spec: &TallySpec, results: &'a DirectionResults) -> Results<'a> {
-    let parts = results.parts.iter().map(|part| {
+    let components = results.components.iter().map(|component| {
         let sides = Sides {
-            reflected: part.side(spec, Side::Reflected),
-            transmitted: part.side(spec, Side::Transmitted),
+            reflected: component.side(spec, Side::Reflected),
+            transmitted: component.side(spec, Side::Transmitted),
         };
-        (part.name.as_str(), sides)
+        (component.name.as_str(), sides)
     });
     Results {
-        flux: parts.collect(),
+        flux: components.collect(),
         absorbed: results.budget.estimate(0),
         truncated: results.budget.estimate(1),
         lost: results.budget.estimate(2),

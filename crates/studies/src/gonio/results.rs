@@ -40,7 +40,7 @@ impl Means {
     }
 }
 
-/// Flux fractions of one part of the light.
+/// Flux fractions of one component of the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredComponent {
     /// `all`; `unscattered`, `once` or `more` with a medium; `single` or `multiple` without.
@@ -64,8 +64,8 @@ pub struct DirectionResults {
     pub errors_from: String,
     /// What was absorbed, truncated and lost.
     pub budget: Means,
-    /// All light, then its parts, which add up to it.
-    pub parts: Vec<MeasuredComponent>,
+    /// All light, then its components, which add up to it.
+    pub components: Vec<MeasuredComponent>,
     /// What a reader should know.
     pub warnings: Vec<String>,
 }
@@ -154,7 +154,7 @@ impl DirectionResults {
             rays,
             errors_from: errors_from.to_owned(),
             budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
-            parts: kept_components(statistics.spec())
+            components: kept_components(statistics.spec())
                 .map(|component| MeasuredComponent::of(component, statistics))
                 .collect(),
             warnings,
@@ -165,37 +165,45 @@ impl DirectionResults {
     pub(super) fn is_sound(&self, spec: &TallySpec) -> bool {
         let asked = spec.recorded_bins().len();
         let sides = spec.sides().count();
-        let lengths = |part: &MeasuredComponent| {
-            part.sides.is_sound(sides)
-                && part.bins.is_sound(asked)
-                && part.in_plane.is_sound(sides * spec.in_plane_len())
+        let lengths = |component: &MeasuredComponent| {
+            component.sides.is_sound(sides)
+                && component.bins.is_sound(asked)
+                && component.in_plane.is_sound(sides * spec.in_plane_len())
         };
-        let names = self.parts.iter().map(|part| part.name.as_str());
+        let names = self
+            .components
+            .iter()
+            .map(|component| component.name.as_str());
         if !(names.eq(component_names(spec))
             && self.budget.is_sound(3)
-            && self.parts.iter().all(lengths))
+            && self.components.iter().all(lengths))
         {
             return false;
         }
         let sum = |values: &[f64]| values.iter().sum::<f64>();
         let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING;
-        let (all, parts) = (&self.parts[0], &self.parts[1..]);
+        let (all, components) = (&self.components[0], &self.components[1..]);
         let adds_up = |of: fn(&MeasuredComponent) -> &Means| {
-            (0..of(all).mean.len())
-                .all(|i| near(parts.iter().map(|p| of(p).mean[i]).sum(), of(all).mean[i]))
+            (0..of(all).mean.len()).all(|i| {
+                near(
+                    components.iter().map(|p| of(p).mean[i]).sum(),
+                    of(all).mean[i],
+                )
+            })
         };
-        let fills_sides = |part: &MeasuredComponent| {
-            part.bins
+        let fills_sides = |component: &MeasuredComponent| {
+            component
+                .bins
                 .mean
                 .chunks(spec.grid().bins_per_side())
-                .zip(&part.sides.mean)
+                .zip(&component.sides.mean)
                 .all(|(bins, side)| near(sum(bins), *side))
         };
         near(sum(&all.sides.mean) + sum(&self.budget.mean), 1.0)
-            && adds_up(|part| &part.sides)
-            && adds_up(|part| &part.bins)
-            && adds_up(|part| &part.in_plane)
-            && self.parts.iter().all(fills_sides)
+            && adds_up(|component| &component.sides)
+            && adds_up(|component| &component.bins)
+            && adds_up(|component| &component.in_plane)
+            && self.components.iter().all(fills_sides)
     }
 }
 
@@ -209,15 +217,15 @@ mod tests {
         let mut tally = TallyValues::zeros(*spec);
         let side = Side::Reflected;
         let [all, unscattered, once, more] = [1.0, 0.5, 0.25, 0.25];
-        for (component, share) in [
+        for (component, fraction) in [
             (Component::All, all),
             (Component::Unscattered, unscattered),
             (Component::ScatteredOnce, once),
             (Component::ScatteredMore, more),
         ] {
-            tally[spec.flux_entry(side, component)] = 0.75 * share;
-            tally[spec.bin_entries(side, component).get(1)] = 0.75 * share;
-            tally[spec.in_plane_entries(side, component).get(0)] = 0.1 * share;
+            tally[spec.flux_entry(side, component)] = 0.75 * fraction;
+            tally[spec.bin_entries(side, component).get(1)] = 0.75 * fraction;
+            tally[spec.in_plane_entries(side, component).get(0)] = 0.1 * fraction;
         }
         tally[TallySpec::BUDGET.absorbed] = 0.25;
         let mut statistics = TallyStatistics::new(*spec);
@@ -230,7 +238,7 @@ mod tests {
         let grid = HemisphereGrid::new(2, 3).unwrap();
         let spec = TallySpec::new(grid, 0.1).unwrap().with_medium();
         assert!(results(&spec).is_sound(&spec));
-        // Another grid, other parts.
+        // Another grid, other components.
         let other = HemisphereGrid::new(3, 2).unwrap();
         let other = TallySpec::new(other, 0.1).unwrap().with_medium();
         assert!(!results(&spec).is_sound(&other));
@@ -238,17 +246,17 @@ mod tests {
         type Spoil = fn(&mut DirectionResults);
         let spoilt: [(&str, Spoil); 9] = [
             ("budget", |r| r.budget.mean[0] = 0.3),
-            ("side", |r| r.parts[0].sides.mean[0] = 0.7),
-            ("bin", |r| r.parts[0].bins.mean[1] = 0.7),
-            ("bin of a part", |r| r.parts[2].bins.mean[0] = 0.1),
-            ("profile", |r| r.parts[1].in_plane.mean[0] = 0.2),
-            ("name", |r| r.parts[1].name = "once".to_owned()),
-            ("part", |r| drop(r.parts.pop())),
+            ("side", |r| r.components[0].sides.mean[0] = 0.7),
+            ("bin", |r| r.components[0].bins.mean[1] = 0.7),
+            ("bin of a component", |r| r.components[2].bins.mean[0] = 0.1),
+            ("profile", |r| r.components[1].in_plane.mean[0] = 0.2),
+            ("name", |r| r.components[1].name = "once".to_owned()),
+            ("component", |r| drop(r.components.pop())),
             ("error below zero", |r| {
-                r.parts[0].bins.se = Some(vec![-1.0; 12]);
+                r.components[0].bins.se = Some(vec![-1.0; 12]);
             }),
             ("errors of other bins", |r| {
-                r.parts[0].bins.se = Some(vec![0.0; 3])
+                r.components[0].bins.se = Some(vec![0.0; 3])
             }),
         ];
         for (what, spoil) in spoilt {

@@ -13,7 +13,7 @@ use asperity_simulate::layer_folder;
 pub struct Specimen {
     /// `tau / sigma` of random surfaces, by the first principal axis; `None` of a given one.
     pub smoothness: Option<f64>,
-    /// What an anisotropic surface has beside it.
+    /// What an anisotropic surface has in addition to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<String>,
     /// The material.
@@ -104,7 +104,7 @@ pub(super) fn bottom_in_words(bottom: Bottom) -> String {
     match bottom {
         Bottom::Open => "open below".to_owned(),
         Bottom::Interface { eta } => format!("interface of n = {} below", short(eta)),
-        Bottom::Absorbing => "black bottom".to_owned(),
+        Bottom::Absorbing => "absorbing bottom".to_owned(),
         Bottom::Mirror => "mirror below".to_owned(),
         Bottom::Lambertian { reflectance } => {
             format!("Lambertian bottom of {}", short(reflectance))

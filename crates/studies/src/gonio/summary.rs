@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use asperity_simulate::counted;
+
 use super::GonioOutcome;
 use super::specimen::Distinction;
 use super::tables::{Measured, measured, report};
@@ -24,14 +26,11 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         head.join(", ")
     );
     if let Some(Measured { results, .. }) = measured(outcome).next() {
-        let surfaces = match results.surfaces {
-            1 => "1 surface".to_owned(),
-            n => format!("{n} surfaces"),
-        };
         let _ = writeln!(
             out,
-            "{} bins, {surfaces} and {} rays per direction; standard errors from {}",
+            "{} bins, {} and {} rays per direction; standard errors from {}",
             outcome.spec.grid(),
+            counted(results.surfaces, "surface"),
             results.rays,
             results.errors_from
         );

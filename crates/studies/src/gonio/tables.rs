@@ -37,17 +37,17 @@ pub(super) fn projected_in_plane(spec: &TallySpec, i: usize) -> f64 {
     filter.solid_angle(i) * 0.5 * (a.cos() + b.cos())
 }
 
-/// A column of each part of the light, all of it aside.
-fn part_columns<'a, R: 'a>(
+/// A column of each component of the light, all of it aside.
+fn component_columns<'a, R: 'a>(
     spec: &TallySpec,
     quantity: &str,
     about: &'static str,
     value: impl Fn(&R, usize) -> Option<Estimate> + Copy + 'a,
 ) -> Vec<Column<'a, R>> {
     let names = component_names(spec).into_iter().enumerate().skip(1);
-    let column = |(number, part)| {
+    let column = |(number, component)| {
         let value = move |row: &R| value(row, number);
-        Column::estimate(format!("{quantity}_{part}"), about, value)
+        Column::estimate(format!("{quantity}_{component}"), about, value)
     };
     names.map(column).collect()
 }
@@ -75,7 +75,8 @@ pub(super) fn direction<'a>(
     results: &'a DirectionResults,
 ) -> Table<'a, usize> {
     let grid = spec.grid();
-    let flux = move |bin: &usize, part: usize| results.parts.get(part)?.bin(spec, *bin);
+    let flux =
+        move |bin: &usize, component: usize| results.components.get(component)?.bin(spec, *bin);
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
@@ -88,10 +89,10 @@ pub(super) fn direction<'a>(
             })
             .unit("1/sr"),
         )
-        .columns(part_columns(
+        .columns(component_columns(
             spec,
             "flux",
-            "flux of a part of the light",
+            "flux of a component of the light",
             flux,
         ))
 }
@@ -106,8 +107,9 @@ pub(super) fn directions(spec: &TallySpec) -> Table<'_, Measured<'_>> {
         }))
         .columns(setting_columns());
     for side in spec.sides() {
-        let flux =
-            move |row: &Measured<'_>, part: usize| row.results.parts.get(part)?.side(spec, side);
+        let flux = move |row: &Measured<'_>, component: usize| {
+            row.results.components.get(component)?.side(spec, side)
+        };
         let all = move |row: &Measured<'_>| flux(row, 0);
         table = table
             .column(Column::estimate(
@@ -115,10 +117,10 @@ pub(super) fn directions(spec: &TallySpec) -> Table<'_, Measured<'_>> {
                 "flux that leaves on this side",
                 all,
             ))
-            .columns(part_columns(
+            .columns(component_columns(
                 spec,
                 &side.to_string(),
-                "flux of a part of the light",
+                "flux of a component of the light",
                 flux,
             ));
     }
@@ -232,9 +234,9 @@ pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPl
 /// in_plane.csv: the BSDF in the plane of incidence, a row per direction, side and signed angle.
 pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
     type Row<'a> = InPlaneBin<'a>;
-    let bsdf = move |row: &Row<'_>, part: usize| {
-        let part: &MeasuredComponent = row.measured.results.parts.get(part)?;
-        let flux = part.in_plane(spec, row.side, row.bin)?;
+    let bsdf = move |row: &Row<'_>, component: usize| {
+        let component: &MeasuredComponent = row.measured.results.components.get(component)?;
+        let flux = component.in_plane(spec, row.side, row.bin)?;
         Some(over(flux, projected_in_plane(spec, row.bin)))
     };
     let edges = move |row: &Row<'_>| spec.in_plane_filter(row.side).theta_deg(row.bin);
@@ -267,10 +269,10 @@ pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
         .column(
             Column::estimate("bsdf", "mean BSDF of the bin", move |row| bsdf(row, 0)).unit("1/sr"),
         )
-        .columns(part_columns(
+        .columns(component_columns(
             spec,
             "bsdf",
-            "BSDF of a part of the light",
+            "BSDF of a component of the light",
             bsdf,
         ))
 }
@@ -302,7 +304,7 @@ pub(super) fn bsdf(spec: &TallySpec) -> Table<'_, DirectionBin<'_>> {
     type Row<'a> = DirectionBin<'a>;
     let grid = spec.grid();
     let bsdf = move |row: &Row<'_>| {
-        let flux = row.results.parts[0].bin(spec, row.bin)?;
+        let flux = row.results.components[0].bin(spec, row.bin)?;
         Some(over(flux, projected_solid_angle(&grid, row.bin)))
     };
     Table::new()
@@ -319,8 +321,14 @@ pub(super) fn bsdf(spec: &TallySpec) -> Table<'_, DirectionBin<'_>> {
 
 /// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.
 pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
-    let flux = move |side: Side, part: usize| {
-        move |row: &Direction| row.results.as_ref()?.parts.get(part)?.side(spec, side)
+    let flux = move |side: Side, component: usize| {
+        move |row: &Direction| {
+            row.results
+                .as_ref()?
+                .components
+                .get(component)?
+                .side(spec, side)
+        }
     };
     let mut table = Table::new()
         .column(Column::new("theta", "", |row: &Direction| {
@@ -334,14 +342,14 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
             Side::Reflected => usize::MAX,
             Side::Transmitted => 1,
         };
-        let parts = component_names(spec).into_iter().enumerate().take(shown);
-        table = table.columns(parts.map(|(part, name)| {
-            let name = if part == 0 {
+        let components = component_names(spec).into_iter().enumerate().take(shown);
+        table = table.columns(components.map(|(component, name)| {
+            let name = if component == 0 {
                 side.to_string()
             } else {
                 name.to_string()
             };
-            Column::estimate(name, "", flux(side, part))
+            Column::estimate(name, "", flux(side, component))
         }));
     }
     let ends = ["absorbed", "truncated"].into_iter().enumerate();

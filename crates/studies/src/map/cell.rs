@@ -15,13 +15,13 @@ pub(super) const FEWEST_SURFACES: u64 = 8;
 
 /// Rays of average flux that may have gone where none was seen: `n` independent rays miss an event of
 /// probability `3 / n`, named beforehand, in 5 % of cases (`0.05 = exp(-3)`, the rule of three).
-const UNSEEN_RAYS: f64 = 3.0;
+const UNOBSERVED_RAYS: f64 = 3.0;
 
 /// A lobe has a clear peak if it falls to half of it within so many degrees on either side; of a broader
 /// one the total variation tells.
 const CLEAR_WITHIN_DEG: f64 = 30.0;
 
-/// Standard errors that hold 95 % of a normal distribution.
+/// Standard errors that contain 95 % of a normal distribution.
 const NORMAL_95: f64 = 1.959_964;
 
 /// The light over which a model is compared.
@@ -67,7 +67,7 @@ pub struct CellSide {
     pub peak: Option<PeakDifference>,
 }
 
-/// The distances of one model from the explicit result, over one share of the light.
+/// The distances of one model from the explicit result, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellDistances {
     /// Total variation over the bins of the recorded sides.
@@ -125,7 +125,7 @@ pub struct Judged {
     pub verdict: CellVerdict,
 }
 
-/// A cell, judged for one model and one share of the light.
+/// A cell, judged for one model and one comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JudgedCell {
     /// Total variation first, then of each side its energy and, where there is a clear one, its peak.
@@ -141,10 +141,10 @@ impl JudgedCell {
         self.measures.iter().find(|measure| measure.name == name)
     }
 
-    /// The measures that the verdict rests on, where it is not that all hold.
+    /// The measures that the verdict rests on, unless all are within tolerance.
     #[must_use]
     pub fn decided_by(&self) -> Vec<&'static str> {
-        let decides = |m: &&Judged| m.verdict == self.verdict && m.verdict != CellVerdict::Holds;
+        let decides = |m: &&Judged| m.verdict == self.verdict && m.verdict != CellVerdict::Within;
         self.measures
             .iter()
             .filter(decides)
@@ -170,7 +170,7 @@ pub(super) const fn peak_name(side: Side) -> &'static str {
 }
 
 impl CellModel {
-    /// Over one share of the light.
+    /// In one comparison.
     #[must_use]
     pub const fn distances(&self, light: ComparedLight) -> &CellDistances {
         match light {
@@ -185,12 +185,12 @@ impl CellResults {
     pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
         let spec = &outcome.spec;
         let models = case.models.iter().map(|model| {
-            let of = |part| distances(spec, case, model, part);
+            let of = |component| distances(spec, case, model, component);
             CellModel {
                 name: model.model.name().to_owned(),
                 all_orders: model.model.scope() == Scope::AllOrders,
                 rays: model.expectation.rays(),
-                own: of(model.judged_part()),
+                own: of(model.judged_component()),
                 all: of(Component::All),
             }
         });
@@ -214,11 +214,11 @@ impl CellResults {
         tolerances: &ToleranceConfig,
     ) -> JudgedCell {
         let distances = model.distances(light);
-        let unseen = self.unseen(model);
+        let unobserved = self.unobserved(model);
         let enough = self.deviation_bound.is_some() || self.surfaces >= FEWEST_SURFACES;
         let half_width = |error: Option<f64>, mesh: f64| {
             let error = error.filter(|_| enough)?;
-            Some(error.max(unseen) + mesh)
+            Some(error.max(unobserved) + mesh)
         };
         let student = match self.deviation_bound {
             // Its errors are those of a model that was sampled in so many batches, or none.
@@ -270,12 +270,12 @@ impl CellResults {
         JudgedCell { measures, verdict }
     }
 
-    /// Flux that may have gone where no ray was seen.
-    fn unseen(&self, model: &CellModel) -> f64 {
+    /// Upper limit of the flux into a direction that no ray took.
+    fn unobserved(&self, model: &CellModel) -> f64 {
         [self.rays, model.rays]
             .iter()
             .filter(|rays| **rays > 0)
-            .map(|rays| UNSEEN_RAYS / *rays as f64)
+            .map(|rays| UNOBSERVED_RAYS / *rays as f64)
             .sum()
     }
 
@@ -311,21 +311,21 @@ impl CellResults {
     }
 }
 
-/// The distances of one model over one part of the light.
+/// The distances of one model over one component of the light.
 fn distances(
     spec: &TallySpec,
     case: &CaseOutcome,
     model: &ModelOutcome,
-    part: Component,
+    component: Component,
 ) -> CellDistances {
-    let compared = model.compared(part).unwrap_or(&model.total);
+    let compared = model.compared(component).unwrap_or(&model.total);
     let mesh = |entry: Entry| case.errors.at(entry).mesh.map_or(0.0, f64::abs);
     let transmits = case.case.material.transmitting_index().is_some();
-    let bins = spec.recorded_entries(part);
+    let bins = spec.recorded_entries(component);
     let total = compared.comparison.total_variation;
     let noise_95 = match case.deviation_bound {
         // The bound holds for sums over any bins; the noise of a model adds to it.
-        Some(bound) => Some(bound + noise_of_model(model, spec, part)),
+        Some(bound) => Some(bound + noise_of_model(model, spec, component)),
         None => total.noise_95,
     };
     CellDistances {
@@ -337,7 +337,7 @@ fn distances(
             .iter()
             .filter(|of| transmits || of.side == Side::Reflected)
             .map(|of| {
-                let entry = spec.flux_entry(of.side, part);
+                let entry = spec.flux_entry(of.side, component);
                 let se_of_model = model.expectation.statistics().at(entry).se;
                 CellSide {
                     side: of.side,
@@ -369,11 +369,11 @@ fn certain_peak(model: &ModelOutcome, bound: f64, flux: f64) -> Option<f64> {
 }
 
 /// What the noise of a sampled model adds to the total variation, at most, with 95 %.
-fn noise_of_model(model: &ModelOutcome, spec: &TallySpec, part: Component) -> f64 {
+fn noise_of_model(model: &ModelOutcome, spec: &TallySpec, component: Component) -> f64 {
     let statistics = model.expectation.statistics();
     let se = |entry| statistics.at(entry).se.unwrap_or(0.0);
     let student = student_95(BATCHES_WITHOUT_SURFACES).unwrap_or(f64::INFINITY);
-    0.5 * student * spec.recorded_entries(part).iter().map(se).sum::<f64>()
+    0.5 * student * spec.recorded_entries(component).iter().map(se).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::config::{
 use crate::settings::{Command, Document, defaults};
 use crate::verify::error::VerifyError;
 
-/// `[map]`: how far a model may be off and still hold.
+/// `[map]`: the tolerances of the distances between a model and the explicit result.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ToleranceConfig {
     /// Total variation: the part of the incident flux that may have to move.

@@ -69,7 +69,7 @@ impl MapConfig {
     }
 }
 
-/// The heat map of one share of the light.
+/// The heat map of one comparison.
 fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
     let (materials, smoothness, thetas) =
         (materials(outcome), smoothness(outcome), thetas(outcome));
@@ -91,8 +91,8 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
                         Some(MappedCell {
                             distance: of_model.distances(light).total_variation,
                             verdict: match judged.verdict {
-                                CellVerdict::Holds => MapVerdict::Within,
-                                CellVerdict::Fails => MapVerdict::Beyond,
+                                CellVerdict::Within => MapVerdict::Within,
+                                CellVerdict::Beyond => MapVerdict::Beyond,
                                 CellVerdict::NotResolved => MapVerdict::NotResolved,
                             },
                         })

@@ -1,4 +1,4 @@
-//! The test of the map: an interval that holds the true distance, against a tolerance.
+//! The test of the map: an interval that contains the true distance, against a tolerance.
 
 use serde::Serialize;
 
@@ -7,35 +7,35 @@ use serde::Serialize;
 #[serde(rename_all = "kebab-case")]
 pub enum CellVerdict {
     /// All that the distance may be lies within the tolerance.
-    Holds,
+    Within,
     /// All that it may be lies beyond.
-    Fails,
+    Beyond,
     /// Neither, at this budget.
     NotResolved,
 }
 
 impl CellVerdict {
     /// All verdicts.
-    pub const ALL: [Self; 3] = [Self::Holds, Self::Fails, Self::NotResolved];
+    pub const ALL: [Self; 3] = [Self::Within, Self::Beyond, Self::NotResolved];
 
     /// As tables have it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Holds => "holds",
-            Self::Fails => "fails",
+            Self::Within => "within",
+            Self::Beyond => "beyond",
             Self::NotResolved => "not resolved",
         }
     }
 
-    /// Of several: fails if one fails, holds if all hold.
+    /// Of several: beyond if one is, within if all are.
     pub(super) fn of_all(verdicts: impl IntoIterator<Item = Self>) -> Self {
         verdicts
             .into_iter()
-            .fold(Self::Holds, |all, one| match (all, one) {
-                (Self::Fails, _) | (_, Self::Fails) => Self::Fails,
+            .fold(Self::Within, |all, one| match (all, one) {
+                (Self::Beyond, _) | (_, Self::Beyond) => Self::Beyond,
                 (Self::NotResolved, _) | (_, Self::NotResolved) => Self::NotResolved,
-                _ => Self::Holds,
+                _ => Self::Within,
             })
     }
 }
@@ -66,13 +66,13 @@ impl Interval {
         }
     }
 
-    /// Whether the magnitude lies within `tolerance`: holds if the whole range does, fails if none of it
+    /// Whether the magnitude lies within `tolerance`: within if the whole range does, beyond if none of it
     /// does. The tolerance itself is within.
     #[must_use]
     pub fn verdict(&self, tolerance: f64) -> CellVerdict {
         match self.range {
-            Some([low, high]) if low >= -tolerance && high <= tolerance => CellVerdict::Holds,
-            Some([low, high]) if low > tolerance || high < -tolerance => CellVerdict::Fails,
+            Some([low, high]) if low >= -tolerance && high <= tolerance => CellVerdict::Within,
+            Some([low, high]) if low > tolerance || high < -tolerance => CellVerdict::Beyond,
             _ => CellVerdict::NotResolved,
         }
     }
@@ -116,18 +116,18 @@ mod tests {
 
     #[test]
     fn a_whole_interval_decides_and_the_tolerance_is_within() {
-        use CellVerdict::{Fails, Holds, NotResolved};
+        use CellVerdict::{Beyond, NotResolved, Within};
         let judge = |low: f64, high: f64| {
             let range = Some([low, high]);
             Interval { value: 0.0, range }.verdict(0.25)
         };
         for (low, high, expected) in [
-            (0.0, 0.25, Holds),
-            (-0.25, 0.25, Holds),
+            (0.0, 0.25, Within),
+            (-0.25, 0.25, Within),
             (0.0, 0.2500001, NotResolved),
             (0.25, 0.5, NotResolved),
-            (0.2500001, 0.5, Fails),
-            (-0.5, -0.2500001, Fails),
+            (0.2500001, 0.5, Beyond),
+            (-0.5, -0.2500001, Beyond),
             (-0.5, -0.25, NotResolved),
             (-0.5, 0.5, NotResolved),
             (f64::NAN, f64::NAN, NotResolved),
@@ -148,13 +148,13 @@ mod tests {
     }
 
     #[test]
-    fn one_failure_fails_a_cell_and_all_must_hold() {
-        use CellVerdict::{Fails, Holds, NotResolved};
+    fn a_cell_is_beyond_if_one_measure_is_and_within_if_all_are() {
+        use CellVerdict::{Beyond, NotResolved, Within};
         let of = |verdicts: &[CellVerdict]| CellVerdict::of_all(verdicts.iter().copied());
-        assert_eq!(of(&[Holds, Holds]), Holds);
-        assert_eq!(of(&[Holds, NotResolved]), NotResolved);
-        assert_eq!(of(&[NotResolved, Fails, Holds]), Fails);
-        assert_eq!(of(&[Fails, NotResolved]), Fails);
+        assert_eq!(of(&[Within, Within]), Within);
+        assert_eq!(of(&[Within, NotResolved]), NotResolved);
+        assert_eq!(of(&[NotResolved, Beyond, Within]), Beyond);
+        assert_eq!(of(&[Beyond, NotResolved]), Beyond);
     }
 
     /// Quantiles from the tables of Abramowitz and Stegun 1964, 26.10.

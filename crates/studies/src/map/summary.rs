@@ -1,4 +1,4 @@
-//! From which smoothness on a model holds, and how many cells it holds in.
+//! Summary of a map: from which smoothness on a model is within tolerance, and its numbers of cells.
 
 use asperity_simulate::short;
 use std::fmt::Write;
@@ -12,7 +12,7 @@ use super::interval::CellVerdict;
 use crate::config::case_text::material_text;
 use crate::output::{Column, Table};
 
-/// What the map says of one model on one material, over one share of the light.
+/// What the map says of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ModelSummary {
     /// The material.
@@ -21,10 +21,10 @@ pub struct ModelSummary {
     pub light: ComparedLight,
     /// The model.
     pub model: String,
-    /// For each angle of the map, ascending, in degrees: the least smoothness from which the model holds at
-    /// this angle and all below it, at every smoothness of the map above; `None` if not even at the largest.
-    pub holds_from: Vec<(f64, Option<f64>)>,
-    /// Cells that hold, fail, and are not resolved.
+    /// For each angle of the map, ascending, in degrees: the least smoothness from which the model is
+    /// within tolerance at this angle and all below it, at every smoothness of the map above; `None` if not even at the largest.
+    pub within_from: Vec<(f64, Option<f64>)>,
+    /// Cells within tolerance, beyond it, and not resolved.
     pub cells: [usize; 3],
 }
 
@@ -58,7 +58,7 @@ fn each_once<T: PartialEq>(values: impl Iterator<Item = T>) -> Vec<T> {
     seen
 }
 
-/// The verdicts of a map in short: by material, share of the light and model.
+/// The verdicts of a map in short: by material, comparison and model.
 #[must_use]
 pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     let mut summaries = Vec::new();
@@ -71,9 +71,9 @@ pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
                     material,
                     light,
                     model: model.clone(),
-                    holds_from: thetas(outcome)
+                    within_from: thetas(outcome)
                         .into_iter()
-                        .map(|theta| (theta, holds_from(outcome, &verdicts, theta)))
+                        .map(|theta| (theta, within_from(outcome, &verdicts, theta)))
                         .collect(),
                     cells: CellVerdict::ALL.map(count),
                 });
@@ -104,25 +104,25 @@ fn verdicts(
         .collect()
 }
 
-/// The least smoothness from which all cells up to `theta` are there and hold.
-fn holds_from(
+/// The least smoothness from which all cells up to `theta` are there and within tolerance.
+fn within_from(
     outcome: &MapOutcome,
     verdicts: &[(f64, f64, CellVerdict)],
     theta: f64,
 ) -> Option<f64> {
     let angles = thetas(outcome).into_iter().filter(|t| *t <= theta).count();
-    let holds = |s: &f64| {
+    let is_within = |s: &f64| {
         let here = |v: &&(f64, f64, CellVerdict)| v.0 == *s && v.1 <= theta;
         verdicts
             .iter()
             .filter(here)
-            .filter(|v| v.2 == CellVerdict::Holds)
+            .filter(|v| v.2 == CellVerdict::Within)
             .count()
             == angles
     };
     let mut smooth_first = smoothness(outcome);
     smooth_first.reverse();
-    smooth_first.into_iter().take_while(holds).last()
+    smooth_first.into_iter().take_while(is_within).last()
 }
 
 /// What `s` stands for on anisotropic surfaces, which are all of one shape.
@@ -153,7 +153,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     }
     let _ = writeln!(
         out,
-        "holds: total variation within {}, energy of each side within {} of the incident\nflux, peaks within {} deg, at 95 % confidence for one measure in one cell, not\ncorrected over the map; not resolved: the error leaves it open",
+        "within tolerance: total variation up to {}, energy of each side to {} of the\nincident flux, peaks to {} deg, at 95 % confidence for one measure in one cell,\nnot corrected over the map; not resolved: the error leaves it open.\nBy angle of incidence: the least s from which a model is within tolerance at that\nangle and all smaller ones. Then the numbers of cells.",
         short(tolerances.total_variation.0),
         short(tolerances.energy.0),
         short(tolerances.peak.0),
@@ -162,8 +162,8 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     for material in materials(outcome) {
         for light in ComparedLight::BOTH {
             let what = match light {
-                ComparedLight::Own => "each model beside the light that it describes",
-                ComparedLight::All => "each model beside all light",
+                ComparedLight::Own => "each model against the light that it describes",
+                ComparedLight::All => "each model against all light",
             };
             let _ = writeln!(out, "\n{}: {what}", material_text(material));
             let here = |s: &&ModelSummary| s.material == material && s.light == light;
@@ -179,10 +179,12 @@ pub fn map_table(outcome: &MapOutcome) -> String {
 /// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
 fn table(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
     let thetas = thetas(outcome).into_iter().enumerate().map(|(i, theta)| {
-        let to = if i == 0 { "at" } else { "to" };
-        let heading = format!("{to} {} deg", short(theta));
+        let heading = match i {
+            0 => format!("{} deg", short(theta)),
+            _ => format!("to {} deg", short(theta)),
+        };
         Column::new(heading, "", move |row: &ModelSummary| {
-            row.holds_from.get(i)?.1
+            row.within_from.get(i)?.1
         })
     });
     let verdicts = CellVerdict::ALL
@@ -192,7 +194,7 @@ fn table(outcome: &MapOutcome) -> Table<'_, ModelSummary> {
             Column::new(verdict.name(), "", move |row: &ModelSummary| row.cells[i])
         });
     Table::new()
-        .column(Column::new("holds from s =", "", |row: &ModelSummary| {
+        .column(Column::new("model", "", |row: &ModelSummary| {
             row.model.clone()
         }))
         .columns(thetas)
@@ -235,7 +237,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_model_holds_from_where_nothing_above_fails() {
+    fn a_model_is_within_tolerance_from_where_all_smoother_cells_are() {
         let text = "[surface]\nsmoothness = [1, 2, 3, 4]\n[light]\ntheta = [0, 60]\n[compare]\nmodels = [\"smith\"]";
         let config = MapConfig::from_toml(text).unwrap();
         let cells = config.cells().unwrap().into_iter();
@@ -252,40 +254,40 @@ mod tests {
             notes: Vec::new(),
             stopped_by: None,
         };
-        use CellVerdict::{Fails, Holds, NotResolved};
+        use CellVerdict::{Beyond, NotResolved, Within};
         // Of four smoothness values, at 0 and at 60 degrees.
         for (verdicts, at_0, to_60) in [
             (
-                [[Fails; 2], [Holds; 2], [Holds; 2], [Holds; 2]],
+                [[Beyond; 2], [Within; 2], [Within; 2], [Within; 2]],
                 Some(2.0),
                 Some(2.0),
             ),
             (
-                [[Holds; 2], [Holds, Fails], [Holds; 2], [Holds; 2]],
+                [[Within; 2], [Within, Beyond], [Within; 2], [Within; 2]],
                 Some(1.0),
                 Some(3.0),
             ),
             (
-                [[Holds; 2], [NotResolved; 2], [Holds; 2], [Holds; 2]],
+                [[Within; 2], [NotResolved; 2], [Within; 2], [Within; 2]],
                 Some(3.0),
                 Some(3.0),
             ),
             (
-                [[Holds; 2], [Holds; 2], [Holds; 2], [Holds, NotResolved]],
+                [[Within; 2], [Within; 2], [Within; 2], [Within, NotResolved]],
                 Some(1.0),
                 None,
             ),
-            ([[Holds; 2]; 4], Some(1.0), Some(1.0)),
+            ([[Within; 2]; 4], Some(1.0), Some(1.0)),
         ] {
             let list: Vec<(f64, f64, CellVerdict)> = verdicts
                 .iter()
                 .zip([1.0, 2.0, 3.0, 4.0])
                 .flat_map(|(pair, s)| [(s, 0.0, pair[0]), (s, 60.0, pair[1])])
                 .collect();
-            assert_eq!(holds_from(&outcome, &list, 0.0), at_0);
-            assert_eq!(holds_from(&outcome, &list, 60.0), to_60);
+            assert_eq!(within_from(&outcome, &list, 0.0), at_0);
+            assert_eq!(within_from(&outcome, &list, 60.0), to_60);
         }
-        // What is not there does not hold.
-        assert_eq!(holds_from(&outcome, &[(4.0, 0.0, Holds)], 60.0), None);
+        // A missing cell is not within tolerance.
+        assert_eq!(within_from(&outcome, &[(4.0, 0.0, Within)], 60.0), None);
     }
 }

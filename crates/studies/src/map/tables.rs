@@ -9,7 +9,7 @@ use super::{MapCell, MapOutcome};
 use crate::output::{Cell, Column, Table, material_columns};
 use crate::verify::comparison::peak::PeakDifference;
 
-/// One model in one cell over one share of the light, with its judgement.
+/// One model in one cell in one comparison, with its judgement.
 pub(super) struct JudgedModel<'a> {
     cell: &'a MapCell,
     results: &'a CellResults,
@@ -29,7 +29,7 @@ impl JudgedModel<'_> {
     }
 }
 
-/// Each cell, model and share of the light that was found.
+/// Each cell, model and comparison that was found.
 pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'_>> {
     let models = outcome.cells.iter().flat_map(|cell| {
         let results = cell.results.iter();
@@ -51,7 +51,7 @@ pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'
     })
 }
 
-/// map.csv: a row per cell, model and share of the light.
+/// map.csv: a row per cell, model and comparison.
 pub(super) fn map<'a>() -> Table<'a, JudgedModel<'a>> {
     type Row<'a> = JudgedModel<'a>;
     let mut table = Table::new()

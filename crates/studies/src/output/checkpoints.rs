@@ -20,7 +20,7 @@ use serde_json::{Map, Value, json};
 use crate::config::values::Seconds;
 
 /// Form of the files; another number is another form.
-const SCHEMA: u64 = 2;
+const SCHEMA: u64 = 3;
 
 /// A case of a long run.
 pub(crate) trait CheckpointCase {

@@ -4,7 +4,7 @@ use asperity_io::Build;
 use serde::Serialize;
 
 /// Form of the files; another number is another form.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// The first keys of every summary: form, command, version, results epoch and commit.
 #[derive(Clone, Debug, Serialize)]

@@ -190,7 +190,7 @@ impl<'a, R> Column<'a, R> {
 /// ```text
 /// let table = Table::new()
 ///     .column(Column::new("theta", "polar angle", |row: &Row| row.theta).unit("deg"))
-///     .column(Column::estimate("lit", "lit share", |row: &Row| Some(row.lit)));
+///     .column(Column::estimate("lit", "lit fraction", |row: &Row| Some(row.lit)));
 /// table.csv(rows)  ->  theta,lit,lit_se      table.text(rows)  ->  theta  lit
 ///                      30,0.98,0.002                               30     0.9800 +- 0.0020
 /// ```

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, SignFlipTest};
-use asperity_simulate::{Stopping, short};
+use asperity_simulate::{Stopping, counted, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
@@ -51,8 +51,6 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     let mut out = String::new();
     let [nx, ny] = case.size;
     let _ = writeln!(out, "{}", case.case);
-    let surfaces = case.work.realisations;
-    let plural = if surfaces == 1 { "" } else { "s" };
     let _ = match case.deviation_bound {
         Some(bound) => writeln!(
             out,
@@ -60,7 +58,8 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         ),
         None => writeln!(
             out,
-            "{surfaces} surface{plural} of {nx} x {ny}, {} rays; standard errors from {} {}",
+            "{} of {nx} x {ny}, {} rays; standard errors from {} {}",
+            counted(case.work.realisations, "surface"),
             case.work.rays,
             case.statistics.batches(),
             case.errors_from,
@@ -91,8 +90,8 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         let _ = writeln!(out, "warning: {warning}");
     }
     if !case.models.is_empty() {
-        for part in COMPARED {
-            let table = distribution_table(&outcome.spec, case, part, &orders);
+        for component in COMPARED {
+            let table = distribution_table(&outcome.spec, case, component, &orders);
             if !table.is_empty() {
                 let _ = write!(out, "\n{table}");
             }
@@ -109,30 +108,32 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
 struct FluxRow {
     name: String,
     explicit: Estimate,
-    /// The part of the light that models may describe; `None` for light that does not leave.
-    part: Option<(Side, Component)>,
+    /// The component of the light that models may describe; `None` for light that does not leave.
+    component: Option<(Side, Component)>,
 }
 
-/// The fluxes by side and part of the light, beside those that the models expect.
+/// The fluxes by side and component of the light, next to those that the models expect.
 fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     let spec = &outcome.spec;
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),
             explicit: case.statistics.flux(side, component),
-            part: Some((side, component)),
+            component: Some((side, component)),
         };
         components(spec).map(row)
     };
     let endings = endings(spec).map(|(name, i)| FluxRow {
         name: name.to_owned(),
         explicit: case.statistics.at(i),
-        part: None,
+        component: None,
     });
     let models = case.models.iter().map(|model| {
-        Column::new(model.model.name(), "", |row: &FluxRow| match row.part {
-            Some((side, part)) => model_flux(model, side, part, row.explicit),
-            None => String::new(),
+        Column::new(model.model.name(), "", |row: &FluxRow| {
+            match row.component {
+                Some((side, component)) => model_flux(model, side, component, row.explicit),
+                None => String::new(),
+            }
         })
     });
     Table::new()
@@ -140,7 +141,7 @@ fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
             row.name.clone()
         }))
         .column(Column::new("explicit", "", |row: &FluxRow| {
-            match row.part {
+            match row.component {
                 Some(_) => with_error(row.explicit),
                 None => flux_with_error(spec, row.explicit),
             }
@@ -184,8 +185,13 @@ fn components(spec: &TallySpec) -> impl Iterator<Item = (Cow<'static, str>, Comp
 }
 
 /// The flux that a model expects, and its distance from the explicit one in standard errors of the difference.
-fn model_flux(model: &ModelOutcome, side: Side, part: Component, explicit: Estimate) -> String {
-    let Some(energy) = model.energy(part, side) else {
+fn model_flux(
+    model: &ModelOutcome,
+    side: Side,
+    component: Component,
+    explicit: Estimate,
+) -> String {
+    let Some(energy) = model.energy(component, side) else {
         return "-".to_owned();
     };
     if !model.model.sides().includes(side) {
@@ -202,7 +208,7 @@ fn model_flux(model: &ModelOutcome, side: Side, part: Component, explicit: Estim
     }
 }
 
-/// A part of the light beside a model that describes it.
+/// A component of the light against a model that describes it.
 struct Described<'a> {
     model: &'a ModelOutcome,
     compared: &'a ComparedComponent,
@@ -218,21 +224,21 @@ impl Described<'_> {
     }
 }
 
-/// Total variation, p value and verdict of every model that describes a part of the light; `orders`
+/// Total variation, p value and verdict of every model that describes a component of the light; `orders`
 /// names all light that was recorded. Empty if none does.
 fn distribution_table(
     spec: &TallySpec,
     case: &CaseOutcome,
-    part: Component,
+    component: Component,
     orders: &str,
 ) -> String {
     type Row<'a> = Described<'a>;
     let models: Vec<Row<'_>> = case
         .models
         .iter()
-        .filter(|model| model.describes(part))
+        .filter(|model| model.describes(component))
         .filter_map(|model| {
-            let compared = model.compared(part)?;
+            let compared = model.compared(component)?;
             Some(Described { model, compared })
         })
         .collect();
@@ -244,7 +250,7 @@ fn distribution_table(
     };
     let mut table = Table::new()
         .column(Column::new(
-            component_name(part, orders),
+            component_name(component, orders),
             "",
             |row: &Row<'_>| row.model.model.name(),
         ))
@@ -277,7 +283,12 @@ fn distribution_table(
                 .as_ref()
                 .map(|verdict| verdict_name(verdict).to_owned())
         }));
-    if part != Component::All && case.models.iter().any(|m| m.judged_part() == part) {
+    if component != Component::All
+        && case
+            .models
+            .iter()
+            .any(|m| m.judged_component() == component)
+    {
         let heading = format!("total variation from {orders}");
         table = table.column(Column::new(heading, "", |row: &Row<'_>| {
             distance(row.model.total.comparison.total_variation.observed)
@@ -288,7 +299,7 @@ fn distribution_table(
 
 /// Which bins enter the test.
 const fn tested_bins(case: &CaseOutcome) -> &'static str {
-    match (case.free_azimuth, case.work.control) {
+    match (case.free_azimuth, case.work.control_variate) {
         (true, None) => "bins in rings of 20 rays or more",
         (false, None) => "bins of 20 rays or more",
         // Rays that do not deviate cancel exactly.
@@ -297,11 +308,11 @@ const fn tested_bins(case: &CaseOutcome) -> &'static str {
     }
 }
 
-/// What one model says of a part of the light in one case.
+/// What one model says of a component of the light in one case.
 struct Judged<'a> {
     case: &'a CaseOutcome,
     model: &'a ModelOutcome,
-    part: Component,
+    component: Component,
     compared: &'a ComparedComponent,
 }
 
@@ -310,16 +321,16 @@ fn overview(outcome: &VerifyOutcome) -> String {
     type Row<'a> = Judged<'a>;
     let judged = outcome.cases.iter().flat_map(|case| {
         case.models.iter().flat_map(move |model| {
-            let judged = |part, compared| Judged {
+            let judged = |component, compared| Judged {
                 case,
                 model,
-                part,
+                component,
                 compared,
             };
             // What the medium scattered and what it did not are judged apart.
             let unscattered = Component::Unscattered;
             let apart = model.compared(unscattered);
-            std::iter::once(judged(model.judged_part(), model.judged()))
+            std::iter::once(judged(model.judged_component(), model.judged()))
                 .chain(apart.map(|compared| judged(unscattered, compared)))
         })
     });
@@ -336,7 +347,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
             row.model.model.name()
         }))
         .column(Column::new("light", "", |row: &Row<'_>| {
-            row.part.short_label().into_owned()
+            row.component.short_label().into_owned()
         }))
         .column(Column::new(
             "total variation (noise)",

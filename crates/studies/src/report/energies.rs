@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::{ControlMean, ErrorBudget, SummaryWork, short};
+use asperity_simulate::{ControlVariateMean, ErrorBudget, SummaryWork, short};
 use asperity_tally::{
     Component, Entry, Estimate, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
 };
@@ -26,7 +26,7 @@ pub(crate) fn recorded_orders(max_order: u32) -> String {
 /// A flux fraction with its error. Inside a medium zero only means that no ray was found.
 pub(crate) fn flux_with_error(spec: &TallySpec, flux: Estimate) -> String {
     if spec.has_medium() && flux.mean == 0.0 && flux.se == Some(0.0) {
-        return "0 (none seen)".to_owned();
+        return "0 (none observed)".to_owned();
     }
     with_error(flux)
 }
@@ -36,12 +36,12 @@ fn by_medium(spec: &TallySpec, statistics: &TallyStatistics, side: Side) -> Opti
     if !spec.has_medium() || statistics.means().flux(side, Component::All) == 0.0 {
         return None;
     }
-    let parts = spec.components().iter().map(|&component| {
+    let fluxes = spec.components().iter().map(|&component| {
         let flux = flux_with_error(spec, statistics.flux(side, component));
         format!("{}: {flux}", component.short_label())
     });
-    let parts: Vec<String> = parts.collect();
-    Some(listed(&side.to_string(), &parts))
+    let fluxes: Vec<String> = fluxes.collect();
+    Some(listed(&side.to_string(), &fluxes))
 }
 
 /// The energies of one run, by side, order of scattering and number of scatterings inside a medium.
@@ -116,7 +116,7 @@ pub fn errors_table(budget: &ErrorBudget) -> String {
         }));
     let mut out = table.text(spec.sides());
     if spec.sides().any(|side| errors(&side).mesh.is_none()) {
-        let _ = writeln!(out, "mesh {}", budget.way_of_mesh());
+        let _ = writeln!(out, "mesh {}", budget.mesh_explanation());
     }
     out
 }
@@ -137,7 +137,7 @@ pub(crate) fn endings(spec: &TallySpec) -> impl Iterator<Item = (&'static str, E
     [
         ("absorbed", TallySpec::BUDGET.absorbed),
         ("truncated", TallySpec::BUDGET.truncated),
-        ("  not asked", TallySpec::BUDGET.not_recorded),
+        ("  not recorded", TallySpec::BUDGET.not_recorded),
         ("lost", TallySpec::BUDGET.lost),
     ]
     .into_iter()
@@ -160,10 +160,10 @@ pub fn work_line(work: &SummaryWork) -> String {
         Some(name) => format!(" ({name})"),
         None => String::new(),
     };
-    let estimator = match work.control {
+    let estimator = match work.control_variate {
         None => "plain",
-        Some(ControlMean::GaussianSlopes) => "controlled",
-        Some(ControlMean::FacetsOfSurface) => "controlled by the facets of this surface",
+        Some(ControlVariateMean::GaussianSlopes) => "controlled",
+        Some(ControlVariateMean::FacetsOfSurface) => "controlled by the facets of this surface",
     };
     let inside = if work.scatterings > 0 {
         format!(

@@ -97,7 +97,7 @@ impl PlottedCase {
     }
 }
 
-/// What the plots of a traced surface show beside the light.
+/// What the plots of a traced surface show in addition to the light.
 pub struct Surroundings<'a> {
     /// The surface, if it is a height field, which alone has a map.
     pub field: Option<&'a HeightField>,
@@ -264,7 +264,7 @@ fn series_of(
         series.push(explicit(&Component::Single.label(), Component::Single));
     }
     for model in models.iter().filter(|m| m.model.sides().includes(side)) {
-        let (name, judged) = (model.model.name(), model.judged_part());
+        let (name, judged) = (model.model.name(), model.judged_component());
         let label = match judged.is_of_medium() {
             true => format!("{name}, {}", judged.short_label()),
             false => name.to_owned(),
@@ -290,12 +290,12 @@ fn model_points(
     let Some(density) = model.model.density() else {
         let component = match model.model {
             CaseModel::Surface(_) => Component::All,
-            CaseModel::Layer(_) => model.judged_part(),
+            CaseModel::Layer(_) => model.judged_component(),
         };
         return model_bins(model, side, component);
     };
     let mut points = density_line(density, light.incidence, spec, side);
-    if model.judged_part() == Component::All {
+    if model.judged_component() == Component::All {
         let multiple = multiple_line(model, side);
         for point in &mut points {
             point.y += between(&multiple, point.x);

@@ -246,9 +246,9 @@ pub(crate) fn write_comparison(
     Ok(table.write_csv(&place.claim("comparison.csv")?, spec.recorded_bins())?)
 }
 
-/// comparison.csv: bin by bin, each component of the explicit light beside the models that describe it.
+/// comparison.csv: bin by bin, each component of the explicit light next to the models that describe it.
 fn comparison<'a>(spec: &'a TallySpec, case: &'a CaseOutcome) -> Table<'a, usize> {
-    // Beside a medium, models say nothing of what the surface does alone.
+    // With a medium, no model describes what the surface does alone.
     let shown = |c: &Component| *c == Component::All || c.is_of_medium() == spec.has_medium();
     let first = spec.recorded_bins().start;
     let mut table = Table::new().columns(bin_columns(spec.grid(), |bin| *bin));

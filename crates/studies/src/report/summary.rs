@@ -19,7 +19,7 @@ struct Energy {
     /// The part of truncated that left an open patch sideways.
     left_patch: Estimate,
     /// The part of truncated that went to a side that is not recorded.
-    not_asked: Estimate,
+    not_recorded: Estimate,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -71,7 +71,7 @@ pub struct Summary {
     paths: Vec<Path>,
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    histories: Option<Vec<Inside>>,
+    components: Option<Vec<Inside>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<serde_json::Value>,
     warnings: Vec<String>,
@@ -114,7 +114,7 @@ impl Summary {
                 truncated: budget.truncated,
                 lost: budget.lost,
                 left_patch: budget.left_patch,
-                not_asked: budget.not_recorded,
+                not_recorded: budget.not_recorded,
             },
             error_budget: None,
             orders: Orders {
@@ -122,7 +122,7 @@ impl Summary {
                 transmitted: orders(Side::Transmitted),
             },
             paths: paths(statistics),
-            histories: spec.has_medium().then(|| of_components(statistics)),
+            components: spec.has_medium().then(|| of_components(statistics)),
             comparison: None,
             warnings: Vec::new(),
             stopping: None,
@@ -182,7 +182,7 @@ pub(crate) fn orders(statistics: &TallyStatistics, side: Side) -> Vec<Order> {
     orders
 }
 
-/// Fluxes of the components that are recorded beside the orders.
+/// Fluxes of the components that are recorded in addition to the orders.
 fn of_components(statistics: &TallyStatistics) -> Vec<Inside> {
     let spec = statistics.spec();
     let of_side = |side| {

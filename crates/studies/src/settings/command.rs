@@ -76,7 +76,7 @@ impl Command {
             Self::Map => "Map where each model holds; resumes an earlier run",
             Self::Gonio => "Measure BRDF and BTDF by direction; resumes an earlier run",
             Self::Converge => "Measure run time against error of the estimators",
-            Self::Attenuation => "Measure shadowing and masking beside Smith and V-cavities",
+            Self::Attenuation => "Compare shadowing and masking with Smith and V-cavities",
             Self::Model => "Evaluate a scattering model",
         }
     }

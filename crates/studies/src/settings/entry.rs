@@ -20,7 +20,7 @@ impl Entry {
         self.value != Value::Bool(false)
     }
 
-    /// Whether `other` cannot be given beside it.
+    /// Whether `other` cannot be given together with it.
     pub(super) fn excludes(&self, other: &Setting) -> bool {
         let named = |pattern: &&str| other.matches(pattern);
         self.is_active() && self.setting.excludes.iter().any(named)

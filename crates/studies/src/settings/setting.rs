@@ -43,7 +43,7 @@ pub struct Setting {
     pub otherwise: &'static str,
     /// Whether the default does not hold once a setting of the same section that excludes it is given.
     pub default_yields: bool,
-    /// Settings that cannot be given beside it, as `section.key` or `section.*`; it clears those of a lower layer.
+    /// Settings that cannot be given together with it, as `section.key` or `section.*`; it clears those of a lower layer.
     pub excludes: &'static [&'static str],
     /// Settings of a lower layer that it clears.
     pub clears: &'static [&'static str],

@@ -155,7 +155,7 @@ mod tests {
 
     /// Of `n` numbers, moments scatter by the square root of their variance over `n`: for a normal
     /// number in units of its deviation, 1, 2, 15 and 96 for the powers 1 to 4; 1 for a product of
-    /// two. The shares beyond 1, 2, 3 and 4 deviations are `erfc(t / sqrt 2)`. Each of 13 passes
+    /// two. The fractions beyond 1, 2, 3 and 4 deviations are `erfc(t / sqrt 2)`. Each of 13 passes
     /// |z| < 4 with probability 1 - 6e-5.
     #[test]
     fn numbers_are_normal_and_independent() {
@@ -201,8 +201,8 @@ mod tests {
             0.002_699_796_063,
             6.334_248_367e-5,
         ];
-        for (sum, share) in beyond.into_iter().zip(tails) {
-            check("tail", sum, 2.0 * n, share, share * (1.0 - share));
+        for (sum, fraction) in beyond.into_iter().zip(tails) {
+            check("tail", sum, 2.0 * n, fraction, fraction * (1.0 - fraction));
         }
     }
 

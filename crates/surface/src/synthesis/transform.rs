@@ -56,7 +56,7 @@ impl Synthesis {
         Ok(self.transform_rows(&outside, heights))
     }
 
-    /// Bytes that [`Synthesis::fill`] takes beside the heights.
+    /// Bytes that [`Synthesis::fill`] takes in addition to the heights.
     pub(super) fn room_bytes(&self) -> usize {
         let [ny, nx] = self.shape;
         let column = self.column_inverse.get_inplace_scratch_len() + ny.div_ceil(4) + 1;

@@ -106,7 +106,7 @@ fn free_azimuth_is_exactly_even_and_adds_up() {
         let grid = HemisphereGrid::new(18, 7).unwrap();
         let spec = TallySpec::new(grid, f64::to_radians(half_width_deg)).unwrap();
         let mut tally = Tally::new(spec, Azimuth::Free);
-        // All at one azimuth, which is not looked at.
+        // All at one azimuth, which is ignored.
         even_exits(1).iter().for_each(|exit| tally.add_exit(exit));
         let values = tally.into_fractions(60);
         let bins = Component::BINS.map(|c| spec.grid_entries(c));
@@ -122,15 +122,15 @@ fn free_azimuth_is_exactly_even_and_adds_up() {
                 assert!(profile.iter().eq(profile.iter().rev()));
                 let of_rings: f64 = values[spec.ring_entries(side, class)].iter().sum();
                 let of_profile: f64 = profile.iter().sum();
-                let share = half_width_deg / 90.0;
-                assert!((of_profile - share * of_rings).abs() < 1e-12);
+                let fraction = half_width_deg / 90.0;
+                assert!((of_profile - fraction * of_rings).abs() < 1e-12);
             }
             let bins: f64 = values.bins(side, Component::All).iter().sum();
             assert!((bins - values.flux(side, Component::All)).abs() < 1e-12);
         }
         let rays: f64 = [Component::Single, Component::Multiple]
             .iter()
-            .flat_map(|&share| &values[spec.grid_hit_entries(share)])
+            .flat_map(|&component| &values[spec.grid_hit_entries(component)])
             .sum();
         assert!((rays - 1.0).abs() < 1e-12);
     }

@@ -12,7 +12,7 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// Which accelerator this is.
     fn kind(&self) -> AcceleratorKind;
 
-    /// Bytes that it holds, beside the geometry.
+    /// Bytes that it holds, in addition to the geometry.
     fn bytes(&self) -> usize;
 
     /// The instructions with which it searches, where there is a choice.

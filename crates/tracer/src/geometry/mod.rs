@@ -69,7 +69,7 @@ pub trait Geometry: Sized + Send + Sync {
     /// What a ray in `half_space` meets before `t` exceeds `reach`, where that can be told without a search:
     /// the facet that a search would find, if any.
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Self::Facet> {
-        if is_beside(self.z_range(), ray, half_space, reach) {
+        if is_outside(self.z_range(), ray, half_space, reach) {
             Nearby::Clear
         } else {
             Nearby::Unknown
@@ -105,7 +105,7 @@ pub enum Nearby<F> {
 ///
 /// A stretch that only touches the highest or lowest point does not pass through a facet.
 #[inline]
-pub(crate) fn is_beside(
+pub(crate) fn is_outside(
     [_, half_range]: [f64; 2],
     ray: &TileRay,
     half_space: HalfSpace,

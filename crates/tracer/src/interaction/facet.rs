@@ -4,9 +4,9 @@ use asperity_optics::{Material, dielectric, reflect, refract};
 use asperity_tally::Event;
 use glam::DVec3;
 
-/// What becomes of light at a facet, as shares of the flux that arrives.
+/// What becomes of light at a facet, as fractions of the flux that arrives.
 pub(crate) struct Scattered {
-    /// Transmission and reflection; a branch without flux has the share zero, and need have no direction.
+    /// Transmission and reflection; a branch without flux has the fraction zero and may have no direction.
     pub(crate) branches: [Branch; 2],
     pub(crate) absorbed: f64,
 }
@@ -17,7 +17,7 @@ pub(crate) struct Branch {
     pub(crate) event: Event,
     /// Unit direction.
     pub(crate) direction: DVec3,
-    pub(crate) share: f64,
+    pub(crate) fraction: f64,
 }
 
 /// Scatters light from `wi` at a facet of normal `m`, on the side of `wi`.
@@ -40,10 +40,10 @@ pub(crate) fn scatter(material: Material, entering: bool, wi: DVec3, m: DVec3) -
     } else {
         0.0
     };
-    let branch = |event, share, direction| Branch {
+    let branch = |event, fraction, direction| Branch {
         event,
         direction,
-        share,
+        fraction,
     };
     let wt = if transmitted > 0.0 {
         refract(wi, m, eta, fresnel.cos_theta_t)

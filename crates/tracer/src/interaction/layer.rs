@@ -76,11 +76,11 @@ pub enum TracedLayerError {
     OtherTile {
         /// Extent of the surface along x and y.
         top: [f64; 2],
-        /// How the surface goes on.
+        /// How the surface continues beyond its border.
         top_border: asperity_surface::Border,
         /// Extent of the bottom.
         bottom: [f64; 2],
-        /// How the bottom goes on.
+        /// How the bottom continues beyond its border.
         bottom_border: asperity_surface::Border,
     },
     /// An open bottom is no interface.
@@ -191,7 +191,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         }
     }
 
-    /// Share of an interaction inside that scatters.
+    /// Fraction of an interaction inside that scatters.
     pub(crate) const fn albedo(&self) -> f64 {
         self.albedo
     }
@@ -211,7 +211,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         -(1.0 - rng.random::<f64>()).ln() * self.mean_free_path
     }
 
-    /// The direction in which light goes on that is scattered while it travels along `d`.
+    /// The direction of light after it was scattered inside while travelling along `d`.
     #[inline]
     pub(crate) fn scattered<R: Rng>(&self, d: DVec3, rng: &mut R) -> DVec3 {
         self.phase.sample(d, [rng.random(), rng.random()])

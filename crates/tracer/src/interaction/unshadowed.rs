@@ -60,11 +60,11 @@ pub fn sum_over_facets<G: Geometry>(
                     Event::Transmission => (Side::Transmitted, -1.0),
                 };
                 let wo = branch.direction * upright * image;
-                if branch.share > 0.0 && wo.z * away > 0.0 {
+                if branch.fraction > 0.0 && wo.z * away > 0.0 {
                     tally.add_exit(&Exit {
                         side,
                         wo,
-                        flux: flux * branch.share,
+                        flux: flux * branch.fraction,
                         path: EventPath::default().then(branch.event),
                         scatterings: 0,
                     });

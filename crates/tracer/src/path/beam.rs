@@ -71,7 +71,7 @@ impl Beam {
 
     /// The light that comes to the point of the surface at `[u, v]` of the period if nothing is in its
     /// way, the facet there, and the flux that falls on it, `max(0, wi . m) / (cos theta_m cos theta_i)`
-    /// of a ray; `None` where the facet looks away from the light.
+    /// of a ray; `None` where the facet faces away from the light.
     ///
     /// # Source
     /// Xu and Sun 2008, the weight of Eq. 26.

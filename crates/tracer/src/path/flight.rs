@@ -2,7 +2,7 @@
 //!
 //! A flight is searched for facets only where the heights nearby cannot tell what it meets; most flights are not
 //! searched, and are traced at once, one after the other. Where one ends at a facet and light is divided, what
-//! stays inside waits in [`Batch::inside`], so that paths go on without limit in constant memory.
+//! stays inside waits in [`Batch::inside`], so that paths of any length need constant memory.
 
 use asperity_optics::{Bottom, Material, around, reflect};
 use asperity_surface::Border;
@@ -21,7 +21,7 @@ use crate::ray::{HalfSpace, Hit, Query};
 
 /// Inside, roulette begins at so many times the flux at which it begins elsewhere.
 ///
-/// A path that is scattered goes on for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
+/// A scattered path continues for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
 /// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
 const ROULETTE_FACTOR: f64 = 30.0;
 
@@ -158,7 +158,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
-    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    /// or leaves an open patch, below the surface or next to a rough bottom.
     fn leave_clear_medium<R>(
         &self,
         layer: &TracedLayer<'_, G>,
@@ -177,7 +177,7 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Absorbs the share of an interaction with the medium that does not scatter; false if the path ends.
+    /// Absorbs the fraction of an interaction with the medium that does not scatter; false if the path ends.
     #[inline]
     fn collide<R: Rng>(
         &self,
@@ -280,8 +280,8 @@ impl<G: Geometry> Tracer<'_, G> {
             .tally
             .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
         let divides = matches!(bottom, Bottom::Interface { .. });
-        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
-            let mut state = state.after(&branch, share);
+        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
+            let mut state = state.after(&branch, fraction);
             if !self.survives_roulette(&mut state, batch) {
                 continue;
             }
@@ -339,18 +339,18 @@ pub(super) fn scatter_at_bottom<R: Rng>(
     m: DVec3,
     rng: &mut R,
 ) -> Scattered {
-    let reflected = |share, direction| {
-        let branch = |event, share| Branch {
+    let reflected = |fraction, direction| {
+        let branch = |event, fraction| Branch {
             event,
             direction,
-            share,
+            fraction,
         };
         Scattered {
             branches: [
                 branch(Event::Transmission, 0.0),
-                branch(Event::Reflection, share),
+                branch(Event::Reflection, fraction),
             ],
-            absorbed: 1.0 - share,
+            absorbed: 1.0 - fraction,
         }
     };
     match bottom {

@@ -59,8 +59,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
         // Trace the branches that survive
         let divides = self.material.transmitting_index().is_some();
-        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
-            let mut ray = at.leave(&branch, share, state);
+        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
+            let mut ray = at.leave(&branch, fraction, state);
             if self.survives_roulette(&mut ray.state, batch) {
                 self.trace_if_recorded(ray, batch);
             }
@@ -88,8 +88,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             .tally
             .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
         let divides = matches!(bottom, Bottom::Interface { .. });
-        for (branch, share) in self.followed(&scattered, divides, batch.rng) {
-            let mut ray = at.leave(&branch, share, state);
+        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
+            let mut ray = at.leave(&branch, fraction, state);
             if self.survives_roulette(&mut ray.state, batch) {
                 self.trace(ray, RayKind::Path, batch);
             }
@@ -105,7 +105,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         scatter(self.material, half_space == self.incident, wi, m)
     }
 
-    /// The branches that are traced, each with the share of the flux that it takes: both, or one picked at
+    /// The branches that are traced, each with the fraction of the flux that it takes: both, or one picked at
     /// random where an interface `divides` light.
     #[inline(always)]
     pub(super) fn followed<R: Rng>(
@@ -115,22 +115,22 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         rng: &mut R,
     ) -> impl Iterator<Item = (Branch, f64)> + use<'_, 'a, R, G> {
         let [transmitted, reflected] = scattered.branches;
-        let shares = if divides && self.settings.branching == Branching::Pick {
-            if rng.random::<f64>() < reflected.share {
+        let fractions = if divides && self.settings.branching == Branching::Pick {
+            if rng.random::<f64>() < reflected.fraction {
                 [0.0, 1.0]
             } else {
                 [1.0, 0.0]
             }
         } else {
-            [transmitted.share, reflected.share]
+            [transmitted.fraction, reflected.fraction]
         };
         [transmitted, reflected]
             .into_iter()
-            .zip(shares)
-            .filter(|(_, share)| *share > 0.0)
+            .zip(fractions)
+            .filter(|(_, fraction)| *fraction > 0.0)
     }
 
-    /// Russian roulette: a path of little flux goes on with a probability proportional to its flux, and then
+    /// Russian roulette: a path of little flux continues with a probability proportional to its flux, and then
     /// carries the threshold; false if it ends. Flux that roulette removes or adds is tallied as truncated, zero
     /// on average.
     ///

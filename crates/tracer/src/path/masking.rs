@@ -72,10 +72,10 @@ impl<G: Geometry> Tracer<'_, G> {
         state: &PathState,
         batch: &mut Batch<'_, G::Facet, R>,
     ) {
-        let Some(control) = batch.tally.control_variate() else {
+        let Some(control_variate) = batch.tally.control_variate() else {
             return;
         };
-        let probability = control.shadow_probability();
+        let probability = control_variate.shadow_probability();
         let is_first = state.events.order() == 0;
         if !is_first || probability < 1.0 && batch.rng.random::<f64>() >= probability {
             return;
@@ -117,8 +117,8 @@ impl<G: Geometry> Tracer<'_, G> {
         }
         let scattered = self.scattered(at);
         for branch in scattered.branches {
-            if branch.share > 0.0 {
-                let ray = at.leave(&branch, branch.share, state);
+            if branch.fraction > 0.0 {
+                let ray = at.leave(&branch, branch.fraction, state);
                 let exit = self.exit(&Departure {
                     region: ray.region,
                     direction: ray.heading.world_direction(),

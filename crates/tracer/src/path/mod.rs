@@ -2,7 +2,7 @@
 //!
 //! Each file is one step of a path. `emission.rs` starts it. `traversal.rs` takes its segments from tile to tile,
 //! many of them at a time. `interaction.rs` scatters it at a facet, and `flight.rs` inside the layer below.
-//! `escape.rs` makes of what leaves an exit for the tally. `masking.rs` traces what a control variate needs beside
+//! `escape.rs` makes of what leaves an exit for the tally. `masking.rs` traces what a control variate needs in addition to
 //! it. `state.rs` names what passes between these steps. The same light, one path at a time, is in `reference`.
 
 mod batch;
@@ -113,7 +113,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Traces one batch of `strata * strata` rays.
     ///
-    /// Returns flux fractions, and the work done; under a `control`, the fractions that it
+    /// Returns flux fractions, and the work done; under a `control_variate`, the fractions that it
     /// leaves, which [`ControlVariate::complete`] turns into flux fractions.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
@@ -121,17 +121,17 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// accelerators give the same result.
     ///
     /// # Panics
-    /// If there is both a layer and a control, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    /// If there is both a layer and a control variate, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch<R: Rng>(
         &self,
         illumination: &Illumination,
         strata: u32,
         spec: TallySpec,
-        control: Option<&ControlVariate>,
+        control_variate: Option<&ControlVariate>,
         rng: &mut R,
     ) -> (TallyValues, Work) {
         assert!(
-            self.layer.is_none() || control.is_none(),
+            self.layer.is_none() || control_variate.is_none(),
             "there are no control variates for layers"
         );
         let incidence = illumination.incidence;
@@ -144,7 +144,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         };
         let turned = illumination.any_azimuth && !free;
         let mut places = Places::new(illumination.sampling, strata, turned, rng);
-        let tally = Tally::new(spec, azimuth).with_control_variate(control);
+        let tally = Tally::new(spec, azimuth).with_control_variate(control_variate);
         let mut batch = Batch::new(tally, rng);
         let beam = Beam::new(self.geometry, self.incident, incidence);
         let mut now = [SegmentQueue::new(), SegmentQueue::new()];

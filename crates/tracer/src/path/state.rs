@@ -22,11 +22,11 @@ pub(super) struct PathState {
 }
 
 impl PathState {
-    /// The state after an interaction, along `branch`, with a `share` of the flux.
+    /// The state after an interaction, along `branch`, with a `fraction` of the flux.
     #[inline(always)]
-    pub(super) fn after(&self, branch: &Branch, share: f64) -> Self {
+    pub(super) fn after(&self, branch: &Branch, fraction: f64) -> Self {
         Self {
-            flux: self.flux * share,
+            flux: self.flux * fraction,
             events: self.events.then(branch.event),
             ..*self
         }
@@ -83,9 +83,9 @@ pub(super) struct Arrival<F> {
 }
 
 impl<F> Arrival<F> {
-    /// The ray that leaves the facet along `branch`, with a `share` of the flux of `state`.
+    /// The ray that leaves the facet along `branch`, with a `fraction` of the flux of `state`.
     #[inline(always)]
-    pub(super) fn leave(&self, branch: &Branch, share: f64, state: &PathState) -> PathRay {
+    pub(super) fn leave(&self, branch: &Branch, fraction: f64, state: &PathState) -> PathRay {
         PathRay {
             region: match branch.event {
                 Event::Reflection => self.region,
@@ -95,7 +95,7 @@ impl<F> Arrival<F> {
                 direction: branch.direction,
                 ..self.heading
             },
-            state: state.after(branch, share),
+            state: state.after(branch, fraction),
         }
     }
 }

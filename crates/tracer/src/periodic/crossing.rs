@@ -33,7 +33,7 @@ impl Crossing {
         }
     }
 
-    /// Goes on to the next tile and names the axis along which it lies, if there is one before the end.
+    /// Steps to the next tile and returns the axis along which it lies; `None` at the end.
     pub(super) fn advance(&mut self, size: [f64; 2]) -> Option<usize> {
         // The boundary that comes first; a ray that runs along an axis never crosses the other.
         let crossing = |axis: usize| {
@@ -57,7 +57,7 @@ impl Crossing {
     }
 }
 
-/// Where a ray from beside the tile comes over its rim, if it does.
+/// Where a ray that starts outside the tile crosses its border, if it does.
 #[inline]
 pub(super) fn rim(ray: &TileRay, size: [f64; 2]) -> Option<DVec3> {
     let (o, d) = (ray.origin, ray.direction);

@@ -61,7 +61,7 @@ pub(crate) fn mirror_image<G: Geometry>(geometry: &G, mut heading: Heading) -> H
 }
 
 /// Wraps a place into the tile, in the orientation of the tile or mirror image that it lies over; false if there
-/// is none, beside an open patch.
+/// is none, outside an open patch.
 #[inline]
 pub(crate) fn wrap<G: Geometry>(geometry: &G, heading: &mut Heading) -> bool {
     for (axis, size) in geometry.extent().into_iter().enumerate() {

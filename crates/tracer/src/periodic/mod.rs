@@ -2,7 +2,7 @@
 //!
 //! The ray is moved, not the surface: into the neighbouring period for a periodic border, and into
 //! the mirror image for a mirrored one, where its direction is mirrored too. A [`Heading`] therefore
-//! carries, beside origin and direction in the coordinates of the tile, which axes are mirrored.
+//! carries origin and direction in the coordinates of the tile, and which axes are mirrored.
 
 mod crossing;
 mod heading;

@@ -199,7 +199,7 @@ fn an_open_patch_lets_rays_out_sideways() {
 
 #[test]
 fn light_from_under_the_rim_of_an_open_patch_is_not_let_in() {
-    // A valley between two rims: level light from beside meets the first rim's far side, which
+    // A valley between two rims: level light from outside the tile meets the first rim's far side, which
     // is not there, and must not shine through the ground onto the slope behind the valley.
     let profile = [1.0, 0.0, 1.0];
     let heights = (0..9).map(|i| profile[i % 3]).collect();

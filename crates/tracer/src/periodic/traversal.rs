@@ -87,7 +87,7 @@ pub(crate) fn begin<G: Geometry>(
     }
 }
 
-/// The same for a ray from beside the tile, from above all heights, or from below them.
+/// The same for a ray from outside the tile, from above all heights, or from below them.
 #[inline(never)]
 fn enter<G: Geometry>(
     geometry: &G,
@@ -164,7 +164,7 @@ fn nothing_met(border: Border, direction: DVec3, half_space: HalfSpace) -> Trave
     }
 }
 
-/// The traversal of a ray from tile to tile, beside the [`Query`] for what it meets in the current one.
+/// The traversal of a ray from tile to tile, with the [`Query`] for its hit in the current one.
 #[derive(Debug)]
 pub(crate) struct Traversal {
     /// Unit direction in physical lengths, in the orientation of the current tile.

@@ -16,7 +16,7 @@ use crate::visibility::light_beams::LightBeams;
 
 impl<G: Geometry> PathIntegrator<'_, G> {
     /// Traces a camera ray: a path from above as in [`PathIntegrator::trace`], but where the surface divides the
-    /// light first, both branches are followed, each with its share of the flux, so that there are one or two ends.
+    /// light first, both branches are followed, each with its fraction of the flux, so that there are one or two ends.
     ///
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
     /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
@@ -51,9 +51,9 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         let scattered = self.scattered(hit.interface, path.space, wi, m, rng);
         let mut absorbed = scattered.absorbed;
         for branch in scattered.branches {
-            if branch.share > 0.0 {
+            if branch.fraction > 0.0 {
                 let mut path = path;
-                path.flux = branch.share;
+                path.flux = branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
                 path.leave_interface(Interface::Top, &branch);
                 let end = self.follow(&mut path, beams, rng, &mut contribute);
@@ -126,7 +126,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             let phase = layer.phase_density(path.heading.direction.dot(-d));
             let level = DVec2::new(d.x, d.y * self.geometry.aspect());
             contribute(CameraContribution::Beam(BeamContribution {
-                share: path.flux * phase * beam.share,
+                fraction: path.flux * phase * beam.fraction,
                 origin: (path.place - beam.t * level).extend(at.origin.z),
             }));
         });

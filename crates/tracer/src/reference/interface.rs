@@ -82,10 +82,10 @@ fn at_bottom<R: Rng>(bottom: Bottom, space: Space, wi: DVec3, m: DVec3, rng: &mu
         }
         _ => (0.0, DVec3::ZERO),
     };
-    let branch = |event, share, direction| Branch {
+    let branch = |event, fraction, direction| Branch {
         event,
         direction,
-        share,
+        fraction,
     };
     Scattered {
         branches: [

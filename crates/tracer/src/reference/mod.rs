@@ -1,7 +1,7 @@
 //! Reference: one light path at a time, from interaction to interaction. The place to start reading this crate.
 //!
 //! [`PathIntegrator::trace`] sends one path, and [`PathIntegrator::follow`] is the whole algorithm on one page: find
-//! what the path comes to next, move it there, scatter it, and let Russian roulette decide whether it goes on.
+//! the next interaction, move the path there, scatter it, and let Russian roulette decide whether it continues.
 //! [`crate::Tracer`] traces the same light much faster: it follows many paths together, splits them at interfaces,
 //! skips searches, and serves control variates. This module does none of that and shares no step of a path with
 //! it, so that tests can hold the two against each other. It also serves cameras: light paths are reversible, so a
@@ -78,7 +78,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
 
     /// Traces one path of light that comes from above along a straight line.
     ///
-    /// `origin`: tile coordinates of the upper surface, above it, be it over another tile; `direction`: a
+    /// `origin`: tile coordinates of the upper surface, above it, possibly over another tile; `direction`: a
     /// unit vector in the world.
     pub fn trace<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> PathResult {
         let mut path = PathState::new(origin, direction);
@@ -116,15 +116,15 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     let m = self.normal(&hit, path.space);
                     let scattered = self.scattered(hit.interface, path.space, wi, m, rng);
                     let [transmission, reflection] = &scattered.branches;
-                    let kept = transmission.share + reflection.share;
+                    let kept = transmission.fraction + reflection.fraction;
                     path.absorbed += path.flux * scattered.absorbed;
                     path.flux *= kept;
                     if path.flux == 0.0 {
                         return PathEnd::Absorbed;
                     }
 
-                    // Sample reflection or transmission by their shares
-                    let is_reflected = rng.random::<f64>() * kept < reflection.share;
+                    // Sample reflection or transmission by their fractions
+                    let is_reflected = rng.random::<f64>() * kept < reflection.fraction;
                     let wo = if is_reflected {
                         reflection
                     } else {

@@ -42,7 +42,7 @@ pub enum CameraContribution {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeamContribution {
     /// What radiance from that direction is multiplied by, times its solid angle: 1/sr.
-    pub share: f64,
+    pub fraction: f64,
     /// Where it comes to the surface, in the coordinates of the upper surface's tile, continued beyond it.
     pub origin: DVec3,
 }

@@ -66,7 +66,7 @@ impl FromStr for Sampling {
 
 /// Places of the `strata * strata` rays of a batch, neighbours together.
 ///
-/// A start is `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: shares
+/// A start is `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions
 /// of the period along x and y, and of a full turn. Each start taken at random is uniform; where no
 /// azimuth is requested, it is 0. Order: along a Morton curve.
 pub(crate) struct Places {
@@ -261,7 +261,7 @@ mod tests {
 
     /// Among them are all strips of azimuth times u, and of azimuth times v.
     #[test]
-    fn quasi_random_starts_are_one_in_each_box_of_their_share() {
+    fn quasi_random_starts_are_one_in_each_box_of_equal_volume() {
         for k in 0..=4_i32 {
             let m = 2 * k;
             for seed in 0..5 {

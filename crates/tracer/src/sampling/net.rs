@@ -5,7 +5,7 @@
 //! sequence of the polynomial `x + 1`. Sobol's two sequences are a (0, 2)-sequence, so these points are
 //! a (0, m, 3)-net in base 2 (Niederreiter, Random Number Generation and Quasi-Monte Carlo Methods,
 //! 1992, Lemma 4.22): each box of `2^-a x 2^-b x 2^-c` with `a + b + c = m` that begins at a multiple of
-//! its sides holds exactly one. No net is more even, and Sobol's third sequence beside the other two
+//! its sides holds exactly one. No net is more even, and Sobol's third sequence with the other two
 //! would only give t = 1.
 //!
 //! Owen's nested scrambling keeps that and makes each point uniform (Owen, J. Complexity 14, 466

@@ -106,8 +106,8 @@ impl<'a> Horizons<'a> {
         let mut distance = distance.max(0.0);
         while line.pass(edge, self.cells, self.surface.border()) {
             if line.enters_block(edge, self.cells) {
-                let sight = |distance: f64| point.z + beyond * distance;
-                match self.skip(&mut line, distance, end, sight) {
+                let line_height = |distance: f64| point.z + beyond * distance;
+                match self.skip(&mut line, distance, end, line_height) {
                     Some(onward) => distance = onward,
                     None => break,
                 }
@@ -130,19 +130,19 @@ impl<'a> Horizons<'a> {
         Horizon { own, beyond }
     }
 
-    /// Passes over blocks that lie below the line `sight` where the line enters them; the distance that it
-    /// has come, or `None` if it comes to its end there, be it that of an open patch.
+    /// Passes over blocks that lie below `line_height` where the line enters them; the distance that it
+    /// has come, or `None` if it ends there, possibly at the border of an open patch.
     fn skip(
         &self,
         line: &mut FacetLine,
         mut distance: f64,
         end: f64,
-        sight: impl Fn(f64) -> f64,
+        line_height: impl Fn(f64) -> f64,
     ) -> Option<f64> {
         let row = self.cells[0].div_ceil(BLOCK);
         while distance < end {
             let [bx, by] = line.tile.map(|place| place / BLOCK);
-            if self.blocks[by * row + bx] >= sight(distance) {
+            if self.blocks[by * row + bx] >= line_height(distance) {
                 return Some(distance);
             }
             match line.leave_block(self.cells, self.surface.border()) {
@@ -158,7 +158,7 @@ impl<'a> Horizons<'a> {
         let row = self.cells[0] + 1;
         let corner = line.tile[1] * row + line.tile[0];
         let local = line.start + distance * line.rate - line.cell;
-        let (from, to, share) = match edge {
+        let (from, to, fraction) = match edge {
             Edge::Right => (1, row + 1, local.y),
             Edge::Left => (0, row, local.y),
             Edge::Bottom => (0, 1, local.x),
@@ -166,8 +166,8 @@ impl<'a> Horizons<'a> {
             Edge::Diagonal => (0, row + 1, local.x),
         };
         let (a, b) = (self.z[corner + from], self.z[corner + to]);
-        // Rounding may have put the crossing beside the ends of the edge.
-        a + share.clamp(0.0, 1.0) * (b - a)
+        // Rounding may have put the crossing slightly beyond the ends of the edge.
+        a + fraction.clamp(0.0, 1.0) * (b - a)
     }
 }
 
@@ -335,12 +335,12 @@ impl FacetLine {
         let other = 1 - axis;
         let distance = at[axis];
         // The last cell of the block on the line.
-        let beside = self.start[other] + distance * self.rate[other] - low[other];
-        let beside = beside.floor().clamp(0.0, (count[other] - 1) as f64);
+        let other_cell = self.start[other] + distance * self.rate[other] - low[other];
+        let other_cell = other_cell.floor().clamp(0.0, (count[other] - 1) as f64);
         let onward = self.rate[axis] > 0.0;
         let last = if onward { count[axis] - 1 } else { 0 };
-        self.cell[other] = low[other] + beside;
-        self.tile[other] = first[other] + beside as usize;
+        self.cell[other] = low[other] + other_cell;
+        self.tile[other] = first[other] + other_cell as usize;
         self.cell[axis] = low[axis] + last as f64;
         self.tile[axis] = first[axis] + last;
         let edge = match (axis, onward) {

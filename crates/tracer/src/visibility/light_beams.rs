@@ -1,10 +1,10 @@
 //! Collimated light inside a medium that has come through one facet of the surface above it.
 //!
-//! Facets are flat, so what enters through one goes on as a beam of parallel rays, a prism below the facet.
+//! Facets are flat, so light that enters through one continues as a beam of parallel rays, a prism below the facet.
 //! Which prisms hold a given point is found by a binary tree over the facets: a node knows the box of its
-//! facets, and the bounds of the directions in which light goes on from them. A point of the medium that is
+//! facets, and the bounds of the directions of the refracted light. A point of the medium that is
 //! scattered light on its way to the eye so finds the light, which random paths would hardly find behind a
-//! refracting surface. Beams end after some tiles, so that a place looks into few of them; light that has come
+//! refracting surface. Beams end after some tiles, so that few of them contain any one point; light that has come
 //! farther is left to chance, by the length of its flight alone.
 
 use asperity_optics::Material;
@@ -16,10 +16,10 @@ use crate::interaction::facet::scatter;
 use crate::periodic::can_traverse;
 use crate::sampling::morton::morton_code;
 
-/// Facets of a leaf: few enough to test, many enough for the tree to be small beside the surface.
+/// Facets of a leaf: few enough to test, enough for the tree to be small compared with the surface.
 const LEAF: usize = 8;
 
-/// Length of beams in shorter sides of the tile, where it has neighbours: a place in the medium looks into
+/// Length of beams in shorter sides of the tile, where it has neighbours: a point in the medium lies in
 /// some `(2 * 16 + 1)^2` tiles at most.
 const LONGEST: f64 = 16.0;
 
@@ -46,8 +46,8 @@ pub(crate) struct Beam<F> {
     pub(crate) t: f64,
     /// Unit direction of the light, in physical lengths.
     pub(crate) direction: DVec3,
-    /// Share of the light that the facet transmits, times the solid angle inside over that outside.
-    pub(crate) share: f64,
+    /// Fraction of the light that the facet transmits, times the solid angle inside over that outside.
+    pub(crate) fraction: f64,
 }
 
 /// Bounds of some facets; of none, if the lower ones exceed the upper.
@@ -201,7 +201,7 @@ impl<G: Geometry> LightBeams<G> {
 
     /// The beam below one facet, if it holds the point.
     fn beam(&self, geometry: &G, facet: G::Facet, x: DVec3, reach: f64) -> Option<Beam<G::Facet>> {
-        let (direction, share) = self.refracted(geometry, facet)?;
+        let (direction, fraction) = self.refracted(geometry, facet)?;
         let along = direction * DVec3::new(1.0, geometry.aspect(), 1.0);
         let [a, b, c] = geometry.corners(facet);
         let normal = (b - a).cross(c - a);
@@ -217,11 +217,11 @@ impl<G: Geometry> LightBeams<G> {
             facet,
             t,
             direction,
-            share,
+            fraction,
         })
     }
 
-    /// Where light goes on below a facet that faces it, and its share.
+    /// The direction of light refracted by a facet that faces it, and its fraction.
     ///
     /// Solid angles on both sides of an interface keep `n^2 cos`, so that `d omega_t / d omega_i` is
     /// `cos(alpha) / (eta^2 cos(beta))`.
@@ -233,12 +233,12 @@ impl<G: Geometry> LightBeams<G> {
             return None;
         }
         let [transmitted, _] = scatter(self.material, true, self.towards, m).branches;
-        if transmitted.share <= 0.0 {
+        if transmitted.fraction <= 0.0 {
             return None;
         }
         let cos_theta_t = -transmitted.direction.dot(m);
-        let share = transmitted.share * cos_theta_i / (eta * eta * cos_theta_t);
-        Some((transmitted.direction, share))
+        let fraction = transmitted.fraction * cos_theta_i / (eta * eta * cos_theta_t);
+        Some((transmitted.direction, fraction))
     }
 
     fn of_leaf(&self, leaf: usize) -> &[G::Facet] {

@@ -65,7 +65,7 @@ pub fn trace_visibility<G: Geometry>(
             return;
         }
         accelerator.closest_hits(geometry, &queries, &mut hits);
-        // Those that go on in the next tile move to the front.
+        // Rays that continue in the next tile move to the front.
         let mut kept = 0;
         for i in 0..queries.len() {
             if hits[i].is_some() {

@@ -295,7 +295,7 @@ fn rays_that_run_along_an_edge_past_corners_are_met_where_brute_force_meets_them
         let mut places = ChaCha8Rng::seed_from_u64(22);
         let queries: Vec<Query> = (0..200_000)
             .map(|_| {
-                // A hair above a corner and beside it, about as steep as the edge on the way there.
+                // Slightly above and next to a corner, about as steep as the edge that leads there.
                 let corner = |count: f64, rng: &mut ChaCha8Rng| match rng.random_range(0..4) {
                     0 => 0.0,
                     1 => count,

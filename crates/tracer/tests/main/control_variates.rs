@@ -1,8 +1,8 @@
-//! The controlled estimator against the plain one, on surfaces whose control is summed over their facets.
+//! The controlled estimator against the plain one, on surfaces whose control variate is summed over their facets.
 //!
 //! Both must have the same mean whatever is assumed to be visible; here it is assumed badly on purpose.
 //! Broken as a trial, each of these was seen to fail: the weight without its cosine, the sum without it,
-//! the shadow behind the first facet left out, a share that is subtracted but not added.
+//! the shadow behind the first facet left out, a fraction that is subtracted but not added.
 
 use crate::common::{rugged, waves};
 use asperity_optics::{Incidence, Material};
@@ -55,8 +55,8 @@ impl Setting {
         Incidence::from_degrees(self.theta_deg, self.phi_deg).unwrap()
     }
 
-    /// Shares that fall towards grazing, the more so in reflection: wrong, as any are allowed to be.
-    fn control(&self) -> ControlVariate {
+    /// Fractions that fall towards grazing, the more so in reflection: wrong, as any are allowed to be.
+    fn control_variate(&self) -> ControlVariate {
         let both = self.spec().with_sides(Sides::Both);
         let n = both.grid().n_theta();
         let facets = 0..self.surface.facet_count();
@@ -68,7 +68,7 @@ impl Setting {
             both,
             facets,
         );
-        let shares = VisibleFractions {
+        let fractions = VisibleFractions {
             rings: [
                 (0..n).map(|i| 0.9 - 0.12 * i as f64).collect(),
                 (0..n).map(|i| 0.4 + 0.1 * i as f64).collect(),
@@ -76,11 +76,16 @@ impl Setting {
             absorbed: 0.7,
         };
         let fluxes = unshadowed_fluxes(&tally);
-        ControlVariate::new(self.spec(), shares, &fluxes)
-            .looking_into_shadow(self.shadow_probability)
+        ControlVariate::new(self.spec(), fractions, &fluxes)
+            .with_shadow_probability(self.shadow_probability)
     }
 
-    fn run(&self, starts: Starts, control: Option<&ControlVariate>, seed: u64) -> TallyStatistics {
+    fn run(
+        &self,
+        starts: Starts,
+        control_variate: Option<&ControlVariate>,
+        seed: u64,
+    ) -> TallyStatistics {
         let accelerator = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
         let settings = PathSettings::new(self.branching, 0.01, 1000).unwrap();
         let tracer = Tracer::new(
@@ -98,9 +103,10 @@ impl Setting {
         for block in 0..150 {
             let mut rng = ChaCha8Rng::seed_from_u64(seed);
             rng.set_stream(block);
-            let (mut values, _) = tracer.batch(&illumination, 24, self.spec(), control, &mut rng);
-            if let Some(control) = control {
-                control.complete(&mut values);
+            let (mut values, _) =
+                tracer.batch(&illumination, 24, self.spec(), control_variate, &mut rng);
+            if let Some(control_variate) = control_variate {
+                control_variate.complete(&mut values);
             }
             statistics.push(&values);
         }
@@ -183,7 +189,7 @@ fn settings() -> Vec<Setting> {
     });
     list.push(Setting {
         shadow_probability: 0.3,
-        ..Setting::new("a look into few shadows", of(0.7), glass, 65.0)
+        ..Setting::new("few shadows traced", of(0.7), glass, 65.0)
     });
     list.push(Setting {
         sides: Sides::Transmitted,
@@ -197,15 +203,15 @@ fn controlled_and_plain_means_agree() {
     let mut scores = Vec::new();
     for (number, setting) in settings().iter().enumerate() {
         let seed = 10 * number as u64;
-        let control = setting.control();
+        let control_variate = setting.control_variate();
         let plain = setting.run(Starts::FromAbove, None, seed);
         let others = [
-            (Starts::FromAbove, Some(&control)),
+            (Starts::FromAbove, Some(&control_variate)),
             (Starts::OnSurface, None),
-            (Starts::OnSurface, Some(&control)),
+            (Starts::OnSurface, Some(&control_variate)),
         ];
-        for (k, (starts, control)) in others.into_iter().enumerate() {
-            let other = setting.run(starts, control, seed + 1 + k as u64);
+        for (k, (starts, control_variate)) in others.into_iter().enumerate() {
+            let other = setting.run(starts, control_variate, seed + 1 + k as u64);
             let mut squares = 0.0;
             let mut worst = (0.0_f64, TallySpec::BUDGET.lost);
             let mut compared = 0;
@@ -229,7 +235,7 @@ fn controlled_and_plain_means_agree() {
             println!(
                 "{:24} {starts:?} controlled {}: {compared} numbers, chi-squared per degree {per_degree:.2}, worst z {:.2} at {}",
                 setting.name,
-                control.is_some(),
+                control_variate.is_some(),
                 worst.0,
                 worst.1
             );
@@ -266,11 +272,11 @@ fn a_mean_without_its_cosine_is_noticed() {
             sum.update(&part, |sum, value| *sum += cos_theta_m * value);
         }
         let n = both.grid().n_theta();
-        let shares = VisibleFractions {
+        let fractions = VisibleFractions {
             rings: [vec![0.8; n], vec![0.8; n]],
             absorbed: 0.8,
         };
-        ControlVariate::new(setting.spec(), shares, &unshadowed_fluxes(&sum))
+        ControlVariate::new(setting.spec(), fractions, &unshadowed_fluxes(&sum))
     };
     let plain = setting.run(Starts::FromAbove, None, 1);
     let controlled = setting.run(Starts::OnSurface, Some(&wrong), 2);
@@ -294,13 +300,13 @@ fn a_mean_without_its_cosine_is_noticed() {
 #[test]
 fn the_budget_of_every_batch_closes() {
     for setting in settings() {
-        let control = setting.control();
-        for (starts, control) in [
+        let control_variate = setting.control_variate();
+        for (starts, control_variate) in [
             (Starts::FromAbove, None),
-            (Starts::FromAbove, Some(&control)),
-            (Starts::OnSurface, Some(&control)),
+            (Starts::FromAbove, Some(&control_variate)),
+            (Starts::OnSurface, Some(&control_variate)),
         ] {
-            let means = setting.run(starts, control, 7);
+            let means = setting.run(starts, control_variate, 7);
             let budget: f64 = means.means().budget().total();
             assert!((budget - 1.0).abs() < 1e-12, "{}: {budget}", setting.name);
         }

@@ -335,5 +335,5 @@ fn settings_of_paths() {
         search: FlightSearch::Nearby,
         ..scene(Border::Mirrored, 0.3, 0.97, forwards(0.6)).over_rough(INTERFACE, 2.5)
     };
-    nearby.compare("walks that look nearby");
+    nearby.compare("walks with heights nearby");
 }

@@ -1,4 +1,4 @@
-//! A sun looked for through the facets of the surface is the sun that chance finds.
+//! Sunlight by light beams through the facets agrees with sunlight found by random walks.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A scene in which a sun is looked for.
+/// A scene with a sun.
 #[derive(Clone, Copy)]
 struct Case {
     border: Border,
@@ -103,7 +103,7 @@ fn compare(name: &str, case: Case) {
                 &mut rng,
                 |seen| match seen {
                     CameraContribution::Beam(lit) => {
-                        found[0] += lit.share * solid_angle / f64::from(case.lines)
+                        found[0] += lit.fraction * solid_angle / f64::from(case.lines)
                     }
                     CameraContribution::Path(path) => {
                         if path.sampled_by_beams && path.direction.dot(sun) > COS_RADIUS {

@@ -36,7 +36,7 @@ fn horizons(surface: &Surface, points: &[(Facet, DVec3)], phi: f64, least: f64) 
 fn rays(surface: &Surface, points: &[(Facet, DVec3)], w: DVec3) -> Vec<Option<Visibility>> {
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let faces = |facet: Facet| surface.normal(facet).dot(w) > 0.0;
-    let looks: Vec<VisibilityRay> = points
+    let rays: Vec<VisibilityRay> = points
         .iter()
         .filter(|(facet, _)| faces(*facet))
         .map(|&(_, origin)| VisibilityRay {
@@ -45,7 +45,7 @@ fn rays(surface: &Surface, points: &[(Facet, DVec3)], w: DVec3) -> Vec<Option<Vi
         })
         .collect();
     let mut seen = Vec::new();
-    trace_visibility(surface, &*accelerator, &looks, &mut seen);
+    trace_visibility(surface, &*accelerator, &rays, &mut seen);
     let mut seen = seen.into_iter();
     points
         .iter()
@@ -118,9 +118,9 @@ fn horizons_are_those_of_brute_force() {
                 let expected = brute_force(&surface, *point, *facet, phi, 2);
                 // Copies end at two tiles; what lies beyond can rise by no more than this.
                 let [low, high] = surface.z_range();
-                let unseen = (high - low) / 11.0;
-                if expected < unseen && border == Border::Periodic {
-                    assert!(horizon.beyond <= unseen);
+                let beyond_copies = (high - low) / 11.0;
+                if expected < beyond_copies && border == Border::Periodic {
+                    assert!(horizon.beyond <= beyond_copies);
                     continue;
                 }
                 // The exit from the own facet, which brute force meets as its neighbours' edge.
@@ -222,7 +222,7 @@ fn grooves(half: usize, slope: f64) -> Surface {
 fn grooves_cast_the_shadows_of_two_planes() {
     // From a point at height z above the bottom on the side that faces the light, the opposite ridge of
     // height A is A - z higher and (z + A) / g away; it hides light of cot(theta) = c below
-    // z = A (1 - k) / (1 + k), k = c / g: of the facing side the share 2 k / (1 + k) is lit, as
+    // z = A (1 - k) / (1 + k), k = c / g: of the facing side the fraction 2 k / (1 + k) is lit, as
     // Torrance and Sparrow have it.
     let (half, slope) = (10, 0.8);
     let surface = grooves(half, slope);

@@ -58,7 +58,7 @@ impl<'a> Ground<'a> {
         }
     }
 
-    /// The cell in column `ix` and row `iy`, or `None` beside an open patch.
+    /// The cell in column `ix` and row `iy`, or `None` outside an open patch.
     fn cell(&self, ix: i64, iy: i64) -> Option<Cell> {
         let mut flip = [false; 2];
         let mut own = [0_i64; 2];
@@ -116,10 +116,10 @@ impl<'a> Ground<'a> {
     }
 
     /// How far the point at `t` is from the surface, vertically, if rounding does not explain it.
-    pub(crate) fn beside(&self, ray: &TileRay, t: f64) -> Option<f64> {
+    pub(crate) fn off_surface(&self, ray: &TileRay, t: f64) -> Option<f64> {
         let p = ray.at(t);
         let place = [p.x.floor() as i64, p.y.floor() as i64];
-        // Beside an open patch by rounding, the nearest cell counts.
+        // Outside an open patch by rounding, the nearest cell counts.
         let place = match self.border {
             Border::Open => [0, 1].map(|axis| place[axis].clamp(0, self.cells[axis] - 1)),
             Border::Periodic | Border::Mirrored => place,
@@ -133,7 +133,7 @@ impl<'a> Ground<'a> {
     /// First place in `[from, to]` where a ray in `half_space` is on the wrong side by more than rounding.
     ///
     /// Between the lines where it crosses columns, rows and diagonals, the height of the ray above
-    /// the surface is linear; so it is enough to look at these, all of them.
+    /// the surface is linear; so it is enough to test all of these.
     pub(crate) fn breach(
         &self,
         ray: &TileRay,

@@ -53,7 +53,7 @@ const KINDS: [AcceleratorKind; 3] = [
 /// [`KINDS`] as well.
 const INSTRUCTIONS: [Instructions; 2] = [Instructions::Portable, Instructions::Avx2];
 
-/// Interactions after which paths end; between spikes they would go on for very long.
+/// Interactions after which paths end; between spikes they would be very long.
 const MAX_ORDER: u32 = 60;
 
 /// How much is done for each scene.

@@ -32,7 +32,7 @@ pub(crate) trait Scheme: Sync {
     /// Follows a segment to where it meets the surface or leaves it.
     fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet>;
 
-    /// Where light that goes on from `origin` on a facet with the unit normal `away`, on the side
+    /// Where light that continues from `origin` on a facet with the unit normal `away`, on the side
     /// that it goes to, sets off.
     fn depart(&self, origin: DVec3, _away: DVec3) -> DVec3 {
         origin
@@ -249,7 +249,7 @@ fn interact(
         account.fault(segment, "hit from the wrong side");
         m = -m;
     }
-    let cos_alpha = wi.dot(m).clamp(0.0, 1.0);
+    let cos_theta_i = wi.dot(m).clamp(0.0, 1.0);
     let index = light.material.transmitting_index().map(|eta| {
         if segment.half_space == light.incident {
             eta
@@ -258,12 +258,12 @@ fn interact(
         }
     });
     let fresnel = match index {
-        Some(eta) => dielectric(cos_alpha, eta),
-        None => light.material.fresnel(cos_alpha),
+        Some(eta) => dielectric(cos_theta_i, eta),
+        None => light.material.fresnel(cos_theta_i),
     };
 
-    let mut push = |direction: DVec3, half_space, share: f64, transmissions| {
-        let flux = segment.flux * share;
+    let mut push = |direction: DVec3, half_space, fraction: f64, transmissions| {
+        let flux = segment.flux * fraction;
         if flux < light.weakest && light.branching == Branching::Split {
             account.truncated += flux;
             account.weak += u64::from(flux > 0.0);
@@ -330,10 +330,10 @@ fn watch(
     let q = segment.half_space.sign();
     let to = match end {
         TraversalResult::Hit(hit, met) => {
-            if let Some(depth) = ground.beside(&ray, hit.t) {
+            if let Some(depth) = ground.off_surface(&ray, hit.t) {
                 account.fault(
                     segment,
-                    &format!("hit {depth:e} beside the surface at {met:?}"),
+                    &format!("hit {depth:e} off the surface at {met:?}"),
                 );
             }
             hit.t

@@ -202,7 +202,7 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
                 1 => frame_point_of(surface, facet, rng),
                 2 => inner_point(surface, facet, rng) - d * distance(rng, -3.0..2.0),
                 _ => {
-                    // The other triangle of the cell, or that of a cell beside it.
+                    // The other triangle of the cell, or that of a neighbouring cell.
                     let [cx, cy] = surface.cells().map(|n| n as u32);
                     let near = Facet {
                         ix: (facet.ix + rng.random_range(0..2)) % cx,

@@ -50,7 +50,7 @@ impl Row {
 
     /// `residual` of a budget into which `segments` segments of light went.
     ///
-    /// A segment's flux is that of the segment before times a share; the shares of an interaction add to one
+    /// A segment's flux is that of the segment before times a fraction; the fractions of an interaction add to one
     /// exactly but for half an eps each, and each product and each addition to a sum of at most the
     /// whole rounds by half an eps. So each segment adds at most 2 eps of the whole.
     pub(super) fn book(&mut self, residual: f64, segments: u64) {

@@ -183,9 +183,9 @@ mod tests {
                     .filter(enough)
                     .map(z),
             );
-            for share in [Component::Single, Component::Multiple] {
+            for component in [Component::Single, Component::Multiple] {
                 let bins: Vec<f64> = spec
-                    .grid_entries(share)
+                    .grid_entries(component)
                     .iter()
                     .filter(enough)
                     .map(z)

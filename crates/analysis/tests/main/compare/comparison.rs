@@ -253,8 +253,10 @@ fn duplicate_bins_change_no_p_value() {
         let mut enough = vec![true; BINS];
         enough[3] = false;
         let spread = |of_rings: &[f64]| -> Vec<f64> {
-            let shares = of_rings.iter().map(|flux| flux / copies as f64);
-            shares.flat_map(|share| vec![share; copies]).collect()
+            let fractions = of_rings.iter().map(|flux| flux / copies as f64);
+            fractions
+                .flat_map(|fraction| vec![fraction; copies])
+                .collect()
         };
         let groupings = |of_each: usize| {
             let groups = |width: usize| -> Vec<Vec<usize>> {
@@ -317,7 +319,7 @@ fn a_wrong_model_fails_and_a_correct_one_holds() {
         .map(|m| compare(&surfaces, Expected::Exact(&m), &[true; BINS], &coarser(), 1).unwrap());
     assert_eq!(
         verdicts(&[&both[0], &both[1]], 0.01),
-        [Verdict::Holds, Verdict::Fails]
+        [Verdict::NotRejected, Verdict::Rejected]
     );
 }
 

@@ -1,4 +1,4 @@
-//! Surfaces beside a model that is itself sampled: its noise must be part of the errors.
+//! Surfaces against a model that is itself sampled: its noise must be part of the errors.
 
 use asperity_analysis::{ComparisonError, Expected, compare};
 use rand::{RngExt, SeedableRng};

@@ -25,7 +25,7 @@ fn materials() -> [Material; 5] {
 
 #[test]
 fn bins_add_up_to_the_integral_over_facets() {
-    // Each of 648 bins a side errs by at most about 1e-12.
+    // Each of 648 bins per side errs by at most about 1e-12.
     let grid = HemisphereGrid::default();
     for material in materials() {
         for s in [0.25, 3.0, 100.0] {

@@ -55,12 +55,12 @@ fn every_view_of_a_closed_form_agrees() {
                     "{name} {side}: {rings} {energy}"
                 );
             }
-            // A wedge of 0.1 to either side of the plane of incidence holds some of the light, not all.
-            let wedge: f64 = tally[spec.in_plane_entries(side, Component::All)]
+            // A slice of 0.1 to either side of the plane of incidence holds some of the light, not all.
+            let slice: f64 = tally[spec.in_plane_entries(side, Component::All)]
                 .iter()
                 .sum();
-            let some = wedge > 0.02 * energy && wedge < energy;
-            assert!(some || wedge == 0.0 && energy == 0.0, "{name} {side}");
+            let some = slice > 0.02 * energy && slice < energy;
+            assert!(some || slice == 0.0 && energy == 0.0, "{name} {side}");
         }
         assert_eq!(tally.budget().absorbed, 0.0);
         assert!(expectation.statistics().budget().reflected.se == Some(0.0));

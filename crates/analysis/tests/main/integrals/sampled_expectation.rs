@@ -45,7 +45,7 @@ fn every_view_of_an_expectation_agrees() {
     assert!(found.describes(Component::Multiple));
     let n_phi = spec.grid().n_phi();
     for tally in found.tallies() {
-        let of = |share| tally[spec.grid_entries(share)].to_vec();
+        let of = |component| tally[spec.grid_entries(component)].to_vec();
         let [single, multiple, total] = Component::BINS.map(of);
         for i in 0..total.len() {
             assert!((total[i] - single[i] - multiple[i]).abs() < 1e-15);
@@ -168,11 +168,11 @@ fn an_unrecorded_side_stays_empty_and_changes_nothing() {
     let spec = spec().with_sides(Sides::Reflected);
     let one_side = found(spec, EFFORT);
     for (both, one_side) in both.tallies().iter().zip(one_side.tallies()) {
-        for share in Component::BINS {
+        for component in Component::BINS {
             let n = spec.grid().bins_per_side();
             let (both, one_side) = (
-                &both[spec.grid_entries(share)],
-                &one_side[spec.grid_entries(share)],
+                &both[spec.grid_entries(component)],
+                &one_side[spec.grid_entries(component)],
             );
             assert_eq!(both[..n], one_side[..n]);
             assert!(one_side[n..].iter().all(|&flux| flux == 0.0));

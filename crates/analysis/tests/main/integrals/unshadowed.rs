@@ -260,7 +260,7 @@ fn all_slopes() -> Vec<SlopeCovariance> {
 
 #[test]
 fn sides_add_up_to_the_integral_over_facets() {
-    // Each of 162 bins a side errs by at most about 1e-12, the integral over slopes by 1e-10 of
+    // Each of 162 bins per side errs by at most about 1e-12, the integral over slopes by 1e-10 of
     // itself; sides are up to some thirty, where light grazes steep facets.
     let spec = spec(9, 18);
     let grid = spec.grid();
@@ -328,7 +328,7 @@ fn a_bin_is_the_sum_of_its_subdivisions() {
 #[test]
 fn components_add_to_one_plus_lambda() {
     // Slopes of deviation 0.08 at most, eight deviations from reflecting light from 20 deg downwards
-    // and more from turning away from it: 1e-15 is left out. 162 bins a side to 1e-12, and what
+    // and more from turning away from it: 1e-15 is left out. 162 bins per side to 1e-12, and what
     // conductors absorb.
     let spec = spec(9, 18);
     for slopes in [isotropic(25.0), grooved(0.08, 0.01, 66.0)] {
@@ -401,30 +401,30 @@ fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
         ] {
             let incidence = light(theta, 30.0);
             let slopes = isotropic(s);
-            let shares = visible_fractions(&slopes, material, incidence, &spec).unwrap();
+            let fractions = visible_fractions(&slopes, material, incidence, &spec).unwrap();
             let again = visible_fractions(&slopes, material, incidence, &spec).unwrap();
-            assert_eq!(shares, again);
+            assert_eq!(fractions, again);
             let g1 = Beckmann::new(slopes).g1(incidence.wi());
-            assert_eq!(shares.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
+            assert_eq!(fractions.absorbed, if g1 > 0.97 { 1.0 } else { g1 });
             let all = unshadowed_fluxes(&slopes, material, incidence, &spec).unwrap();
             let model = closed_form("smith", s, material);
             let visible = bin_fluxes(model.as_ref(), incidence.wi(), &spec.grid());
             for (i, visible) in visible.chunks(12).enumerate() {
-                let share = shares.rings[i / 18][i % 18];
+                let fraction = fractions.rings[i / 18][i % 18];
                 let unshadowed = all.rings[i / 18][i % 18];
                 // Fluxes above 1e-9 are known to three digits here, and to two at least there.
                 if unshadowed > 1e-9 {
                     let ratio = visible.iter().sum::<f64>() / unshadowed;
-                    match share {
+                    match fraction {
                         0.0 => assert!(ratio < 0.052, "{ratio}"),
                         1.0 => assert!(ratio > 0.967, "{ratio}"),
                         _ => {
                             between += 1;
-                            assert!((ratio / share - 1.0).abs() < 0.004, "{ratio} {share}");
+                            assert!((ratio / fraction - 1.0).abs() < 0.004, "{ratio} {fraction}");
                         }
                     }
                 } else if unshadowed < 1e-13 {
-                    assert_eq!(share, 1.0);
+                    assert_eq!(fraction, 1.0);
                 }
             }
         }
@@ -434,7 +434,7 @@ fn visible_fractions_are_smiths_fluxes_over_unshadowed_ones() {
 
 #[test]
 fn isotropic_visible_fractions_do_not_depend_on_the_quadrature() {
-    // A hair of anisotropy takes the general way. Both to three digits.
+    // A slight anisotropy takes the general path. Both to three digits.
     let spec = TallySpec::default();
     for material in [glass(1.5), glass(1.0 / 1.5)] {
         let incidence = light(60.0, 0.0);
@@ -454,24 +454,24 @@ fn a_control_variate_is_the_visible_fraction_of_the_fluxes() {
     let gold = Material::conductor(0.21, 3.272).unwrap();
     let incidence = light(70.0, 100.0);
     let fluxes = unshadowed_fluxes(&slopes, gold, incidence, &spec).unwrap();
-    let control = control_variate(&slopes, gold, incidence, &spec).unwrap();
+    let control_variate = control_variate(&slopes, gold, incidence, &spec).unwrap();
     let n_phi = spec.grid().n_phi();
-    let bins = &control.expected()[spec.grid_entries(Component::Single)];
+    let bins = &control_variate.expected()[spec.grid_entries(Component::Single)];
     for (i, (expected, flux)) in bins.iter().zip(&fluxes.bins).enumerate() {
         if i < spec.grid().bins_per_side() {
             assert_eq!(
                 *expected,
-                flux * control.fraction(Side::Reflected, i / n_phi)
+                flux * control_variate.fraction(Side::Reflected, i / n_phi)
             );
         } else {
             assert_eq!(*expected, 0.0);
         }
     }
-    let rings = &control.expected()[spec.ring_entries(Side::Reflected, Component::Single)];
+    let rings = &control_variate.expected()[spec.ring_entries(Side::Reflected, Component::Single)];
     let sum: f64 = rings.iter().sum();
-    assert!((sum - control.expected().budget().reflected).abs() < 1e-14);
-    let absorbed = control.absorbed_fraction() * fluxes.absorbed;
-    assert_eq!(control.expected().budget().absorbed, absorbed);
+    assert!((sum - control_variate.expected().budget().reflected).abs() < 1e-14);
+    let absorbed = control_variate.absorbed_fraction() * fluxes.absorbed;
+    assert_eq!(control_variate.expected().budget().absorbed, absorbed);
     // Smith's masking sends away less than falls in, and at 70 deg most of it.
     assert!((0.5..1.0).contains(&(sum + absorbed)), "{sum} {absorbed}");
 }

@@ -223,7 +223,7 @@ fn light_returned_by_a_mirror_is_the_sum_over_its_reflections() {
 #[test]
 fn thin_plates_release_scattered_light_within_the_escape_cone() {
     // To first order in tau, light crosses the medium on 1 / mu_i free paths (1 + R + R^2 ...) T = 1 times,
-    // and of what is scattered evenly the share 1 - sqrt(1 - 1/eta^2) lies in the two cones that the faces let
+    // and of what is scattered evenly the fraction 1 - sqrt(1 - 1/eta^2) lies in the two cones that the faces let
     // through sooner or later; the rest is caught. The next order is tau / mu, mu > 0.74 all over.
     let eta: f64 = 1.5;
     for tau in [1e-3, 1e-5] {

@@ -125,17 +125,17 @@ fn counted(left: &[Left], counts: impl Fn(&Left) -> bool) -> Vec<f64> {
     bins
 }
 
-/// z values of counts beside expected shares, where 20 rays are found or expected.
+/// z values of counts against expected fractions, where 20 rays are found or expected.
 fn z_values(counts: &[f64], expected: &[f64]) -> Vec<f64> {
     let n = f64::from(RAYS);
     counts
         .iter()
         .zip(expected)
-        .filter(|(count, share)| **count >= 20.0 || n * **share >= 20.0)
+        .filter(|(count, fraction)| **count >= 20.0 || n * **fraction >= 20.0)
         // What has no spread must be met to rounding.
-        .map(|(count, share)| {
-            let spread = (n * share * (1.0 - share)).max(1e-6).sqrt();
-            (count - n * share) / spread
+        .map(|(count, fraction)| {
+            let spread = (n * fraction * (1.0 - fraction)).max(1e-6).sqrt();
+            (count - n * fraction) / spread
         })
         .collect()
 }

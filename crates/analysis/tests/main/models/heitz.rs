@@ -366,8 +366,8 @@ fn turning_surface_and_light_turns_the_result() {
     };
     let (a, b) = (run(here, 0.3), run(there, 0.3 + 0.5 * PI));
     let n_phi = spec.grid().n_phi();
-    for share in [Component::Single, Component::Multiple] {
-        let bins = |values: &TallyValues| values[spec.grid_entries(share)].to_vec();
+    for component in [Component::Single, Component::Multiple] {
+        let bins = |values: &TallyValues| values[spec.grid_entries(component)].to_vec();
         let (a, b) = (bins(&a), bins(&b));
         for (i, a) in a.into_iter().enumerate() {
             let turned = i - i % n_phi + (i + n_phi / 4) % n_phi;

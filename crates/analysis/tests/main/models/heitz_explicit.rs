@@ -28,7 +28,7 @@ const EXPLICIT: [Explicit; 6] = [
     Explicit { s: 2.0, eta: 1.5, theta: 60.0, reflected: [3.13962e-3, 3.41516e-4, 3.65464e-3], transmitted: [6.00521e-2, 7.46176e-3, 6.93222e-2] },
 ];
 
-/// The share of light scattered more than once, over that of the explicit surface: neighbours are not
+/// The fraction of light scattered more than once, over that of the explicit surface: neighbours are not
 /// independent, and between 0.39 and 1.51 is what was measured with 4e6 rays, to 0.005. Wrong physics,
 /// say an index inverted behind the surface, moves these energies by factors.
 const BAND: [f64; 2] = [0.33, 1.7];

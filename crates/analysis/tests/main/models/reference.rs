@@ -333,8 +333,8 @@ fn ensemble_expectations_agree() {
                 // The exact average differs by the error of that rule.
                 let solid_angle = 2.0 * half * (t[0].cos() - t[1].cos());
                 let theta = [PI - t[1], PI - t[0]];
-                let wedge = [phi - half, phi + half];
-                let flux = flux_into(model.as_ref(), wi, Side::Transmitted, theta, wedge);
+                let sector = [phi - half, phi + half];
+                let flux = flux_into(model.as_ref(), wi, Side::Transmitted, theta, sector);
                 assert!(
                     (flux / solid_angle - expected).abs() < 1e-3 * peak,
                     "{name} bin {i}"

@@ -1,4 +1,4 @@
-//! V-shaped grooves followed ray by ray: points, lines of sight and Fresnel's shares, and nothing of the
+//! V-shaped grooves followed ray by ray: points, lines of sight and Fresnel terms, and nothing of the
 //! model's attenuation.
 
 use std::f64::consts::TAU;
@@ -65,7 +65,7 @@ fn traced(
         }
         if fresnel.transmitted > 0.0 {
             let down = refract(wi, m, eta, fresnel.cos_theta_t);
-            // From below the rims are the bottoms, and the side looks the other way.
+            // From below the rims are the bottoms, and the side faces the other way.
             if down.z < 0.0 && leaves(down, DVec3::new(-m.x, -m.y, m.z), 1.0 - d) {
                 add(Side::Transmitted, down, weight * fresnel.transmitted);
             }
@@ -112,7 +112,7 @@ fn rays_traced_through_grooves_agree_with_the_bsdf() {
 
 #[test]
 fn mirror_energy_is_the_light_that_misses_the_other_side() {
-    // One less what is lost, by midpoints over 600 x 600 slopes and closed thresholds: the share of a side that is
+    // One less what is lost, by midpoints over 600 x 600 slopes and closed thresholds: the fraction of a side that is
     // lit, less the part of it from which light goes down or meets the other side. Edges cross cells: 1e-4.
     for s in [0.7, 2.0] {
         for theta in [0.0, 40.0, 75.0] {
@@ -130,11 +130,11 @@ fn mirror_energy_is_the_light_that_misses_the_other_side() {
                     if facing <= 0.0 {
                         continue;
                     }
-                    let share = deepest(wi, m);
+                    let fraction = deepest(wi, m);
                     let up = reflect(wi, m);
                     let kept = if up.z > 0.0 { deepest(up, m) } else { 0.0 };
-                    lit += area * facing * share;
-                    lost += area * facing * (share - kept).max(0.0);
+                    lit += area * facing * fraction;
+                    lost += area * facing * (fraction - kept).max(0.0);
                 }
             }
             let model = closed_form("v-cavity", s, Material::Mirror);

@@ -121,7 +121,7 @@ impl ScatteringModel for Averaged {
 
 impl BsdfModel for Averaged {
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64 {
-        // All facets of Eq. 18, whatever is visible of them: without its share of visible facets.
+        // All facets of Eq. 18, whatever is visible of them: without its fraction of visible facets.
         let bare = self.smith.bsdf(wi, wo);
         if bare == 0.0 {
             return 0.0;
@@ -328,7 +328,7 @@ fn double_scattering_is_by_two_independent_facets() {
                 found.mean
             );
             if code == 3 {
-                // A ray that passes from wedge to air is bent towards the thick end, which is below.
+                // A ray that passes from a prism to air is bent towards its thick end, which is below.
                 assert!(eta > 1.0 && found.mean == 0.0 && mean == 0.0);
                 continue;
             }

@@ -230,7 +230,7 @@ fn checks_leave_no_trace() {
     assert_eq!(tree(folder.path()).len(), 0);
 }
 
-/// A run that is killed leaves old results or new ones under each name, and the next run may go on.
+/// A run that is killed leaves old or new results under each name, and the next run can resume.
 #[test]
 fn interrupted_run_loses_nothing_and_is_taken_over() {
     let folder = tempfile::tempdir().unwrap();

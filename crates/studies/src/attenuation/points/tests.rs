@@ -26,16 +26,16 @@ fn lit(surface: &Surface, azimuth: f64, cotangent: f64) -> Vec<bool> {
     let horizons = Horizons::new(surface, azimuth, 0.9 * cotangent).unwrap();
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let mut seen = Vec::new();
-    let facing = |sample: &Point| sample.look.direction.dot(light.wi()) > 0.0;
+    let facing = |sample: &Point| sample.ray.direction.dot(light.wi()) > 0.0;
     samples
         .iter()
         .map(|sample| {
             if !facing(sample) {
                 return false;
             }
-            let looks = [sample.look_along(&light, surface)];
-            trace_visibility(surface, &*accelerator, &looks, &mut seen);
-            let horizon = horizons.of(sample.facet, sample.look.origin);
+            let rays = [sample.ray_along(&light, surface)];
+            trace_visibility(surface, &*accelerator, &rays, &mut seen);
+            let horizon = horizons.of(sample.facet, sample.ray.origin);
             let free = horizon.beyond <= light.theta().tan().recip();
             let is_free = seen[0] == Visibility::Visible;
             assert_eq!(is_free, free, "{azimuth} {cotangent} {:?}", sample.facet);
@@ -70,7 +70,7 @@ fn a_sample_stands_on_the_facet_into_which_it_looks() {
             let mut places = Vec::new();
             for sample in found {
                 // A hundredth of a cell on, in the tile.
-                let o = sample.look.origin;
+                let o = sample.ray.origin;
                 let on = [
                     o.x + 0.01 * azimuth.cos(),
                     o.y + 0.01 * azimuth.sin() * surface.aspect(),
@@ -199,7 +199,7 @@ fn points_are_spread_evenly_over_the_mean_plane_and_differ_from_chunk_to_chunk()
     assert_eq!(chunks(&surface).len(), 2);
     let of = |chunk| -> Vec<[f64; 2]> {
         points(&surface, 3, 5, chunk)
-            .map(|point| [point.look.origin.x.fract(), point.look.origin.y.fract()])
+            .map(|point| [point.ray.origin.x.fract(), point.ray.origin.y.fract()])
             .collect()
     };
     let places = [of(0), of(1)];

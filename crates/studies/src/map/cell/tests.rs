@@ -40,7 +40,7 @@ fn distances() -> CellDistances {
     }
 }
 
-/// Twenty surfaces and so many rays that none went unseen: `6 / rays` is below the rounding here.
+/// Twenty surfaces, and so many rays that the limit `6 / rays` is below the rounding here.
 fn results(deviation_bound: Option<f64>, distances: &CellDistances) -> CellResults {
     CellResults {
         surfaces: 20,
@@ -134,13 +134,13 @@ fn few_surfaces_tell_nothing_of_errors() {
     }
 }
 
-/// An error of zero is that of rays too few to see any: three of either side of a comparison.
+/// Where no ray was observed the error is three rays, of either side of a comparison.
 #[test]
-fn rays_that_none_was_seen_of_are_an_error() {
-    let mut unseen = distances();
-    unseen.mesh = 0.001;
-    unseen.noise_95 = Some(0.0);
-    let mut few = results(None, &unseen);
+fn no_observed_ray_is_an_error_of_three_rays() {
+    let mut unobserved = distances();
+    unobserved.mesh = 0.001;
+    unobserved.noise_95 = Some(0.0);
+    let mut few = results(None, &unobserved);
     (few.rays, few.models[0].rays) = (1000, 2000);
     let found = half_width(&few, "total-variation", 0.25);
     let expected = 3.0 / 1000.0 + 3.0 / 2000.0 + 0.001;
@@ -178,16 +178,16 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     let case = &outcome.cases[0];
 
     // Of what the mesh adds to a bin half is light that has moved there, half light that has gone.
-    for (model, share) in [(0, Component::All), (1, Component::Single)] {
+    for (model, component) in [(0, Component::All), (1, Component::Single)] {
         let mesh = spec
-            .grid_entries(share)
+            .grid_entries(component)
             .iter()
             .map(|i| case.errors.at(i).mesh.unwrap_or(0.0).abs());
         let expected = 0.5 * mesh.sum::<f64>();
         let own = &found.models[model].own;
         println!("mesh {} of {expected}", own.mesh);
         assert!(expected > 1e-4 && (own.mesh / expected - 1.0).abs() < 1e-12);
-        let observed = match share {
+        let observed = match component {
             Component::All => &case.models[model].total,
             _ => case.models[model].judged(),
         };
@@ -221,8 +221,8 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
 fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let mut outcome = run();
     let light = outcome.cases[0].models[1].judged().sides.clone();
-    let mut peaks_at = |share: f64, side: usize| {
-        outcome.cases[0].deviation_bound = Some(share * light[side].explicit);
+    let mut peaks_at = |fraction: f64, side: usize| {
+        outcome.cases[0].deviation_bound = Some(fraction * light[side].explicit);
         let known = CellResults::of(&outcome, &outcome.cases[0]);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)
     };
@@ -242,7 +242,7 @@ fn a_tolerance_decides_by_the_whole_interval() {
     };
     let results = results(None, &distances());
     let judged = results.judge(&results.models[0], ComparedLight::Own, &tolerances);
-    assert_eq!(judged.verdict, CellVerdict::Holds, "{judged:?}");
+    assert_eq!(judged.verdict, CellVerdict::Within, "{judged:?}");
     let close = ToleranceConfig {
         energy: Number(0.13),
         ..tolerances

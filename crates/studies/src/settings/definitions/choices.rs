@@ -131,7 +131,7 @@ pub(super) const QUANTITY: Kind = Kind::Choice(&[
     choice("in-plane", "bins of the in-plane slice, relative"),
 ]);
 
-pub(super) const WAY: Kind = Kind::Choice(&[
+pub(super) const VISIBILITY: Kind = Kind::Choice(&[
     choice("auto", "the faster one"),
     choice("rays", "one visibility ray per point and direction"),
     choice("horizons", "one horizon per point and azimuth"),

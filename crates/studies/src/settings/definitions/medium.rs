@@ -45,7 +45,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .value_name("COEFFICIENT")
     .range(Range::AtLeast(0.0))
     .arity(LISTS)
-    .otherwise("0 beside scattering")
+    .otherwise("0 if scattering is given")
     .excludes(&["medium.mean_free_path", "medium.albedo"]),
     setting(
         SECTION,
@@ -58,7 +58,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .value_name("COEFFICIENT")
     .range(Range::AtLeast(0.0))
     .arity(LISTS)
-    .otherwise("0 beside absorption")
+    .otherwise("0 if absorption is given")
     .excludes(&["medium.mean_free_path", "medium.albedo"]),
     setting(SECTION, "phase", PHASE, COMMANDS, "Phase function")
         .otherwise("henyey-greenstein with g, isotropic without"),

@@ -73,7 +73,7 @@ pub(super) const RESULTS: &[Setting] = &[
         "output",
         Kind::Path,
         GENERATE,
-        "File to write: .exr, .npy, .gsf, .x3p, or .png to look at",
+        "File to write: .exr, .npy, .gsf, .x3p, or .png for viewing",
     )
     .short('o')
     .value_name(FILE)

@@ -1,6 +1,6 @@
 //! `[run]`: how much is traced, and how.
 
-use super::choices::{ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, SAMPLING, SIDE, WAY};
+use super::choices::{ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, SAMPLING, SIDE, VISIBILITY};
 use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -163,7 +163,15 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Also trace at half the spacing, for the error of the mesh",
     )
     .default("false"),
-    setting(SECTION, "way", WAY, ATTENUATION, "How visibility is found").default("auto"),
+    setting(
+        SECTION,
+        "method",
+        VISIBILITY,
+        ATTENUATION,
+        "How visibility is computed",
+    )
+    .aliases(&["way"])
+    .default("auto"),
     setting(
         SECTION,
         "mirror",

@@ -49,25 +49,16 @@ fn round_to(value: f64, digits: i32) -> f64 {
     (value / unit).round() * unit
 }
 
-/// Degrees without the rounding of their way through radians.
+/// Degrees without the rounding of the conversion through radians.
 fn round_degrees(degrees: f64) -> f64 {
     (degrees * 1e6).round() / 1e6
-}
-
-/// A verdict as summary.json has it.
-pub(crate) const fn verdict_key(verdict: &Verdict) -> &'static str {
-    match verdict {
-        Verdict::Holds => "holds",
-        Verdict::Fails => "fails",
-        Verdict::NotResolved(_) => "not resolved",
-    }
 }
 
 /// A verdict in words. A model that is not rejected may still be wrong by less than the error.
 pub(crate) const fn verdict_name(verdict: &Verdict) -> &'static str {
     match verdict {
-        Verdict::Holds => "not rejected",
-        Verdict::Fails => "rejected",
+        Verdict::NotRejected => "not rejected",
+        Verdict::Rejected => "rejected",
         Verdict::NotResolved(_) => "not resolved",
     }
 }
@@ -83,8 +74,8 @@ pub(crate) fn conclusion(spec: &TallySpec, case: &CaseOutcome) -> String {
         (Component::All, "All orders together"),
     ]
     .into_iter()
-    .filter_map(|(part, name)| {
-        let clauses = clauses(spec, case, part)?;
+    .filter_map(|(component, name)| {
+        let clauses = clauses(spec, case, component)?;
         Some(wrapped(&format!(
             "{name}, tested at level {level}: {clauses}."
         )))
@@ -102,9 +93,9 @@ struct Tested<'a> {
 }
 
 /// What is said of the models that describe a component of the light; `None` if none does.
-fn clauses(spec: &TallySpec, case: &CaseOutcome, part: Component) -> Option<String> {
+fn clauses(spec: &TallySpec, case: &CaseOutcome, component: Component) -> Option<String> {
     let tested = case.models.iter().filter_map(|model| {
-        let compared = model.compared(part)?;
+        let compared = model.compared(component)?;
         Some(Tested {
             name: model.model.name(),
             comparison: &compared.comparison,
@@ -113,8 +104,8 @@ fn clauses(spec: &TallySpec, case: &CaseOutcome, part: Component) -> Option<Stri
     });
     let tested: Vec<Tested<'_>> = tested.collect();
     let of = |is: fn(&Verdict) -> bool| tested.iter().copied().filter(move |t| is(t.verdict));
-    let not_rejected = of(|verdict| matches!(verdict, Verdict::Holds));
-    let rejected = of(|verdict| matches!(verdict, Verdict::Fails));
+    let not_rejected = of(|verdict| matches!(verdict, Verdict::NotRejected));
+    let rejected = of(|verdict| matches!(verdict, Verdict::Rejected));
     let not_resolved = of(|verdict| matches!(verdict, Verdict::NotResolved(_)));
     let mut clauses = Vec::new();
     clauses.extend(clause_not_rejected(&not_rejected.collect::<Vec<_>>()));

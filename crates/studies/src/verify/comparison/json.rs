@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::config::case_model::CaseModel;
 use crate::verify::CaseOutcome;
 use crate::verify::comparison::compared::{COMPARED, key};
-use crate::verify::comparison::conclusion::{conclusion, verdict_key};
+use crate::verify::comparison::conclusion::{conclusion, verdict_name};
 use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
 
 /// Verdicts, p values and distances of one case.
@@ -71,7 +71,7 @@ impl ComparisonJson {
 impl Model {
     fn of(spec: &TallySpec, model: &ModelOutcome) -> Self {
         let energy = |component, side| model.energy(component, side).filter(|_| spec.records(side));
-        let judged = |side| energy(model.judged_part(), side).map(|energy| energy.mean);
+        let judged = |side| energy(model.judged_component(), side).map(|energy| energy.mean);
         let of_layer = matches!(model.model, CaseModel::Layer(_));
         let components = || {
             let shown = COMPARED.into_iter();
@@ -94,7 +94,7 @@ impl Model {
             reflected: judged(Side::Reflected),
             transmitted: judged(Side::Transmitted),
             rays: (!model.expectation.is_exact()).then(|| model.expectation.rays()),
-            verdict: model.judged().verdict.as_ref().map(verdict_key),
+            verdict: model.judged().verdict.as_ref().map(verdict_name),
             energy: energies.collect(),
             components: against.collect(),
         }
@@ -115,7 +115,7 @@ impl Against {
             scales: test.map(|t| t.scales.clone()),
             least_p: test.map(|t| t.min_p),
             sign_flips: test.map(|t| t.flips),
-            verdict: compared.verdict.as_ref().map(verdict_key),
+            verdict: compared.verdict.as_ref().map(verdict_name),
         }
     }
 }

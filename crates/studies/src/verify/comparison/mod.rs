@@ -1,4 +1,4 @@
-//! Models beside explicit results: which component is compared with what, peaks, sides, conclusions.
+//! Models against explicit results: which component is compared with what, peaks, sides, conclusions.
 
 pub(crate) mod compared;
 pub(crate) mod conclusion;

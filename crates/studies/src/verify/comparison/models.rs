@@ -1,4 +1,4 @@
-//! Models beside the explicit surfaces of a case.
+//! Models against the explicit surfaces of a case.
 
 use asperity_simulate::Outcome;
 use std::f64::consts::PI;
@@ -19,13 +19,13 @@ use crate::verify::error::VerifyError;
 /// azimuth, a bin stands for its ring, and the rays of the ring count.
 const ENOUGH_RAYS: f64 = 20.0;
 
-/// Batches of a model that is sampled beside a single surface.
+/// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
 
 /// What every model is compared with, whatever it describes.
 const ALL_LIGHT: Component = Component::All;
 
-/// A component of the light beside a model.
+/// A component of the light against a model.
 #[derive(Clone, Debug)]
 pub struct ComparedComponent {
     /// Over the bins of the recorded sides.
@@ -36,14 +36,14 @@ pub struct ComparedComponent {
     pub sides: Vec<SideDifference>,
 }
 
-/// One model beside the explicit surfaces of a case.
+/// One model against the explicit surfaces of a case.
 pub struct ModelOutcome {
     /// The model.
     pub model: CaseModel,
     /// What it expects.
     pub expectation: Expectation,
     /// The components of the light that it is compared with, without all light.
-    pub parts: Vec<(Component, ComparedComponent)>,
+    pub components: Vec<(Component, ComparedComponent)>,
     /// All light, whether or not the model describes it.
     pub total: ComparedComponent,
 }
@@ -51,24 +51,28 @@ pub struct ModelOutcome {
 impl ModelOutcome {
     /// A component of the light; `None` where it is not compared.
     #[must_use]
-    pub fn compared(&self, part: Component) -> Option<&ComparedComponent> {
-        if part == ALL_LIGHT {
+    pub fn compared(&self, component: Component) -> Option<&ComparedComponent> {
+        if component == ALL_LIGHT {
             return Some(&self.total);
         }
-        let found = self.parts.iter().find(|(compared, _)| *compared == part);
+        let found = self
+            .components
+            .iter()
+            .find(|(compared, _)| *compared == component);
         found.map(|(_, compared)| compared)
     }
 
     /// The component by which the model is judged: all that it describes.
     #[must_use]
-    pub fn judged_part(&self) -> Component {
-        self.model.judged_part()
+    pub fn judged_component(&self) -> Component {
+        self.model.judged_component()
     }
 
     /// The comparison with all light that the model describes.
     #[must_use]
     pub fn judged(&self) -> &ComparedComponent {
-        self.compared(self.judged_part()).unwrap_or(&self.total)
+        self.compared(self.judged_component())
+            .unwrap_or(&self.total)
     }
 
     /// Whether the model says anything of a component of the light.
@@ -90,12 +94,12 @@ impl ModelOutcome {
 
     fn claimed(&mut self) -> impl Iterator<Item = &mut ComparedComponent> {
         let claims = self.model.claims();
-        let claimed = move |part: &Component| claims.contains(part);
-        self.parts
+        let claimed = move |component: &Component| claims.contains(component);
+        self.components
             .iter_mut()
-            .map(|(part, compared)| (*part, compared))
+            .map(|(component, compared)| (*component, compared))
             .chain([(ALL_LIGHT, &mut self.total)])
-            .filter(move |(part, _)| claimed(part))
+            .filter(move |(component, _)| claimed(component))
             .map(|(_, compared)| compared)
     }
 }
@@ -152,24 +156,26 @@ impl Compared<'_> {
         };
         let expectation = model.expect(self.case.incidence, self.spec, azimuth, effort);
         let claims = model.claims();
-        let apart = claims.into_par_iter().filter(|&part| part != ALL_LIGHT);
-        let against = |part| self.against(&expectation, part);
-        let (total, parts) = rayon::join(
+        let apart = claims
+            .into_par_iter()
+            .filter(|&component| component != ALL_LIGHT);
+        let against = |component| self.against(&expectation, component);
+        let (total, components) = rayon::join(
             || against(ALL_LIGHT),
             || {
-                let parts = apart.map(|part| Ok((part, against(part)?)));
-                parts.collect::<Result<_, VerifyError>>()
+                let components = apart.map(|component| Ok((component, against(component)?)));
+                components.collect::<Result<_, VerifyError>>()
             },
         );
         Ok(ModelOutcome {
-            parts: parts?,
+            components: components?,
             total: total?,
             expectation,
             model,
         })
     }
 
-    /// One component of the light beside what the model expects of it.
+    /// One component of the light against what the model expects of it.
     fn against(
         &self,
         expectation: &Expectation,
@@ -204,8 +210,8 @@ impl Compared<'_> {
             .map(|i| {
                 let means = self.outcome.statistics.means();
                 let found = means.grid_hits(component, first + i);
-                // Under a control a ray counts only if it deviates from what is expected.
-                let counted = match self.outcome.work.control {
+                // Under a control variate a ray counts only if it deviates from what is expected.
+                let counted = match self.outcome.work.control_variate {
                     Some(_) => found,
                     None => found.max(mean[i]),
                 };
@@ -237,7 +243,7 @@ impl Compared<'_> {
     }
 }
 
-/// Sums of bins in which a deviation is tested beside the bins: rings of equal polar angle, and whole
+/// Sums of bins in which a deviation is tested in addition to the bins: rings of equal polar angle, and whole
 /// sides, which are the energies. Bins count from the first that is requested.
 fn rings_and_sides(spec: &TallySpec) -> [Grouping; 2] {
     let grid = spec.grid();

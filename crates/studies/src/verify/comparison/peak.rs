@@ -1,4 +1,4 @@
-//! In which direction of the plane of incidence a lobe is brightest, beside a model.
+//! Peak: the direction in the plane of incidence in which a lobe is brightest, against a model.
 
 use serde::{Deserialize, Serialize};
 
@@ -67,8 +67,8 @@ impl Span {
 
 /// Compares where lobes peak.
 ///
-/// `surfaces`: in-plane intensities of one side, a profile a surface. `model`: one profile that is
-/// exact, or one a surface. `None` where either is nowhere above zero.
+/// `surfaces`: in-plane intensities of one side, a profile per surface. `model`: one profile that is
+/// exact, or one per surface. `None` where either is nowhere above zero.
 ///
 /// The place is that of a parabola through the logarithms of the highest bin and its neighbours, which
 /// is exact for Gaussian lobes as far as a bin is narrow. It is the same for both, so that what bins do
@@ -125,7 +125,7 @@ struct Peak {
 
 impl Peak {
     fn of(span: Span, profile: &[f64]) -> Option<Self> {
-        // The first of equals, whatever the order in which they are looked at.
+        // The first of equals, in any order of evaluation.
         let highest =
             (0..profile.len()).reduce(|a, b| if profile[b] > profile[a] { b } else { a })?;
         let top = profile[highest];
@@ -286,7 +286,7 @@ mod tests {
         let of = |explicit: Vec<f64>| exact(explicit, lobe(0.0, 10.0, 36)).half_width_deg;
         for (centre, rms) in [(0.0, 20.0), (21.0, 12.0), (-33.0, 25.0)] {
             let found = of(lobe(centre, rms, 36));
-            println!("{found} beside {}", 1.1774 * rms);
+            println!("{found}, expected {}", 1.1774 * rms);
             assert!((found - 1.1774 * rms).abs() < 0.5);
         }
         assert!(of(vec![1.0; 36]) > 90.0);
@@ -348,7 +348,7 @@ mod tests {
         let found = peak_difference(Span::Both, &surfaces, &[lobe(22.0, 10.0, 36)]).unwrap();
         let expected = 1.0 / 19.0_f64.sqrt();
         let se = found.se_deg.unwrap();
-        println!("{se} beside {expected}");
+        println!("{se}, expected {expected}");
         assert!((se / expected - 1.0).abs() < 0.01);
         // Models with the same shifts surface by surface take the scatter away.
         let paired = peak_difference(Span::Both, &surfaces, &surfaces).unwrap();

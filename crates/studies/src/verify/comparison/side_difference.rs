@@ -1,4 +1,4 @@
-//! What leaves on one side in all, and where it is brightest, beside a model.
+//! Energy and peak of one side, against a model.
 
 use asperity_analysis::Expectation;
 use asperity_tally::{
@@ -10,7 +10,7 @@ use crate::verify::comparison::peak::{PeakDifference, Span, peak_difference};
 /// Flux fraction below which a side has too little light for a peak that matters.
 const LEAST_FLUX: f64 = 1e-3;
 
-/// One side of explicit surfaces beside a model.
+/// One side of explicit surfaces against a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SideDifference {
     /// The side.
@@ -109,7 +109,7 @@ mod tests {
     /// beside. However the batches scatter, the mean is 0.015, and the squares of its distances to the four
     /// sum up to 5e-4, so that the error is `sqrt(5e-4 / (4 * 3))`.
     #[test]
-    fn every_surface_stands_beside_a_batch_of_its_own() {
+    fn every_surface_is_compared_with_a_batch_of_its_own() {
         let grid = HemisphereGrid::new(4, 6).unwrap();
         let spec = TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap();
         let slopes = SlopeCovariance::isotropic(0.5).unwrap();

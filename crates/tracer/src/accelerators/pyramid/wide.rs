@@ -138,7 +138,7 @@ struct State<L: Lanes> {
     iy: L::I,
     /// The level at which it is searched; 0 is the cell itself.
     level: L::I,
-    /// Whether the ray goes on.
+    /// Whether the ray continues.
     active: L::M,
     /// Whether there is a ray, or the answer to one.
     occupied: L::M,
@@ -187,7 +187,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         let empty = self.empty();
         let (mut a, mut b) = (empty, empty);
         let mut next = 0;
-        // Two loads of lanes in turn: while one waits for memory, the other goes on.
+        // Two loads of lanes in turn: while one waits for memory, the other is processed.
         loop {
             let more_a = self.keep_busy(&mut a, rays, &mut next);
             let more_b = self.keep_busy(&mut b, rays, &mut next);
@@ -378,7 +378,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         self.advance(state, above_cells & clear, &exit);
     }
 
-    /// Goes on to the next nodes; ends the rays that leave the tile or have risen above it.
+    /// Steps to the next nodes; ends the rays that leave the tile or have risen above it.
     #[inline(always)]
     fn advance(&self, state: &mut State<L>, moving: L::M, exit: &Exit<L>) {
         let lanes = self.lanes;
@@ -422,7 +422,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.active = state.active & !(left | doubtful);
     }
 
-    /// Tests the facets of cells: a hit, a doubt, or on to the next cell.
+    /// Tests the facets of cells: a hit, an unsure one, or a step to the next cell.
     #[inline(always)]
     fn test_cells(&self, state: &mut State<L>) {
         let lanes = self.lanes;

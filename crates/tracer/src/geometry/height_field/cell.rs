@@ -105,7 +105,7 @@ impl Size {
     /// `enter`, is further on the wrong side there than rounding explains.
     ///
     /// Coordinates and parameters are off by a few 2^-53 of how far the ray has come, heights by
-    /// that times the slope, be it the neighbour's. Either the height on entering is within that, or
+    /// that times the slope, possibly the neighbour's. Either the height on entering is within that, or
     /// the distance that the ray has gone, since `t`, across the side by which it enters: along that side
     /// nothing tells where it crosses it. `sides`: footprint coordinates at the origin, and their rates.
     #[cold]

@@ -9,7 +9,7 @@ use crate::ray::HalfSpace;
 /// Cells along the side of the smallest blocks.
 const SMALLEST: usize = 4;
 
-/// Lowest and highest point over blocks of 4, 8, 16, ... cells a side, down to one block.
+/// Lowest and highest point over blocks of 4, 8, 16, ... cells per side, down to one block.
 #[derive(Clone, Debug)]
 pub(crate) struct HeightBounds {
     levels: Vec<Level>,

@@ -286,7 +286,7 @@ impl Geometry for Surface {
 
     /// The point of a facet's plane above or below `(p.x, p.y)`, moved into the facet's cell.
     ///
-    /// Rounding may have put `p` slightly beside the cell or the plane; the result lies on both.
+    /// Rounding may have put `p` slightly outside the cell or off the plane; the result lies on both.
     #[inline]
     fn snap(&self, facet: Facet, p: DVec3) -> DVec3 {
         let (ix, iy) = (f64::from(facet.ix), f64::from(facet.iy));
@@ -350,7 +350,7 @@ impl Geometry for Surface {
     }
 }
 
-/// The heights of row `iy`, one a cell; rows wrap.
+/// The heights of row `iy`, one per cell; rows wrap.
 fn grid_row(field: &HeightField, iy: usize) -> &[f64] {
     let [ny, nx] = field.shape();
     let start = (iy % ny) * nx;

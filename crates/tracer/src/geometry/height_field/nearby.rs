@@ -1,6 +1,6 @@
 //! Nearby hits: tells what a short stretch of a ray meets on a surface without a search.
 
-use crate::geometry::{Geometry, Nearby, is_beside};
+use crate::geometry::{Geometry, Nearby, is_outside};
 use crate::ray::{HalfSpace, Hit, TileRay};
 
 use super::Surface;
@@ -23,7 +23,7 @@ impl Surface {
         half_space: HalfSpace,
         reach: f64,
     ) -> Nearby<Facet> {
-        if is_beside(self.z_range(), ray, half_space, reach) {
+        if is_outside(self.z_range(), ray, half_space, reach) {
             return Nearby::Clear;
         }
         let (Some(height_bounds), Some(cells)) = (

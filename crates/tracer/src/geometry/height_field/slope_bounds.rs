@@ -150,7 +150,7 @@ impl SlopeBounds {
     #[inline]
     pub(crate) fn is_below_near(&self, place: DVec2, u: DVec2, rise: f64, t: f64) -> bool {
         let reach = t * u.x.abs().max(u.y.abs());
-        // Blocks of 16 * 2^level cells a side, the smallest that are longer than the reach.
+        // Blocks of 16 * 2^level cells per side, the smallest that are longer than the reach.
         let level = u32::BITS - (reach as u32 / SMALLEST as u32).leading_zeros();
         let Some(Level { size, around }) = self.levels.get(level as usize) else {
             return false;

@@ -98,10 +98,10 @@ fn a_ray_that_has_left_the_tile_along_its_border_is_not_met_by_a_corner() {
     );
     let surface = Surface::new(field);
     assert_eq!(hits(&surface, origin, direction), []);
-    let beside = hits(&surface, origin - DVec3::new(5.0, 0.0, 0.0), direction);
+    let outside = hits(&surface, origin - DVec3::new(5.0, 0.0, 0.0), direction);
     let crossing = origin.z / -direction.z;
-    assert_eq!(beside.len(), 1);
-    assert!((beside[0].1 - crossing).abs() < 1e-9);
+    assert_eq!(outside.len(), 1);
+    assert!((outside[0].1 - crossing).abs() < 1e-9);
 }
 
 #[test]

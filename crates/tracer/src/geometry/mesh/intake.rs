@@ -116,7 +116,7 @@ pub(super) fn align(
     if border == Border::Mirrored {
         return Ok(());
     }
-    // A grid so wide that counterparts are in the same cell or in one beside it.
+    // A grid so wide that counterparts are in the same cell or in a neighbour.
     let along = |p: DVec3| [p[1 - axis], p.z];
     let cell = |p: DVec3| along(p).map(|x| (x / SEAM).floor() as i64);
     let mut grid: HashMap<[i64; 2], Vec<usize>> = HashMap::new();

@@ -12,7 +12,7 @@
 //! its sign, so that what one triangle leaves out its neighbour takes in. A ray exactly through an
 //! edge or a corner is met by all triangles there; the smallest number decides.
 //!
-//! A path goes on from a point that rounding put slightly beside its facet, so perhaps behind the
+//! A path continues from a point that rounding put slightly off its facet, so perhaps behind the
 //! neighbour that it meets next, across a valley. So a facet that the start lies on, to within
 //! [`HAIR`], is met at once by a ray that goes against it.
 
@@ -114,7 +114,7 @@ pub enum MeshSurfaceError {
         /// The vertex without counterpart.
         place: [f64; 3],
     },
-    /// A tile that goes on beyond its border, by a mesh that does not reach it everywhere.
+    /// A tile that continues beyond its border, but whose mesh does not reach the border everywhere.
     #[error(
         "{edges} edges inside the tile, or without their like on its opposite border, have one triangle only, one of them from {from:?} to {to:?}; a {border} border needs a ground without gaps from rim to rim"
     )]
@@ -128,7 +128,7 @@ pub enum MeshSurfaceError {
         /// The requested border.
         border: Border,
     },
-    /// A tile that goes on beyond its border, by a mesh that does not part above from below.
+    /// A tile that continues beyond its border, but whose mesh does not separate above from below.
     #[error(
         "seen from above, the triangles cover the tile {layers} times, those that face down counted as negative; a {border} border needs one ground from rim to rim, lest light pass by"
     )]
@@ -143,7 +143,7 @@ pub enum MeshSurfaceError {
 /// A triangle mesh that light meets.
 ///
 /// Each triangle faces the half space above: its corners run counter-clockwise seen from there. Whether
-/// triangles pass through each other is not looked at.
+/// triangles intersect each other is not checked.
 #[derive(Clone, Debug)]
 pub struct MeshSurface {
     border: Border,

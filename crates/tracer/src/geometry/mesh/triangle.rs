@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::ray::TileRay;
 
-/// A corner projected along a ray: where it is beside the ray, and at which ray parameter.
+/// A corner projected along a ray: where it is relative to the ray, and at which ray parameter.
 #[derive(Clone, Copy)]
 pub(super) struct ProjectedCorner {
     pub(super) x: f64,

@@ -9,7 +9,7 @@ use crate::common::{rugged, z_score};
 use asperity_surface::Border;
 
 #[test]
-fn a_mirror_below_a_clear_layer_returns_all_and_a_black_bottom_nothing() {
+fn a_mirror_below_a_clear_layer_returns_all_and_an_absorbing_bottom_nothing() {
     let f = dielectric(30_f64.to_radians().cos(), 1.5).reflected;
     let (found, _) = Scene::new(flat(), slab(clear(), 1.0, Bottom::Mirror)).trace(4, 10);
     assert!(

@@ -52,7 +52,7 @@ fn diffuse_reflectance_agrees_with_the_equation_of_transfer_for_any_mean_free_pa
         let z = z_score(found.budget().reflected, DIFFUSE + 0.04, 0.0);
         println!("mean free path {mean_free_path}: z {z:.2}, once {once:?}, {work:?}");
         assert!(z.abs() < 3.9);
-        let rings = |history| spec.ring_entries(Side::Reflected, history);
+        let rings = |component| spec.ring_entries(Side::Reflected, component);
         for (ring, exact) in DIFFUSE_BY_ANGLE.into_iter().enumerate() {
             // Once and more are two entries, correlated; the scatter of all bounds that of their sum.
             let [a, b] = [Component::ScatteredOnce, Component::ScatteredMore]

@@ -1,4 +1,4 @@
-//! What a look nearby tells of a stretch of a ray, against looking at every facet.
+//! What the heights nearby tell about a stretch of a ray, against a test of every facet.
 
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{

@@ -24,7 +24,7 @@ fn white_furnace_loses_nothing() {
             Material::dielectric(1.0 / GLASS).unwrap(),
         ] {
             for theta_deg in [0.0, 45.0, 80.0, 89.9] {
-                // Every path goes on until it is weak beyond notice; what is cut off is booked.
+                // Every path continues until its flux is negligible; what is cut off is booked.
                 let settings = PathSettings::new(Branching::Split, 1e-3, 1_000_000).unwrap();
                 let run = Run {
                     theta_deg,

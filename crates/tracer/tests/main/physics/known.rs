@@ -49,13 +49,13 @@ fn flat_surface_gives_exact_fresnel_and_snell() {
                 spec.grid_entries(Component::Single)
                     .get(spec.grid().index_of(side, wo))
             };
-            let (sin_alpha, cos_alpha) = f64::to_radians(theta_deg).sin_cos();
-            let mirrored = bin_of(Side::Reflected, sin_alpha, cos_alpha);
+            let (sin_theta_i, cos_theta_i) = f64::to_radians(theta_deg).sin_cos();
+            let mirrored = bin_of(Side::Reflected, sin_theta_i, cos_theta_i);
             assert!((values[mirrored] - fresnel.reflected).abs() < tolerance);
             if fresnel.transmitted > 0.0 {
-                let sin_beta = sin_alpha / eta;
-                let z = -(1.0 - sin_beta * sin_beta).sqrt();
-                let refracted = bin_of(Side::Transmitted, sin_beta, z);
+                let sin_theta_t = sin_theta_i / eta;
+                let z = -(1.0 - sin_theta_t * sin_theta_t).sqrt();
+                let refracted = bin_of(Side::Transmitted, sin_theta_t, z);
                 assert!((values[refracted] - fresnel.transmitted).abs() < tolerance);
             }
         }

@@ -88,7 +88,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         }
         statistics
     };
-    // Light a hair off the vertical has an azimuth, and goes the ordinary way.
+    // Light slightly off the vertical has an azimuth, and takes the general path.
     let (free, found) = (batches(0.0, 1), batches(1e-9, 3));
     let rays = 400.0 * 24.0 * 24.0;
     let n_phi = spec.grid().n_phi();
@@ -102,12 +102,12 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         compared += 1;
         squares += z * z;
     };
-    for (share, hits) in [
+    for (component, hits) in [
         (Component::Single, Component::Single),
         (Component::Multiple, Component::Multiple),
     ] {
         for (bin, hit) in spec
-            .grid_entries(share)
+            .grid_entries(component)
             .iter()
             .zip(spec.grid_hit_entries(hits))
         {
@@ -121,7 +121,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     for side in Side::BOTH {
         for class in Component::RINGS {
             for (i, ring) in spec.ring_entries(side, class).iter().enumerate() {
-                let share = 2.0 * spec.in_plane_half_width() / std::f64::consts::TAU;
+                let fraction = 2.0 * spec.in_plane_half_width() / std::f64::consts::TAU;
                 let from_normal = match side {
                     Side::Reflected => i,
                     Side::Transmitted => 17 - i,
@@ -132,7 +132,7 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
                     let slice = spec.in_plane_entries(side, class);
                     for entry in [18 + from_normal, 17 - from_normal].map(|i| slice.get(i)) {
                         check(entry);
-                        let exact = share * free.means()[ring];
+                        let exact = fraction * free.means()[ring];
                         assert!((free.means()[entry] - exact).abs() < 1e-12);
                     }
                 }
@@ -146,8 +146,8 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
     assert!(compared > 1500, "{compared}");
     // Fluxes and numbers of rays go together, and bins of a ring share its free value: 0.05 or so.
     assert!((mean_square - 1.0).abs() < 0.2, "{mean_square}");
-    for share in Component::BINS {
-        for ring in free.means()[spec.grid_entries(share)].chunks_exact(n_phi) {
+    for component in Component::BINS {
+        for ring in free.means()[spec.grid_entries(component)].chunks_exact(n_phi) {
             assert!(ring.iter().all(|flux| *flux == ring[0]));
         }
     }

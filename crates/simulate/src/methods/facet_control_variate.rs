@@ -16,7 +16,7 @@ use crate::input::case::{Case, Light};
 use crate::input::estimator::Estimator;
 use crate::input::limits::TALLY_BUDGET;
 use crate::input::settings::Settings;
-use crate::methods::method::{ControlMean, Method};
+use crate::methods::method::{ControlVariateMean, Method};
 
 /// Parts that the sum over facets is divided into, whatever the number of threads.
 const PARTS: usize = 64;
@@ -29,7 +29,7 @@ impl Method {
     ///
     /// # Errors
     /// [`SimulateError::OpenControl`] if a control variate is insisted on for an open patch: rays that come from
-    /// beside it meet other facets than those that are summed over.
+    /// outside it meet other facets than those that are summed over.
     pub(crate) fn of_surface(
         surface: &Surface,
         case: &Case,
@@ -55,18 +55,22 @@ impl Method {
         // The side that is not recorded has its control variate too.
         let (tally, incidence) = (settings.tally, case.light.incidence);
         let both = tally.with_sides(Sides::Both);
-        let shares = match visible_fractions(&slopes, case.material, incidence, &tally) {
-            Ok(shares) => shares,
+        let fractions = match visible_fractions(&slopes, case.material, incidence, &tally) {
+            Ok(fractions) => fractions,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
                 return Ok(Self::PLAIN);
             }
             Err(error) => return Err(error.into()),
         };
         let sum = sum_over_all_facets(surface, case.material, &case.light, both);
-        let control = ControlVariate::new(tally, shares, &unshadowed_fluxes(&sum));
-        let mean = ControlMean::FacetsOfSurface;
-        Ok(Self::with_control(
-            estimator, control, mean, &slopes, incidence,
+        let control_variate = ControlVariate::new(tally, fractions, &unshadowed_fluxes(&sum));
+        let mean = ControlVariateMean::FacetsOfSurface;
+        Ok(Self::with_control_variate(
+            estimator,
+            control_variate,
+            mean,
+            &slopes,
+            incidence,
         ))
     }
 }
@@ -79,7 +83,7 @@ fn sum_over_all_facets(
     tally: TallySpec,
 ) -> TallyValues {
     let facets = surface.facet_count();
-    // Records of all parts are held until they are added in their order.
+    // Tallies of all parts are held until they are added in their order.
     let parts = (TALLY_BUDGET / (tally.len() * size_of::<f64>())).clamp(1, PARTS);
     let bound = |part: usize| (facets as u128 * part as u128 / parts as u128) as usize;
     let tallies: Vec<TallyValues> = (0..parts)
@@ -95,7 +99,7 @@ fn sum_over_all_facets(
     sum
 }
 
-/// Mean squares and products of the facets' slopes, from which shares are guessed; the same along all
+/// Mean squares and products of the facets' slopes, from which visible fractions are estimated; the same along all
 /// directions where they are not those of a surface, as of grooves; `None` without any.
 fn slopes(field: &HeightField) -> Option<SlopeCovariance> {
     let [cx, cy] = field.cells();

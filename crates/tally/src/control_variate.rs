@@ -110,16 +110,16 @@ impl ControlVariate {
         self
     }
 
-    /// The same, which looks for facets in the shadow of the one that light meets with `probability`
-    /// alone, and then counts them so many times more.
+    /// The same, where facets in the shadow of the first one are traced with `probability` only, and weighted
+    /// by its inverse.
     ///
     /// # Panics
     /// Unless `0 < probability <= 1`.
     #[must_use]
-    pub fn looking_into_shadow(self, probability: f64) -> Self {
+    pub fn with_shadow_probability(self, probability: f64) -> Self {
         assert!(
             probability > 0.0 && probability <= 1.0,
-            "{probability} is no probability to look with"
+            "{probability} is not a probability above 0"
         );
         Self {
             shadow_probability: probability,
@@ -127,7 +127,7 @@ impl ControlVariate {
         }
     }
 
-    /// The probability of looking for facets in the shadow of the one that light meets.
+    /// The probability with which facets in the shadow of the first one are traced.
     #[must_use]
     pub const fn shadow_probability(&self) -> f64 {
         self.shadow_probability
@@ -267,7 +267,7 @@ mod tests {
     }
 
     /// A tenth of the light is reflected, half is transmitted, a fifth absorbed, before fractions.
-    fn control(spec: TallySpec) -> ControlVariate {
+    fn control_variate(spec: TallySpec) -> ControlVariate {
         let fluxes = UnshadowedFluxes {
             bins: [vec![0.1 / 6.0; 6], vec![0.5 / 6.0; 6]].concat(),
             rings: [vec![0.05; 2], vec![0.25; 2]],
@@ -283,8 +283,8 @@ mod tests {
 
     #[test]
     fn expectations_are_weighted_and_add_up() {
-        let control = control(spec());
-        let expected = control.expected();
+        let control_variate = control_variate(spec());
+        let expected = control_variate.expected();
         let near = |found: f64, value: f64| (found - value).abs() < 1e-15;
         let budget = expected.budget();
         assert!(near(budget.reflected, 0.025));
@@ -309,7 +309,7 @@ mod tests {
 
     #[test]
     fn a_side_that_is_not_recorded_is_booked_as_such() {
-        let one = control(spec().with_sides(Sides::Reflected));
+        let one = control_variate(spec().with_sides(Sides::Reflected));
         let budget = one.expected().budget();
         assert!((budget.not_recorded - 0.45).abs() < 1e-15);
         assert!((budget.truncated - 0.45).abs() < 1e-15);
@@ -318,13 +318,13 @@ mod tests {
 
     #[test]
     fn a_completed_tally_closes_its_budget_and_keeps_its_sums() {
-        let control = control(spec());
+        let control_variate = control_variate(spec());
         let mut tally = TallyValues::zeros(spec());
         // Of what is subtracted ray by ray, this is left.
         for component in FIRST_ORDER {
             tally[spec().flux_entry(Side::Reflected, component)] = 0.07;
         }
-        control.complete(&mut tally);
+        control_variate.complete(&mut tally);
         let budget = tally.budget();
         assert!((budget.total() - 1.0).abs() < 1e-15);
         let rings = tally.rings(Side::Transmitted, Component::Single);
@@ -335,7 +335,7 @@ mod tests {
 
     #[test]
     fn least_errors_are_those_of_one_ray_of_the_side() {
-        let least = control(spec()).least_errors(1000);
+        let least = control_variate(spec()).least_errors(1000);
         let known = 0.025 + 0.45 + 0.18;
         let bins = least.bins(Side::Reflected, Component::All);
         assert!((bins.get(0) - 1e-3 * 0.025 / known).abs() < 1e-18);
@@ -348,9 +348,9 @@ mod tests {
     }
 
     #[test]
-    fn a_weaker_control_expects_less_of_everything() {
-        let full = control(spec());
-        let half = control(spec()).weakened(0.5);
+    fn a_weaker_control_variate_expects_less_of_everything() {
+        let full = control_variate(spec());
+        let half = control_variate(spec()).weakened(0.5);
         for (a, b) in full.expected().iter().zip(half.expected().iter()) {
             assert_eq!(0.5 * a, *b);
         }
