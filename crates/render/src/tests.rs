@@ -1,15 +1,17 @@
 //! Pictures whose radiance is known, and pictures against light that is traced forwards.
 
-use asperity_simulate::Silent;
+use asperity_simulate::{BottomSurface, Silent};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
 use asperity_surface::{Border, Psd, Synthesis};
-use asperity_tally::{TallyResult, TallySpec};
+use asperity_tally::{BatchStatistics, TallyResult, TallySpec};
 use asperity_tracer::{
-    BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, TracedLayer, Tracer,
+    AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
+    PathSettings, TracedLayer, Tracer,
 };
-use rand::SeedableRng;
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::*;

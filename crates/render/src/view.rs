@@ -1,4 +1,4 @@
-//! Cameras: which straight line belongs to a point of the picture.
+//! Cameras: the ray through each point of a picture.
 
 use std::f64::consts::PI;
 
@@ -8,9 +8,9 @@ use glam::{DVec2, DVec3};
 /// How a camera projects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// All lines are parallel.
+    /// All rays are parallel.
     Orthographic,
-    /// All lines meet in the eye.
+    /// All rays start at the eye.
     Pinhole {
         /// Vertical field of view, radians.
         field_of_view: f64,
@@ -19,9 +19,8 @@ pub enum Projection {
 
 /// A camera that looks at a point of the mean plane.
 ///
-/// Up in the picture is the direction in which theta falls, towards +z; seen from theta 0, up is the side
-/// that the camera would fall back to were theta larger, turned about: with phi 270 degrees x runs to the
-/// right and y upwards.
+/// Up in the picture is the direction of decreasing theta, towards +z. At theta 0 the limit counts: with phi 270
+/// degrees x points to the right and y upwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     projection: Projection,
@@ -34,15 +33,15 @@ pub struct View {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// The field of view is none.
+    /// The field of view is invalid.
     #[error("the field of view is {0} deg; it must be above 0 and below 180 deg")]
     BadFieldOfView(f64),
-    /// The width is none.
+    /// The width is invalid.
     #[error("the width of the view is {0:?}; it must be a length above zero")]
     BadWidth(f64),
     /// The eye is in the surface, or below it.
     #[error(
-        "the eye is {height:.6} above the mean plane, but the surface rises to {highest:.6}: take a wider view, a smaller field of view, or look more from above"
+        "the eye is {height:.6} above the mean plane, but the surface rises to {highest:.6}: take a wider view, a smaller field of view, or a smaller theta"
     )]
     EyeTooLow {
         /// Height of the eye, length units of the surface.
@@ -55,7 +54,7 @@ pub enum ViewError {
 impl View {
     /// A camera in the direction `towards` from the point `target` of the mean plane.
     ///
-    /// `width`: of what is seen in the plane through the target that is parallel to the picture, in length
+    /// `width`: of the visible part of the plane through the target that is parallel to the picture, in length
     /// units of the surface as `target` is; it decides how far away a pinhole is.
     ///
     /// # Errors
@@ -82,16 +81,16 @@ impl View {
         })
     }
 
-    /// Polar angle of the lines of sight, radians, if all are parallel.
+    /// Polar angle of the rays, radians, if all are parallel.
     pub(crate) fn parallel_theta(&self) -> Option<f64> {
         (self.projection == Projection::Orthographic).then(|| self.towards.theta())
     }
 
-    /// What makes lines of points of a picture of so many columns and rows, over a surface that rises to
-    /// `highest` above its mean plane.
+    /// The camera of a picture of so many columns and rows, over a surface that rises to `highest` above its mean
+    /// plane.
     ///
     /// # Errors
-    /// [`ViewError::EyeTooLow`] if a pinhole is no higher.
+    /// [`ViewError::EyeTooLow`] if a pinhole is not above that.
     pub(crate) fn camera(
         &self,
         [columns, rows]: [usize; 2],
@@ -143,18 +142,31 @@ pub(crate) struct Camera {
 }
 
 impl Camera {
-    /// The line through the point `[u, v]` of the picture, from the left and from the top, both within
-    /// `[0, 1]`: where it begins, above the surface, and its unit direction.
-    pub(crate) fn line(&self, [u, v]: [f64; 2]) -> (DVec3, DVec3) {
+    /// The ray through the point `[u, v]` of the picture, from the left and from the top, both within `[0, 1]`.
+    pub(crate) fn ray(&self, [u, v]: [f64; 2]) -> CameraRay {
         let point = self.target + (2.0 * u - 1.0) * self.right + (1.0 - 2.0 * v) * self.up;
         match self.eye {
-            Some(eye) => (eye, (point - eye).normalize()),
+            Some(eye) => CameraRay {
+                origin: eye,
+                direction: (point - eye).normalize(),
+            },
             None => {
                 let back = (self.highest - point.z) / self.back.z;
-                (point + back * self.back, -self.back)
+                CameraRay {
+                    origin: point + back * self.back,
+                    direction: -self.back,
+                }
             }
         }
     }
+}
+
+/// A ray that starts at a camera, above the surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CameraRay {
+    pub(crate) origin: DVec3,
+    /// Unit vector away from the camera.
+    pub(crate) direction: DVec3,
 }
 
 #[cfg(test)]
@@ -168,9 +180,9 @@ mod tests {
 
     const PINHOLE: Projection = Projection::Pinhole { field_of_view: 0.8 };
 
-    /// Where a line meets the mean plane.
-    fn footprint((origin, direction): (DVec3, DVec3)) -> DVec2 {
-        (origin - direction * (origin.z / direction.z)).truncate()
+    /// Where a ray meets the mean plane.
+    fn footprint(ray: CameraRay) -> DVec2 {
+        (ray.origin - ray.direction * (ray.origin.z / ray.direction.z)).truncate()
     }
 
     #[test]
@@ -178,7 +190,7 @@ mod tests {
         for projection in [Projection::Orthographic, PINHOLE] {
             for theta in [0.0, 30.0, 75.0] {
                 let camera = view(projection, theta).camera([200, 100], 1.0).unwrap();
-                let at = |u, v| footprint(camera.line([u, v]));
+                let at = |u, v| footprint(camera.ray([u, v]));
                 let near = |p: DVec2, x: f64, y: f64| (p - DVec2::new(x, y)).length() < 1e-12;
                 assert!(near(at(0.5, 0.5), 3.0, 5.0), "{projection:?} {theta}");
                 assert!(near(at(0.0, 0.5), -1.0, 5.0) && near(at(1.0, 0.5), 7.0, 5.0));
@@ -187,18 +199,18 @@ mod tests {
             }
             // From above, half as high as wide.
             let camera = view(projection, 0.0).camera([200, 100], 1.5).unwrap();
-            assert!((footprint(camera.line([0.5, 0.0])).y - 7.0).abs() < 1e-12);
+            assert!((footprint(camera.ray([0.5, 0.0])).y - 7.0).abs() < 1e-12);
         }
     }
 
     #[test]
-    fn lines_begin_above_the_surface_and_have_unit_length() {
+    fn rays_begin_above_the_surface_and_have_unit_length() {
         for projection in [Projection::Orthographic, PINHOLE] {
             let camera = view(projection, 60.0).camera([100, 100], 1.5).unwrap();
             for v in [0.0, 0.5, 1.0] {
-                let (origin, direction) = camera.line([0.3, v]);
-                assert!(origin.z >= 1.5 - 1e-12, "{origin}");
-                assert!((direction.length() - 1.0).abs() < 1e-14);
+                let ray = camera.ray([0.3, v]);
+                assert!(ray.origin.z >= 1.5 - 1e-12, "{ray:?}");
+                assert!((ray.direction.length() - 1.0).abs() < 1e-14);
             }
         }
     }
@@ -206,7 +218,7 @@ mod tests {
     #[test]
     fn a_pinhole_has_its_field_of_view() {
         let camera = view(PINHOLE, 20.0).camera([300, 100], 1.5).unwrap();
-        let [(_, top), (_, bottom)] = [0.0, 1.0].map(|v| camera.line([0.5, v]));
+        let [top, bottom] = [0.0, 1.0].map(|v| camera.ray([0.5, v]).direction);
         assert!((top.dot(bottom).acos() - 0.8).abs() < 1e-12);
     }
 

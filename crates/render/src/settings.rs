@@ -1,0 +1,33 @@
+//! Settings: what a picture shows, and how it is made.
+
+use asperity_simulate::BottomSurface;
+use asperity_tracer::{AcceleratorKind, PathSettings};
+
+use crate::lights::Lights;
+use crate::view::View;
+
+/// Most pixels along a side.
+pub const MAX_PIXELS: usize = 16_384;
+
+/// What a picture shows, and how it is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// The camera.
+    pub view: View,
+    /// What shines.
+    pub lights: Lights,
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// Samples per pixel, at least; rounded up to whole passes.
+    pub samples: u64,
+    /// Seed of the lines and paths.
+    pub seed: u64,
+    /// How paths are ended.
+    pub paths: PathSettings,
+    /// How hits are found.
+    pub accelerator: AcceleratorKind,
+    /// The shape of the bottom, unless one of its own is given; none is drawn here.
+    pub bottom: BottomSurface,
+    /// Scatterings inside a layer after which a path is truncated.
+    pub most_scatterings: u32,
+}
