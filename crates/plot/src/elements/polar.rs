@@ -27,6 +27,31 @@ pub(crate) struct HalfPlane {
     pub(crate) factor: f64,
 }
 
+/// Where the numbers of the rings stand along the surface.
+#[derive(Clone, Copy)]
+pub(crate) struct NumberPlace {
+    /// 1 to the right of the origin, -1 to the left.
+    pub(crate) across: f64,
+    /// 1 below the surface, -1 above.
+    pub(crate) down: f64,
+}
+
+impl NumberPlace {
+    /// On the other side of the origin.
+    fn opposite(self) -> Self {
+        Self {
+            across: -self.across,
+            ..self
+        }
+    }
+}
+
+/// The number of a ring, on a plate that keeps it readable.
+struct RingNumber {
+    text: String,
+    plate: Rect,
+}
+
 impl Plane for HalfPlane {
     fn at(&self, theta_deg: f64, value: f64) -> Option<Xy> {
         // Compared first: the quotient of infinite or vanishing scales is not a number.
@@ -83,12 +108,12 @@ impl HalfPlane {
         scene.line(&arc(RADIUS), Pen::solid(theme::MUTED, theme::FRAME_WIDTH));
     }
 
-    /// Numbers of the rings along the surface, `down` below or above it: on the side `across`, or on the other
-    /// one if more of them have room there. One that would hide a point is left out.
+    /// Numbers of the rings along the surface: at `place`, or at its opposite if more of them have room there. A
+    /// number that would hide a point is left out.
     pub(crate) fn draw_ring_numbers(
         &self,
         scene: &mut Scene,
-        (across, down): (f64, f64),
+        place: NumberPlace,
         exponent: i32,
         curves: &[Curve],
     ) -> Result<(), PlotError> {
@@ -96,38 +121,38 @@ impl HalfPlane {
             .iter()
             .flat_map(|curve| curve.places(self).flatten())
             .collect();
-        let mut numbers = self.ring_numbers((across, down), exponent, &points)?;
-        let opposite = self.ring_numbers((-across, down), exponent, &points)?;
+        let mut numbers = self.ring_numbers(place, exponent, &points)?;
+        let opposite = self.ring_numbers(place.opposite(), exponent, &points)?;
         if opposite.len() > numbers.len() {
             numbers = opposite;
         }
-        for (text, plate) in numbers {
-            scene.rect(plate, theme::WHITE);
+        for number in numbers {
+            scene.rect(number.plate, theme::WHITE);
             let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Middle);
-            scene.text(&text, plate.centre(), style.muted());
+            scene.text(&number.text, number.plate.centre(), style.muted());
         }
         Ok(())
     }
 
-    /// The numbers that hide no point, and their plates.
+    /// The numbers that hide no point.
     fn ring_numbers(
         &self,
-        (across, down): (f64, f64),
+        place: NumberPlace,
         exponent: i32,
         points: &[Xy],
-    ) -> Result<Vec<(String, Rect)>, PlotError> {
+    ) -> Result<Vec<RingNumber>, PlotError> {
         let decimals = decimals(scale_down(self.step, exponent));
         let mut numbers = Vec::new();
         for value in self.rings() {
             let text = fixed(scale_down(value, exponent), decimals);
             let at = (
-                self.origin.0 + across * value / self.full * RADIUS,
-                self.origin.1 + down * (0.75 * theme::NOTE_SIZE + 2.0),
+                self.origin.0 + place.across * value / self.full * RADIUS,
+                self.origin.1 + place.down * (0.75 * theme::NOTE_SIZE + 2.0),
             );
             let half_width = 0.5 * text_width(&text, theme::NOTE_SIZE)? + 2.0;
             let plate = Rect::around(at, half_width, 0.5 * theme::NOTE_SIZE + 1.0);
             if !points.iter().any(|point| plate.contains(*point)) {
-                numbers.push((text, plate));
+                numbers.push(RingNumber { text, plate });
             }
         }
         Ok(numbers)

@@ -110,7 +110,7 @@ impl ErrorOverTime {
         self.methods.iter().try_for_each(TimedMethod::check)?;
         let reference = self.reference_error.unwrap_or(0.0);
         Valid::NotNegative.check("error of the reference", 0, reference)?;
-        let (x, y) = self.axes()?;
+        let Axes { x, y } = self.axes()?;
 
         // Lines beneath runs, and the entries of the legend by method.
         let styles = self.styles();
@@ -148,7 +148,7 @@ impl ErrorOverTime {
     }
 
     /// Both axes, around everything that has a place.
-    fn axes(&self) -> Result<(Axis, Axis), PlotError> {
+    fn axes(&self) -> Result<Axes, PlotError> {
         let runs = || {
             let runs = self.methods.iter().flat_map(|method| &method.runs);
             runs.filter(|run| run.error > 0.0)
@@ -164,14 +164,14 @@ impl ErrorOverTime {
             |error: &f64| *error > 0.0 && (least / error).log10().abs() <= DECADES_TO_REFERENCE;
         let reference = self.reference_error.filter(near).unwrap_or(least);
         let errors = [least.min(reference), largest.max(reference)];
-        Ok((
-            decades(seconds).with_label("run time (seconds)"),
-            decades(errors).with_label("relative root-mean-square error over bins"),
-        ))
+        Ok(Axes {
+            x: decades(seconds).with_label("run time (seconds)"),
+            y: decades(errors).with_label("relative root-mean-square error over bins"),
+        })
     }
 
-    /// A colour per family, and a marker and dash pattern per variant, in the order in which they first come.
-    fn styles(&self) -> Vec<(Colour, usize)> {
+    /// The styles of the methods: families and variants are numbered in the order in which they first come.
+    fn styles(&self) -> Vec<MethodStyle> {
         fn rank<'a>(known: &mut Vec<&'a str>, name: &'a str) -> usize {
             known.iter().position(|k| *k == name).unwrap_or_else(|| {
                 known.push(name);
@@ -179,9 +179,9 @@ impl ErrorOverTime {
             })
         }
         let (mut families, mut variants) = (Vec::new(), Vec::new());
-        let styles = self.methods.iter().map(|method| {
-            let family = rank(&mut families, &method.family);
-            (Colour::Nth(family), rank(&mut variants, &method.variant))
+        let styles = self.methods.iter().map(|method| MethodStyle {
+            colour: Colour::Nth(rank(&mut families, &method.family)),
+            variant: rank(&mut variants, &method.variant),
         });
         styles.collect()
     }
@@ -197,6 +197,20 @@ impl ErrorOverTime {
         }
         notes.into_iter().map(Entry::note).collect()
     }
+}
+
+/// How the runs of a method are drawn.
+#[derive(Clone, Copy)]
+struct MethodStyle {
+    /// That of its family.
+    colour: Colour,
+    /// Number of the marker and of the dash pattern: that of its variant.
+    variant: usize,
+}
+
+struct Axes {
+    x: Axis,
+    y: Axis,
 }
 
 impl TimedError {
@@ -235,7 +249,7 @@ impl TimedMethod {
     }
 
     /// Over the runs that are fitted; without a point if there is no fit.
-    fn fitted_line(&self, (colour, variant): (Colour, usize)) -> Curve {
+    fn fitted_line(&self, MethodStyle { colour, variant }: MethodStyle) -> Curve {
         let fitted = self.runs.iter().filter(|run| run.fitted);
         let ends = extent(fitted.map(|run| run.seconds));
         let ends = self.fit.zip(ends).map(|(law, ends)| {
@@ -251,7 +265,7 @@ impl TimedMethod {
     }
 
     /// The runs that are fitted, and the others as hollow points.
-    fn runs(&self, (colour, variant): (Colour, usize)) -> [Curve; 2] {
+    fn runs(&self, MethodStyle { colour, variant }: MethodStyle) -> [Curve; 2] {
         [
             (true, Style::Points(variant)),
             (false, Style::Hollow(variant)),
@@ -345,9 +359,9 @@ mod tests {
             reference_error: None,
         };
         let styles = figure.styles();
-        assert_eq!(styles[0].0, styles[1].0);
-        assert_ne!(styles[0].0, styles[2].0);
-        assert_eq!(styles[1].1, styles[3].1);
-        assert_ne!(styles[2].1, styles[3].1);
+        assert_eq!(styles[0].colour, styles[1].colour);
+        assert_ne!(styles[0].colour, styles[2].colour);
+        assert_eq!(styles[1].variant, styles[3].variant);
+        assert_ne!(styles[2].variant, styles[3].variant);
     }
 }

@@ -5,7 +5,7 @@ use crate::elements::geometry::Xy;
 use crate::elements::legend::{Entry, Key, Legend};
 use crate::elements::numbers::{display_exponent, fixed, per_steradian, round_step_below};
 use crate::elements::page::Page;
-use crate::elements::polar::{ANGLE_ROOM, HalfPlane, RADIUS, polar};
+use crate::elements::polar::{ANGLE_ROOM, HalfPlane, NumberPlace, RADIUS, polar};
 use crate::elements::scene::{Align, Level, Pen, Scene, TextStyle};
 use crate::elements::series::{shown, stacked};
 use crate::elements::theme;
@@ -252,12 +252,13 @@ impl PolarLobes {
     /// Where the numbers of the rings stand if they have room, along the surface: on its empty side if there is
     /// one, else on the backward side of the half plane, where lobes are weakest. The arrow comes from the upper
     /// left.
-    fn number_place(&self, side: Side) -> (f64, f64) {
-        match (self.sides, side) {
+    fn number_place(&self, side: Side) -> NumberPlace {
+        let (across, down) = match (self.sides, side) {
             (Sides::Transmitted, _) => (1.0, -1.0),
             (Sides::Both, Side::Reflected) => (-1.0, -1.0),
             _ => (-1.0, 1.0),
-        }
+        };
+        NumberPlace { across, down }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::elements::axis::{Axis, extent, per_steradian_axis};
 use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
 use crate::elements::geometry::Rect;
-use crate::elements::legend::Key;
+use crate::elements::legend::{Entry, Key};
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
 use crate::elements::scene::{Align, Level, TextStyle};
@@ -85,18 +85,8 @@ impl ProfileGrid {
     /// not as many panels as there are, [`PlotError::NonFinite`] for numbers without meaning.
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
-        let columns = self.panels.len().min(MOST_IN_A_ROW);
-        let (panel_width, panel_height) = match self.panels.len() {
-            1 => (SINGLE_PANEL_WIDTH, PANEL.1),
-            _ => PANEL,
-        };
-        let name_depth = match self.panels.iter().all(String::is_empty) {
-            true => 0.0,
-            false => NAME_DEPTH,
-        };
-        let left = theme::MARGIN + Y_AXIS_ROOM;
-        let width = left + columns as f64 * (panel_width + GAP) - GAP + theme::MARGIN;
-        let mut page = Page::new(&self.title, &self.subtitle, width.max(560.0))?;
+        let layout = self.layout();
+        let mut page = Page::new(&self.title, &self.subtitle, layout.page_width().max(560.0))?;
         page.y += 8.0;
         let mut curves: Vec<Curve> = self.curves(0, -f64::MAX).collect();
         curves.extend(self.guides(0.0, 1.0));
@@ -105,52 +95,91 @@ impl ProfileGrid {
             .partition(|entry| matches!(entry.key, Key::Note));
         page.legend(entries)?;
 
+        let top = page.y + 12.0;
+        let axes = self.value_axes(layout.columns);
+        for i in 0..self.panels.len() {
+            self.draw_panel(&mut page, i, &layout, top, &axes)?;
+        }
+        page.y = top + layout.depth(self.panels.len()) + X_AXIS_DEPTH + 10.0;
+        page.note(&self.remarks(&notes))?;
+        let bottom = page.y;
+        Ok(page.finish(bottom))
+    }
+
+    fn layout(&self) -> Layout {
+        let (width, height) = match self.panels.len() {
+            1 => (SINGLE_PANEL_WIDTH, PANEL.1),
+            _ => PANEL,
+        };
+        let name_depth = match self.panels.iter().all(String::is_empty) {
+            true => 0.0,
+            false => NAME_DEPTH,
+        };
+        Layout {
+            columns: self.panels.len().min(MOST_IN_A_ROW),
+            width,
+            height,
+            name_depth,
+        }
+    }
+
+    /// The axes of values. Rows of panels in which a peak hides all else are logarithmic.
+    fn value_axes(&self, columns: usize) -> ValueAxes {
         let panels: Vec<usize> = (0..self.panels.len()).collect();
         let (steep, even): (Vec<&[usize]>, Vec<&[usize]>) = panels
             .chunks(columns)
             .partition(|row| outshone(&self.positive_values(row)));
         let [steep, even] = [steep.concat(), even.concat()];
-        let (linear, log) = (self.linear_axis(&even), self.log_axis(&steep));
-        let rows = self.panels.len().div_ceil(columns);
-        let row_height = name_depth + panel_height + GAP + 6.0;
-        let top = page.y + 12.0;
-        for (i, name) in self.panels.iter().enumerate() {
-            let (row, column) = (i / columns, i % columns);
-            let x = left + column as f64 * (panel_width + GAP);
-            let y = top + row as f64 * row_height;
-            let frame = Rect::at((x, y + name_depth), panel_width, panel_height);
-            let style = TextStyle::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
-            page.scene.text(name, (frame.centre().0, y), style);
-            let angles = Axis::degrees(-90.0, 90.0);
-            let angles = match i + columns >= self.panels.len() {
-                true => angles.with_label("angle from the normal θₒ (°)"),
-                false => angles.without_texts(),
-            };
-            let axis = if steep.contains(&i) { &log } else { &linear };
-            let values = match column {
-                0 => axis.clone(),
-                _ => axis.clone().without_texts(),
-            };
-            let panel = Panel::new(frame, angles, values)?;
-            let guides = self.guides(panel.y.lo, panel.y.hi);
-            let least = match steep.contains(&i) {
-                true => 1e-3 * panel.y.lo,
-                false => -f64::MAX,
-            };
-            let curves: Vec<Curve> = guides.chain(self.curves(i, least)).collect();
-            panel.draw(&mut page.scene, &curves);
+        ValueAxes {
+            linear: self.linear_axis(&even),
+            log: self.log_axis(&steep),
+            steep,
         }
-        page.y = top + rows as f64 * row_height - GAP - 6.0 + X_AXIS_DEPTH + 10.0;
-        let mut note = "Angles are positive forward, away from the light.".to_owned();
-        for more in notes {
-            note = format!("{note} {}", more.text);
+    }
+
+    /// Panel `i` with its name.
+    fn draw_panel(
+        &self,
+        page: &mut Page,
+        i: usize,
+        layout: &Layout,
+        top: f64,
+        axes: &ValueAxes,
+    ) -> Result<(), PlotError> {
+        let frame = layout.frame(i, top);
+        let style = TextStyle::new(theme::LEGEND_SIZE, Align::Centre, Level::Top);
+        let above = (frame.centre().0, frame.top - layout.name_depth);
+        page.scene.text(&self.panels[i], above, style);
+        let angles = Axis::degrees(-90.0, 90.0);
+        let angles = match i + layout.columns >= self.panels.len() {
+            true => angles.with_label("angle from the normal θₒ (°)"),
+            false => angles.without_texts(),
+        };
+        let values = match i % layout.columns {
+            0 => axes.of(i).clone(),
+            _ => axes.of(i).clone().without_texts(),
+        };
+        let panel = Panel::new(frame, angles, values)?;
+        let guides = self.guides(panel.y.lo, panel.y.hi);
+        let least = match axes.is_log(i) {
+            true => 1e-3 * panel.y.lo,
+            false => -f64::MAX,
+        };
+        let curves: Vec<Curve> = guides.chain(self.curves(i, least)).collect();
+        panel.draw(&mut page.scene, &curves);
+        Ok(())
+    }
+
+    /// How to read the panels; `notes` are those of the legend.
+    fn remarks(&self, notes: &[Entry]) -> String {
+        let mut remarks = "Angles are positive forward, away from the light.".to_owned();
+        for note in notes {
+            remarks = format!("{remarks} {}", note.text);
         }
         if self.is_symmetric() {
-            note.push_str(" Left and right show the same values, averaged over azimuth.");
+            remarks.push_str(" Left and right show the same values, averaged over azimuth.");
         }
-        page.note(&note)?;
-        let bottom = page.y;
-        Ok(page.finish(bottom))
+        remarks
     }
 
     fn check(&self) -> Result<(), PlotError> {
@@ -244,6 +273,60 @@ impl ProfileGrid {
         let low = values.get(values.len() / 10).copied().unwrap_or(hi);
         let lo = (0.5 * low).clamp(LEAST * hi, 0.05 * hi);
         Axis::log10(lo, hi).with_label(&format!("{} (1/sr), logarithmic", self.quantity))
+    }
+}
+
+/// Places of the panels.
+struct Layout {
+    columns: usize,
+    width: f64,
+    height: f64,
+    name_depth: f64,
+}
+
+impl Layout {
+    const LEFT: f64 = theme::MARGIN + Y_AXIS_ROOM;
+
+    fn page_width(&self) -> f64 {
+        Self::LEFT + self.columns as f64 * (self.width + GAP) - GAP + theme::MARGIN
+    }
+
+    fn row_height(&self) -> f64 {
+        self.name_depth + self.height + GAP + 6.0
+    }
+
+    /// Height of so many panels, without the axis below them.
+    fn depth(&self, panels: usize) -> f64 {
+        panels.div_ceil(self.columns) as f64 * self.row_height() - GAP - 6.0
+    }
+
+    /// The frame of panel `i`.
+    fn frame(&self, i: usize, top: f64) -> Rect {
+        let (row, column) = (i / self.columns, i % self.columns);
+        let x = Self::LEFT + column as f64 * (self.width + GAP);
+        let y = top + row as f64 * self.row_height();
+        Rect::at((x, y + self.name_depth), self.width, self.height)
+    }
+}
+
+/// The axes of values: one for all linear panels, one for all logarithmic ones.
+struct ValueAxes {
+    linear: Axis,
+    log: Axis,
+    /// Numbers of the logarithmic panels.
+    steep: Vec<usize>,
+}
+
+impl ValueAxes {
+    fn is_log(&self, panel: usize) -> bool {
+        self.steep.contains(&panel)
+    }
+
+    fn of(&self, panel: usize) -> &Axis {
+        match self.is_log(panel) {
+            true => &self.log,
+            false => &self.linear,
+        }
     }
 }
 
