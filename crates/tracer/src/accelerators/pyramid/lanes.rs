@@ -2,9 +2,6 @@
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
-/// Most lanes of any instruction set.
-pub(super) const MAX_LANES: usize = 16;
-
 /// Lanes of f32.
 pub(super) trait Floats:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
@@ -35,17 +32,17 @@ pub(super) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn and(self, other: Self) -> Self;
 }
 
-/// Lanes of yes or no.
+/// Lanes of booleans.
 pub(super) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
-    /// One bit a lane, the first lane lowest.
+    /// One bit per lane, the first lane lowest.
     fn bits(self) -> u32;
 }
 
 /// An instruction set; a value of it is the proof that the machine has it.
 pub(super) trait Lanes: Copy {
-    /// Number of lanes, at most [`MAX_LANES`].
+    /// Number of lanes, at most [`MAX_LANES`](super::rays::MAX_LANES).
     const COUNT: usize;
     type F: Floats;
     type I: Integers;
@@ -74,14 +71,14 @@ pub(super) trait Lanes: Copy {
     fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
     /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.
     ///
-    /// `source` must hold at least [`MAX_LANES`] entries.
+    /// `source` must hold at least [`MAX_LANES`](super::rays::MAX_LANES) entries.
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F;
     /// As [`Lanes::refill`], for integers.
     fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
     /// The mask whose lanes are the low bits of `bits`.
     fn mask(self, bits: u32) -> Self::M;
     /// Writes the entries of the lanes in `mask` to the front of `out`, in order; what is behind
-    /// them there may be overwritten. `out` must hold at least [`MAX_LANES`] entries.
+    /// them there may be overwritten. `out` must hold at least [`MAX_LANES`](super::rays::MAX_LANES) entries.
     fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]);
 }
 

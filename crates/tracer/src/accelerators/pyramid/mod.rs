@@ -7,16 +7,19 @@
 //! - `quadtree.rs`, one ray in f64: the clear one, which decides as brute force does;
 //! - `scalar.rs`, one ray in f32: it answers only where rounding cannot have changed the answer, and
 //!   hands the few other rays to the quadtree;
-//! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does.
+//! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does; on x86-64 only.
 //!
-//! Where a ray is met is computed in f64, and which facet of a cell it is wherever rounding in f32
+//! `instructions.rs` chooses between the last two. Where a ray is met is computed in f64, and which facet of a cell it is wherever rounding in f32
 //! might decide. So all give the facet that brute force gives.
 
 mod bounds;
+mod instructions;
+#[cfg(target_arch = "x86_64")]
 mod lanes;
 mod quadtree;
 mod rays;
 mod scalar;
+#[cfg(target_arch = "x86_64")]
 mod wide;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -30,7 +33,7 @@ use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::{Hit, Query};
 
-pub use self::wide::Instructions;
+pub use self::instructions::Instructions;
 
 /// Height bounds over one tile, and the instructions with which they are searched.
 pub struct Pyramid {
@@ -129,7 +132,7 @@ impl Accelerator<Surface> for Pyramid {
     ) {
         let mut rays = RAYS.take();
         rays.load(surface, queries);
-        wide::search(&self.bounds, &mut rays, self.instructions);
+        instructions::search(&self.bounds, &mut rays, self.instructions);
         hits.clear();
         hits.resize(queries.len(), None);
         let answers = &rays.answers;

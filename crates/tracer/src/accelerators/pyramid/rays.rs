@@ -2,7 +2,6 @@
 
 use asperity_surface::Triangle;
 
-use super::lanes::MAX_LANES;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 use crate::ray::{Query, TileRay};
@@ -13,6 +12,9 @@ use crate::ray::{Query, TileRay};
 /// error of x counts `dy / dx` times: what that can do is which edge comes first, and where the ray is
 /// when it leaves through an edge that it runs along; `Exit::tied` and `Exit::late` see to those.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
+
+/// Most lanes of any instruction set.
+pub(super) const MAX_LANES: usize = 16;
 
 /// Reciprocals are kept below this, so that products with edges stay finite.
 const STEEPEST: f32 = 1e30;

@@ -14,7 +14,8 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
-use super::lanes::{Floats, Integers, Lanes, MAX_LANES, Mask, Task};
+use super::lanes::{Floats, Integers, Lanes, Mask, Task};
+use super::rays::MAX_LANES;
 
 /// Implements an operator by an intrinsic.
 macro_rules! operator {
