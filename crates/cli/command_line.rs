@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use asperity_io::{MeshFormat, read_text};
+use asperity_io::{HeightMapFormat, MeshFormat, read_text};
 use asperity_studies::settings::{
     Arity, Command, Document, Setting, SettingError, commands_with_flag, settings_of,
 };
@@ -48,10 +48,9 @@ pub(crate) fn program() -> clap::Command {
     let program = clap::Command::new("asperity")
         .version(env!("CARGO_PKG_VERSION"))
         .override_help(program_help())
-        .disable_help_subcommand(true)
         .subcommand_required(true)
         .arg_required_else_help(true)
-        .args(shared().map(|setting| argument(setting).global(true)));
+        .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
     program.subcommands(Command::ALL.map(subcommand))
 }
 
@@ -70,7 +69,7 @@ fn subcommand(command: Command) -> clap::Command {
             return None;
         }
         flags.push(flag);
-        Some(argument(setting))
+        Some(argument(setting, command))
     });
     let arguments: Vec<Arg> = arguments.collect();
     let positional = command
@@ -82,7 +81,7 @@ fn subcommand(command: Command) -> clap::Command {
         .args(positional)
 }
 
-fn argument(setting: &Setting) -> Arg {
+fn argument(setting: &Setting, command: Command) -> Arg {
     let flag = setting.flag_name().unwrap_or_default();
     let action = match (setting.takes_value(), setting.arity) {
         (false, _) => ArgAction::SetTrue,
@@ -95,6 +94,7 @@ fn argument(setting: &Setting) -> Arg {
         .action(action);
     let argument = match setting.takes_value() {
         true => argument
+            .value_name(setting.placeholder(command))
             .value_parser(NonEmptyStringValueParser::new())
             .allow_negative_numbers(true),
         false => argument,
@@ -136,19 +136,28 @@ fn document(command: Command, matches: &ArgMatches) -> Result<Document, Failure>
     Ok(document)
 }
 
-/// Whether the file is a configuration. `trace` takes surfaces as well, all others do not.
+/// Whether the file is a configuration. `trace` takes surfaces as well, all others refuse them.
 fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
-    let path = Path::new(path);
+    let file = Path::new(path);
     if command == Command::Trace {
-        return Ok(path.extension().is_some_and(|ending| ending == "toml"));
+        return Ok(file.extension().is_some_and(|ending| ending == "toml"));
     }
-    if MeshFormat::from_path(path).is_some() {
-        return Err(Failure::usage(format!(
-            "{} names a triangle mesh, but `asperity {command}` takes a configuration; `asperity trace` takes meshes",
-            path.display()
-        )));
-    }
-    Ok(true)
+    let what = match (
+        MeshFormat::from_path(file),
+        HeightMapFormat::from_path(file),
+    ) {
+        (Some(_), _) => "a triangle mesh",
+        // Text of any ending may be a configuration.
+        (None, Some(format)) if format != HeightMapFormat::Text => "a height map",
+        _ => return Ok(true),
+    };
+    let instead = match command {
+        Command::Gonio => format!("asperity gonio --surface {path}"),
+        _ => format!("asperity trace {path}"),
+    };
+    Err(Failure::usage(format!(
+        "`{path}` is {what}, but `asperity {command}` reads a configuration, such as {command}.toml; for a given surface use `{instead}`"
+    )))
 }
 
 /// The flags that are given, with their values.
@@ -176,6 +185,15 @@ fn flags(command: Command, matches: &ArgMatches) -> Vec<(String, Vec<String>)> {
 fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     if !error.use_stderr() || error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand {
         return Stop::Shown(error);
+    }
+    if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(name))) =
+        (error.kind(), error.get(ContextKind::InvalidSubcommand))
+    {
+        let known = Command::ALL.map(Command::name).join(", ");
+        return Failure::usage(format!(
+            "unknown command `{name}`; the commands are {known} and help"
+        ))
+        .into();
     }
     let named = |argument: &OsString| Command::ALL.into_iter().find(|c| argument == c.name());
     let command = arguments.iter().find_map(named);

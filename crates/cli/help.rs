@@ -1,6 +1,6 @@
 //! Help of the program and of each command, within 80 columns.
 
-use asperity_studies::settings::{Arity, Command, Kind, SECTIONS, Setting};
+use asperity_studies::settings::{Command, Kind, SECTIONS, Setting};
 
 /// Columns of a terminal.
 const WIDTH: usize = 80;
@@ -19,6 +19,7 @@ pub(crate) fn program_help() -> String {
     for command in Command::ALL {
         text.push_str(&row(&format!("  {}", command.name()), command.about(), 15));
     }
+    text.push_str(&row("  help", "Print this help, or that of a command", 15));
     text.push('\n');
     text.push_str(&section("program", Command::Trace).unwrap_or_default());
     text.push_str(&row(
@@ -29,7 +30,7 @@ pub(crate) fn program_help() -> String {
     text.push_str(&row("  -V, --version", "Print the version", INDENT));
     text.push('\n');
     text.push_str(&wrapped(
-        "Angles are in degrees; --theta and --phi give the direction towards the light. Numbers may be quotients \
+        "--theta and --phi give the direction towards the light. Numbers may be quotients \
          (1/1.4), counts may be written as 1e6. Exit codes: 0 done, 1 failed, 2 wrong usage.",
         0,
     ));
@@ -99,9 +100,6 @@ fn explanation(setting: &Setting, command: Command) -> String {
         if matches!(setting.kind, Kind::ChoiceOrFile(_)) {
             text.push_str(" or a file");
         }
-    }
-    if setting.takes_value() && setting.unit == "degrees" && setting.arity != Arity::PerAxis {
-        text.push_str(", degrees");
     }
     match (setting.takes_value(), setting.default_of(command)) {
         (true, Some(default)) => text.push_str(&format!(" [default: {default}]")),

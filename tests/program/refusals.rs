@@ -171,7 +171,7 @@ fn bad_numbers_get_a_sentence_and_code_2() {
         ),
         (
             generate(&["--tau", "8", "--sigma", "1", "--size", "1,2,3"]),
-            "X,Y",
+            "COLUMNSxROWS",
         ),
         (vec!["verify", "--theta", "95", "-o", "out"], "below 90"),
         (vec!["verify", "--tau", "1", "-o", "out"], "or insist"),

@@ -89,7 +89,7 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
     for (line, expected) in [
         (
             "generate --size 64x32x3 -o a.npy",
-            "--size 64x32x3: must be a whole number of 1 or more, up to 1e15, such as 1000 or 1e6, one for both axes or two as X,Y",
+            "--size 64x32x3: must be a whole number of 1 or more, up to 1e15, such as 1000 or 1e6, one for both axes or two as COLUMNSxROWS, such as 512x256",
         ),
         (
             "generate --seed -1 -o a.npy",
@@ -115,6 +115,68 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
         let said = refused(folder, &words(line), 2);
         assert!(said.contains(expected), "{line}: {said}");
     }
+}
+
+#[test]
+fn a_surface_in_the_place_of_a_configuration_is_refused_with_the_right_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    succeed(folder, &words("generate --tau 4 --size 32 -o h.exr -q"));
+    for (line, expected) in [
+        ("gonio h.exr -o out", "use `asperity gonio --surface h.exr`"),
+        ("verify h.exr -o out", "use `asperity trace h.exr`"),
+        ("map missing.npy -o out", "`missing.npy` is a height map"),
+        ("converge h.PLY -o out", "`h.PLY` is a triangle mesh"),
+    ] {
+        let said = refused(folder, &words(line), 2);
+        assert!(said.contains(expected), "{line}: {said}");
+        assert!(said.contains("reads a configuration"), "{line}: {said}");
+    }
+}
+
+#[test]
+fn help_is_a_command_too_and_missing_values_are_named_by_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (command, flag) in [("help", "--help"), ("help gonio", "gonio --help")] {
+        let [by_command, by_flag] = [command, flag].map(|line| succeed(folder, &words(line)));
+        assert_eq!(by_command, by_flag);
+    }
+    for (line, expected) in [
+        ("help frobnicate", "frobnicate"),
+        ("frobnicate", "the commands are generate, inspect,"),
+        ("verify --theta", "'--theta <DEGREES,..>'"),
+        ("generate --realisation", "'--realisation <NUMBER>'"),
+    ] {
+        let said = refused(folder, &words(line), 2);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+}
+
+#[test]
+fn a_size_in_a_file_is_written_as_on_the_command_line_or_as_a_list() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for (name, size) in [
+        ("text", "\"64x32\""),
+        ("list", "[64, 32]"),
+        ("bad", "\"64x\""),
+    ] {
+        let text =
+            format!("[surface]\ntau = 4\nsize = {size}\n[run]\nrealisations = 1\nrays = 100\n");
+        fs::write(folder.join(format!("{name}.toml")), text).unwrap();
+    }
+    let [text, list] = ["text", "list"].map(|name| {
+        let line = format!("verify {name}.toml --models none --no-plots --json -o {name}");
+        json(&succeed(folder, &words(&line)))["config"]["verify"]["surface"]["size"].clone()
+    });
+    assert_eq!(text, json("[64, 32]"));
+    assert_eq!(list, text);
+    let said = refused(folder, &words("verify bad.toml -o out"), 2);
+    assert!(
+        said.contains("two as COLUMNSxROWS, such as 512x256"),
+        "{said}"
+    );
 }
 
 /// `models = "smith"` is the same as a list of one.

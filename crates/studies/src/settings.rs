@@ -23,6 +23,7 @@ pub(crate) mod number;
 mod range;
 mod reference;
 mod setting;
+mod value_text;
 
 pub use command::{Command, Commands};
 pub use definitions::{SECTIONS, Section, settings_of};

@@ -12,7 +12,8 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::file::File;
 use super::kind::Kind;
-use super::setting::{Arity, Flag, Setting};
+use super::setting::{Flag, Setting};
+use super::value_text::read_text;
 
 /// The values of one run: defaults, then those of a file, then those of flags.
 ///
@@ -361,33 +362,4 @@ pub fn commands_with_flag(name: &str) -> Commands {
         .flat_map(|section| section.settings)
         .filter(|setting| has_flag(setting, name))
         .fold(Commands::NONE, |all, setting| all.and(setting.commands))
-}
-
-/// The value that texts of the command line stand for; `None` if they are invalid.
-pub(super) fn read_text(setting: &Setting, command: Command, texts: &[String]) -> Option<Value> {
-    let one = |text: &str| setting.kind.parse(text.trim(), setting.range);
-    if setting.arity == Arity::Repeated {
-        return texts.iter().map(|text| one(text)).collect();
-    }
-    let [text] = texts else {
-        return None;
-    };
-    if setting.kind == Kind::Models && text == "none" {
-        return Some(Value::Array(Vec::new()));
-    }
-    let separators: &[char] = match setting.arity {
-        Arity::PerAxis => &[',', 'x', 'X'],
-        Arity::One if !setting.is_list(command) => &[],
-        Arity::ListIn(_) if !setting.is_list(command) => &[],
-        _ => &[','],
-    };
-    let values: Vec<Value> = text.split(separators).map(one).collect::<Option<_>>()?;
-    match (setting.arity, values.as_slice()) {
-        (Arity::Tuple(names), values) if values.len() != names.len() => None,
-        (Arity::PerAxis, [_, _, _, ..]) => None,
-        (Arity::Tuple(_), _) => Some(values.into()),
-        _ if setting.kind == Kind::Models => Some(values.into()),
-        (_, [value]) => Some(value.clone()),
-        _ => Some(values.into()),
-    }
 }

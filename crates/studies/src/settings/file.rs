@@ -10,6 +10,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::kind::Kind;
 use super::setting::{Arity, Setting};
+use super::value_text::read_text;
 
 /// A configuration file that is being read.
 pub(super) struct File<'a> {
@@ -137,6 +138,11 @@ impl File<'_> {
     /// The value of a setting; `None` if it is invalid.
     fn value(&self, setting: &Setting, value: &DeValue<'_>) -> Option<Value> {
         let one = |value: &DeValue<'_>| scalar(setting, value);
+        if let (Kind::Count, Arity::PerAxis, DeValue::String(text)) =
+            (setting.kind, setting.arity, value)
+        {
+            return read_text(setting, self.command, &[text.to_string()]);
+        }
         let DeValue::Array(values) = value else {
             let value = one(value)?;
             return match (setting.kind, setting.arity) {

@@ -31,7 +31,7 @@ pub enum Kind {
     Model,
     /// A file or a folder.
     Path,
-    /// Numbers of bins, `THETAxPHI`.
+    /// Two numbers along polar angle and azimuth, `THETAxPHI`.
     Grid,
     /// Numbers of pixels, `COLUMNSxROWS`.
     Pixels,
@@ -124,9 +124,12 @@ impl Kind {
             Self::Model => "the name of a model".to_owned(),
             Self::Path => "a path".to_owned(),
             Self::Grid => {
-                "numbers of bins as THETAxPHI, such as 18x36, with at most 4000000 bins".to_owned()
+                "two whole numbers as THETAxPHI, such as 18x36, with a product of at most 4000000"
+                    .to_owned()
             }
-            Self::Pixels => "numbers of pixels as COLUMNSxROWS, such as 640x480".to_owned(),
+            Self::Pixels => {
+                "two whole numbers of pixels as COLUMNSxROWS, such as 640x480".to_owned()
+            }
         }
     }
 }

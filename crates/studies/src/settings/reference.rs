@@ -57,7 +57,8 @@ Every setting of every command. A configuration file is TOML: keys stand in sect
 the file, and the file overrides the defaults. A flag that excludes keys of the file takes their place.
 
 Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
-`6,3,1` on the command line and `[6, 3, 1]` in a file. Pairs along x and y are `X,Y` or `XxY`, and `[X, Y]` in a file.
+`6,3,1` on the command line and `[6, 3, 1]` in a file. Numbers of samples, pixels and bins along
+two axes are `512x256`, `\"512x256\"` in a file. Lengths along x and y are `X,Y`, and `[X, Y]` in a file.
 ";
 
 fn row(setting: &Setting) -> String {

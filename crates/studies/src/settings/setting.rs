@@ -234,7 +234,7 @@ impl Setting {
     #[must_use]
     pub fn placeholder(&self, command: Command) -> String {
         let one = match (self.value_name, self.kind, self.unit) {
-            ("", Kind::Number, "degrees") => "ANGLE",
+            ("", Kind::Number, "degrees") => "DEGREES",
             ("", Kind::Number, "length units") => "LENGTH",
             ("", Kind::Number, _) => "NUMBER",
             ("", Kind::Count | Kind::Order, _) => "COUNT",
@@ -243,6 +243,7 @@ impl Setting {
             (name, _, _) => name,
         };
         match self.arity {
+            Arity::PerAxis if self.kind == Kind::Count => "COLUMNSxROWS".to_owned(),
             Arity::PerAxis => "X,Y".to_owned(),
             Arity::Tuple(names) => names.join(","),
             Arity::ListIn(commands) if commands.contains(command) => format!("{one},.."),
@@ -268,6 +269,9 @@ impl Setting {
             unit => format!(" ({unit})"),
         };
         match self.arity {
+            Arity::PerAxis if self.kind == Kind::Count => {
+                format!("{one}, one for both axes or two as COLUMNSxROWS, such as 512x256")
+            }
             Arity::PerAxis => format!("{one}{unit}, one for both axes or two as X,Y"),
             Arity::Tuple(names) => format!("{one}{unit}, given as {}", names.join(",")),
             _ if self.is_list(command) => format!("{one}{unit}, one or several"),

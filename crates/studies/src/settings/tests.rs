@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::document::read_text;
+use super::value_text::read_text;
 use super::*;
 
 /// Set to write `docs/settings.md` anew.

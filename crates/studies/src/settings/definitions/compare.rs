@@ -69,7 +69,6 @@ pub(super) const MAP: &[Setting] = &[
         "Tolerated difference in direction of a peak",
     )
     .flag(Flag::Named("tolerance-peak"))
-    .value_name("ANGLE")
     .unit(DEGREES)
     .range(Range::Above(0.0))
     .default("2.5"),

@@ -27,6 +27,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         GENERATE,
         "Number of the surface among those of the seed",
     )
+    .value_name("NUMBER")
     .default("0")
     .flag_only(),
 ];

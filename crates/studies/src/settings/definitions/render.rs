@@ -22,7 +22,6 @@ pub(super) const CAMERA: &[Setting] = &[
         "Vertical field of view of a pinhole camera",
     )
     .unit(DEGREES)
-    .value_name("ANGLE")
     .range(Range::Between(0.0, 180.0))
     .default("40")
     .flag_only(),
@@ -103,7 +102,6 @@ pub(super) const LIGHTS: &[Setting] = &[
         "Angular radius of the sun",
     )
     .unit(DEGREES)
-    .value_name("ANGLE")
     .range(Range::FromTo(0.01, 60.0))
     .default("5")
     .flag_only(),

@@ -95,7 +95,6 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Half width of the in-plane slice",
     )
     .unit(DEGREES)
-    .value_name("ANGLE")
     .range(Range::AboveTo(0.0, 90.0))
     .default("5"),
     setting(
