@@ -47,8 +47,7 @@ pub(crate) fn read_surface(
     let mut notes = Vec::new();
     if !raw.spacing_is_known() {
         notes.push(
-            "the file says nothing of its spacing: 1 was assumed; --spacing and --unit say otherwise"
-                .to_owned(),
+            "the file has no spacing: 1 is assumed; set it with --spacing and --unit".to_owned(),
         );
     }
     let missing = raw.missing();

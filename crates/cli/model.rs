@@ -104,7 +104,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         }
         _ if settings.model.step.is_some() || settings.model.sphere => {
             Err(Failure::usage(format!(
-                "the model {name} follows rays and has no value at a single direction; ask for --bins in place of --step and --sphere"
+                "the model {name} follows rays and has no value at a single direction; take --bins in place of --step and --sphere"
             )))
         }
         _ => bins(&settings, common, model.as_ref(), incidence),
@@ -126,14 +126,14 @@ fn rough_model(
     }
     if settings.medium.is_some() {
         return Err(Failure::usage(format!(
-            "the model {name} is of a surface with nothing below it that scatters; a medium is for {}",
+            "the model {name} describes a surface without a medium below it; a medium is for {}",
             FlatLayer::NAMES.join(" and ")
         )));
     }
     let roughness = &settings.surface;
     let smoothness = roughness.smoothness.ok_or_else(|| {
         Failure::usage(format!(
-            "the model {name} is of rough surfaces: give their --smoothness"
+            "the model {name} needs a rough surface: give --smoothness"
         ))
     })?;
     if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {

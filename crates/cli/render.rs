@@ -97,7 +97,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let settings: Settings = document.read().map_err(Failure::usage)?;
     if settings.camera.projection == CameraKind::Orthographic && document.is_given("camera.fov") {
         return Err(Failure::usage(
-            "--fov is of --camera pinhole alone: --width says how much is seen",
+            "--fov is only for --camera pinhole; for others --width sets what the picture shows",
         ));
     }
     let lights = settings.lights.lights()?;

@@ -195,11 +195,11 @@ fn models_of_surfaces_and_of_layers_are_not_mixed_up() {
     for (arguments, expected) in [
         (
             "--scattering 0.1 --models smith",
-            "nothing below it that scatters",
+            "describes a surface without a medium",
         ),
         (
             "--models flat-layer",
-            "a medium below the surface, and there is none",
+            "a medium below the surface, but there is none",
         ),
         ("--scattering 0.1 --models ggx", "unknown model `ggx`"),
         (

@@ -175,7 +175,7 @@ fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
     .unwrap();
     let error = refused(folder, &trace(&["--border", "periodic"]), 1);
     assert!(
-        error.contains("table.obj: the border is to be periodic along x"),
+        error.contains("table.obj: the border must be periodic along x"),
         "{error}"
     );
     fs::write(

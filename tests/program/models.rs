@@ -142,7 +142,7 @@ fn models_are_refused_what_they_cannot_do_by_name() {
         ("verify --model-rays 0 -o out", "1 or more"),
         (
             "model heitz --smoothness 2 --theta 30 --sphere",
-            "ask for --bins",
+            "take --bins",
         ),
         (
             "model xu-sun-mc --smoothness 2 --smoothness-y 4 --theta 30",

@@ -68,10 +68,16 @@ fn when_the_time_is_over_results_are_valid_and_marked() {
             &["-o", "v", "--max-time", "0.2s"],
         ),
     );
-    assert!(text.contains("warning: the time was over"), "{text}");
+    assert!(
+        text.contains("warning: the time limit ended the run"),
+        "{text}"
+    );
     let trace = words("trace h.exr --theta 30 --rays 1e10 --max-time 0.2 --no-plots -o t");
     let text = succeed(&folder, &trace);
-    assert!(text.contains("note: the time was over"), "{text}");
+    assert!(
+        text.contains("note: the time limit ended the run"),
+        "{text}"
+    );
     for out in ["v", "t"] {
         let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
         assert_eq!(summary["stopping"]["stopped_by"], "time");

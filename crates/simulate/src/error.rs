@@ -60,7 +60,7 @@ pub enum SimulateError {
     OpenControl,
     /// A control variate for light of random azimuth on one surface.
     #[error(
-        "the controlled estimator of one surface is of light from one azimuth; with light of random azimuth take auto or plain"
+        "the controlled estimator of one surface needs light from one azimuth; with a random azimuth take auto or plain"
     )]
     AzimuthControl,
     /// A control variate for light on a triangle mesh.
@@ -70,7 +70,7 @@ pub enum SimulateError {
     MeshControl,
     /// A layer whose bottom would have to be drawn, below a surface that is not.
     #[error(
-        "an independent bottom is drawn as the surface above is; this surface is given, so take a flat bottom, the same or one of its own"
+        "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
     )]
     IndependentBottom,
     /// Light so flat that it would cross too many tiles.

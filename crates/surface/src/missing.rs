@@ -60,7 +60,7 @@ pub enum MissingError {
     NothingLeft(usize),
     /// The gaps did not settle.
     #[error(
-        "the filling of missing points did not settle: after {steps} steps the error is still {relative:.1e} of the first"
+        "the filling of missing points did not converge: after {steps} steps the error is still {relative:.1e} of the first"
     )]
     NotSettled {
         /// Steps taken.

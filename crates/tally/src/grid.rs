@@ -56,7 +56,7 @@ pub enum HemisphereGridError {
         n_phi: usize,
     },
     /// The text is not `THETAxPHI`.
-    #[error("`{0}` is no grid of bins; write THETAxPHI of one hemisphere, as in 18x36")]
+    #[error("`{0}` is not a grid of bins; write it as THETAxPHI, such as 18x36")]
     BadText(String),
 }
 

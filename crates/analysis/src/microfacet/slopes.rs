@@ -37,7 +37,7 @@ pub enum SlopeError {
     BadSmoothness(f64),
     /// The matrix is not positive definite.
     #[error(
-        "slope variances {xx} and {yy} with covariance {xy} belong to no rough surface; the variances must be positive and finite, and the square of the covariance below their product"
+        "slope variances {xx} and {yy} with covariance {xy} are invalid; the variances must be positive and finite, and the square of the covariance below their product"
     )]
     NotPositiveDefinite {
         /// Variance of `dh/dx`.

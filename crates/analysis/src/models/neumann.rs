@@ -56,7 +56,7 @@ pub struct CookTorranceNeumann {
 const GROOVES: ModelInfo = ModelInfo {
     name: CookTorranceNeumann::NAME_GROOVES,
     description: "Cook-Torrance reflection with V-shaped grooves and Neumann's denominator (Neumann et al. 1999)",
-    valid_range: "reflection near normal incidence, any Gaussian slopes that are gentle; away from it the denominator loses light, on a nearly flat surface all but the cosine of the angle of incidence",
+    valid_range: "reflection near normal incidence, gentle Gaussian slopes; away from it the denominator loses light, on a nearly flat surface all but the cosine of the angle of incidence",
     scope: Scope::SingleScattering,
     sides: Sides::Reflected,
 };

@@ -36,7 +36,7 @@ pub struct VCavity {
 const INFO: ModelInfo = ModelInfo {
     name: VCavity::NAME,
     description: "Gaussian facets in V-shaped grooves (Torrance and Sparrow 1967, Blinn 1977, Cook and Torrance 1982)",
-    valid_range: "any Gaussian slopes that are gentle; light scattered once on a surface of separate symmetric grooves, so that steep facets are shadowed sharply and by their twins alone, which rough random surfaces do not do",
+    valid_range: "gentle Gaussian slopes; light scattered once on separate symmetric grooves, whose facets are shadowed only by their opposite facets, unlike on rough random surfaces",
     scope: Scope::SingleScattering,
     sides: Sides::Both,
 };

@@ -54,7 +54,7 @@ impl MeshExplanation {
 }
 
 /// Said where no analytic result is subtracted.
-const NOTHING_REMOVED: &str = "none: nothing that is known of the continuous surface is subtracted";
+const NOTHING_REMOVED: &str = "none: no result of the continuous surface is subtracted";
 
 impl MeshErrors {
     /// Not known of any entry, and why.

@@ -17,7 +17,7 @@ pub enum TargetError {
     #[error("the target error is {0}; it must be above 0")]
     NotPositive(f64),
     /// A quantity without an error to reach.
-    #[error("of = {0} says whose error is to reach a target, but no target error is given")]
+    #[error("of = {0} names the quantity of a target error, but no target error is given")]
     NoError(Quantity),
     /// The material transmits nothing.
     #[error(

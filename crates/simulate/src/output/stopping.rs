@@ -68,7 +68,7 @@ impl Stopping {
     pub(crate) fn with_warning(mut self) -> Self {
         self.warnings.extend(match self.stopped_by {
             StoppedBy::Time => Some(
-                "the time was over before all was done: these results depend on the speed of the machine"
+                "the time limit ended the run: these results depend on the speed of the machine"
                     .to_owned(),
             ),
             StoppedBy::Interrupt => {
@@ -83,7 +83,7 @@ impl Stopping {
                 _ => None,
             },
             StoppedBy::Mesh => Some(
-                "the target is reached but for the mesh, which no finer spacing tried makes good enough"
+                "the target is reached except for the mesh error, which is too large at every spacing that was tried"
                     .to_owned(),
             ),
             StoppedBy::Target | StoppedBy::Bound => None,

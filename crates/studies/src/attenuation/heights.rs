@@ -33,7 +33,7 @@ pub struct VisibilityRow {
     pub sigma: f64,
     /// Polar angle of the direction towards the light, degrees.
     pub theta: f64,
-    /// `tan(theta) / s`, on which alone all theory depends.
+    /// `tan(theta) / s`, the only parameter of the models.
     pub x: f64,
     /// Lowest height, in sigma.
     pub height_min: f64,

@@ -173,7 +173,7 @@ impl AttenuationConfig {
                 return Ok(whole as usize);
             }
             Err(contradiction(format!(
-                "the length {} of the tile is no multiple of the spacing {}: a periodic tile holds whole samples",
+                "the length {} of the tile is not a multiple of the spacing {}: a periodic tile holds whole samples",
                 short(length),
                 short(spacing),
             )))

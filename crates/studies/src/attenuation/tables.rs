@@ -156,7 +156,7 @@ pub(super) fn visibility() -> Table<'static, VisibilityRow> {
         .column(
             theory(
                 "x",
-                "tan(theta) / s, on which alone all theory depends",
+                "tan(theta) / s, the only parameter of the models",
                 |row: &Row| row.x,
             )
             .heading("tan(theta) / s"),

@@ -36,7 +36,7 @@ impl CaseModel {
                 FlatLayer::NAMES.join(" or ")
             )),
             (None, _) if of_layers => refuse(format!(
-                "the model {name} is of a medium below the surface, and there is none"
+                "the model {name} describes a medium below the surface, but there is none"
             )),
             _ => {
                 let slopes = slopes(&case.psd).map_err(asperity_analysis::ModelError::from)?;

@@ -92,7 +92,7 @@ impl VerifyConfig {
         }
         if self.run.accelerator == AcceleratorKind::Flat {
             return contradiction(
-                "the accelerator flat is for surfaces without any height, and those drawn here have some; take auto",
+                "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto",
             );
         }
         let mut models = BTreeSet::new();
@@ -145,14 +145,14 @@ pub fn check_sides(
     }
     if layer.is_some_and(|layer| !layer.transmits()) {
         return Err(ConfigError::Contradiction(
-            "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; ask for side reflected or both".into(),
+            "nothing leaves below a medium without end, or one that ends on an absorbing, mirror or Lambertian bottom; take side reflected or both".into(),
         ));
     }
     if material.transmitting_index().is_some() {
         return Ok(());
     }
     Err(ConfigError::Contradiction(
-        "nothing is transmitted by a conductor or a mirror; ask for side reflected or both".into(),
+        "nothing is transmitted by a conductor or a mirror; take side reflected or both".into(),
     ))
 }
 
@@ -169,7 +169,7 @@ pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), Conf
     }
     if estimator == Estimator::Controlled {
         return contradiction(
-            "the controlled estimator knows no medium below the surface; take auto or plain",
+            "the controlled estimator does not support a medium below the surface; take auto or plain",
         );
     }
     Ok(())

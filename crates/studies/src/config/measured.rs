@@ -57,7 +57,7 @@ impl MeasuredConfig {
             || self.remove != Form::None;
         if self.file.is_none() && reads_file {
             return Err(ConfigError::Contradiction(
-                "border, spacing, unit, missing and remove say how the file of a surface is read, and there is none"
+                "border, spacing, unit, missing and remove are for a surface read from a file, but no file is given"
                     .into(),
             ));
         }

@@ -179,9 +179,9 @@ impl MediumConfig {
             (Some(PhaseKind::HenyeyGreenstein), None) => {
                 refuse("the phase function of Henyey and Greenstein needs g, its mean cosine")
             }
-            (Some(PhaseKind::Isotropic | PhaseKind::Rayleigh), Some(_)) => refuse(
-                "g is of the phase function of Henyey and Greenstein alone: leave out one of them",
-            ),
+            (Some(PhaseKind::Isotropic | PhaseKind::Rayleigh), Some(_)) => {
+                refuse("g is only for the phase function henyey-greenstein; leave out one of them")
+            }
         }
     }
 
@@ -190,12 +190,12 @@ impl MediumConfig {
         let kind = self.bottom.unwrap_or(BottomKind::Interface);
         if self.bottom_eta.is_some() && kind != BottomKind::Interface {
             return refuse(
-                "the index beyond the bottom is of an interface alone: leave out one of them",
+                "bottom_eta is only for a bottom that is an interface; leave out one of them",
             );
         }
         if self.bottom_reflectance.is_some() && kind != BottomKind::Lambertian {
             return refuse(
-                "the reflectance of the bottom is of a Lambertian one alone: say that it is one",
+                "bottom_reflectance is only for a Lambertian bottom; take bottom lambertian",
             );
         }
         Ok(match kind {
@@ -293,11 +293,11 @@ mod tests {
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"mirror\"\nbottom_eta = 1"),
-                "interface alone",
+                "only for a bottom that is an interface",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom_reflectance = 1"),
-                "Lambertian one alone",
+                "only for a Lambertian bottom",
             ),
             (&format!("{path}\nmax_scatterings = 1e10"), "4294967295"),
             (
@@ -310,7 +310,7 @@ mod tests {
             ),
             (
                 &format!("{path}\n[run]\nestimator = \"controlled\""),
-                "knows no medium",
+                "does not support a medium",
             ),
             (
                 &format!("{path}\n[run]\nside = \"transmitted\""),

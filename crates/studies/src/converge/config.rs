@@ -315,7 +315,8 @@ fn check_accelerator(accelerator: AcceleratorKind) -> Result<(), ConfigError> {
         return Ok(());
     }
     Err(ConfigError::Contradiction(
-        "the accelerator flat is for surfaces without any height, and those drawn here have some; take auto".into(),
+        "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto"
+            .into(),
     ))
 }
 

@@ -195,8 +195,8 @@ mod tests {
             ("[compare]\nmodels = []", "compare"),
             ("[output]\nscale = \"log\"", "log"),
             ("[measured]\nflat = true\nfile = \"a.exr\"", "excludes"),
-            ("[measured]\nborder = \"open\"", "there is none"),
-            ("[measured]\nremove = \"plane\"", "there is none"),
+            ("[measured]\nborder = \"open\"", "no file is given"),
+            ("[measured]\nremove = \"plane\"", "no file is given"),
             ("[measured]\nmissing = \"guess\"", "guess"),
             (
                 "[measured]\nflat = true\n[run]\nrealisations = 3",

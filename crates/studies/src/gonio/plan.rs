@@ -96,7 +96,7 @@ impl GonioConfig {
         if medium.is_some_and(|medium| medium.bottom_surface.named() == BottomSurface::Independent)
         {
             return contradiction(
-                "a measured surface has no others like it that could lie below; take bottom_surface flat or same",
+                "an independent bottom cannot be drawn for a measured surface; take bottom_surface flat or same",
             );
         }
         if self.medium.is_some() {

@@ -79,7 +79,7 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     }
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
         warnings.push(
-            "the light's azimuth is random, so that directions of one polar angle are the same measurement, turned: one phi is enough"
+            "the azimuth of the light is random, so all directions of one polar angle give the same result; give one phi"
                 .to_owned(),
         );
     }

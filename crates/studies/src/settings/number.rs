@@ -11,7 +11,7 @@ pub(crate) fn parse_number(text: &str) -> Result<f64, String> {
     let number = |part: &str| {
         part.trim()
             .parse::<f64>()
-            .map_err(|_| format!("`{text}` is no number; write it as 1.4, 2e-3 or 1/1.4"))
+            .map_err(|_| format!("`{text}` is not a number; write it as 1.4, 2e-3 or 1/1.4"))
     };
     let value = match text.split_once('/') {
         Some((over, under)) => number(over)? / number(under)?,
@@ -49,7 +49,7 @@ pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
         .ok()
         .and_then(|value| seconds_from_number(value * unit).ok())
         .ok_or_else(|| {
-            format!("`{text}` is no time above 0; write it in seconds as 90, or as 10m or 2h")
+            format!("`{text}` is not a time above 0; write it in seconds as 90, or as 10m or 2h")
         })
 }
 
@@ -59,7 +59,7 @@ fn seconds_from_number(value: f64) -> Result<f64, String> {
         Ok(value)
     } else {
         Err(format!(
-            "{value} is no time above 0; write it in seconds as 90, or as \"10m\" or \"2h\""
+            "{value} is not a time above 0; write it in seconds as 90, or as \"10m\" or \"2h\""
         ))
     }
 }

@@ -55,7 +55,7 @@ pub enum BuildError {
         columns: f64,
     },
     /// An accelerator for flat surfaces, and another one.
-    #[error("the accelerator flat is for surfaces without any height; take auto")]
+    #[error("the accelerator flat is for flat surfaces; take auto")]
     NotFlat,
     /// An accelerator for height fields, and a mesh.
     #[error(

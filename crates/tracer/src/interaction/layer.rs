@@ -84,7 +84,7 @@ pub enum TracedLayerError {
         bottom_border: asperity_surface::Border,
     },
     /// An open bottom is no interface.
-    #[error("an open bottom is no interface, so it has no shape: take a flat one, or another kind")]
+    #[error("an open bottom has no shape: take a flat one, or another kind of bottom")]
     OpenShape,
 }
 

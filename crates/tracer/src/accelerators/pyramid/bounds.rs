@@ -177,7 +177,7 @@ impl Bounds {
     }
 }
 
-/// One comparison, where `f32::max` takes care of what is no number.
+/// One comparison, where `f32::max` takes care of a NaN.
 fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

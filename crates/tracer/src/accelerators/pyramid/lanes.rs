@@ -50,7 +50,7 @@ pub(super) trait Lanes: Copy {
 
     fn splat(self, value: f32) -> Self::F;
     fn splat_i(self, value: i32) -> Self::I;
-    /// Whether `a < b`, false where one is no number.
+    /// Whether `a < b`, false where one is NaN.
     fn less(self, a: Self::F, b: Self::F) -> Self::M;
     /// Whether `a < b`.
     fn less_i(self, a: Self::I, b: Self::I) -> Self::M;

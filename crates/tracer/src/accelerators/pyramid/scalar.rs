@@ -198,7 +198,7 @@ fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) ->
     }
 }
 
-/// One comparison, where `f32::min` takes care of what is no number.
+/// One comparison, where `f32::min` takes care of a NaN.
 fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }

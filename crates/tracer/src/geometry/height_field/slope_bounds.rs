@@ -223,7 +223,7 @@ fn rises([h00, h10, h01, h11]: [f64; 4]) -> [[f64; 2]; 4] {
     ]
 }
 
-/// One comparison, where `f64::min` takes care of what is no number.
+/// One comparison, where `f64::min` takes care of a NaN.
 fn least(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }

@@ -49,7 +49,7 @@ const SEAM: f64 = LONGEST / (1_u64 << 22) as f64;
 #[non_exhaustive]
 pub enum MeshSurfaceError {
     /// No triangle with an area.
-    #[error("there is no triangle with an area among {0}; one is the least")]
+    #[error("none of {0} triangles has an area; at least one is needed")]
     NoTriangles(usize),
     /// More triangles than 31 bits can number.
     #[error("{0} triangles are too many; 2147483648 is the most")]
@@ -106,7 +106,7 @@ pub enum MeshSurfaceError {
     },
     /// Opposite borders of a periodic tile differ.
     #[error(
-        "the border is to be periodic along {axis}, but the vertex at {place:?} has no counterpart on the opposite border"
+        "the border must be periodic along {axis}, but the vertex at {place:?} has no counterpart on the opposite border"
     )]
     NotPeriodic {
         /// The axis along which the tile would repeat.
@@ -130,7 +130,7 @@ pub enum MeshSurfaceError {
     },
     /// A tile that continues beyond its border, but whose mesh does not separate above from below.
     #[error(
-        "seen from above, the triangles cover the tile {layers} times, those that face down counted as negative; a {border} border needs one ground from rim to rim, lest light pass by"
+        "seen from above, the triangles cover the tile {layers} times, those that face down counted as negative; a {border} border needs a mesh that covers the tile exactly once"
     )]
     NotOneGround {
         /// Layers that face up, less those that face down: none for a closed body.
