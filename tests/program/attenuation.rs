@@ -205,7 +205,7 @@ fn mirrored_rays_are_masked_as_smith_has_it_within_its_bias() {
 }
 
 #[test]
-fn both_ways_find_the_same() {
+fn both_methods_agree() {
     let directions = "--theta 20,60,85 --phi 30 --view-theta 0,50 --view-phi 200 --heights";
     let command = format!("{SMALL} {directions}");
     let [rays, horizons] =

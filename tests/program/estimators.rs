@@ -209,7 +209,7 @@ fn estimators_agree_on_a_given_surface() {
 }
 
 #[test]
-fn a_control_takes_most_of_the_noise_of_smooth_surfaces() {
+fn a_control_variate_takes_most_of_the_noise_of_smooth_surfaces() {
     let text = "
         [surface]
         smoothness = [6, 3]

@@ -56,7 +56,7 @@ fn angles_and_random_surfaces_take_the_place_of_grids_and_given_ones() {
 
 /// Ridges of a surface that is flat between them are troughs from below: `trace` with the same request finds the same.
 #[test]
-fn light_comes_from_the_side_that_is_asked_for() {
+fn light_comes_from_the_requested_side() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     fs::write(folder.join("h.csv"), "0,0,0,2\n".repeat(4)).unwrap();

@@ -154,7 +154,7 @@ fn bins_add_up_to_totals_and_are_fluxes_over_projected_solid_angle() {
 
 /// What `verify` finds for the case of one direction is what stands in its file.
 #[test]
-fn a_direction_is_what_verify_finds() {
+fn a_direction_has_the_results_of_verify() {
     let folder = with_config();
     let folder = folder.path();
     succeed(folder, &words("gonio g.toml -o out"));
@@ -179,7 +179,7 @@ fn a_direction_is_what_verify_finds() {
 }
 
 #[test]
-fn a_measurement_goes_on_where_it_was_left_and_threads_change_no_byte() {
+fn a_measurement_resumes_and_threads_change_no_byte() {
     let folder = with_config();
     let folder = folder.path();
     succeed(folder, &words("gonio g.toml --threads 1 -o whole"));
@@ -422,7 +422,7 @@ fn bad_input_gets_a_sentence() {
         ("gonio no.toml -o out", 1, "no.toml"),
         ("gonio g.toml --theta 90 -o out", 2, "below 90"),
         ("gonio g.toml --theta 3,3 -o out", 2, "twice"),
-        ("gonio g.toml --directions 0x3 -o out", 2, "bins"),
+        ("gonio g.toml --directions 0x3 -o out", 2, "THETAxPHI"),
         (
             "gonio g.toml --directions 2x3 --theta 3 -o out",
             2,

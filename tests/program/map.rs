@@ -305,7 +305,7 @@ fn a_model_of_all_orders_is_the_sum_of_single_and_multiple() {
 }
 
 #[test]
-fn damaged_cells_are_found_anew_and_foreign_ones_are_refused() {
+fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
     let folder = with_config();
     let folder = folder.path();
     succeed(folder, &words("map m.toml --quiet --no-plots -o out"));

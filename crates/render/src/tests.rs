@@ -192,7 +192,7 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
 /// Seen from straight above with x to the right, the left half of the picture lies below the patch. Light
 /// spreads over a few free paths of 0.2, a tenth of a column.
 #[test]
-fn a_patch_lights_what_lies_below_it_and_little_beside() {
+fn a_patch_lights_what_lies_below_it_and_little_around_it() {
     let medium = ParticipatingMedium::from_mean_free_path(0.2, 0.9, PhaseFunction::Isotropic);
     let layer = Layer::half_space(medium.unwrap());
     let patch = Patch::new([0.0, 0.0], [16.0, 32.0]).unwrap();
@@ -293,7 +293,7 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_the_f
 /// Of a sun over a medium, pictures show what straight paths to the eye find by chance. Roughness, tiles that
 /// are longer than wide with unequal spacings, and a patch that is smaller than the tile make places matter.
 #[test]
-fn a_sun_over_a_medium_is_as_bright_as_chance_finds_it() {
+fn light_beams_agree_with_random_paths_under_a_sun() {
     let heights = rough(Border::Periodic).heights()[..32 * 8].to_vec();
     let field = HeightField::new(heights, [8, 32], [0.5, 1.5]).unwrap();
     let field = field.with_border(Border::Periodic);

@@ -326,7 +326,7 @@ mod tests {
     }
 
     #[test]
-    fn rounding_fails_no_model() {
+    fn rounding_rejects_no_model() {
         // The same flux on every surface, off by what quadrature leaves; the bins scatter and agree in sum.
         let surfaces: Vec<Vec<f64>> = (0..10)
             .map(|r| {

@@ -180,7 +180,7 @@ mod tests {
     /// Each block but the first two asks once before it begins, so a run that is told to stop at the
     /// question after `n` has traced `2 + n` blocks, whatever the threads; all of them are handed on.
     #[test]
-    fn a_run_that_is_to_stop_begins_no_block_but_the_first_two() {
+    fn a_stopped_run_begins_no_block_but_the_first_two() {
         let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
         let surface = Surface::new(field);
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
@@ -225,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_hold_the_rays_asked_for_and_little_more() {
+    fn blocks_hold_the_requested_rays_and_few_more() {
         for rays in [
             1,
             2,

@@ -189,7 +189,7 @@ mod tests {
             ("[light]\ntheta = [0, 90]", "below 90"),
             ("[light]\nphi = [0, inf]", "must be a number"),
             ("[light]\ntheta = [1, 1]", "theta has a value twice"),
-            ("[light]\ndirections = \"0x4\"", "bins"),
+            ("[light]\ndirections = \"0x4\"", "THETAxPHI"),
             ("[light]\ndirections = \"3x4\"\ntheta = 3", "excludes"),
             ("[light]\ntehta = 3", "tehta"),
             ("[compare]\nmodels = []", "compare"),

@@ -87,7 +87,7 @@ mod tests {
     /// period adds `exp(-8^2 + ...)`, power beyond Nyquist `erfc(2 pi) = 6e-19`. Rounding of the sums
     /// dominates: 1e-12 is ample. No random number is involved.
     #[test]
-    fn covariance_is_the_autocorrelation_asked_for_less_the_mean() {
+    fn covariance_is_the_requested_autocorrelation_less_the_mean() {
         for (sigma, tau_x, tau_y, azimuth, shape, spacing) in [
             (1.0, 4.0, 4.0, 0.0, [34, 36], [1.0, 1.0]),
             (1e-9, 3.0, 2.0, 0.0, [33, 48], [0.5, 0.5]),

@@ -225,7 +225,7 @@ mod tests {
 
     /// The bits that every processor must compute, as long as this version's surfaces are to last.
     #[test]
-    fn bits_stay_as_published() {
+    fn bits_agree_with_the_published_ones() {
         let mut bits = 0_u64;
         Noise::new(2024, 3).waves(7, Side::Positive, 1000, |_, re, im| {
             for part in re.iter().chain(im) {

@@ -90,7 +90,7 @@ fn mean_of_pairs(field: &HeightField, lag: [usize; 2], f: impl Fn(f64, f64) -> f
 /// |z| < 4 with probability 1 - 6e-5. A realisation's own variance scatters by
 /// `sqrt(pi tau_x tau_y / A)`, 15 % here, so 600 of them see an error of 2.4 % in it at z = 4.
 #[test]
-fn ensemble_has_the_statistics_asked_for() {
+fn ensemble_has_the_requested_statistics() {
     let realisations = 600;
     for (seed, tau_x, tau_y, azimuth, shape, spacing) in [
         (11, 5.0, 5.0, 0.0, [64, 60], [1.0, 1.0]),
@@ -196,7 +196,7 @@ fn same_seed_same_surface_other_realisation_another() {
 
 /// What the memory held before, or how much it is, does not matter.
 #[test]
-fn surface_is_the_same_in_memory_at_hand() {
+fn surface_is_the_same_in_reused_memory() {
     for (shape, tau) in [([40, 44], 1.0), ([41, 43], 4.0), ([9, 2], 0.5)] {
         let psd = Psd::gaussian(1.0, tau).unwrap();
         let synthesis = Synthesis::new(psd, shape, [1.0, 1.0], true).unwrap();

@@ -142,7 +142,7 @@ fn beams_bring_what_chance_finds_near_the_surface() {
 }
 
 #[test]
-fn beams_bring_what_chance_finds_behind_peaks() {
+fn beams_agree_with_random_paths_behind_peaks() {
     let tall = Case {
         height: 3.0,
         phase: PhaseFunction::henyey_greenstein(-0.4).unwrap(),

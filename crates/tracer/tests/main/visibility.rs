@@ -265,7 +265,7 @@ fn grooves_cast_the_shadows_of_two_planes() {
 }
 
 #[test]
-fn a_flat_surface_sees_the_whole_sky() {
+fn a_flat_surface_is_lit_from_the_whole_sky() {
     let field = HeightField::new(vec![2.5; 30], [5, 6], [0.1, 0.2]).unwrap();
     let surface = Surface::new(field);
     let points = points(&surface, 1);

@@ -310,7 +310,7 @@ fn duplicate_bins_change_no_p_value() {
 }
 
 #[test]
-fn a_wrong_model_fails_and_a_correct_one_holds() {
+fn a_wrong_model_is_rejected_and_a_correct_one_is_not() {
     let mut ensemble = Ensemble::new(24);
     let surfaces = ensemble.surfaces(24);
     let right = ensemble.expected.clone();

@@ -51,7 +51,7 @@ fn rough(sigma: f64, shape: [usize; 2], spacing: [f64; 2], border: Border) -> Su
 }
 
 #[test]
-fn a_sample_stands_on_the_facet_into_which_it_looks() {
+fn a_sample_belongs_to_the_facet_into_which_its_ray_points() {
     for (border, spacing) in [
         (Border::Periodic, [1.0, 1.0]),
         (Border::Periodic, [1.0, 2.3]),

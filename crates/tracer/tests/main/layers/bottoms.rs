@@ -142,7 +142,7 @@ fn layers_too_thin_for_their_surfaces_and_bottoms_of_another_tile_are_refused() 
 }
 
 #[test]
-fn paths_end_at_the_order_asked_for_at_bottoms_too() {
+fn paths_end_at_the_requested_order_at_bottoms_too() {
     // In through the surface is one interaction: the bottom is the second, and may not have it.
     let spec = TallySpec::default().with_medium();
     let interface = Bottom::Interface { eta: 1.0 / 1.5 };

@@ -43,7 +43,7 @@ fn short_and_long_mean_free_paths_tend_to_limits_which_differ() {
 }
 
 #[test]
-fn light_from_however_far_below_finds_the_surface() {
+fn light_from_any_distance_below_hits_the_surface() {
     let near = reflectance(1e4, 3);
     for (i, mean_free_path) in [1e9, 1e11].into_iter().enumerate() {
         for border in [Border::Periodic, Border::Mirrored] {
