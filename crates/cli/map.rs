@@ -1,4 +1,4 @@
-//! `asperity map`: where each model holds.
+//! `asperity map`: where each model is within tolerance.
 
 use asperity_simulate::{StoppedBy, counted};
 use asperity_studies::settings::Document;

@@ -1,7 +1,7 @@
 //! Studies: from a typed configuration to results with errors, as tables, figures and checkpoints.
 //!
 //! [`verify`] simulates light on random surfaces and compares it with statistical models; [`converge()`] measures what the ways of
-//! computing cost, run time against error; [`map()`] says over a grid of cases where models hold; [`gonio()`]
+//! computing cost, run time against error; [`map()`] says over a grid of cases where models are within tolerance; [`gonio()`]
 //! measures the whole BRDF and BTDF, direction by direction.
 
 mod attenuation;

@@ -17,7 +17,7 @@ pub enum Command {
     Render,
     /// Compares random surfaces with models.
     Verify,
-    /// Maps where models hold.
+    /// Maps where models are within tolerance.
     Map,
     /// Measures BRDF and BTDF for many directions.
     Gonio,
@@ -73,7 +73,7 @@ impl Command {
             Self::Trace => "Trace light on one surface",
             Self::Render => "Render one surface and the medium below it",
             Self::Verify => "Compare random surfaces with the scattering models",
-            Self::Map => "Map where each model holds; resumes an earlier run",
+            Self::Map => "Map where each model is within tolerance; resumes an earlier run",
             Self::Gonio => "Measure BRDF and BTDF by direction; resumes an earlier run",
             Self::Converge => "Measure run time against error of the estimators",
             Self::Attenuation => "Compare shadowing and masking with Smith and V-cavities",
