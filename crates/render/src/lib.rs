@@ -1,16 +1,16 @@
 //! Pictures of explicit surfaces and what lies below them.
 //!
-//! Light is reversible: the radiance that a camera sees along a line is what arrives on all paths that
-//! begin with that line, followed backwards, from where they leave. On the way radiance changes by the
-//! square of the index at each interface, and back again, so that for paths that begin and end above all
-//! factors cancel, and a path may be followed as light is ([`asperity_tracer::PathIntegrator`]).
+//! Light paths are reversible: the radiance along a camera ray is that which arrives on all paths that begin with
+//! this ray, followed backwards to the light sources. Radiance changes by the square of the index at each
+//! interface. For paths that begin and end above the surface these factors cancel, so that a path is followed as
+//! light is ([`asperity_tracer::PathIntegrator`]).
 //!
-//! A sun behind a refracting surface is hardly found by chance. Where a path is scattered inside a medium, the
-//! facets that light it from one direction of the sun's disc are computed ([`asperity_tracer::LightBeams`]), a
-//! direction for each pass; chance finds the rest: what is reflected, or meets several facets on its way.
+//! Random paths hardly ever hit a sun behind a refracting surface. Where a path is scattered inside a medium, the
+//! facets that light it from one direction of the sun's disc are computed ([`asperity_tracer::LightBeams`]), with
+//! one direction per pass. Random paths add the rest: sunlight that is reflected, or interacts with several facets.
 //!
-//! A picture is made in passes, each with as many samples per pixel, spread evenly over it; every row of a pass
-//! has a random stream of its own. Errors are those of the mean over passes.
+//! A picture is made in passes with an equal number of samples per pixel, spread evenly over it. Every row of a pass
+//! has its own random stream. Errors are those of the mean over passes.
 
 mod error;
 mod exposure;

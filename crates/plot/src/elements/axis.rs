@@ -1,7 +1,8 @@
 //! Axes with round ticks.
 
 use super::numbers::{
-    display_exponent, exponent10, fixed, per_steradian, power_of_ten, round_step, scale_down,
+    RoundStep, display_exponent, exponent10, fixed, per_steradian, power_of_ten, round_step,
+    scale_down,
 };
 use super::text::text_width;
 use super::theme;
@@ -29,7 +30,7 @@ pub(crate) struct Axis {
 impl Axis {
     /// About `count` ticks at round values. `exponent`: tick texts show value / 10^exponent.
     pub(crate) fn linear(lo: f64, hi: f64, count: usize, exponent: i32) -> Self {
-        let (step, decimals) = round_step((hi - lo) / count.max(1) as f64, exponent);
+        let RoundStep { step, decimals } = round_step((hi - lo) / count.max(1) as f64, exponent);
         let first = (lo / step - 1e-9).ceil();
         // A broken step would make the range of ticks endless; twice the wish is always enough.
         let major = (0..2 * count + 4)

@@ -236,32 +236,32 @@ impl Curve {
     }
 
     fn draw(&self, scene: &mut Scene, plane: &dyn Plane) {
-        let colour = self.colour.rgb();
+        let bars = |width| Pen::solid(self.colour.rgb(), width);
         match self.style {
-            Style::Points(_) | Style::Hollow(_) | Style::Joined(_) => {
-                self.draw_bars(scene, plane, Pen::solid(colour, theme::BAR_WIDTH));
+            Style::Points(_) | Style::Hollow(_) => {
+                self.draw_bars(scene, plane, bars(theme::BAR_WIDTH));
+                self.draw_markers(scene, plane);
+            }
+            Style::Joined(_) => {
+                self.draw_bars(scene, plane, bars(theme::BAR_WIDTH));
+                self.draw_line(scene, plane);
+                self.draw_markers(scene, plane);
             }
             Style::Line(_) => {
-                self.draw_bars(scene, plane, Pen::solid(colour, 0.5 * theme::BAR_WIDTH));
+                self.draw_bars(scene, plane, bars(0.5 * theme::BAR_WIDTH));
+                self.draw_line(scene, plane);
             }
-            _ => {}
+            Style::Band(_) | Style::Guide | Style::Faint => self.draw_line(scene, plane),
         }
-        if !matches!(self.style, Style::Points(_) | Style::Hollow(_)) {
-            self.draw_line(scene, plane);
-        }
-        if matches!(
-            self.style,
-            Style::Points(_) | Style::Hollow(_) | Style::Joined(_)
-        ) {
-            for at in self
-                .places(plane)
-                .flatten()
-                .filter(|at| plane.contains(*at))
-            {
-                match self.style {
-                    Style::Hollow(_) => scene.hollow_marker(at, self.marker(), colour),
-                    _ => scene.marker(at, self.marker(), colour),
-                }
+    }
+
+    fn draw_markers(&self, scene: &mut Scene, plane: &dyn Plane) {
+        let (marker, colour) = (self.marker(), self.colour.rgb());
+        let places = self.places(plane).flatten();
+        for at in places.filter(|at| plane.contains(*at)) {
+            match self.style {
+                Style::Hollow(_) => scene.hollow_marker(at, marker, colour),
+                _ => scene.marker(at, marker, colour),
             }
         }
     }

@@ -6,17 +6,23 @@ use super::text::text_width;
 use super::theme;
 use crate::PlotError;
 
-/// Texts in lines, centred about their x, so that all last lines are at one height; returns their depth.
+/// A text in lines, centred about `x`.
+pub(crate) struct ColumnName {
+    pub(crate) x: f64,
+    pub(crate) lines: Vec<String>,
+}
+
+/// Draws names so that all last lines are at one height; returns their depth.
 pub(crate) fn stacked_at_bottom(
     scene: &mut Scene,
     top: f64,
-    texts: &[(f64, Vec<String>)],
+    names: &[ColumnName],
     size: f64,
 ) -> f64 {
     let style = TextStyle::new(size, Align::Centre, Level::Top);
     let line = 1.35 * size;
-    let most = texts.iter().map(|text| text.1.len()).max().unwrap_or(1);
-    for (x, lines) in texts {
+    let most = names.iter().map(|name| name.lines.len()).max().unwrap_or(1);
+    for ColumnName { x, lines } in names {
         for (k, text) in lines.iter().enumerate() {
             let above = (most - lines.len() + k) as f64;
             scene.text(text, (*x, top + above * line), style);

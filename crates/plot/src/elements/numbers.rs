@@ -82,11 +82,20 @@ pub(crate) fn scale_down(value: f64, exponent: i32) -> f64 {
     value / 10f64.powi(half) / 10f64.powi(exponent - half)
 }
 
+/// A round distance between ticks, and the decimals that tell them apart.
+pub(crate) struct RoundStep {
+    pub(crate) step: f64,
+    pub(crate) decimals: usize,
+}
+
 /// The round step 1, 2 or 5 times a power of ten at or above `raw`, and the decimals its multiples need after
 /// division by 10^`exponent`.
-pub(crate) fn round_step(raw: f64, exponent: i32) -> (f64, usize) {
+pub(crate) fn round_step(raw: f64, exponent: i32) -> RoundStep {
     if !raw.is_normal() || raw < 0.0 {
-        return (1.0, 0);
+        return RoundStep {
+            step: 1.0,
+            decimals: 0,
+        };
     }
     let power = exponent10(raw);
     let mantissa = scale_down(raw, power);
@@ -98,7 +107,7 @@ pub(crate) fn round_step(raw: f64, exponent: i32) -> (f64, usize) {
     let decimals = usize::try_from(exponent - power).unwrap_or(0).min(12);
     // Parsed, so that a step of 0.1 is the number a reader would write.
     let step = format!("{factor}e{power}").parse().unwrap_or(raw);
-    (step, decimals)
+    RoundStep { step, decimals }
 }
 
 /// The largest of 1, 2 or 5 times a power of ten that is at most `raw`; `raw` itself if that is out of range.

@@ -78,7 +78,7 @@ impl HeightMapFigure<'_> {
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let extent = self.extent();
-        let lateral = LengthUnit::choose(&self.unit, extent.0.max(extent.1));
+        let lateral = LengthUnit::choose(&self.unit, extent[0].max(extent[1]));
         let statistics = Statistics::of(self.heights);
         let vertical = match statistics.min.abs().max(statistics.max.abs()) {
             0.0 => lateral.clone(),
@@ -86,12 +86,12 @@ impl HeightMapFigure<'_> {
         };
 
         // The map, as large as fits.
-        let true_aspect = extent.0 / extent.1;
+        let true_aspect = extent[0] / extent[1];
         let aspect = true_aspect.clamp(1.0 / MAX_ASPECT, MAX_ASPECT);
         let width = MAX_MAP.0.min(MAX_MAP.1 * aspect);
         let height = width / aspect;
-        let x_axis = lateral.side_axis("x", extent.0, width);
-        let y_axis = lateral.side_axis("y", extent.1, height);
+        let x_axis = lateral.side_axis("x", extent[0], width);
+        let y_axis = lateral.side_axis("y", extent[1], height);
         let left = theme::MARGIN + y_axis_room(&y_axis)?;
         let figure_width = (left + width + BAR_ROOM).max(MIN_FIGURE_WIDTH);
 
@@ -133,13 +133,13 @@ impl HeightMapFigure<'_> {
         Valid::Finite.check_all("height", self.heights.iter().copied())?;
         Valid::Positive.check_all("spacing", self.spacing)?;
         let extent = self.extent();
-        Valid::Finite.check_all("extent", [extent.0, extent.1])
+        Valid::Finite.check_all("extent", extent)
     }
 
     /// Along x and y.
-    fn extent(&self) -> (f64, f64) {
+    fn extent(&self) -> [f64; 2] {
         let ([ny, nx], [dy, dx]) = (self.shape, self.spacing);
-        (nx as f64 * dx, ny as f64 * dy)
+        [nx as f64 * dx, ny as f64 * dy]
     }
 
     fn facts(&self, statistics: &Statistics, unit: &LengthUnit) -> String {

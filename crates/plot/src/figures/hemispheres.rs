@@ -6,7 +6,7 @@ use crate::elements::axis::{Axis, per_steradian_axis};
 use crate::elements::colour_scale::{ColourScale, bar_ticks, draw_bar};
 use crate::elements::disc;
 use crate::elements::geometry::{Rect, Xy};
-use crate::elements::matrix::stacked_at_bottom;
+use crate::elements::matrix::{ColumnName, stacked_at_bottom};
 use crate::elements::numbers::per_steradian;
 use crate::elements::page::Page;
 use crate::elements::scene::{Align, Level, Pen, Picture, Scene, TextStyle};
@@ -226,7 +226,8 @@ impl Hemispheres {
         let room = layout.diameter + GAP - 6.0;
         let names = self.columns.iter().enumerate().map(|(i, name)| {
             let lines = wrap(name, theme::TICK_SIZE, room)?;
-            Ok((layout.centre(i), lines))
+            let x = layout.centre(i);
+            Ok(ColumnName { x, lines })
         });
         let names = names.collect::<Result<Vec<_>, PlotError>>()?;
         let depth = stacked_at_bottom(&mut page.scene, page.y, &names, theme::TICK_SIZE);

@@ -93,6 +93,12 @@ const TIP_RADIUS: f64 = 6.0;
 /// The line of the surface ends so far beyond the circle.
 const SURFACE_END: f64 = 6.0;
 
+/// Room above and below the line of the surface.
+struct Heights {
+    above: f64,
+    below: f64,
+}
+
 impl PolarLobes {
     /// Lays the figure out.
     ///
@@ -104,7 +110,7 @@ impl PolarLobes {
         self.check(&series)?;
         let mut page = Page::new(&self.title, &self.subtitle, FIGURE_WIDTH)?;
         let top = page.y + 12.0;
-        let (above, below) = self.heights();
+        let Heights { above, below } = self.heights();
         let origin = (CENTRE_X, top + above);
         let halves = self.halves(&series, origin);
         // One power of ten above and below; an enlarged side has small numbers, but they stay readable.
@@ -151,13 +157,14 @@ impl PolarLobes {
     }
 
     /// Room above and below the line of the surface.
-    fn heights(&self) -> (f64, f64) {
+    fn heights(&self) -> Heights {
         let lobes = RADIUS + ANGLE_ROOM;
-        match self.sides {
+        let (above, below) = match self.sides {
             Sides::Reflected => (lobes, theme::TICK_SIZE + 24.0),
             Sides::Transmitted => (ARROW_ROOM, lobes),
             Sides::Both => (lobes, lobes),
-        }
+        };
+        Heights { above, below }
     }
 
     /// Chooses the radial scales: one round step for the stronger side, and a round enlargement for the weaker.

@@ -4,7 +4,7 @@ use crate::elements::axis::Axis;
 use crate::elements::colour_scale::{ColourScale, draw_bar, that_fits};
 use crate::elements::geometry::Rect;
 use crate::elements::legend::{Entry, Key};
-use crate::elements::matrix::{draw_column_texts, draw_row_texts, stacked_at_bottom};
+use crate::elements::matrix::{ColumnName, draw_column_texts, draw_row_texts, stacked_at_bottom};
 use crate::elements::numbers::{decimals, fixed};
 use crate::elements::page::Page;
 use crate::elements::panel::X_AXIS_DEPTH;
@@ -125,7 +125,8 @@ impl ValidityMap {
         page.y += 10.0;
         let names = (0..self.models.len()).map(|model| {
             let lines = broken_at_hyphens(&self.models[model], width + PANEL_GAP - 4.0)?;
-            Ok((layout.panel_left(model) + 0.5 * width, lines))
+            let x = layout.panel_left(model) + 0.5 * width;
+            Ok(ColumnName { x, lines })
         });
         let names = names.collect::<Result<Vec<_>, PlotError>>()?;
         page.y += stacked_at_bottom(&mut page.scene, page.y, &names, theme::LEGEND_SIZE) + 3.0;
