@@ -246,7 +246,7 @@ impl Hemispheres {
         let Some(cell) = cell else {
             scene.circle(centre, radius, Pen::solid(theme::FAINT, theme::GRID_WIDTH));
             let style = TextStyle::new(theme::NOTE_SIZE, Align::Centre, Level::Middle).muted();
-            scene.text("not there yet", centre, style);
+            scene.text("not measured yet", centre, style);
             return;
         };
         if let Some(scale) = scale {
@@ -363,7 +363,7 @@ mod tests {
         two.columns.push("more".into());
         assert!(two.draw().is_err());
         two.cells.push(None);
-        assert!(two.draw().unwrap().svg().unwrap().contains("not there yet"));
+        assert!(two.draw().unwrap().svg().unwrap().contains("not measured yet"));
         // A row without a disc has no scale, neither its own nor a common one.
         for scale in [SharedColours::Rows, SharedColours::Common] {
             let mut empty = two.clone();
