@@ -392,7 +392,7 @@ fn spacing_and_unit_come_from_the_file_or_from_flags() {
     };
     let told = sdq(&["a.npy", "--spacing", "0.5", "--unit", "um"]);
     assert!((told / sdq(&["a.exr"]) - 1.0).abs() < 1e-6);
-    assert!(succeed(&folder, &["inspect", "a.npy"]).contains("1 was assumed"));
+    assert!(succeed(&folder, &["inspect", "a.npy"]).contains("1 is assumed"));
     assert!(!succeed(&folder, &["inspect", "a.exr"]).contains("assumed"));
 }
 

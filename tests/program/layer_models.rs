@@ -127,7 +127,7 @@ fn layers_are_refused_what_their_models_cannot_do() {
             "flat-layer --theta 30 --scattering 1 --thickness 1 --bottom-surface same",
             "leave out --bottom-surface",
         ),
-        ("smith --theta 30", "give their --smoothness"),
+        ("smith --theta 30", "give --smoothness"),
     ] {
         let error = refused(folder.path(), &words(&format!("model {arguments}")), 2);
         assert!(error.contains(expected), "{arguments}: {error}");

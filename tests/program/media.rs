@@ -167,7 +167,7 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
         ),
         (
             format!("{medium} --thickness 50 --bottom open --bottom-surface same"),
-            "no interface",
+            "an open bottom has no shape",
         ),
         (format!("{medium} --from below"), "come from above"),
         (format!("{medium} --estimator controlled"), "no medium"),

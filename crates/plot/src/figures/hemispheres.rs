@@ -363,7 +363,13 @@ mod tests {
         two.columns.push("more".into());
         assert!(two.draw().is_err());
         two.cells.push(None);
-        assert!(two.draw().unwrap().svg().unwrap().contains("not measured yet"));
+        assert!(
+            two.draw()
+                .unwrap()
+                .svg()
+                .unwrap()
+                .contains("not measured yet")
+        );
         // A row without a disc has no scale, neither its own nor a common one.
         for scale in [SharedColours::Rows, SharedColours::Common] {
             let mut empty = two.clone();
