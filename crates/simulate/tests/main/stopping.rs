@@ -237,7 +237,7 @@ fn a_target_is_not_reached_by_rays_alone_where_the_mesh_adds_too_much() {
         let said = stopping
             .warnings
             .iter()
-            .any(|w| w.contains("but for the mesh"));
+            .any(|w| w.contains("except for the mesh"));
         assert_eq!(said, ended == StoppedBy::Mesh);
     }
 }

@@ -279,7 +279,7 @@ mod tests {
             ),
             (
                 &format!("{path}\ng = 0.1\nphase = \"rayleigh\""),
-                "Greenstein alone",
+                "only for the phase function henyey-greenstein",
             ),
             (&format!("{path}\nphase = \"henyey-greenstein\""), "needs g"),
             (&format!("{path}\nbottom = \"open\""), "give its thickness"),
@@ -289,7 +289,7 @@ mod tests {
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"open\"\nbottom_surface = \"same\""),
-                "no interface",
+                "an open bottom has no shape",
             ),
             (
                 &format!("{path}\nthickness = 9\nbottom = \"mirror\"\nbottom_eta = 1"),
