@@ -60,12 +60,12 @@ impl RandomGroup {
         let tally = &self.settings.tally;
         let cells = self.synthesis.shape().iter().product();
         let of_case = |i: usize, fine: &CaseTallies| {
-            let control = self.traced[i].method.control();
+            let control_variate = self.traced[i].method.control_variate();
             let run = PilotRun {
                 fine,
                 coarse: coarse.map(|coarse| &coarse[i]),
                 cells,
-                counted: pilot::entries_with_least_error(target.of(), tally, control),
+                counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
             };
             Figures::new(target, tally, &run)
         };
@@ -119,7 +119,7 @@ impl RandomGroup {
         };
         if effort.expected > target.error() {
             self.pilot.warnings.push(format!(
-                "the target {} takes more than {} surfaces, the most that results are held of: expect {}",
+                "the target {} needs more than {} surfaces, the most whose results fit into memory; the expected error is {}",
                 error_in_short(target.error()),
                 effort.surfaces,
                 error_in_short(effort.expected)
