@@ -170,7 +170,10 @@ fn what_makes_no_medium_is_refused_in_one_sentence() {
             "an open bottom has no shape",
         ),
         (format!("{medium} --from below"), "come from above"),
-        (format!("{medium} --estimator controlled"), "no medium"),
+        (
+            format!("{medium} --estimator controlled"),
+            "does not support a medium",
+        ),
         (format!("{medium} --material mirror"), "no light enters"),
         (
             format!("{medium} --side transmitted"),

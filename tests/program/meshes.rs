@@ -156,7 +156,7 @@ fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
         (
             vec!["verify", "table.obj", "-o", "out"],
             2,
-            "takes a configuration",
+            "reads a configuration",
         ),
         (vec!["trace", "cut.ply", "--theta", "30"], 1, "end_header"),
         (
