@@ -116,7 +116,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "bottom_surface",
         Kind::ChoiceOrFile(BOTTOM_SHAPES),
         TRACE.and(RENDER),
-        "Arity of the bottom",
+        "Shape of the bottom",
     )
     .value_name("SHAPE|FILE")
     .default("flat"),
@@ -125,7 +125,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "bottom_surface",
         Kind::Choice(BOTTOM_SHAPES),
         VERIFY.and(GONIO).and(MODEL),
-        "Arity of the bottom",
+        "Shape of the bottom",
     )
     .value_name("SHAPE")
     .default("flat"),
