@@ -11,7 +11,7 @@ use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_surface};
 use crate::interrupt;
-use crate::output::{print, print_json, result_folder, say};
+use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
@@ -59,14 +59,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             work.seconds
         )
     });
-    if results.json {
-        return print_json(&attenuation_summary(&outcome));
-    }
-    if common.quiet {
-        return Ok(());
-    }
-    let place = results.output.as_ref().map_or(String::new(), |folder| {
-        format!("results in {}\n", folder.display())
-    });
-    print(&format!("{}{place}", attenuation_table(&outcome)))
+    results.print(
+        common,
+        || attenuation_summary(&outcome),
+        || attenuation_table(&outcome),
+    )
 }

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use asperity_studies::settings::{Document, SettingError};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use crate::output::say;
+use crate::failure::Failure;
+use crate::output::{print, print_json, say};
 
 /// Settings of every command.
 #[derive(Debug, Deserialize)]
@@ -61,5 +62,36 @@ impl Results {
     /// The folder or file, which the command needs.
     pub(crate) fn required(&self) -> PathBuf {
         self.output.clone().unwrap_or_default()
+    }
+
+    /// Prints results as JSON with `--json`, nothing with `--quiet`, and text otherwise, with the folder that they
+    /// were written to.
+    pub(crate) fn print<T: Serialize>(
+        &self,
+        common: &Common,
+        summary: impl FnOnce() -> T,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        self.print_file(common, summary, || {
+            let mut text = text();
+            if let Some(folder) = &self.output {
+                text.push_str(&format!("results in {}\n", folder.display()));
+            }
+            text
+        })
+    }
+
+    /// The same of a command whose output is a file, which the text tells of by itself.
+    pub(crate) fn print_file<T: Serialize>(
+        &self,
+        common: &Common,
+        summary: impl FnOnce() -> T,
+        text: impl FnOnce() -> String,
+    ) -> Result<(), Failure> {
+        match (self.json, common.quiet) {
+            (true, _) => print_json(&summary()),
+            (false, true) => Ok(()),
+            (false, false) => print(&text()),
+        }
     }
 }

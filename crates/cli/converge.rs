@@ -3,29 +3,27 @@
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    ConvergeConfig, ConvergeError, VerifyError, converge, converge_report, converge_summary,
-    converge_table,
+    ConvergeConfig, ConvergeError, converge, converge_report, converge_summary, converge_table,
 };
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_simulation};
+use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
-use crate::output::{print, print_json, result_folder, say};
+use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     document.check_required().map_err(Failure::usage)?;
     let config: ConvergeConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
-    let path = results.required();
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.check().map_err(|error| match error {
-        ConvergeError::Run(VerifyError::Simulate(error)) => refuse_simulation(error),
+        ConvergeError::Run(error) => refuse_verification(document, error),
         error => refuse_config(document, &error),
     })?;
     let names = config.files().map_err(Failure::failed)?;
-    let folder = result_folder(&path, "converge", &[document.file()], &names)?;
+    let folder = result_folder(&results.required(), "converge", &[document.file()], &names)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
@@ -39,15 +37,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)
     });
-    if results.json {
-        return print_json(&converge_summary(&outcome));
-    }
-    if common.quiet {
-        return Ok(());
-    }
-    print(&format!(
-        "{}results in {}\n",
-        converge_table(&outcome),
-        path.display()
-    ))
+    results.print(
+        common,
+        || converge_summary(&outcome),
+        || converge_table(&outcome),
+    )
 }

@@ -1,8 +1,8 @@
 //! `asperity generate`: a random rough surface.
 
 use asperity_simulate::check_memory;
-use asperity_studies::SurfaceConfig;
 use asperity_studies::settings::Document;
+use asperity_studies::{SurfaceConfig, realisation_table};
 use asperity_surface::{LengthUnit, Roughness, Synthesis};
 use serde::Deserialize;
 
@@ -11,8 +11,7 @@ use crate::failure::Failure;
 use crate::input::{
     check_height_map_output, refuse_config, refuse_surface, samples, write_surface,
 };
-use crate::output::{print, print_json};
-use crate::text::requested_and_realised;
+use crate::output::note_lines;
 
 /// What is drawn.
 #[derive(Deserialize)]
@@ -61,19 +60,16 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let note = write_surface(&path, &field)?;
 
     let roughness = Roughness::of(&field);
-    if results.json {
-        return print_json(&roughness);
-    }
-    if common.quiet {
-        return Ok(());
-    }
-    let mut text = format!(
-        "{}: {nx} x {ny} samples, periodic, seed {seed}, realisation {realisation}\n",
-        path.display(),
-    );
-    text.push_str(&requested_and_realised(&roughness, field.unit()));
-    if let Some(note) = note {
-        text.push_str(&format!("note: {note}\n"));
-    }
-    print(&text)
+    results.print_file(
+        common,
+        || &roughness,
+        || {
+            let table = realisation_table(&roughness);
+            let note = note_lines(&note);
+            format!(
+                "{}: {nx} x {ny} samples, periodic, seed {seed}, realisation {realisation}\n{table}{note}",
+                path.display(),
+            )
+        },
+    )
 }

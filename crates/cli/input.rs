@@ -6,8 +6,8 @@ use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
 };
 use asperity_simulate::SimulateError;
-use asperity_studies::MeasuredConfig;
 use asperity_studies::settings::{Command, Document};
+use asperity_studies::{MeasuredConfig, VerifyError};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
     SynthesisError,
@@ -213,6 +213,15 @@ pub(crate) fn refuse_simulation(error: SimulateError) -> Failure {
             Failure::usage(format!("--refine: {error}"))
         }
         error if error.is_usage() => Failure::usage(error),
+        error => Failure::failed(error),
+    }
+}
+
+/// The sentence for a verification that is refused.
+pub(crate) fn refuse_verification(document: &Document, error: VerifyError) -> Failure {
+    match error {
+        VerifyError::Simulate(error) => refuse_simulation(error),
+        error if error.is_usage() => refuse_config(document, &error),
         error => Failure::failed(error),
     }
 }

@@ -4,15 +4,14 @@ use std::path::Path;
 
 use asperity_io::write_bytes;
 use asperity_studies::settings::Document;
-use asperity_studies::{MeasuredConfig, height_map_figure};
+use asperity_studies::{MeasuredConfig, height_map_figure, realisation_table, roughness_table};
 use asperity_surface::{HeightField, Roughness};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::input::{check_height_map_output, name_of, read_surface, required_file, write_surface};
-use crate::output::{print, print_json};
-use crate::text::roughness_table;
+use crate::output::note_lines;
 
 /// What is read.
 #[derive(Deserialize)]
@@ -46,13 +45,15 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         input.notes.extend(write_surface(path, &input.field)?);
         common.say(|| format!("{} written", path.display()));
     }
-    if results.json {
-        return print_json(&roughness);
-    }
-    if common.quiet {
-        return Ok(());
-    }
-    print(&roughness_table(file, &input, &roughness))
+    results.print_file(
+        common,
+        || &roughness,
+        || {
+            let (table, realisation) = (roughness_table(&roughness), realisation_table(&roughness));
+            let notes = note_lines(&input.notes);
+            format!("{}: {table}{realisation}{notes}", file.display())
+        },
+    )
 }
 
 /// Refuses to replace the file that is read.

@@ -3,6 +3,7 @@
 mod attenuation;
 mod command_line;
 mod common;
+mod completion;
 mod converge;
 mod failure;
 mod generate;
@@ -18,7 +19,6 @@ mod model;
 mod output;
 mod progress;
 mod render;
-mod text;
 mod trace;
 mod verify;
 

@@ -19,6 +19,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// A line for each note.
+pub(crate) fn note_lines<'a>(notes: impl IntoIterator<Item = &'a String>) -> String {
+    let notes = notes.into_iter();
+    notes.map(|note| format!("note: {note}\n")).collect()
+}
+
 /// Prints `value` as JSON.
 pub(crate) fn print_json<T: Serialize>(value: &T) -> Result<(), Failure> {
     let mut text = serde_json::to_string_pretty(value).map_err(Failure::failed)?;

@@ -1,10 +1,8 @@
 //! The progress bar: on a terminal and nowhere else. It also passes on interrupts.
 
 use std::sync::Mutex;
-use std::time::Duration;
 
 use asperity_simulate::{Observer, StoppedBy};
-use asperity_studies::Seconds;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::common::Common;
@@ -72,9 +70,4 @@ impl Observer for Bar {
     fn stop(&self) -> Option<StoppedBy> {
         interrupt::came().then_some(StoppedBy::Interrupt)
     }
-}
-
-/// The time that a run may take.
-pub(crate) fn duration(seconds: Option<Seconds>) -> Option<Duration> {
-    seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds.0).ok())
 }

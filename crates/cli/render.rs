@@ -8,18 +8,20 @@ use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
     render, render_mesh,
 };
-use asperity_simulate::{BottomSurface, Deadline};
+use asperity_simulate::{BottomSurface, Deadline, Observer};
 use asperity_studies::settings::Document;
-use asperity_studies::{MaterialConfig, MeasuredConfig, MediumConfig, Seconds};
+use asperity_studies::{
+    GivenShape, MaterialConfig, MeasuredConfig, MediumConfig, Seconds, TraceError,
+};
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
 
 use crate::common::Common;
 use crate::failure::Failure;
-use crate::given::{GivenShape, GivenSurface};
+use crate::given::{read_given, required_surface};
 use crate::interrupt;
-use crate::output::{print, say};
-use crate::progress::{Bar, duration};
+use crate::output::{note_lines, print, say};
+use crate::progress::Bar;
 
 /// What the values of an EXR are.
 const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: fraction of the pixel that shows the surface";
@@ -107,14 +109,14 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
         check_folder_of(path).map_err(Failure::failed)?;
     }
-    let surface = GivenSurface::required(&settings.measured, document.command(), common)?;
-    let view = settings.view(surface.extent())?;
-    let (name, notes) = (surface.name.clone(), surface.notes.clone());
+    let surface = required_surface(&settings.measured, document.command(), common)?;
+    let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
+    let bottom = settings.bottom(common)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
-    let bar = Deadline::new(&bar, duration(settings.run.max_time));
-    let outcome = settings.rendered(surface, (view, lights), (common, &bar))?;
+    let bar = Deadline::new(&bar, settings.run.max_time.and_then(Seconds::duration));
+    let outcome = settings.rendered(surface.shape, bottom, &render_settings, &bar)?;
     let factor = picture
         .exposure
         .unwrap_or_else(|| exposure(&outcome.picture));
@@ -127,7 +129,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     if common.quiet {
         return Ok(());
     }
-    print(&report(&name, &outcome, factor, &notes, &picture.output))
+    let mut text = report(&surface.name, &outcome, factor);
+    text.push_str(&note_lines(&surface.notes));
+    for path in &picture.output {
+        text.push_str(&format!("picture in {}\n", path.display()));
+    }
+    print(&text)
 }
 
 impl Settings {
@@ -163,24 +170,18 @@ impl Settings {
         View::new(projection, towards, target, width).map_err(Failure::usage)
     }
 
-    /// Renders `surface`.
-    fn rendered(
-        &self,
-        surface: GivenSurface,
-        (view, lights): (View, Lights),
-        (common, bar): (&Common, &Deadline<'_>),
-    ) -> Result<RenderOutcome, Failure> {
-        let material = self.material.material().map_err(Failure::usage)?;
+    /// The bottom of the layer, if it is given as a file.
+    fn bottom(&self, common: &Common) -> Result<Option<GivenShape>, Failure> {
         let medium = self.medium.as_ref();
-        let layer = medium
-            .map(|medium| medium.layer(material))
+        medium
+            .and_then(|medium| medium.bottom_surface.file())
+            .map(|path| Ok(read_given(path, &self.measured, common)?.shape))
             .transpose()
-            .map_err(Failure::usage)?;
-        let bottom = match medium.and_then(|medium| medium.bottom_surface.file()) {
-            Some(path) => Some(GivenSurface::read(path, &self.measured, common)?.shape),
-            None => None,
-        };
-        let settings = RenderSettings {
+    }
+
+    fn render_settings(&self, view: View, lights: Lights) -> Result<RenderSettings, Failure> {
+        let medium = self.medium.as_ref();
+        Ok(RenderSettings {
             view,
             lights,
             size: self.picture.size,
@@ -191,34 +192,45 @@ impl Settings {
             accelerator: AcceleratorKind::Auto,
             bottom: self.bottom_surface(),
             most_scatterings: medium.map_or(0, |medium| medium.max_scatterings),
-        };
-        let layer = layer.as_ref();
-        let outcome = match (surface.shape, bottom) {
-            (GivenShape::Field(field), None) => {
-                render(field, None, material, layer, &settings, bar)
-            }
-            (GivenShape::Mesh(mesh), None) => {
-                render_mesh(mesh, None, material, layer, &settings, bar)
-            }
-            (GivenShape::Field(field), Some(GivenShape::Field(bottom))) => {
-                render(field, Some(bottom), material, layer, &settings, bar)
-            }
-            (GivenShape::Mesh(mesh), Some(GivenShape::Mesh(bottom))) => {
-                render_mesh(mesh, Some(bottom), material, layer, &settings, bar)
-            }
-            _ => {
-                return Err(Failure::usage(
-                    "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind",
-                ));
-            }
-        };
-        outcome.map_err(|error| match error {
-            RenderError::View(_)
-            | RenderError::Layer(_)
-            | RenderError::TooGrazing { .. }
-            | RenderError::BadSize(..) => Failure::usage(error),
-            _ => Failure::failed(error),
         })
+    }
+
+    /// Renders `surface`.
+    fn rendered(
+        &self,
+        surface: GivenShape,
+        bottom: Option<GivenShape>,
+        settings: &RenderSettings,
+        observer: &dyn Observer,
+    ) -> Result<RenderOutcome, Failure> {
+        use GivenShape::{Field, Mesh};
+        let material = self.material.material().map_err(Failure::usage)?;
+        let layer = self.medium.as_ref().map(|medium| medium.layer(material));
+        let layer = layer.transpose().map_err(Failure::usage)?;
+        let layer = layer.as_ref();
+        let outcome = match (surface, bottom) {
+            (Field(top), None) => render(top, None, material, layer, settings, observer),
+            (Field(top), Some(Field(bottom))) => {
+                render(top, Some(bottom), material, layer, settings, observer)
+            }
+            (Mesh(top), None) => render_mesh(top, None, material, layer, settings, observer),
+            (Mesh(top), Some(Mesh(bottom))) => {
+                render_mesh(top, Some(bottom), material, layer, settings, observer)
+            }
+            _ => return Err(Failure::usage(TraceError::OtherBottom)),
+        };
+        outcome.map_err(refuse_render)
+    }
+}
+
+/// The refusal of settings, or the failure to render by them.
+fn refuse_render(error: RenderError) -> Failure {
+    match error {
+        RenderError::View(_)
+        | RenderError::Layer(_)
+        | RenderError::TooGrazing { .. }
+        | RenderError::BadSize(..) => Failure::usage(error),
+        _ => Failure::failed(error),
     }
 }
 
@@ -238,13 +250,8 @@ impl Lighting {
     }
 }
 
-fn report(
-    name: &str,
-    outcome: &RenderOutcome,
-    factor: f64,
-    notes: &[String],
-    output: &[PathBuf],
-) -> String {
+/// What was rendered, and what of its light is missing.
+fn report(name: &str, outcome: &RenderOutcome, factor: f64) -> String {
     let picture = &outcome.picture;
     let [columns, rows] = picture.size;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
@@ -268,12 +275,6 @@ fn report(
                 "note: {fraction:.1e} of the light {what} and is dark\n"
             ));
         }
-    }
-    for note in notes {
-        text.push_str(&format!("note: {note}\n"));
-    }
-    for path in output {
-        text.push_str(&format!("picture in {}\n", path.display()));
     }
     text
 }

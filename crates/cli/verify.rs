@@ -2,15 +2,13 @@
 
 use asperity_simulate::counted;
 use asperity_studies::settings::Document;
-use asperity_studies::{
-    VerifyConfig, VerifyError, resume_verify, verify_report, verify_summary, verify_table,
-};
+use asperity_studies::{VerifyConfig, resume_verify, verify_report, verify_summary, verify_table};
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
-use crate::input::{refuse_config, refuse_simulation};
+use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
-use crate::output::{print, print_json, result_folder, say};
+use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
@@ -18,16 +16,14 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let refuse = |error: &dyn std::fmt::Display| refuse_config(document, error);
     let config = VerifyConfig::of_document(document).map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
-    let path = results.required();
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.cases().map_err(|error| refuse(&error))?;
     config.ray_settings().map_err(|error| refuse(&error))?;
-    config.check_surfaces().map_err(|error| match error {
-        VerifyError::Simulate(error) => refuse_simulation(error),
-        error => refuse(&error),
-    })?;
+    config
+        .check_surfaces()
+        .map_err(|error| refuse_verification(document, error))?;
     let names = config.files().map_err(|error| refuse(&error))?;
-    let folder = result_folder(&path, "verify", &[document.file()], &names)?;
+    let folder = result_folder(&results.required(), "verify", &[document.file()], &names)?;
 
     let checkpoints = config.checkpoints(&folder).map_err(Failure::failed)?;
     if checkpoints.resumed() > 0 {
@@ -38,10 +34,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     let bar = Bar::new(common);
     interrupt::listen();
-    let outcome = resume_verify(&config, &checkpoints, &bar).map_err(|error| match error {
-        error if error.is_usage() => refuse(&error),
-        _ => Failure::failed(error),
-    })?;
+    let outcome = resume_verify(&config, &checkpoints, &bar)
+        .map_err(|error| refuse_verification(document, error))?;
     verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
     let is_stopped = outcome.is_stopped();
     checkpoints.close(is_stopped).map_err(Failure::failed)?;
@@ -53,15 +47,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     if interrupt::came() {
         say("interrupted; the results so far are written, and the same command resumes");
     }
-    if results.json {
-        return print_json(&verify_summary(&outcome));
-    }
-    if common.quiet {
-        return Ok(());
-    }
-    print(&format!(
-        "{}results in {}\n",
-        verify_table(&outcome),
-        path.display()
-    ))
+    results.print(
+        common,
+        || verify_summary(&outcome),
+        || verify_table(&outcome),
+    )
 }

@@ -170,18 +170,20 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 10] = [
+const STUDIES: [(&str, &[&str]); 12] = [
     ("settings", &[]),
     ("config", &["settings"]),
     ("output", &["config"]),
-    ("trace", &["config", "output"]),
     ("verify", &["config", "output", "settings"]),
     ("report", &["config", "output", "verify"]),
+    ("given", &[]),
+    ("trace", &["config", "given", "output", "report"]),
+    ("model", &["config", "output", "report", "settings"]),
     ("attenuation", &["config", "output", "report", "settings"]),
     ("map", &["config", "output", "report", "settings", "verify"]),
     (
         "gonio",
-        &["config", "output", "report", "settings", "verify"],
+        &["config", "given", "output", "report", "settings", "verify"],
     ),
     (
         "converge",

@@ -209,7 +209,7 @@ fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads(
         let told = String::from_utf8(output.stderr).unwrap();
         if calls < 4 {
             let expected = format!(
-                "the time is over; {calls} of 4 cells are finished and mapped, and the same command resumes\n"
+                "the time is over; {calls} of 4 cells are finished, and the same command resumes\n"
             );
             assert_eq!(told, expected);
             let report = fs::read_to_string(folder.join("parts/report.txt")).unwrap();

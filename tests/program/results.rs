@@ -141,3 +141,62 @@ fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
     let said = refused(&folder, &words(&format!("{} -o out", RUNS[1])), 1);
     assert!(said.contains("manifest.json"), "{said}");
 }
+
+/// Files of `folder` and its folders that end in `.csv`, as paths within it.
+fn tables(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for name in files(folder) {
+        if folder.join(&name).is_dir() {
+            let within = tables(&folder.join(&name));
+            found.extend(within.iter().map(|table| format!("{name}/{table}")));
+        } else if name.ends_with(".csv") {
+            found.push(name);
+        }
+    }
+    found
+}
+
+#[test]
+fn every_column_of_every_table_has_a_name_a_unit_and_a_description() {
+    let (_keep, folder) = with_surface();
+    for run in RUNS {
+        let run = run.replace(
+            "--realisations 2 --theta 45",
+            "--realisations 2 --theta 45 --heights --demarcation",
+        );
+        succeed(&folder, &words(&format!("{run} --quiet -o out")));
+        let out = folder.join("out");
+        let summary = json(&fs::read_to_string(out.join("summary.json")).unwrap());
+        let tables = tables(&out);
+        assert!(!tables.is_empty(), "{run}");
+        for table in tables {
+            let key = match table.strip_prefix("directions/") {
+                Some(_) => "directions/*.csv",
+                None => &table,
+            };
+            let columns = summary["columns"][key].as_array();
+            let columns = columns.unwrap_or_else(|| panic!("{run}: {table} is not described"));
+            let names: Vec<&str> = columns
+                .iter()
+                .map(|c| c["name"].as_str().unwrap())
+                .collect();
+            let text = fs::read_to_string(out.join(&table)).unwrap();
+            assert_eq!(
+                text.lines().next().unwrap(),
+                names.join(","),
+                "{run}: {table}"
+            );
+            for column in columns {
+                let unit = &column["unit"];
+                assert!(unit.is_null() || unit != "", "{run}: {column}");
+                assert!(
+                    !column["description"].as_str().unwrap().is_empty(),
+                    "{run}: {column}"
+                );
+                let is_angle = column["name"].as_str().unwrap().ends_with("_deg");
+                assert!(!is_angle || unit == "deg", "{run}: {column}");
+            }
+        }
+        fs::remove_dir_all(&out).unwrap();
+    }
+}

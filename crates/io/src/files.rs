@@ -11,7 +11,7 @@ mod result_folder;
 mod text;
 
 pub use atomic::{write_atomically, write_bytes, write_json};
-pub use csv::{CsvField, write_csv};
+pub use csv::{CsvField, csv_text, write_csv};
 pub use folder::{check_folder_of, check_output_folder, create_output_folder, exists, names_in};
 pub use memory::available_memory;
 pub use result_folder::ResultFolder;

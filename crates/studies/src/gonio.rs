@@ -16,7 +16,7 @@ mod summary;
 mod tables;
 
 use asperity_simulate::{
-    BottomSurface, Case, LayerBelow, Light, Observer, Settings, StoppedBy, SurfaceSource, simulate,
+    BottomSurface, Case, LayerBelow, Light, Observer, Settings, SurfaceSource, simulate,
 };
 use std::path::PathBuf;
 
@@ -25,8 +25,7 @@ use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 
 use crate::config::error::ConfigError;
-use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
-use crate::report::energies::lost_warning;
+use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints, Completion};
 use crate::verify::error::VerifyError;
 use crate::verify::{VerifyOutcome, verify};
 
@@ -34,11 +33,12 @@ pub use config::{GonioConfig, GonioLight, GonioOutput, PlotScale};
 pub use files::gonio_report;
 pub use json::gonio_summary;
 pub use results::{DirectionResults, Means, MeasuredComponent};
-pub use sample::Sample;
+pub use sample::{AboutSample, Sample};
 pub use specimen::Specimen;
 pub use summary::gonio_table;
 
-use plan::{Plan, Work};
+use plan::{Plan, Plans, Work};
+use results::TracedEffort;
 
 /// Why there is no measurement.
 #[derive(Debug, thiserror::Error)]
@@ -95,8 +95,8 @@ pub struct Direction {
 pub struct GonioOutcome {
     /// The configuration.
     pub config: GonioConfig,
-    /// The given surface without its shape: name, description and warnings.
-    pub sample: Option<(String, serde_json::Value, Vec<String>)>,
+    /// The given surface, if there is one.
+    pub sample: Option<AboutSample>,
     /// Where quantities stand in records, and the bins.
     pub spec: TallySpec,
     /// What is measured.
@@ -107,14 +107,8 @@ pub struct GonioOutcome {
     pub phis: Vec<f64>,
     /// The directions: by setting, polar angle and azimuth, in that order of nesting.
     pub directions: Vec<Direction>,
-    /// Directions taken from checkpoints.
-    pub resumed: usize,
-    /// Directions measured by this run.
-    pub computed: usize,
-    /// What a reader should know of the checkpoints: a sentence each.
-    pub notes: Vec<String>,
-    /// What ended the run before all directions were there.
-    pub stopped_by: Option<StoppedBy>,
+    /// How the directions came about.
+    pub completion: Completion,
 }
 
 impl GonioOutcome {
@@ -149,7 +143,10 @@ pub fn gonio(
     folder: &ResultFolder,
     progress: &dyn Observer,
 ) -> Result<GonioOutcome, GonioError> {
-    let (settings, plans) = config.plans(sample)?;
+    let Plans {
+        settings,
+        directions: plans,
+    } = config.plans(sample)?;
     let spec = config.ray_settings()?.tally;
     files::refuse_unplanned(folder.path(), &plans)?;
     let tasks: Vec<Task<'_>> = plans
@@ -180,16 +177,13 @@ pub fn gonio(
     let [thetas, phis] = config.light.angles()?;
     let outcome = GonioOutcome {
         config: config.clone(),
-        sample: sample.map(|s| (s.name.clone(), s.description.clone(), s.warnings.clone())),
+        sample: sample.map(|sample| sample.about.clone()),
         spec,
         directions: directions.collect(),
         settings,
         thetas,
         phis,
-        resumed: completed.resumed,
-        computed: completed.computed,
-        notes: completed.notes,
-        stopped_by: completed.stopped_by,
+        completion: completed.completion,
     };
     if outcome.missing() == outcome.directions.len() {
         return Err(GonioError::Interrupted);
@@ -252,9 +246,8 @@ fn on_fresh_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
     let case = outcome.cases.into_iter().next()?;
     Some(DirectionResults::of(
         &case.statistics,
-        (case.work.realisations, case.work.rays),
+        TracedEffort::of(&case.work),
         case.errors_from,
-        lost_warning(&case.statistics).into_iter().collect(),
     ))
 }
 
@@ -284,9 +277,8 @@ impl Task<'_> {
         Ok(outcomes.first().map(|outcome| {
             DirectionResults::of(
                 &outcome.statistics,
-                (outcome.work.realisations, outcome.work.rays),
+                TracedEffort::of(&outcome.work),
                 outcome.errors_from.name(),
-                lost_warning(&outcome.statistics).into_iter().collect(),
             )
         }))
     }

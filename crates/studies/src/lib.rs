@@ -7,8 +7,10 @@
 mod attenuation;
 mod config;
 mod converge;
+mod given;
 mod gonio;
 mod map;
+mod model;
 mod output;
 mod report;
 pub mod settings;
@@ -37,27 +39,30 @@ pub use converge::{
     Efficiency, Fit, Measurement, Method, MethodOutcome, Reference, RepeatedError, RunEffort,
     SecondsTo, converge, converge_report, converge_summary, converge_table,
 };
+pub use given::{GivenShape, GivenSurface};
 pub use gonio::{
-    Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome, GonioOutput,
-    Means, MeasuredComponent, PlotScale, Sample, Specimen, gonio, gonio_report, gonio_summary,
-    gonio_table,
+    AboutSample, Direction, DirectionResults, GonioConfig, GonioError, GonioLight, GonioOutcome,
+    GonioOutput, Means, MeasuredComponent, PlotScale, Sample, Specimen, gonio, gonio_report,
+    gonio_summary, gonio_table,
 };
 pub use map::{
     CellDistances, CellModel, CellResults, CellSide, CellVerdict, ComparedLight, Interval, Judged,
     JudgedCell, MapCell, MapConfig, MapError, MapOutcome, ModelSummary, ToleranceConfig, map,
     map_report, map_summary, map_table, summarise,
 };
-pub use output::{CheckpointError, SurfaceCheckpoints};
+pub use model::{Evaluation, EvaluationError, ModelConfig, Resolution, evaluate_model, model_list};
+pub use output::{CheckpointError, Completion, SurfaceCheckpoints};
 pub use report::case_report::verify_table;
-pub use report::energies::{energy_table, errors_table, lost_warning, work_line};
+pub use report::energies::energy_table;
 pub use report::error::ReportError;
-pub use report::expectation::{expectation_json, write_expectation};
-pub use report::figures::{PlottedCase, Surroundings, height_map_figure};
-pub use report::files::{trace_files, trace_report, verify_report, verify_summary};
-pub use report::layer_expectation::{
-    layer_energy_table, layer_expectation_json, unscattered_notes, write_layer_expectation,
-};
+pub use report::figures::height_map_figure;
+pub use report::files::{verify_report, verify_summary};
+pub use report::roughness::{realisation_table, roughness_table};
 pub use report::summary::Summary;
+pub use trace::{
+    PlannedTrace, TraceError, TraceOutcome, TracedSurfaces, trace_report, trace_summary,
+    trace_table,
+};
 pub use verify::comparison::models::{ComparedComponent, ModelOutcome};
 pub use verify::comparison::peak::PeakDifference;
 pub use verify::comparison::side_difference::SideDifference;

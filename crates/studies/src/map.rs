@@ -14,12 +14,12 @@ mod tables;
 mod tests;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Observer, StoppedBy};
+use asperity_simulate::Observer;
 use serde_json::{Value, json};
 
 use crate::config::error::ConfigError;
 use crate::config::sweep_case::SweepCase;
-use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints};
+use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints, Completion};
 use crate::verify::error::VerifyError;
 use crate::verify::verify;
 
@@ -76,14 +76,8 @@ pub struct MapOutcome {
     pub config: MapConfig,
     /// The cells, by smoothness, material and angle, in that order of nesting.
     pub cells: Vec<MapCell>,
-    /// Cells taken from checkpoints.
-    pub resumed: usize,
-    /// Cells computed by this run.
-    pub computed: usize,
-    /// What a reader should know of the checkpoints: a sentence each.
-    pub notes: Vec<String>,
-    /// What ended the run before all cells were there.
-    pub stopped_by: Option<StoppedBy>,
+    /// How the cells came about.
+    pub completion: Completion,
 }
 
 impl MapOutcome {
@@ -132,10 +126,7 @@ pub fn map(
                 results,
             })
             .collect(),
-        resumed: completed.resumed,
-        computed: completed.computed,
-        notes: completed.notes,
-        stopped_by: completed.stopped_by,
+        completion: completed.completion,
     };
     if outcome.missing() == outcome.cells.len() {
         return Err(MapError::Interrupted);

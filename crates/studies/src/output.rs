@@ -1,20 +1,23 @@
 //! Output: tables, numbers as text, checkpoints and result folders, for every study.
 
 mod align;
+mod by_side;
 mod checkpoints;
 mod columns;
 mod head;
 mod number;
 mod place;
 mod points_hash;
+mod summary_of_cases;
 mod surface_checkpoints;
 mod table;
 
 pub(crate) use align::{aligned, listed, wrapped};
-pub use checkpoints::CheckpointError;
+pub(crate) use by_side::BySide;
 #[cfg(test)]
 pub(crate) use checkpoints::Found;
 pub(crate) use checkpoints::{CHANGED, CheckpointCase, Checkpoints};
+pub use checkpoints::{CheckpointError, Completion};
 pub(crate) use columns::{
     bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle, ray_count,
     solid_angle_column,
@@ -23,5 +26,6 @@ pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use points_hash::{corners_hash, heights_hash, shape_hash};
+pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub use surface_checkpoints::SurfaceCheckpoints;
 pub(crate) use table::{Cell, Column, Format, Table};

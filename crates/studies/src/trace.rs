@@ -1,14 +1,149 @@
-//! Light on one given surface: what a run of it resumes from.
+//! Light on one given surface.
+
+mod description;
+mod files;
+mod text;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::Shape;
-use serde_json::json;
+use asperity_simulate::{Deadline, Observer, Outcome, Shape, SimulateError, Simulation, Stopping};
+use asperity_tally::TallySpec;
+use serde_json::{Value, json};
 
+pub use self::files::{trace_report, trace_summary};
+pub use self::text::trace_table;
+use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
+use crate::config::values::Seconds;
+use crate::given::{GivenShape, GivenSurface};
 use crate::output::{CheckpointError, SurfaceCheckpoints, shape_hash};
+use crate::report::energies::lost_warning;
 
-impl TraceConfig {
-    /// What an earlier run of this configuration on this `surface` has left in `folder`. The time that a run is given
+/// Why light on a surface is not traced.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TraceError {
+    /// The configuration makes no sense.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// A mesh is to be refined, which has no surface between its corners.
+    #[error(
+        "--refine: {name} is a triangle mesh, which says nothing of the surface between its corners; only height maps can be refined"
+    )]
+    RefinedMesh {
+        /// The file of the mesh.
+        name: String,
+    },
+    /// A height map over a mesh, or a mesh over a height map.
+    #[error(
+        "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind"
+    )]
+    OtherBottom,
+    /// The simulation was refused or failed.
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+}
+
+/// A given surface, and the one below it.
+#[derive(Clone, Debug)]
+pub struct TracedSurfaces {
+    /// The surface that light falls on.
+    pub surface: GivenSurface,
+    /// The bottom of the layer, if it is given too.
+    pub bottom: Option<GivenSurface>,
+}
+
+impl TracedSurfaces {
+    /// Refuses to refine a mesh.
+    ///
+    /// # Errors
+    /// [`TraceError::RefinedMesh`].
+    pub fn check(&self, config: &TraceConfig) -> Result<(), TraceError> {
+        match (&self.surface.shape, &self.surface.file) {
+            (GivenShape::Mesh(_), Some(path)) if config.run.refine => {
+                Err(TraceError::RefinedMesh {
+                    name: path.display().to_string(),
+                })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The surface over the one below it, if there is one.
+    fn shape(self) -> Result<Shape, TraceError> {
+        let top = self.surface.shape.simulated();
+        match self.bottom {
+            None => Ok(top),
+            Some(bottom) => top
+                .over(bottom.shape.simulated())
+                .ok_or(TraceError::OtherBottom),
+        }
+    }
+}
+
+/// What was found on a surface.
+#[derive(Clone, Debug)]
+pub struct TraceOutcome {
+    /// The configuration that was run.
+    pub config: TraceConfig,
+    /// Name of the surface.
+    pub name: String,
+    /// Where each quantity stands in the statistics.
+    pub spec: TallySpec,
+    /// What the engine found.
+    pub outcome: Outcome,
+    /// What a reader should know.
+    pub warnings: Vec<String>,
+    /// The configuration as summary.json holds it.
+    described: Value,
+}
+
+impl TraceOutcome {
+    /// How the run came to its end, if that was to be found out.
+    #[must_use]
+    pub fn stopping(&self) -> Option<&Stopping> {
+        let has_target = self.config.run.target_error.is_some();
+        let stopping = &self.outcome.stopping;
+        (has_target || stopping.is_cut_short()).then_some(stopping)
+    }
+}
+
+/// Light on a given surface, checked and ready to be traced.
+pub struct PlannedTrace {
+    config: TraceConfig,
+    name: String,
+    spec: TallySpec,
+    shape: Shape,
+    simulation: Simulation,
+    warnings: Vec<String>,
+    described: Value,
+}
+
+impl PlannedTrace {
+    /// Checks everything that can be before a ray is traced.
+    ///
+    /// # Errors
+    /// [`TraceError`] if the configuration makes no sense on this surface.
+    pub fn new(config: &TraceConfig, surfaces: TracedSurfaces) -> Result<Self, TraceError> {
+        surfaces.check(config)?;
+        let settings = config.ray_settings()?;
+        let name = surfaces.surface.name.clone();
+        let warnings = surfaces.surface.warnings();
+        let description = description::Surfaces::of(&surfaces, config);
+        let shape = surfaces.shape()?;
+        let case = config.case(shape.clone())?;
+        let described = description.config(config, &case);
+        Ok(Self {
+            config: config.clone(),
+            name,
+            spec: settings.tally,
+            shape,
+            simulation: Simulation::new(&[case], &settings)?,
+            warnings,
+            described,
+        })
+    }
+
+    /// What an earlier run of this configuration on this surface has left in `folder`. The time that a run is given
     /// and its plots do not belong to it.
     ///
     /// # Errors
@@ -17,13 +152,44 @@ impl TraceConfig {
     pub fn checkpoints<'a>(
         &self,
         folder: &'a ResultFolder,
-        surface: &Shape,
     ) -> Result<SurfaceCheckpoints<'a>, CheckpointError> {
-        let mut settings = self.clone();
+        let mut settings = self.config.clone();
         settings.run.max_time = None;
         settings.output.plots = true;
         let mut settings = json!(settings);
-        settings["points"] = shape_hash(surface);
+        settings["points"] = shape_hash(&self.shape);
         SurfaceCheckpoints::open(folder, "trace", settings)
+    }
+
+    /// Traces, until the time of the configuration is over, with what `checkpoints` keep of an earlier run.
+    ///
+    /// # Errors
+    /// [`TraceError::Simulate`].
+    pub fn run(
+        self,
+        checkpoints: Option<&SurfaceCheckpoints<'_>>,
+        observer: &dyn Observer,
+    ) -> Result<TraceOutcome, TraceError> {
+        let time = self.config.run.max_time.and_then(Seconds::duration);
+        let deadline = Deadline::new(observer, time);
+        let outcomes = match checkpoints {
+            Some(checkpoints) => self.simulation.resume(checkpoints, &deadline),
+            None => self.simulation.run(&deadline),
+        };
+        let outcome = outcomes?.into_iter().next();
+        let outcome = outcome.ok_or(SimulateError::Interrupted)?;
+        let mut found = TraceOutcome {
+            config: self.config,
+            name: self.name,
+            spec: self.spec,
+            outcome,
+            warnings: self.warnings,
+            described: self.described,
+        };
+        let lost = lost_warning(&found.outcome.statistics);
+        let ending = found.stopping().map(|stopping| stopping.warnings.clone());
+        found.warnings.extend(lost);
+        found.warnings.extend(ending.into_iter().flatten());
+        Ok(found)
     }
 }

@@ -3,7 +3,7 @@
 pub(crate) mod comparison;
 pub(crate) mod error;
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
@@ -19,7 +19,7 @@ use serde_json::json;
 use self::error::VerifyError;
 use crate::config::VerifyConfig;
 use crate::config::sweep_case::SweepCase;
-use crate::config::values::{Count, Number, PerAxis};
+use crate::config::values::{Count, Number, PerAxis, Seconds};
 use crate::output::{CheckpointError, SurfaceCheckpoints};
 use crate::verify::comparison::models::{Compared, ModelOutcome, compare_models};
 
@@ -192,8 +192,7 @@ fn verify_with(
     run: impl FnOnce(Simulation, &dyn Observer) -> Result<Vec<Outcome>, SimulateError>,
 ) -> Result<VerifyOutcome, VerifyError> {
     let began = Instant::now();
-    let time = config.run.max_time.map(|time| time.0);
-    let time = time.and_then(|time| Duration::try_from_secs_f64(time).ok());
+    let time = config.run.max_time.and_then(Seconds::duration);
     let observer: &dyn Observer = &Deadline::new(observer, time);
     let settings = config.ray_settings()?;
     let cases = config.cases()?;

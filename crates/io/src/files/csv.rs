@@ -110,6 +110,21 @@ pub fn write_csv<'a, Row: AsRef<[CsvField<'a>]>>(
     })
 }
 
+/// A table as text, in the form of [`write_csv`].
+pub fn csv_text<'a, Row: AsRef<[CsvField<'a>]>>(
+    header: &[&str],
+    rows: impl IntoIterator<Item = Row>,
+) -> String {
+    let mut out = Vec::new();
+    // Writing to memory does not fail.
+    let names: Vec<CsvField<'_>> = header.iter().copied().map(CsvField::from).collect();
+    let _ = write_row(&mut out, &names);
+    for row in rows {
+        let _ = write_row(&mut out, row.as_ref());
+    }
+    String::from_utf8_lossy(&out).into_owned()
+}
+
 fn write_row(out: &mut impl Write, row: &[CsvField<'_>]) -> io::Result<()> {
     for (i, field) in row.iter().enumerate() {
         if i > 0 {

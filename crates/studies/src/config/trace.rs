@@ -93,7 +93,8 @@ impl TraceConfig {
         if layer.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
-        check_sides(self.run.side, material, layer.as_ref())
+        check_sides(self.run.side, material, layer.as_ref())?;
+        self.ray_settings().map(drop)
     }
 
     /// The settings of the rays.

@@ -1,5 +1,7 @@
 //! Values of a configuration: numbers, counts, lists and pairs.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -18,6 +20,14 @@ pub struct Count(pub u64);
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Seconds(pub f64);
+
+impl Seconds {
+    /// The same as a duration; `None` if it is longer than any clock can tell.
+    #[must_use]
+    pub fn duration(self) -> Option<Duration> {
+        Duration::try_from_secs_f64(self.0).ok()
+    }
+}
 
 /// One value, or a list of values that are expanded into cases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -30,11 +30,7 @@ pub fn converge_report(
     let root = Place::root(folder);
     progress.begin("writing", outcome.cases.len() as u64);
     for case in &outcome.cases {
-        let place = if several {
-            root.join(&case.case.folder())
-        } else {
-            root.clone()
-        };
+        let place = root.of_case(&case.case.folder(), several);
         write_case(&place, outcome, case)?;
         if several {
             write_json(place.claim("summary.json")?, &case_summary(outcome, case))?;

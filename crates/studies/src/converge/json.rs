@@ -12,23 +12,7 @@ use super::{
     MethodOutcome, Reference,
 };
 use crate::config::values::{Number, PerAxis};
-use crate::output::Head;
-
-#[derive(Serialize)]
-struct Summary<'a> {
-    #[serde(flatten)]
-    head: Head,
-    seed: u64,
-    config: &'a ConvergeConfig,
-    cases: Vec<CaseInFolder<'a>>,
-    seconds: f64,
-}
-
-#[derive(Serialize)]
-struct CaseInFolder<'a> {
-    folder: String,
-    summary: CaseSummary<'a>,
-}
+use crate::output::{CaseInFolder, Head, SummaryOfCases};
 
 /// The contents of summary.json of one case.
 #[derive(Serialize)]
@@ -88,7 +72,7 @@ pub fn converge_summary(outcome: &ConvergeOutcome) -> Value {
         folder: case.case.folder(),
         summary: case_summary(outcome, case),
     });
-    json!(Summary {
+    json!(SummaryOfCases {
         head: Head::of("converge"),
         seed: outcome.config.converge.seed,
         config: &outcome.config,

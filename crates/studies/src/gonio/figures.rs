@@ -99,7 +99,7 @@ fn plot_side(side: Side) -> PlotSide {
 
 /// What all discs have in common, in words.
 fn subtitle(outcome: &GonioOutcome, more: &str) -> String {
-    let name = outcome.sample.as_ref().map(|(name, ..)| name.clone());
+    let name = outcome.sample.as_ref().map(|sample| sample.name.clone());
     let common = Distinction::of(&outcome.settings).common;
     let words = name.into_iter().chain([common, more.to_owned()]);
     words

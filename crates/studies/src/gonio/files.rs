@@ -89,7 +89,7 @@ impl GonioConfig {
     /// # Errors
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn files(&self, sample: Option<&Sample>) -> Result<Vec<String>, ConfigError> {
-        let (_, plans) = self.plans(sample)?;
+        let plans = self.plans(sample)?.directions;
         let [thetas, _] = self.light.angles()?;
         let names = plans.iter().map(|plan| plan.name.as_str());
         let spec = self.ray_settings()?.tally;

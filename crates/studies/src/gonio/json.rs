@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use asperity_tally::{Estimate, Side, TallySpec};
+use asperity_tally::{Estimate, TallySpec};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -11,7 +11,8 @@ use super::results::component_names;
 use super::summary::warnings;
 use super::{DirectionResults, GonioOutcome, Specimen, tables};
 use crate::config::Azimuth;
-use crate::output::Head;
+use crate::output::{BySide, Head};
+use crate::report::config_json::config_json;
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -45,20 +46,14 @@ struct Direction<'a> {
 
 #[derive(Serialize)]
 struct Results<'a> {
-    flux: BTreeMap<&'a str, Sides>,
+    /// By component of the light; `None` on a side that is not recorded.
+    flux: BTreeMap<&'a str, BySide<Option<Estimate>>>,
     absorbed: Estimate,
     truncated: Estimate,
     lost: Estimate,
     surfaces: u64,
     rays: u64,
     errors_from: &'a str,
-}
-
-#[derive(Serialize)]
-struct Sides {
-    /// `None` on a side that is not recorded.
-    reflected: Option<Estimate>,
-    transmitted: Option<Estimate>,
 }
 
 /// The contents of summary.json.
@@ -75,14 +70,15 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             .as_ref()
             .map(|results| describe(spec, results)),
     });
+    let mut measured = outcome.directions.iter().filter_map(|d| d.results.as_ref());
+    let of_direction = measured
+        .next()
+        .map(|results| tables::direction(spec, results));
     json!(Summary {
         head: Head::of("gonio"),
         seed: outcome.config.run.seed,
         config: config(outcome),
-        sample: outcome
-            .sample
-            .as_ref()
-            .map(|(_, description, _)| description),
+        sample: outcome.sample.as_ref().map(|sample| &sample.description),
         azimuth: match outcome.config.any_azimuth() {
             true => Azimuth::Random,
             false => Azimuth::Fixed,
@@ -98,26 +94,19 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             "gonio.csv": tables::directions(spec).description(),
             "in_plane.csv": tables::in_plane(spec).description(),
             "bsdf.csv": tables::bsdf(spec).description(),
+            "directions/*.csv": of_direction.map(|table| table.description()),
         }),
         warnings: warnings(outcome),
     })
 }
 
-/// The configuration, without the time that the run was given and without numbers that follow from a target.
+/// The configuration, without the time that the run was given and without what does not hold of a given surface.
 fn config(outcome: &GonioOutcome) -> Value {
-    let mut config = json!(outcome.config);
-    if let Some(run) = config.get_mut("run").and_then(Value::as_object_mut) {
-        run.remove("max_time");
-        if outcome.config.run.target_error.is_some() {
-            run.remove("rays");
-        }
-        if outcome.config.run.target_error.is_some() || outcome.sample.is_some() {
-            run.remove("realisations");
-        }
-    }
-    if outcome.sample.is_some()
-        && let Some(config) = config.as_object_mut()
-    {
+    let is_given = outcome.sample.is_some();
+    let mut left_out = vec!["max_time"];
+    left_out.extend(is_given.then_some("realisations"));
+    let mut config = config_json(&outcome.config, &outcome.config.run, &left_out);
+    if is_given && let Some(config) = config.as_object_mut() {
         config.remove("surface");
     }
     config
@@ -125,10 +114,7 @@ fn config(outcome: &GonioOutcome) -> Value {
 
 fn describe<'a>(spec: &TallySpec, results: &'a DirectionResults) -> Results<'a> {
     let components = results.components.iter().map(|component| {
-        let sides = Sides {
-            reflected: component.side(spec, Side::Reflected),
-            transmitted: component.side(spec, Side::Transmitted),
-        };
+        let sides = BySide::of(|side| component.side(spec, side));
         (component.name.as_str(), sides)
     });
     Results {

@@ -7,12 +7,22 @@ use serde_json::{Value, json};
 use super::config::GonioConfig;
 use super::sample::Sample;
 use super::specimen::Specimen;
-use crate::config::VerifyConfig;
 use crate::config::cases::{check_light, check_sides};
 use crate::config::error::ConfigError;
 use crate::config::sweep::{Sweep, SweptCase};
+use crate::config::sweep_case::SweepCase;
+use crate::config::{LightConfig, VerifyConfig};
 use crate::verify::error::VerifyError;
 use asperity_simulate::BottomSurface;
+
+/// What is measured.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Plans {
+    pub(super) settings: Vec<Specimen>,
+    /// The directions of each setting in the order of their files: settings, polar angles, azimuths, in that
+    /// order of nesting.
+    pub(super) directions: Vec<Plan>,
+}
 
 /// One direction of one setting, and how it is measured.
 #[derive(Clone, Debug)]
@@ -43,28 +53,24 @@ impl GonioConfig {
     /// # Errors
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
-        let (settings, plans) = self.plans(sample)?;
+        let plans = self.plans(sample)?;
         let rays = self.ray_settings()?;
         check_results(&rays.tally, self.run.realisations.0, 1, rays.refine)?;
-        let values = rays.tally.len() as f64 * 2.0 * plans.len() as f64;
+        let values = rays.tally.len() as f64 * 2.0 * plans.directions.len() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
-        for plan in &plans {
+        for plan in &plans.directions {
             if let Work::Fresh(config) = &plan.work {
                 config.check_surfaces()?;
             }
         }
-        for setting in settings {
+        for setting in plans.settings {
             check_sides(self.run.side, setting.material, setting.layer.as_ref())?;
         }
         Ok(())
     }
 
-    /// What is measured, and the directions of each in the order of their files: settings, polar angles,
-    /// azimuths, in that order of nesting.
-    pub(super) fn plans(
-        &self,
-        sample: Option<&Sample>,
-    ) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
+    /// What is measured.
+    pub(super) fn plans(&self, sample: Option<&Sample>) -> Result<Plans, ConfigError> {
         self.measured.check()?;
         match sample {
             None if self.measured.is_given() => Err(ConfigError::Contradiction(
@@ -75,21 +81,22 @@ impl GonioConfig {
         }
     }
 
-    fn fresh(&self) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
-        let (mut settings, mut plans) = (Vec::new(), Vec::new());
+    fn fresh(&self) -> Result<Plans, ConfigError> {
+        let mut plans = Plans::default();
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
-            plans.push(Plan {
-                setting: number_of(&mut settings, Specimen::of_case(&case)),
+            let setting = plans.number_of(Specimen::of_case(&case));
+            plans.directions.push(Plan {
+                setting,
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),
                 work: Work::Fresh(Box::new(config)),
             });
         }
-        Ok((settings, plans))
+        Ok(plans)
     }
 
-    fn given(&self, sample: &Sample) -> Result<(Vec<Specimen>, Vec<Plan>), ConfigError> {
+    fn given(&self, sample: &Sample) -> Result<Plans, ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let run = self.ray_settings()?;
         let medium = self.medium.as_ref();
@@ -102,7 +109,7 @@ impl GonioConfig {
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
-        let (mut settings, mut plans) = (Vec::new(), Vec::<Plan>::new());
+        let mut plans = Plans::default();
         for SweptCase { case, config } in Sweep::of(&self.as_verification()?)?.cases {
             let setting = Specimen::of_given(case.material, case.layer);
             let name = format!(
@@ -111,44 +118,51 @@ impl GonioConfig {
                 short(case.incidence.theta_deg()),
                 phi_name(case.incidence)
             );
-            if plans.iter().any(|plan| plan.name == name) {
+            if plans.directions.iter().any(|plan| plan.name == name) {
                 let text = format!(
                     "two directions would share the same file {name}; give each value once, and values that differ in six digits"
                 );
                 return Err(ConfigError::Contradiction(text));
             }
-            plans.push(Plan {
-                setting: number_of(&mut settings, setting),
+            let setting = plans.number_of(setting);
+            plans.directions.push(Plan {
+                setting,
                 incidence: case.incidence,
-                identity: json!({
-                    "measured": sample.description,
-                    "material": case.material,
-                    "layer": case.layer,
-                    "medium": self.medium.as_ref().map(|medium| {
-                        json!([medium.bottom_surface, medium.max_scatterings])
-                    }),
-                    "light": {
-                        "theta": config.light.theta,
-                        "phi": config.light.phi,
-                        "any_azimuth": self.any_azimuth(),
-                        "from": self.light.from,
-                    },
-                    "run": self.piece_run(),
-                }),
+                identity: self.identity(sample, &case, &config.light),
                 work: Work::Given(run),
                 name,
             });
         }
-        Ok((settings, plans))
+        Ok(plans)
+    }
+
+    /// All that the results of a direction on a given surface depend on; `light` is that of this direction.
+    fn identity(&self, sample: &Sample, case: &SweepCase, light: &LightConfig) -> Value {
+        let medium = self.medium.as_ref();
+        json!({
+            "measured": sample.about.description,
+            "material": case.material,
+            "layer": case.layer,
+            "medium": medium.map(|medium| json!([medium.bottom_surface, medium.max_scatterings])),
+            "light": {
+                "theta": light.theta,
+                "phi": light.phi,
+                "any_azimuth": self.any_azimuth(),
+                "from": self.light.from,
+            },
+            "run": self.piece_run(),
+        })
     }
 }
 
-/// The number of a setting, which is added unless it is the last one: directions change faster than settings.
-fn number_of(settings: &mut Vec<Specimen>, setting: Specimen) -> usize {
-    if settings.last() != Some(&setting) {
-        settings.push(setting);
+impl Plans {
+    /// The number of a setting, which is added unless it is the last one: directions change faster than settings.
+    fn number_of(&mut self, setting: Specimen) -> usize {
+        if self.settings.last() != Some(&setting) {
+            self.settings.push(setting);
+        }
+        self.settings.len() - 1
     }
-    settings.len() - 1
 }
 
 fn phi_name(incidence: Incidence) -> String {
@@ -165,7 +179,10 @@ mod tests {
             "[material]\neta = [1.3, 1.5]\n[light]\ntheta = [0, 40]\nphi = [0, 90, 180]\nazimuth = \"fixed\"",
         )
         .unwrap();
-        let (settings, plans) = config.plans(None).unwrap();
+        let Plans {
+            settings,
+            directions: plans,
+        } = config.plans(None).unwrap();
         assert_eq!((settings.len(), plans.len()), (2, 12));
         assert_eq!(plans[0].name, "s3_n1.3_theta0_phi0");
         assert_eq!(plans[4].name, "s3_n1.3_theta40_phi90");

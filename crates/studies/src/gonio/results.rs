@@ -2,8 +2,11 @@
 
 use std::borrow::Cow;
 
+use asperity_simulate::SummaryWork;
 use asperity_tally::{Component, Estimate, Score, Side, TallyResult, TallySpec, TallyStatistics};
 use serde::{Deserialize, Serialize};
+
+use crate::report::energies::lost_warning;
 
 /// Means with their standard errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -137,6 +140,21 @@ impl MeasuredComponent {
     }
 }
 
+/// How much was traced for one direction.
+pub(super) struct TracedEffort {
+    pub(super) surfaces: u64,
+    pub(super) rays: u64,
+}
+
+impl TracedEffort {
+    pub(super) const fn of(work: &SummaryWork) -> Self {
+        Self {
+            surfaces: work.realisations,
+            rays: work.rays,
+        }
+    }
+}
+
 /// What light fluxes may miss each other by where they add up: rounding, of sums over all bins.
 const ROUNDING: f64 = 1e-9;
 
@@ -144,20 +162,19 @@ impl DirectionResults {
     /// Takes from the statistics of a run what a measurement keeps.
     pub(super) fn of(
         statistics: &TallyStatistics,
-        (surfaces, rays): (u64, u64),
+        effort: TracedEffort,
         errors_from: &str,
-        warnings: Vec<String>,
     ) -> Self {
         let budget = statistics.budget();
         Self {
-            surfaces,
-            rays,
+            surfaces: effort.surfaces,
+            rays: effort.rays,
             errors_from: errors_from.to_owned(),
             budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
             components: kept_components(statistics.spec())
                 .map(|component| MeasuredComponent::of(component, statistics))
                 .collect(),
-            warnings,
+            warnings: lost_warning(statistics).into_iter().collect(),
         }
     }
 
@@ -230,7 +247,11 @@ mod tests {
         tally[TallySpec::BUDGET.absorbed] = 0.25;
         let mut statistics = TallyStatistics::new(*spec);
         (0..2).for_each(|_| statistics.push(&tally));
-        DirectionResults::of(&statistics, (2, 100), "surfaces", Vec::new())
+        let effort = TracedEffort {
+            surfaces: 2,
+            rays: 100,
+        };
+        DirectionResults::of(&statistics, effort, "surfaces")
     }
 
     #[test]

@@ -1,10 +1,11 @@
-//! A given surface, from a file or flat.
+//! A given surface as a measurement takes it.
 
 use asperity_simulate::Shape;
-use asperity_surface::HeightField;
+use asperity_surface::{Form, HeightField};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
+use crate::given::{GivenShape, GivenSurface};
 use crate::output::{corners_hash, heights_hash};
 
 /// A given surface.
@@ -12,6 +13,13 @@ use crate::output::{corners_hash, heights_hash};
 pub struct Sample {
     /// Its shape.
     pub shape: Shape,
+    /// What is said of it.
+    pub about: AboutSample,
+}
+
+/// What is said of a given surface.
+#[derive(Clone, Debug)]
+pub struct AboutSample {
     /// Its name, for titles.
     pub name: String,
     /// What it is, with a hash of its heights: results are those of another sample where this differs.
@@ -21,47 +29,57 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// A height field; `reading` says how it was read.
+    /// A surface from which `form` was removed when it was read.
     #[must_use]
-    pub fn of_field(
-        field: HeightField,
-        name: String,
-        reading: Value,
-        warnings: Vec<String>,
-    ) -> Self {
-        let description = json!({
-            "name": name,
-            "shape": field.shape(),
-            "spacing": field.spacing(),
-            "unit": field.unit(),
-            "border": field.border(),
-            "reading": reading,
-            "heights": heights_hash(&field),
-        });
+    pub fn of(surface: GivenSurface, form: Form) -> Self {
+        let warnings = match surface.file {
+            Some(_) => surface.warnings(),
+            None => Vec::new(),
+        };
+        let description = match &surface.shape {
+            GivenShape::Field(field) => {
+                let reading = surface.file.as_ref().map(|_| {
+                    json!({
+                        "points_filled": surface.filled,
+                        "form_removed": form.to_string(),
+                        "generated": field.provenance(),
+                    })
+                });
+                field_description(field, &surface.name, reading)
+            }
+            GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name),
+        };
         Self {
-            shape: Shape::height_field(field),
-            name,
-            description,
-            warnings,
+            shape: surface.shape.simulated(),
+            about: AboutSample {
+                name: surface.name,
+                description,
+                warnings,
+            },
         }
     }
+}
 
-    /// A triangle mesh.
-    #[must_use]
-    pub fn of_mesh(mesh: MeshSurface, name: String, warnings: Vec<String>) -> Self {
-        let description = json!({
-            "name": name,
-            "vertices": mesh.vertex_count(),
-            "triangles": mesh.facet_count(),
-            "extent": mesh.size(),
-            "border": mesh.border(),
-            "corners": corners_hash(&mesh),
-        });
-        Self {
-            shape: Shape::triangle_mesh(mesh),
-            name,
-            description,
-            warnings,
-        }
-    }
+/// A height field; `reading` says how its file was read.
+fn field_description(field: &HeightField, name: &str, reading: Option<Value>) -> Value {
+    json!({
+        "name": name,
+        "shape": field.shape(),
+        "spacing": field.spacing(),
+        "unit": field.unit(),
+        "border": field.border(),
+        "reading": reading,
+        "heights": heights_hash(field),
+    })
+}
+
+fn mesh_description(mesh: &MeshSurface, name: &str) -> Value {
+    json!({
+        "name": name,
+        "vertices": mesh.vertex_count(),
+        "triangles": mesh.facet_count(),
+        "extent": mesh.size(),
+        "border": mesh.border(),
+        "corners": corners_hash(mesh),
+    })
 }

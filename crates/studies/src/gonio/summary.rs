@@ -14,7 +14,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
     let mut out = String::new();
     let done = outcome.directions.len() - outcome.missing();
     let distinction = Distinction::of(&outcome.settings);
-    let name = outcome.sample.as_ref().map(|(name, ..)| name.clone());
+    let name = outcome.sample.as_ref().map(|sample| sample.name.clone());
     let head: Vec<String> = name
         .into_iter()
         .chain(Some(distinction.common.clone()).filter(|text| !text.is_empty()))
@@ -69,8 +69,8 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
             outcome.directions.len()
         ));
     }
-    if let Some((.., of_sample)) = &outcome.sample {
-        warnings.extend(of_sample.iter().cloned());
+    if let Some(sample) = &outcome.sample {
+        warnings.extend(sample.warnings.iter().cloned());
     } else if outcome.config.run.target_error.is_none() && outcome.config.run.realisations.0 == 1 {
         warnings.push(
             "one surface: errors hold for this surface, not for the ensemble it comes from"

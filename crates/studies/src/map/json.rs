@@ -10,6 +10,7 @@ use super::cell::{CellDistances, CellModel, CellResults, ComparedLight};
 use super::summary::{summarise, warnings};
 use super::{MapCell, MapOutcome, ModelSummary, tables};
 use crate::output::Head;
+use crate::report::config_json::config_json;
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -70,7 +71,7 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
     json!(Summary {
         head: Head::of("map"),
         seed: outcome.config.run.seed,
-        config: config(outcome),
+        config: config_json(&outcome.config, &outcome.config.run, &["max_time"]),
         complete: outcome.missing() == 0,
         missing: outcome.missing(),
         summary: summarise(outcome),
@@ -78,19 +79,6 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
         columns: json!({ "map.csv": tables::map().description() }),
         warnings: warnings(outcome),
     })
-}
-
-/// The configuration, without the time that the run was given and without numbers that follow from a target.
-fn config(outcome: &MapOutcome) -> Value {
-    let mut config = json!(outcome.config);
-    if let Some(run) = config.get_mut("run").and_then(Value::as_object_mut) {
-        run.remove("max_time");
-        if outcome.config.run.target_error.is_some() {
-            run.remove("realisations");
-            run.remove("rays");
-        }
-    }
-    config
 }
 
 fn describe<'a>(outcome: &MapOutcome, cell: &'a MapCell) -> Cell<'a> {

@@ -235,6 +235,7 @@ mod tests {
     use super::super::MapCell;
     use super::super::config::MapConfig;
     use super::*;
+    use crate::output::Completion;
 
     #[test]
     fn a_model_is_within_tolerance_from_where_all_smoother_cells_are() {
@@ -249,10 +250,7 @@ mod tests {
                 })
                 .collect(),
             config,
-            resumed: 0,
-            computed: 0,
-            notes: Vec::new(),
-            stopped_by: None,
+            completion: Completion::default(),
         };
         use CellVerdict::{Beyond, NotResolved, Within};
         // Of four smoothness values, at 0 and at 60 degrees.

@@ -5,7 +5,6 @@
 //! of other settings or of another results epoch is refused by name. A damaged one is computed again.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use asperity_analysis::fnv1a;
 use asperity_io::{
@@ -100,16 +99,22 @@ pub(crate) const CHANGED: &str = "its results are not those that were written";
 
 /// The cases of a run and how they came about.
 pub(crate) struct Completed<T> {
-    /// Those of all cases, in their order; `None` where the run ended before.
+    /// The results of all cases, in their order; `None` where the run ended before.
     pub(crate) results: Vec<Option<T>>,
+    pub(crate) completion: Completion,
+}
+
+/// How the cases of a long run came about.
+#[derive(Clone, Debug, Default)]
+pub struct Completion {
     /// Cases taken from checkpoints.
-    pub(crate) resumed: usize,
+    pub resumed: usize,
     /// Cases computed by this run.
-    pub(crate) computed: usize,
+    pub computed: usize,
     /// What a reader should know of the checkpoints: a sentence each.
-    pub(crate) notes: Vec<String>,
+    pub notes: Vec<String>,
     /// What ended the run before all cases were computed.
-    pub(crate) stopped_by: Option<StoppedBy>,
+    pub stopped_by: Option<StoppedBy>,
 }
 
 /// The checkpoints of one study in a result folder.
@@ -144,54 +149,53 @@ impl Checkpoints<'_> {
         for name in names_in(self.folder.path().join(self.place)) {
             self.folder.keep(&format!("{}/{name}", self.place));
         }
-        let time = max_time.and_then(|time| Duration::try_from_secs_f64(time.0).ok());
-        let deadline = Deadline::new(observer, time);
+        let deadline = Deadline::new(observer, max_time.and_then(Seconds::duration));
         let resumed = found.iter().filter(|found| found.is_complete()).count();
         observer.begin(self.stage, (cases.len() - resumed) as u64);
-        let mut completed = Completed {
-            results: Vec::with_capacity(cases.len()),
+        let mut results = Vec::with_capacity(cases.len());
+        let mut completion = Completion {
             resumed,
-            computed: 0,
-            notes: Vec::new(),
-            stopped_by: None,
+            ..Completion::default()
         };
         for (case, found) in cases.iter().zip(found) {
             if let Found::Damaged(reason) = &found {
                 let path = self.path(case);
                 let reason = reason.replace('\n', " ");
-                completed.notes.push(format!(
+                completion.notes.push(format!(
                     "{} is damaged and is not used ({reason})",
                     path.display()
                 ));
             }
-            let results = match found {
+            results.push(match found {
                 Found::Results(results) => Some(results),
-                _ => self.compute(case, &mut completed, &deadline, observer)?,
-            };
-            completed.results.push(results);
+                _ => self.compute(case, &mut completion, &deadline, observer)?,
+            });
         }
         observer.end();
-        if completed.results.iter().all(Option::is_some) {
-            completed.stopped_by = None;
+        if results.iter().all(Option::is_some) {
+            completion.stopped_by = None;
         }
-        Ok(completed)
+        Ok(Completed {
+            results,
+            completion,
+        })
     }
 
     /// Computes a case, unless the run is to stop.
     fn compute<C: CheckpointCase>(
         &self,
         case: &C,
-        completed: &mut Completed<C::Results>,
+        completion: &mut Completion,
         deadline: &Deadline<'_>,
         observer: &dyn Observer,
     ) -> Result<Option<C::Results>, C::Error> {
-        if completed.stopped_by.is_none() {
-            completed.stopped_by = match deadline.stop() {
-                Some(StoppedBy::Time) if completed.computed == 0 => None,
+        if completion.stopped_by.is_none() {
+            completion.stopped_by = match deadline.stop() {
+                Some(StoppedBy::Time) if completion.computed == 0 => None,
                 stop => stop,
             };
         }
-        if completed.stopped_by.is_some() {
+        if completion.stopped_by.is_some() {
             return Ok(None);
         }
         observer.note(&case.title());
@@ -201,10 +205,10 @@ impl Checkpoints<'_> {
         match &results {
             Some(results) => {
                 self.write(case, results)?;
-                completed.computed += 1;
+                completion.computed += 1;
                 observer.advance(1);
             }
-            None => completed.stopped_by = observer.stop(),
+            None => completion.stopped_by = observer.stop(),
         }
         Ok(results)
     }

@@ -29,6 +29,14 @@ impl<'a> Place<'a> {
         }
     }
 
+    /// The place of a case: its folder where there are several cases, else this one.
+    pub(crate) fn of_case(&self, folder: &str, several: bool) -> Self {
+        match several {
+            true => self.join(folder),
+            false => self.clone(),
+        }
+    }
+
     /// Lists a file of this place as one of the run, and returns the path to write it to.
     pub(crate) fn claim(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
         self.folder.claim(&format!("{}{name}", self.within))

@@ -7,7 +7,7 @@
 use std::borrow::{Borrow, Cow};
 use std::path::Path;
 
-use asperity_io::{CsvField, WriteError, write_csv};
+use asperity_io::{CsvField, WriteError, csv_text, write_csv};
 use asperity_simulate::short;
 use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
@@ -147,6 +147,11 @@ impl<'a, R> Column<'a, R> {
         self
     }
 
+    /// Name of the column of standard errors.
+    fn se_name(&self) -> String {
+        format!("{}_se", self.name)
+    }
+
     fn text(&self, row: &R) -> String {
         match (self.value)(row) {
             Cell::Empty => "-".to_owned(),
@@ -230,7 +235,7 @@ impl<'a, R> Table<'a, R> {
     fn header(&self) -> Vec<String> {
         let names = |column: &Column<'a, R>| match column.kind {
             Kind::Value => vec![column.name.to_string()],
-            Kind::Estimate => vec![column.name.to_string(), format!("{}_se", column.name)],
+            Kind::Estimate => vec![column.name.to_string(), column.se_name()],
         };
         self.columns.iter().flat_map(names).collect()
     }
@@ -246,23 +251,45 @@ impl<'a, R> Table<'a, R> {
     ) -> Result<(), WriteError> {
         let header = self.header();
         let names: Vec<&str> = header.iter().map(String::as_str).collect();
-        let rows = rows.into_iter().map(|row| {
-            let mut fields = Vec::with_capacity(names.len());
+        write_csv(path, &names, self.records(rows))
+    }
+
+    /// The rows as CSV with a header line.
+    pub(crate) fn csv(&self, rows: impl IntoIterator<Item = impl Borrow<R>>) -> String {
+        let header = self.header();
+        let names: Vec<&str> = header.iter().map(String::as_str).collect();
+        csv_text(&names, self.records(rows))
+    }
+
+    /// The fields of each row of a CSV file.
+    fn records(
+        &self,
+        rows: impl IntoIterator<Item = impl Borrow<R>>,
+    ) -> impl Iterator<Item = Vec<CsvField<'static>>> {
+        rows.into_iter().map(|row| {
+            let mut fields = Vec::new();
             for column in &self.columns {
                 column.fields(row.borrow(), &mut fields);
             }
             fields
-        });
-        write_csv(path, &names, rows)
+        })
     }
 
-    /// Name, unit and description of each column, as JSON.
+    /// Name, unit and description of each column of a CSV file, as JSON.
     pub(crate) fn description(&self) -> Value {
-        let columns = self.columns.iter().map(|column| {
+        let describe = |column: &Column<'a, R>| {
             let unit = Some(column.unit).filter(|unit| !unit.is_empty());
-            json!({ "name": column.name, "unit": unit, "description": column.about })
-        });
-        Value::Array(columns.collect())
+            let entry = |name: &str, about: &str| json!({ "name": name, "unit": unit, "description": about });
+            let value = entry(&column.name, column.about);
+            match column.kind {
+                Kind::Value => vec![value],
+                Kind::Estimate => {
+                    let about = format!("standard error of {}", column.name);
+                    vec![value, entry(&column.se_name(), &about)]
+                }
+            }
+        };
+        Value::Array(self.columns.iter().flat_map(describe).collect())
     }
 
     /// The rows as an array of JSON objects, by the names of the columns.

@@ -92,7 +92,7 @@ fn by_order(statistics: &TallyStatistics, side: Side) -> Option<String> {
 
 /// The errors of the energies by their source.
 #[must_use]
-pub fn errors_table(budget: &ErrorBudget) -> String {
+pub(crate) fn errors_table(budget: &ErrorBudget) -> String {
     let spec = budget.spec();
     let errors = |side: &Side| budget.flux(*side, Component::All);
     let table = Table::new()
@@ -146,7 +146,7 @@ pub(crate) fn endings(spec: &TallySpec) -> impl Iterator<Item = (&'static str, E
 
 /// What a reader must know if light was lost.
 #[must_use]
-pub fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
+pub(crate) fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
     let lost = statistics.budget().lost.mean;
     (lost != 0.0).then(|| {
         format!("{lost:.3e} of the flux was lost to numerical failure: do not trust these results")
@@ -155,7 +155,7 @@ pub fn lost_warning(statistics: &TallyStatistics) -> Option<String> {
 
 /// The effort in words.
 #[must_use]
-pub fn work_line(work: &SummaryWork) -> String {
+pub(crate) fn work_line(work: &SummaryWork) -> String {
     let instructions = match &work.instructions {
         Some(name) => format!(" ({name})"),
         None => String::new(),

@@ -28,7 +28,7 @@ const LINE_STEP_DEG: f64 = 0.5;
 
 /// The light and the material of a plot.
 #[derive(Clone, Debug)]
-pub struct PlottedCase {
+pub(crate) struct PlottedCase {
     /// The direction towards the light.
     pub incidence: Incidence,
     /// The material.
@@ -95,16 +95,6 @@ impl PlottedCase {
             }
         }
     }
-}
-
-/// What the plots of a traced surface show in addition to the light.
-pub struct Surroundings<'a> {
-    /// The surface, if it is a height field, which alone has a map.
-    pub field: Option<&'a HeightField>,
-    /// Its name.
-    pub name: String,
-    /// The light.
-    pub light: &'a PlottedCase,
 }
 
 /// Writes a figure as SVG and PNG under `name` into each of the places.

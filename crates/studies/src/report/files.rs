@@ -1,83 +1,31 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
-use asperity_simulate::{Observer, Outcome};
+use asperity_simulate::Observer;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
-use crate::output::{Head, Place, figure_files, of_cases};
+use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files, of_cases};
 use crate::report::case_report::{case_table, verify_table, warnings};
+use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures::{self, PlottedCase};
-use crate::report::flux_tables::{Fluxes, write_comparison, write_fluxes};
+use crate::report::flux_tables::{FluxTables, Fluxes, comparison_columns, write_comparison};
 use crate::report::summary::Summary;
 use crate::verify::comparison::json::ComparisonJson;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
-/// Names of all files of a `trace` run.
-#[must_use]
-pub fn trace_files(spec: &TallySpec, plots: bool) -> Vec<String> {
-    let mut names = TABLES.map(str::to_owned).to_vec();
-    names.push("summary.json".to_owned());
-    if plots {
-        names.extend(plot_files(spec));
-    }
-    names
-}
-
 /// Tables of every case.
-const TABLES: [&str; 3] = ["histogram.csv", "theta.csv", "in_plane.csv"];
+pub(crate) const TABLES: [&str; 3] = ["histogram.csv", "theta.csv", "in_plane.csv"];
 
 /// Names of the plots of a case, of which some may have nothing to show and are not drawn.
-fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
+pub(crate) fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
     let curves = spec.sides().map(|side| format!("in_plane_{side}"));
     let names = ["height_map", "lobes"].map(str::to_owned).into_iter();
     names.chain(curves).flat_map(|name| figure_files(&name))
-}
-
-/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, plots
-/// and, last, summary.json.
-///
-/// # Errors
-/// [`ReportError`] if a file cannot be written or a plot drawn.
-pub fn trace_report(
-    folder: &ResultFolder,
-    outcome: &Outcome,
-    spec: &TallySpec,
-    summary: &Summary,
-    plots: Option<&figures::Surroundings<'_>>,
-) -> Result<(), ReportError> {
-    let names = trace_files(spec, plots.is_some());
-    folder.claim_all(names.iter().map(String::as_str))?;
-    let place = Place::root(folder);
-    let tables = || {
-        let fluxes = Fluxes {
-            spec,
-            statistics: &outcome.statistics,
-            errors: &outcome.errors,
-            rays: outcome.work.rays,
-        };
-        write_fluxes(&place, fluxes, &[])
-    };
-    let draw = |plots: &figures::Surroundings<'_>| {
-        let map = || {
-            plots.field.map_or(Ok(()), |field| {
-                figures::height_map(&[&place], field, &plots.name)
-            })
-        };
-        let lobes =
-            || figures::lobes_and_curves(&place, plots.light, spec, &outcome.statistics, &[]);
-        let (map, lobes) = rayon::join(map, lobes);
-        map.and(lobes)
-    };
-    let (tables, plots) = rayon::join(tables, || plots.map_or(Ok(()), draw));
-    tables?;
-    plots?;
-    Ok(write_json(place.claim("summary.json")?, summary)?)
 }
 
 impl VerifyConfig {
@@ -118,11 +66,7 @@ pub fn verify_report(
         .cases
         .iter()
         .map(|case| {
-            let place = if outcome.several() {
-                root.join(&case.case.folder())
-            } else {
-                root.clone()
-            };
+            let place = root.of_case(&case.case.folder(), outcome.several());
             (case, place)
         })
         .collect();
@@ -177,47 +121,43 @@ fn write_case(
 ) -> Result<(), ReportError> {
     let spec = &outcome.spec;
     let tables = || -> Result<(), ReportError> {
-        let fluxes = Fluxes {
-            spec,
-            statistics: &case.statistics,
-            errors: &case.errors,
-            rays: case.work.rays,
-        };
-        write_fluxes(place, fluxes, &case.models)?;
+        flux_tables(outcome, case).write(place)?;
         write_comparison(place, spec, case)?;
         let report = case_table(outcome, case);
         Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
     };
     let plots = || {
+        if !outcome.config.output.plots {
+            return Ok(());
+        }
         let light = PlottedCase::of_case(&case.case, &outcome.config);
         figures::lobes_and_curves(place, &light, spec, &case.statistics, &case.models)
-    };
-    let plots = || {
-        if outcome.config.output.plots {
-            plots()
-        } else {
-            Ok(())
-        }
     };
     let (tables, plots) = rayon::join(tables, plots);
     tables?;
     plots
 }
 
-#[derive(Serialize)]
-struct SummaryOfCases {
-    #[serde(flatten)]
-    head: Head,
-    seed: u64,
-    config: Value,
-    cases: Vec<CaseInFolder>,
-    seconds: f64,
+/// The tables of the fluxes of one case.
+fn flux_tables<'a>(outcome: &'a VerifyOutcome, case: &'a CaseOutcome) -> FluxTables<'a> {
+    FluxTables {
+        fluxes: Fluxes {
+            spec: &outcome.spec,
+            statistics: &case.statistics,
+            errors: &case.errors,
+            rays: case.work.rays,
+        },
+        models: &case.models,
+    }
 }
 
-#[derive(Serialize)]
-struct CaseInFolder {
-    folder: String,
-    summary: Summary,
+/// Name, unit and description of each column of the tables of one case, by file.
+fn columns(outcome: &VerifyOutcome, case: &CaseOutcome) -> Value {
+    let mut columns = flux_tables(outcome, case).columns();
+    if let Some(comparison) = comparison_columns(&outcome.spec, case) {
+        columns["comparison.csv"] = comparison;
+    }
+    columns
 }
 
 /// The contents of summary.json of a verification: that of its case, or, of several, a list of all
@@ -234,7 +174,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
     json!(SummaryOfCases {
         head: Head::of("verify"),
         seed: outcome.config.run.seed,
-        config: config_json(outcome),
+        config: config(outcome),
         cases: cases.collect(),
         seconds: outcome.seconds,
     })
@@ -242,7 +182,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 
 /// The summary of one case.
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
-    let config = json!({ "verify": config_json(outcome), "case": case.case });
+    let config = json!({ "verify": config(outcome), "case": case.case });
     Summary::new(
         "verify",
         config,
@@ -253,19 +193,13 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
     )
     .with_errors(case.errors.to_json())
     .with_comparison(json!(ComparisonJson::of(&outcome.spec, case)))
+    .with_columns(columns(outcome, case))
     .with_warnings(warnings(outcome, case))
     .with_stopping(case.stopping.clone())
     .with_deviation_bound(case.deviation_bound)
 }
 
-/// The configuration; without the numbers of surfaces and rays if they followed from a target.
-fn config_json(outcome: &VerifyOutcome) -> Value {
-    let mut config = json!(outcome.config);
-    if outcome.config.run.target_error.is_some()
-        && let Some(run) = config.get_mut("run").and_then(Value::as_object_mut)
-    {
-        run.remove("realisations");
-        run.remove("rays");
-    }
-    config
+/// The configuration that was run.
+fn config(outcome: &VerifyOutcome) -> Value {
+    config_json(&outcome.config, &outcome.config.run, &[])
 }

@@ -2,6 +2,7 @@
 
 use asperity_simulate::{ErrorBudget, Errors};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use serde_json::{Value, json};
 
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
@@ -21,18 +22,34 @@ pub(crate) struct Fluxes<'a> {
     pub(crate) rays: u64,
 }
 
-/// Writes histogram.csv, theta.csv and in_plane.csv.
-pub(crate) fn write_fluxes(
-    place: &Place<'_>,
-    fluxes: Fluxes<'_>,
-    models: &[ModelOutcome],
-) -> Result<(), ReportError> {
-    let spec = fluxes.spec;
-    histogram(fluxes).write_csv(&place.claim("histogram.csv")?, spec.recorded_bins())?;
-    let rings = places(spec, |side| spec.ring_filter(side).len());
-    theta(fluxes).write_csv(&place.claim("theta.csv")?, rings)?;
-    let profile = places(spec, |side| spec.in_plane_filter(side).len());
-    Ok(in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?)
+/// The tables of the fluxes of one case.
+#[derive(Clone, Copy)]
+pub(crate) struct FluxTables<'a> {
+    pub(crate) fluxes: Fluxes<'a>,
+    /// Models whose expectations in_plane.csv holds.
+    pub(crate) models: &'a [ModelOutcome],
+}
+
+impl FluxTables<'_> {
+    /// Writes histogram.csv, theta.csv and in_plane.csv.
+    pub(crate) fn write(self, place: &Place<'_>) -> Result<(), ReportError> {
+        let Self { fluxes, models } = self;
+        let spec = fluxes.spec;
+        histogram(fluxes).write_csv(&place.claim("histogram.csv")?, spec.recorded_bins())?;
+        let rings = places(spec, |side| spec.ring_filter(side).len());
+        theta(fluxes).write_csv(&place.claim("theta.csv")?, rings)?;
+        let profile = places(spec, |side| spec.in_plane_filter(side).len());
+        Ok(in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?)
+    }
+
+    /// Name, unit and description of each column, by file.
+    pub(crate) fn columns(self) -> Value {
+        json!({
+            "histogram.csv": histogram(self.fluxes).description(),
+            "theta.csv": theta(self.fluxes).description(),
+            "in_plane.csv": in_plane(self.fluxes, self.models).description(),
+        })
+    }
 }
 
 /// A ring of polar angle, or a bin of the in-plane slice, of one side.
@@ -244,6 +261,11 @@ pub(crate) fn write_comparison(
     }
     let table = comparison(spec, case);
     Ok(table.write_csv(&place.claim("comparison.csv")?, spec.recorded_bins())?)
+}
+
+/// Name, unit and description of each column of comparison.csv; `None` if there is no model.
+pub(crate) fn comparison_columns(spec: &TallySpec, case: &CaseOutcome) -> Option<Value> {
+    (!case.models.is_empty()).then(|| comparison(spec, case).description())
 }
 
 /// comparison.csv: bin by bin, each component of the explicit light next to the models that describe it.

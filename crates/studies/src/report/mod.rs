@@ -1,11 +1,11 @@
 //! What a run leaves: tables of fluxes, summaries, reports, figures and the files they go into.
 
 pub(crate) mod case_report;
+pub(crate) mod config_json;
 pub(crate) mod energies;
 pub(crate) mod error;
-pub(crate) mod expectation;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod flux_tables;
-pub(crate) mod layer_expectation;
+pub(crate) mod roughness;
 pub(crate) mod summary;

@@ -6,13 +6,13 @@ use asperity_tally::{
 };
 use serde::Serialize;
 
-use crate::output::Head;
+use crate::output::{BySide, Head};
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
     /// `None` on a side that is not recorded.
-    reflected: Option<Estimate>,
-    transmitted: Option<Estimate>,
+    #[serde(flatten)]
+    sides: BySide<Option<Estimate>>,
     absorbed: Estimate,
     truncated: Estimate,
     lost: Estimate,
@@ -29,13 +29,6 @@ pub(crate) struct Order {
     and_above: bool,
     #[serde(flatten)]
     flux: Estimate,
-}
-
-#[derive(Clone, Debug, Serialize)]
-struct Orders {
-    /// `None` on a side that is not recorded.
-    reflected: Option<Vec<Order>>,
-    transmitted: Option<Vec<Order>>,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -67,13 +60,15 @@ pub struct Summary {
     energy: Energy,
     #[serde(skip_serializing_if = "Option::is_none")]
     error_budget: Option<serde_json::Value>,
-    orders: Orders,
+    /// `None` on a side that is not recorded.
+    orders: BySide<Option<Vec<Order>>>,
     paths: Vec<Path>,
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<serde_json::Value>,
+    columns: serde_json::Value,
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stopping: Option<Stopping>,
@@ -108,8 +103,7 @@ impl Summary {
             errors_from,
             batches: statistics.batches(),
             energy: Energy {
-                reflected: energy(Side::Reflected),
-                transmitted: energy(Side::Transmitted),
+                sides: BySide::of(energy),
                 absorbed: budget.absorbed,
                 truncated: budget.truncated,
                 lost: budget.lost,
@@ -117,13 +111,11 @@ impl Summary {
                 not_recorded: budget.not_recorded,
             },
             error_budget: None,
-            orders: Orders {
-                reflected: orders(Side::Reflected),
-                transmitted: orders(Side::Transmitted),
-            },
+            orders: BySide::of(orders),
             paths: paths(statistics),
             components: spec.has_medium().then(|| of_components(statistics)),
             comparison: None,
+            columns: serde_json::Value::Null,
             warnings: Vec::new(),
             stopping: None,
             deviation_bound: None,
@@ -142,6 +134,13 @@ impl Summary {
     #[must_use]
     pub fn with_comparison(mut self, comparison: serde_json::Value) -> Self {
         self.comparison = Some(comparison);
+        self
+    }
+
+    /// With name, unit and description of each column of the tables, by file.
+    #[must_use]
+    pub(crate) fn with_columns(mut self, columns: serde_json::Value) -> Self {
+        self.columns = columns;
         self
     }
 

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use asperity_analysis::{ScaleTest, Scope};
-use asperity_tally::{Component, Estimate, Side, TallySpec};
+use asperity_tally::{Component, Estimate, TallySpec};
 use serde::Serialize;
 
 use crate::config::case_model::CaseModel;
+use crate::output::BySide;
 use crate::verify::CaseOutcome;
 use crate::verify::comparison::compared::{COMPARED, key};
 use crate::verify::comparison::conclusion::{conclusion, verdict_name};
@@ -24,23 +25,17 @@ pub(crate) struct ComparisonJson {
 struct Model {
     model: &'static str,
     scope: Scope,
-    /// Of the component by which the model is judged.
-    reflected: Option<f64>,
-    transmitted: Option<f64>,
+    /// Energies of the component by which the model is judged.
+    #[serde(flatten)]
+    judged: BySide<Option<f64>>,
     /// `None` for a model without noise.
     rays: Option<u64>,
     verdict: Option<&'static str>,
-    energy: BTreeMap<String, Option<Sides>>,
+    /// By component of the light; `None` if the model does not describe it, or on a side that is not recorded.
+    energy: BTreeMap<String, Option<BySide<Option<Estimate>>>>,
     /// By component of the light; `None` if the model does not describe it.
     #[serde(flatten)]
     components: BTreeMap<String, Option<Against>>,
-}
-
-#[derive(Serialize)]
-struct Sides {
-    /// `None` on a side that is not recorded.
-    reflected: Option<Estimate>,
-    transmitted: Option<Estimate>,
 }
 
 /// A component of the light against a model.
@@ -78,10 +73,9 @@ impl Model {
             shown.filter(|c| *c == Component::All || c.is_of_medium() == of_layer)
         };
         let energies = components().map(|component| {
-            let sides = model.describes(component).then(|| Sides {
-                reflected: energy(component, Side::Reflected),
-                transmitted: energy(component, Side::Transmitted),
-            });
+            let sides = model
+                .describes(component)
+                .then(|| BySide::of(|side| energy(component, side)));
             (key(component).into_owned(), sides)
         });
         let against = components().map(|component| {
@@ -91,8 +85,7 @@ impl Model {
         Self {
             model: model.model.name(),
             scope: model.model.scope(),
-            reflected: judged(Side::Reflected),
-            transmitted: judged(Side::Transmitted),
+            judged: BySide::of(judged),
             rays: (!model.expectation.is_exact()).then(|| model.expectation.rays()),
             verdict: model.judged().verdict.as_ref().map(verdict_name),
             energy: energies.collect(),

@@ -1,4 +1,4 @@
-//! What a model of a flat layer expects, as tables and JSON.
+//! What a model of a flat layer expects, bin by bin.
 
 use asperity_simulate::short;
 use std::path::Path;
@@ -10,22 +10,87 @@ use asperity_tally::{Component, Side, TallyResult, TallyValues};
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use crate::output::{Column, Head, Table, bin_columns, projected_solid_angle, solid_angle_column};
+use super::config::{ModelConfig, azimuth};
+use super::{Evaluation, LayerModel, columns};
+use crate::config::error::ConfigError;
+use crate::output::{
+    BySide, Column, Head, Table, bin_columns, projected_solid_angle, solid_angle_column,
+};
 
 /// The components that such a model describes.
 const DESCRIBED: [Component; 2] = [Component::Unscattered, Component::ScatteredOnce];
 
-/// Writes a row per bin: its place, solid angle, flux and BSDF, and the fluxes never scattered and scattered
-/// once apart. Unscattered light goes one way and fills one bin, whose BSDF it dominates.
-///
-/// `expected`: what [`FlatLayer::tally`] gives for a spec with a medium.
-///
-/// # Errors
-/// [`WriteError`] if the file cannot be written.
-pub fn write_layer_expectation(path: &Path, expected: &TallyValues) -> Result<(), WriteError> {
-    table(expected).write_csv(path, expected.spec().recorded_bins())
+/// A model of a flat layer over bins, and its energies by how often light was scattered.
+pub(super) struct LayerBins {
+    layer: LayerModel,
+    incidence: Incidence,
+    expected: TallyValues,
+    notes: Vec<String>,
 }
 
+impl LayerBins {
+    pub(super) fn of(
+        config: &ModelConfig,
+        layer: LayerModel,
+        incidence: Incidence,
+    ) -> Result<Self, ConfigError> {
+        let spec = config.spec()?.with_medium();
+        let azimuth = azimuth(incidence, true);
+        Ok(Self {
+            expected: layer.model.tally(incidence, &spec, azimuth),
+            notes: unscattered_notes(&layer.model, incidence),
+            layer,
+            incidence,
+        })
+    }
+}
+
+impl Evaluation for LayerBins {
+    fn write_csv(&self, path: &Path) -> Result<(), WriteError> {
+        table(&self.expected).write_csv(path, self.expected.spec().recorded_bins())
+    }
+
+    fn rows(&self) -> String {
+        format!("{} bins", self.expected.spec().recorded_bins().len())
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn description(&self) -> &'static str {
+        self.layer.model.paths().description()
+    }
+
+    fn text(&self) -> String {
+        energy_table(&self.expected)
+    }
+
+    /// An infinite optical thickness is null.
+    fn summary(&self, file: Option<&Path>) -> Value {
+        let model = &self.layer.model;
+        let paths: LayerPaths = model.paths();
+        let sides = |component| BySide::of(|side| self.expected.flux(side, component));
+        let beams = model.unscattered(self.incidence.wi());
+        json!(Summary {
+            head: Head::of("model"),
+            model: paths.name(),
+            description: paths.description(),
+            valid_range: paths.valid_range(),
+            layer: &self.layer.layer,
+            optical_thickness: model.optical_thickness(),
+            energy: Energy {
+                unscattered: sides(Component::Unscattered),
+                once: sides(Component::ScatteredOnce),
+            },
+            unscattered: beams.iter().map(Beam::of).collect(),
+            columns: columns(&table(&self.expected), file),
+        })
+    }
+}
+
+/// A row per bin: its place, solid angle, flux and BSDF, and the fluxes never scattered and scattered
+/// once apart. Unscattered light goes one way and fills one bin, whose BSDF it dominates.
 fn table(expected: &TallyValues) -> Table<'_, usize> {
     let spec = expected.spec();
     let grid = spec.grid();
@@ -58,8 +123,7 @@ fn table(expected: &TallyValues) -> Table<'_, usize> {
 }
 
 /// The fluxes never scattered and scattered once that leave on each side, and what neither is.
-#[must_use]
-pub fn layer_energy_table(expected: &TallyValues) -> String {
+fn energy_table(expected: &TallyValues) -> String {
     let spec = expected.spec();
     let flux = |side, component| expected.flux(side, component);
     let both = |side| -> f64 {
@@ -84,8 +148,7 @@ pub fn layer_energy_table(expected: &TallyValues) -> String {
 }
 
 /// One sentence per direction into which unscattered light goes: a delta, of which a BSDF has no value.
-#[must_use]
-pub fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String> {
+pub(super) fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<String> {
     let beams = model.unscattered(incidence.wi());
     let sentence = |beam: &UnscatteredBeam| {
         let [theta, phi] = beam.angles_deg();
@@ -109,18 +172,13 @@ struct Summary<'a> {
     optical_thickness: f64,
     energy: Energy,
     unscattered: Vec<Beam>,
+    columns: Value,
 }
 
 #[derive(Serialize)]
 struct Energy {
-    unscattered: Sides,
-    once: Sides,
-}
-
-#[derive(Serialize)]
-struct Sides {
-    reflected: f64,
-    transmitted: f64,
+    unscattered: BySide<f64>,
+    once: BySide<f64>,
 }
 
 /// A direction into which unscattered light goes.
@@ -132,40 +190,14 @@ struct Beam {
     flux: f64,
 }
 
-/// The energies that a model of `layer` expects, and where unscattered light goes. An infinite optical
-/// thickness is null.
-#[must_use]
-pub fn layer_expectation_json(
-    (model, layer): (&FlatLayer, &Layer),
-    incidence: Incidence,
-    expected: &TallyValues,
-) -> Value {
-    let paths: LayerPaths = model.paths();
-    let beams = model.unscattered(incidence.wi());
-    let beams = beams.iter().map(|beam| {
+impl Beam {
+    fn of(beam: &UnscatteredBeam) -> Self {
         let [theta_deg, phi_deg] = beam.angles_deg();
-        Beam {
+        Self {
             side: beam.side,
             theta_deg,
             phi_deg,
             flux: beam.flux,
         }
-    });
-    let sides = |component| Sides {
-        reflected: expected.flux(Side::Reflected, component),
-        transmitted: expected.flux(Side::Transmitted, component),
-    };
-    json!(Summary {
-        head: Head::of("model"),
-        model: paths.name(),
-        description: paths.description(),
-        valid_range: paths.valid_range(),
-        layer,
-        optical_thickness: model.optical_thickness(),
-        energy: Energy {
-            unscattered: sides(Component::Unscattered),
-            once: sides(Component::ScatteredOnce),
-        },
-        unscattered: beams.collect(),
-    })
+    }
 }

@@ -1,0 +1,155 @@
+//! Given surfaces: height maps, triangle meshes and the flat surface, with their description and warnings.
+
+use std::path::PathBuf;
+
+use asperity_simulate::Shape;
+use asperity_surface::{Border, Form, HeightField, Roughness};
+use asperity_tracer::{Geometry, MeshSurface};
+use serde_json::{Value, json};
+
+/// A given surface.
+#[derive(Clone, Debug)]
+pub struct GivenSurface {
+    /// Its shape.
+    pub shape: GivenShape,
+    /// Its name, for titles.
+    pub name: String,
+    /// The file; `None` for the flat surface.
+    pub file: Option<PathBuf>,
+    /// Missing points that were filled.
+    pub filled: usize,
+    /// What a reader of the results should know about how the file was read.
+    pub notes: Vec<String>,
+}
+
+/// The shape of a given surface.
+#[derive(Clone, Debug)]
+pub enum GivenShape {
+    /// Heights on a grid.
+    Field(HeightField),
+    /// Triangles.
+    Mesh(MeshSurface),
+}
+
+impl GivenShape {
+    /// The same as it is simulated.
+    #[must_use]
+    pub fn simulated(self) -> Shape {
+        match self {
+            Self::Field(field) => Shape::height_field(field),
+            Self::Mesh(mesh) => Shape::triangle_mesh(mesh),
+        }
+    }
+}
+
+impl GivenSurface {
+    /// Lengths of the tile along x and y.
+    #[must_use]
+    pub fn extent(&self) -> [f64; 2] {
+        match &self.shape {
+            GivenShape::Field(field) => field.extent(),
+            GivenShape::Mesh(mesh) => {
+                let [x, y, _] = mesh.size();
+                [x, y]
+            }
+        }
+    }
+
+    /// What a reader of the results should know about the surface.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.notes.clone();
+        let border = match &self.shape {
+            GivenShape::Field(field) => {
+                warnings.extend(steepness_warning(field));
+                field.border()
+            }
+            GivenShape::Mesh(mesh) => {
+                warnings.extend(mesh_warnings(mesh));
+                mesh.border()
+            }
+        };
+        if border == Border::Open {
+            warnings.push(OPEN_PATCH.to_owned());
+        }
+        warnings.push(ONE_SURFACE.to_owned());
+        warnings
+    }
+
+    /// The surface as summary.json holds it. `form`: what was removed from it.
+    pub(crate) fn description(&self, form: Form) -> Value {
+        match &self.shape {
+            GivenShape::Field(field) => json!({
+                "file": self.file,
+                "shape": field.shape(),
+                "spacing": field.spacing(),
+                "unit": field.unit(),
+                "border": field.border(),
+                "points_filled": self.filled,
+                "form_removed": form.to_string(),
+                "generated": field.provenance(),
+            }),
+            GivenShape::Mesh(mesh) => {
+                let repairs = mesh.repairs();
+                json!({
+                    "file": self.file,
+                    "vertices": mesh.vertex_count(),
+                    "triangles": mesh.facet_count(),
+                    "extent": mesh.size(),
+                    "border": mesh.border(),
+                    "triangles_dropped": repairs.dropped,
+                    "turned_over": repairs.turned_over,
+                })
+            }
+        }
+    }
+}
+
+/// Slope above which the steepest facet is reported.
+const STEEP: f64 = 50.0;
+
+/// Warns of a facet that is too steep for heights and spacing in the same unit.
+fn steepness_warning(field: &HeightField) -> Option<String> {
+    let steepest = Roughness::of(field).steepest;
+    (steepest.slope > STEEP).then(|| {
+        format!(
+            "the steepest facet stands at {:.2} deg: are heights and spacing in the same unit?",
+            steepest.angle_degrees
+        )
+    })
+}
+
+/// Warns of what was repaired, and of what lets light pass.
+fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
+    let repairs = mesh.repairs();
+    let mut warnings = Vec::new();
+    if repairs.turned_over {
+        warnings.push(
+            "the mesh faced away from +z (or inwards, being closed) and was turned over".to_owned(),
+        );
+    }
+    if repairs.dropped > 0 {
+        warnings.push(format!(
+            "{} triangles without area were left out",
+            repairs.dropped
+        ));
+    }
+    // Under other borders than an open one such meshes are refused.
+    if repairs.closed {
+        warnings.push(
+            "the mesh is closed: paths below it hit nothing and count as truncated".to_owned(),
+        );
+    }
+    if repairs.open_edges > 0 {
+        warnings.push(format!(
+            "{} edges inside the tile have one triangle only: paths that pass them count as truncated",
+            repairs.open_edges
+        ));
+    }
+    warnings
+}
+
+const ONE_SURFACE: &str =
+    "one surface: errors hold for this surface, not for the ensemble it may come from";
+
+const OPEN_PATCH: &str = "the patch is open: paths that leave it sideways count as truncated, and grazing light sees it too bright";

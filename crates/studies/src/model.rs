@@ -1,0 +1,214 @@
+//! One statistical model: direction by direction, or bin by bin.
+
+mod config;
+mod directions;
+mod error;
+mod layer_bins;
+mod list;
+mod surface_bins;
+
+use std::path::Path;
+
+use asperity_analysis::{FlatLayer, MODEL_NAMES, ScatteringModel, create_model};
+use asperity_io::WriteError;
+use asperity_optics::{Incidence, Layer, Material, from_spherical};
+use serde_json::Value;
+
+pub use self::config::ModelConfig;
+use self::directions::{About, Directions};
+pub use self::error::EvaluationError;
+use self::layer_bins::LayerBins;
+pub use self::list::model_list;
+use self::surface_bins::SurfaceBins;
+use crate::output::Table;
+use crate::settings::Document;
+
+/// A model that was evaluated.
+pub trait Evaluation {
+    /// Writes a row per direction or bin.
+    ///
+    /// # Errors
+    /// [`WriteError`] if the file cannot be written.
+    fn write_csv(&self, path: &Path) -> Result<(), WriteError>;
+
+    /// The rows as CSV, where they stand for the text unless a file holds them.
+    fn csv(&self) -> Option<String> {
+        None
+    }
+
+    /// How many rows of what, as `1296 bins`.
+    fn rows(&self) -> String;
+
+    /// What a reader should know beside the values.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
+
+    /// What the model describes.
+    fn description(&self) -> &'static str;
+
+    /// Its energies by bins, as text; nothing of single directions.
+    fn text(&self) -> String {
+        String::new()
+    }
+
+    /// The model and its energies by bins as JSON, with the columns of the table under the name of its `file`;
+    /// nothing of single directions.
+    fn summary(&self, _file: Option<&Path>) -> Value {
+        Value::Null
+    }
+}
+
+/// Name, unit and description of each column of a table, under the name of its `file`; nothing without one.
+fn columns<R>(table: &Table<'_, R>, file: Option<&Path>) -> Value {
+    let name = file.and_then(Path::file_name);
+    let entry = name.map(|name| (name.to_string_lossy().into_owned(), table.description()));
+    Value::Object(entry.into_iter().collect())
+}
+
+/// Where a model is evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// Over bins.
+    Bins,
+    /// At single directions, unless bins are given or the model has no value there.
+    Directions,
+}
+
+/// Evaluates the model of a configuration, which is that of `document`.
+///
+/// # Errors
+/// [`EvaluationError`] if a value is missing, superfluous or out of range.
+pub fn evaluate_model(
+    config: &ModelConfig,
+    document: &Document,
+    resolution: Resolution,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    let name = config.name()?;
+    let material = config.material.material()?;
+    let incidence = config.incidence()?;
+    let resolution = match config.run.bins {
+        Some(_) => Resolution::Bins,
+        None => resolution,
+    };
+    if FlatLayer::NAMES.contains(&name) {
+        refuse_roughness(name, document)?;
+        let model = layer_model(name, config, material)?;
+        return evaluate_layer(config, model, incidence, resolution);
+    }
+    let model = rough_model(name, config, material)?;
+    evaluate_surface(config, model, incidence, resolution)
+}
+
+/// The model `name` of a rough surface.
+fn rough_model(
+    name: &str,
+    config: &ModelConfig,
+    material: Material,
+) -> Result<Box<dyn ScatteringModel>, EvaluationError> {
+    let name = name.to_owned();
+    if !MODEL_NAMES.contains(&name.as_str()) {
+        return Err(EvaluationError::Unknown { name });
+    }
+    if config.medium.is_some() {
+        return Err(EvaluationError::SurfaceAlone { name });
+    }
+    let model = create_model(&name, config.slopes(&name)?, material)?;
+    let follows_rays = model.random_walk().is_some();
+    if !follows_rays && (config.run.rays.is_some() || config.run.seed.is_some()) {
+        return Err(EvaluationError::NoRays { name });
+    }
+    Ok(model)
+}
+
+fn evaluate_surface(
+    config: &ModelConfig,
+    model: Box<dyn ScatteringModel>,
+    incidence: Incidence,
+    resolution: Resolution,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    let follows_rays = model.random_walk().is_some();
+    match model.density() {
+        Some(density) if resolution == Resolution::Directions && !follows_rays => {
+            let about = About {
+                description: model.description(),
+                notes: Vec::new(),
+            };
+            let bsdf = |theta, phi| density.bsdf(incidence.wi(), from_spherical(theta, phi));
+            let directions = Directions::of(&config.model, incidence, about, bsdf)?;
+            Ok(Box::new(directions))
+        }
+        _ if config.model.step.is_some() || config.model.sphere => {
+            Err(EvaluationError::NoDensity {
+                name: model.name().to_owned(),
+            })
+        }
+        _ => Ok(Box::new(SurfaceBins::of(config, model, incidence)?)),
+    }
+}
+
+/// Settings that mean nothing for a flat layer.
+const OF_ROUGH_SURFACES: [(&str, &str); 6] = [
+    ("surface.smoothness", "smoothness"),
+    ("surface.smoothness_y", "smoothness-y"),
+    ("run.rays", "rays"),
+    ("run.seed", "seed"),
+    ("medium.bottom_surface", "bottom-surface"),
+    ("medium.max_scatterings", "max-scatterings"),
+];
+
+/// Refuses settings that mean nothing for the model `name` of a flat layer.
+fn refuse_roughness(name: &str, document: &Document) -> Result<(), EvaluationError> {
+    let mut settings = OF_ROUGH_SURFACES.iter();
+    match settings.find(|(setting, _)| document.is_given(setting)) {
+        None => Ok(()),
+        Some((_, flag)) => Err(EvaluationError::FlatFaces {
+            name: name.to_owned(),
+            flag,
+        }),
+    }
+}
+
+/// A model of a flat layer, and the layer.
+struct LayerModel {
+    model: FlatLayer,
+    layer: Layer,
+}
+
+/// The model `name` of a flat layer.
+fn layer_model(
+    name: &str,
+    config: &ModelConfig,
+    material: Material,
+) -> Result<LayerModel, EvaluationError> {
+    let owned = || name.to_owned();
+    let medium = config.medium.as_ref();
+    let medium = medium.ok_or_else(|| EvaluationError::NoMedium { name: owned() })?;
+    let layer = medium.layer(material)?;
+    let Material::Dielectric { eta } = material else {
+        return Err(EvaluationError::NoDielectric { name: owned() });
+    };
+    Ok(LayerModel {
+        model: FlatLayer::by_name(name, eta, &layer)?,
+        layer,
+    })
+}
+
+fn evaluate_layer(
+    config: &ModelConfig,
+    layer: LayerModel,
+    incidence: Incidence,
+    resolution: Resolution,
+) -> Result<Box<dyn Evaluation>, EvaluationError> {
+    if resolution == Resolution::Bins {
+        return Ok(Box::new(LayerBins::of(config, layer, incidence)?));
+    }
+    let model = &layer.model;
+    let about = About {
+        description: model.paths().description(),
+        notes: layer_bins::unscattered_notes(model, incidence),
+    };
+    let bsdf = |theta, phi| model.bsdf(incidence.wi(), from_spherical(theta, phi));
+    let directions = Directions::of(&config.model, incidence, about, bsdf)?;
+    Ok(Box::new(directions))
+}

@@ -1,0 +1,111 @@
+//! The configuration of `asperity model`.
+
+use std::f64::consts::PI;
+
+use asperity_analysis::SlopeCovariance;
+use asperity_optics::Incidence;
+use asperity_surface::Psd;
+use asperity_tally::{Azimuth, HemisphereGrid, TallySpec};
+use serde::Deserialize;
+
+use super::error::EvaluationError;
+use crate::config::MaterialConfig;
+use crate::config::error::ConfigError;
+use crate::config::medium::MediumConfig;
+
+/// A model, and where it is evaluated.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ModelConfig {
+    pub(super) model: Selection,
+    surface: Roughness,
+    pub(super) material: MaterialConfig,
+    pub(super) medium: Option<MediumConfig>,
+    light: LightDirection,
+    pub(super) run: Sampling,
+}
+
+/// The model and its directions.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Selection {
+    name: Option<String>,
+    list: bool,
+    /// Distance between directions, degrees.
+    pub(super) step: Option<f64>,
+    /// Whether they fill the sphere, and not only the plane of incidence.
+    pub(super) sphere: bool,
+}
+
+/// The roughness, if the model is of rough surfaces.
+#[derive(Clone, Debug, Deserialize)]
+struct Roughness {
+    smoothness: Option<f64>,
+    smoothness_y: Option<f64>,
+    azimuth: Option<f64>,
+}
+
+/// The direction towards the light, degrees.
+#[derive(Clone, Debug, Deserialize)]
+struct LightDirection {
+    theta: f64,
+    phi: f64,
+}
+
+/// Bins, and the effort of a model that follows rays.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Sampling {
+    pub(super) rays: Option<u64>,
+    pub(super) seed: Option<u64>,
+    pub(super) bins: Option<HemisphereGrid>,
+}
+
+impl ModelConfig {
+    /// Whether the models are to be listed, instead of one evaluated.
+    #[must_use]
+    pub const fn is_list(&self) -> bool {
+        self.model.list
+    }
+
+    pub(super) fn name(&self) -> Result<&str, EvaluationError> {
+        self.model.name.as_deref().ok_or(EvaluationError::NoName)
+    }
+
+    pub(super) fn incidence(&self) -> Result<Incidence, ConfigError> {
+        Ok(Incidence::from_degrees(self.light.theta, self.light.phi)?)
+    }
+
+    /// The bins, with the in-plane slice of other commands.
+    pub(super) fn spec(&self) -> Result<TallySpec, ConfigError> {
+        let grid = self.run.bins.unwrap_or_default();
+        Ok(TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH)?)
+    }
+
+    /// The slopes of the rough surface that the model `name` is of.
+    pub(super) fn slopes(&self, name: &str) -> Result<SlopeCovariance, EvaluationError> {
+        let roughness = &self.surface;
+        let s = roughness.smoothness;
+        let s = s.ok_or_else(|| EvaluationError::NoSmoothness {
+            name: name.to_owned(),
+        })?;
+        if roughness.azimuth.is_some() && roughness.smoothness_y.is_none() {
+            return Err(EvaluationError::NoSecondSmoothness);
+        }
+        let Some(s_y) = roughness.smoothness_y.filter(|s_y| *s_y != s) else {
+            return Ok(SlopeCovariance::isotropic(s)?);
+        };
+        for s in [s, s_y] {
+            SlopeCovariance::isotropic(s)?;
+        }
+        let azimuth = roughness.azimuth.unwrap_or(0.0).to_radians();
+        let psd = Psd::anisotropic_gaussian(1.0, s, s_y, azimuth).map_err(ConfigError::from)?;
+        let [xx, xy, yy] = psd.slope_covariance();
+        Ok(SlopeCovariance::new(xx, yy, xy)?)
+    }
+}
+
+/// The azimuth by which bins are counted; free where nothing depends on it.
+pub(super) fn azimuth(incidence: Incidence, is_isotropic: bool) -> Azimuth {
+    match incidence.is_vertical() && is_isotropic {
+        true => Azimuth::Free,
+        false => Azimuth::From(incidence.phi() + PI),
+    }
+}

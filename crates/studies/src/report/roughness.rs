@@ -1,0 +1,183 @@
+//! Roughness parameters of a surface as text.
+
+use asperity_simulate::short;
+use asperity_surface::{Compared, LengthUnit, Roughness, SteepestFacet, Triangle};
+
+use crate::output::{Column, Table};
+
+/// A parameter with its value and convention.
+struct Parameter {
+    name: &'static str,
+    value: String,
+    meaning: String,
+}
+
+impl Parameter {
+    fn new(name: &'static str, value: String, meaning: impl Into<String>) -> Self {
+        Self {
+            name,
+            value,
+            meaning: meaning.into(),
+        }
+    }
+}
+
+/// A number; `-` for one that is unknown.
+fn number(value: Option<f64>) -> String {
+    value.map_or("-".to_owned(), short)
+}
+
+/// Values along x and y.
+fn pair([x, y]: [Option<f64>; 2]) -> String {
+    format!("{}, {}", number(x), number(y))
+}
+
+/// The unit behind a length, with a blank before it; nothing for arbitrary units.
+fn suffix(unit: LengthUnit) -> String {
+    match unit {
+        LengthUnit::Arbitrary => String::new(),
+        _ => format!(" {unit}"),
+    }
+}
+
+/// The grid, and all parameters of a surface with their conventions.
+#[must_use]
+pub fn roughness_table(r: &Roughness) -> String {
+    let [ny, nx] = r.shape;
+    let [dx, dy] = r.spacing.map(short);
+    let [x, y] = r.extent.map(short);
+    let u = suffix(r.unit);
+    let table = Table::new()
+        .column(Column::new("parameter", "", |row: &Parameter| row.name))
+        .column(Column::new("value", "", |row: &Parameter| {
+            row.value.clone()
+        }))
+        .column(Column::new("meaning", "", |row: &Parameter| {
+            row.meaning.clone()
+        }));
+    let rows = heights(r).into_iter().chain(slopes(r)).chain(lengths(r));
+    format!(
+        "{nx} x {ny} samples, spacing {dx} x {dy}{u}, tile {x} x {y}{u}, {} border\n{}",
+        r.border,
+        table.text(rows.chain([steepest(&r.steepest)]))
+    )
+}
+
+/// Parameters of heights.
+fn heights(r: &Roughness) -> [Parameter; 6] {
+    let length = |value| format!("{}{}", short(value), suffix(r.unit));
+    let row = Parameter::new;
+    [
+        row("mean", length(r.mean), "mean height, left out below"),
+        row("Sq", length(r.sq), "root mean square height, sigma"),
+        row("Sa", length(r.sa), "mean absolute height"),
+        row("Sz", length(r.sz), "highest peak to lowest valley"),
+        row("Ssk", number(r.ssk), "skewness; 0 if Gaussian"),
+        row("Sku", number(r.sku), "kurtosis; 3 if Gaussian"),
+    ]
+}
+
+/// Parameters of the slopes of the mesh.
+fn slopes(r: &Roughness) -> [Parameter; 3] {
+    let values = |of: [f64; 2]| pair(of.map(Some));
+    let row = Parameter::new;
+    [
+        row("Sdq", short(r.sdq), "root mean square gradient"),
+        row(
+            "slope mean x, y",
+            values(r.slope_mean),
+            "tilt; see --remove plane",
+        ),
+        row(
+            "slope variance x, y",
+            values(r.slope_variance),
+            "about the mean slope",
+        ),
+    ]
+}
+
+/// Correlation lengths, and the smoothness that goes with them.
+fn lengths(r: &Roughness) -> [Parameter; 4] {
+    let lengths = |of| format!("{}{}", pair(of), suffix(r.unit));
+    let row = Parameter::new;
+    [
+        row(
+            "tau x, y",
+            lengths([r.tau_x, r.tau_y]),
+            "correlation exp(-r^2 / tau^2)",
+        ),
+        row(
+            "l x, y",
+            lengths([r.l_x, r.l_y]),
+            "correlation exp(-r^2 / (2 l^2))",
+        ),
+        row(
+            "equivalent tau x, y",
+            lengths([r.equivalent_tau_x, r.equivalent_tau_y]),
+            "sqrt 2 Sq / root mean square slope",
+        ),
+        row(
+            "equivalent s",
+            number(r.equivalent_smoothness),
+            "smoothness tau / sigma = 2 / Sdq",
+        ),
+    ]
+}
+
+fn steepest(facet: &SteepestFacet) -> Parameter {
+    let half = match facet.triangle {
+        Triangle::Lower => "lower",
+        Triangle::Upper => "upper",
+    };
+    Parameter::new(
+        "steepest facet",
+        format!("{} ({:.2} deg)", short(facet.slope), facet.angle_degrees),
+        format!("cell {}, {}, {half} triangle", facet.ix, facet.iy),
+    )
+}
+
+/// A statistic of a generated surface.
+struct Statistic<'a> {
+    name: String,
+    compared: &'a Compared,
+}
+
+/// Requested statistics next to those of this realisation; empty for a surface that was not generated.
+#[must_use]
+pub fn realisation_table(r: &Roughness) -> String {
+    type Row<'a> = Statistic<'a>;
+    let Some(realised) = &r.realised else {
+        return String::new();
+    };
+    let length = |name: &str| match r.unit {
+        LengthUnit::Arbitrary => name.to_owned(),
+        unit => format!("{name} in {unit}"),
+    };
+    let row = |name, compared| Statistic { name, compared };
+    let rows = [
+        row(length("sigma"), &realised.sigma),
+        row(length("tau x"), &realised.tau_x),
+        row(length("tau y"), &realised.tau_y),
+        row("slope variance x".to_owned(), &realised.slope_variance_x),
+        row("slope variance y".to_owned(), &realised.slope_variance_y),
+    ];
+    Table::new()
+        .column(Column::new("statistic", "", |row: &Row<'_>| {
+            row.name.clone()
+        }))
+        .column(Column::new("requested", "", |row: &Row<'_>| {
+            row.compared.requested
+        }))
+        .column(Column::new("realised", "", |row: &Row<'_>| {
+            row.compared.realised
+        }))
+        .column(Column::new(
+            "expected scatter of a surface",
+            "",
+            |row: &Row<'_>| {
+                let scatter = row.compared.expected_deviation?;
+                Some(format!("+- {}", short(scatter)))
+            },
+        ))
+        .text(rows)
+}

@@ -1,0 +1,62 @@
+//! The configuration of a traced surface as summary.json holds it.
+
+use asperity_simulate::Case;
+use serde_json::{Value, json};
+
+use super::TracedSurfaces;
+use crate::config::Azimuth;
+use crate::config::trace::TraceConfig;
+
+/// The surfaces as summary.json holds them.
+pub(super) struct Surfaces {
+    surface: Value,
+    bottom: Option<Value>,
+}
+
+impl Surfaces {
+    pub(super) fn of(surfaces: &TracedSurfaces, config: &TraceConfig) -> Self {
+        let form = config.measured.remove;
+        let bottom = surfaces.bottom.as_ref();
+        Self {
+            surface: surfaces.surface.description(form),
+            bottom: bottom.map(|bottom| bottom.description(form)),
+        }
+    }
+
+    /// The configuration that `case` on these surfaces is of.
+    pub(super) fn config(self, config: &TraceConfig, case: &Case) -> Value {
+        let (run, incidence) = (&config.run, case.light.incidence);
+        let mut described = json!({
+            "surface": self.surface,
+            "material": case.material,
+            "light": {
+                "theta_deg": incidence.theta_deg(),
+                "phi_deg": incidence.phi_deg(),
+                "azimuth": config.light.azimuth.unwrap_or(Azimuth::Fixed),
+                "from": config.light.from,
+            },
+            "rays": run.target_error.is_none().then_some(run.rays),
+            "target_error": run.target_error,
+            "of": run.of,
+            "max_time": run.max_time,
+            "bins": run.bins,
+            "in_plane_half_width_deg": run.in_plane_half_width,
+            "side": run.side,
+            "branching": run.branching,
+            "roulette": run.roulette,
+            "max_order": run.max_order,
+            "accelerator": run.accelerator,
+            "estimator": run.estimator,
+            "sampling": run.sampling,
+            "refine": run.refine,
+        });
+        if let (Some(medium), Some(layer)) = (&config.medium, case.layer) {
+            described["below"] = json!({
+                "medium": medium,
+                "layer": layer.layer,
+                "bottom": self.bottom,
+            });
+        }
+        described
+    }
+}

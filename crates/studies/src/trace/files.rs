@@ -1,0 +1,105 @@
+//! The files of a traced surface: tables of fluxes, plots and summary.json.
+
+use asperity_io::{ResultFolder, write_json};
+use serde_json::Value;
+
+use super::TraceOutcome;
+use crate::config::error::ConfigError;
+use crate::config::trace::TraceConfig;
+use crate::output::Place;
+use crate::report::error::ReportError;
+use crate::report::figures::{self, PlottedCase};
+use crate::report::files::{TABLES, plot_files};
+use crate::report::flux_tables::{FluxTables, Fluxes};
+use crate::report::summary::Summary;
+
+impl TraceConfig {
+    /// Names of all files that are written.
+    ///
+    /// # Errors
+    /// [`ConfigError`] if a value is out of range or two contradict each other.
+    pub fn files(&self) -> Result<Vec<String>, ConfigError> {
+        let mut names = TABLES.map(str::to_owned).to_vec();
+        names.push("summary.json".to_owned());
+        if self.output.plots {
+            names.extend(plot_files(&self.ray_settings()?.tally));
+        }
+        Ok(names)
+    }
+}
+
+/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, plots
+/// and, last, summary.json.
+///
+/// # Errors
+/// [`ReportError`] if a file cannot be written or a plot drawn.
+pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(), ReportError> {
+    let names = outcome.config.files()?;
+    folder.claim_all(names.iter().map(String::as_str))?;
+    let place = Place::root(folder);
+    let draw = || match outcome.config.output.plots {
+        true => draw(&place, outcome),
+        false => Ok(()),
+    };
+    let (tables, plots) = rayon::join(|| tables(outcome).write(&place), draw);
+    tables?;
+    plots?;
+    Ok(write_json(
+        place.claim("summary.json")?,
+        &trace_summary(outcome),
+    )?)
+}
+
+/// The tables of fluxes.
+fn tables(outcome: &TraceOutcome) -> FluxTables<'_> {
+    let found = &outcome.outcome;
+    FluxTables {
+        fluxes: Fluxes {
+            spec: &outcome.spec,
+            statistics: &found.statistics,
+            errors: &found.errors,
+            rays: found.work.rays,
+        },
+        models: &[],
+    }
+}
+
+/// Draws the height map, of a surface that has one, and the curves of the light.
+fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
+    let case = &outcome.outcome.case;
+    let light = PlottedCase {
+        incidence: case.light.incidence,
+        material: case.material,
+        layer: case.layer.map(|below| below.layer),
+        from: outcome.config.light.from,
+        max_order: outcome.config.run.max_order,
+        case: None,
+    };
+    let map = || match case.surface.field() {
+        Some(field) => figures::height_map(&[place], field, &outcome.name),
+        None => Ok(()),
+    };
+    let statistics = &outcome.outcome.statistics;
+    let lobes = || figures::lobes_and_curves(place, &light, &outcome.spec, statistics, &[]);
+    let (map, lobes) = rayon::join(map, lobes);
+    map.and(lobes)
+}
+
+/// The contents of summary.json.
+#[must_use]
+pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
+    let found = &outcome.outcome;
+    let config: Value = outcome.described.clone();
+    Summary::new(
+        "trace",
+        config,
+        outcome.config.run.seed,
+        "ray blocks",
+        &found.statistics,
+        found.work.clone(),
+    )
+    .with_errors(found.errors.to_json())
+    .with_columns(tables(outcome).columns())
+    .with_warnings(outcome.warnings.clone())
+    .with_stopping(outcome.stopping().cloned())
+}

@@ -1,0 +1,54 @@
+//! The report of a traced surface as text.
+
+use std::fmt::Write;
+
+use asperity_optics::Material;
+use asperity_simulate::{Stopping, layer_name};
+
+use super::TraceOutcome;
+use crate::config::Incident;
+use crate::report::energies::{energy_table, errors_table, work_line};
+
+/// Surface and light, then energies, errors and notes.
+#[must_use]
+pub fn trace_table(outcome: &TraceOutcome) -> String {
+    let found = &outcome.outcome;
+    let mut text = format!(
+        "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
+        outcome.name,
+        light_line(outcome),
+        found.statistics.batches(),
+        energy_table(&found.statistics),
+        errors_table(&found.errors),
+        work_line(&found.work),
+    );
+    if let Some(line) = outcome.stopping().and_then(Stopping::line) {
+        let _ = writeln!(text, "{line}");
+    }
+    for warning in &outcome.warnings {
+        let _ = writeln!(text, "note: {warning}");
+    }
+    text
+}
+
+/// Material, layer and light.
+fn light_line(outcome: &TraceOutcome) -> String {
+    let case = &outcome.outcome.case;
+    let material = match case.material {
+        Material::Dielectric { eta } => format!("eta {eta}"),
+        Material::Conductor { eta, kappa } => format!("conductor {eta} + {kappa} i"),
+        _ => "mirror".to_owned(),
+    };
+    let side = match outcome.config.light.from {
+        Incident::Above => "above",
+        Incident::Below => "below",
+    };
+    let below = case.layer.map_or(String::new(), |below| {
+        format!(" over a medium ({})", layer_name(&below.layer))
+    });
+    let phi = outcome.config.light.phi.one("phi").map_or(0.0, |phi| phi.0);
+    format!(
+        "{material}{below}, light from {side} at theta {} deg, phi {phi} deg",
+        case.light.incidence.theta_deg()
+    )
+}
