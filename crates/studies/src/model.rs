@@ -39,7 +39,7 @@ pub trait Evaluation {
     /// How many rows of what, as `1296 bins`.
     fn rows(&self) -> String;
 
-    /// What a reader should know beside the values.
+    /// What a reader should know about the values.
     fn notes(&self) -> &[String] {
         &[]
     }

@@ -177,7 +177,7 @@ fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadE
         return Err(ReadError::unsupported(
             path,
             format_args!(
-                "channels beside or under `{}` are subsampled, but one sample per pixel is needed",
+                "channels next to or under `{}` are subsampled, but one sample per pixel is needed",
                 description.name
             ),
         ));

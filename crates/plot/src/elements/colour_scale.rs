@@ -95,13 +95,13 @@ pub(crate) fn draw_bar(
     });
     let pen = Pen::solid(theme::INK, theme::FRAME_WIDTH);
     scene.rect_outline(bar, pen);
-    let beside = TextStyle::new(theme::TICK_SIZE, Align::Left, Level::Middle);
+    let style = TextStyle::new(theme::TICK_SIZE, Align::Left, Level::Middle);
     let texts = bar.right + theme::TICK_LENGTH + 4.0;
     for (value, text) in &axis.major {
         if let Some(t) = axis.fraction(*value) {
             let y = bar.bottom - t * bar.height();
             scene.line(&[(bar.right, y), (bar.right + theme::TICK_LENGTH, y)], pen);
-            scene.text(text, (texts, y), beside);
+            scene.text(text, (texts, y), style);
         }
     }
     let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top);

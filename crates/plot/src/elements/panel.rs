@@ -127,11 +127,11 @@ impl Panel {
                 scene.text(text, (x, bottom + theme::TICK_LENGTH + 5.0), below);
             }
         }
-        let beside = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
+        let left_of_axis = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
         for (value, text) in &self.y.major {
             if let Some(y) = self.y_of(*value) {
                 scene.line(&[(left - theme::TICK_LENGTH, y), (left, y)], pen);
-                scene.text(text, (left - theme::TICK_LENGTH - 4.0, y), beside);
+                scene.text(text, (left - theme::TICK_LENGTH - 4.0, y), left_of_axis);
             }
         }
 

@@ -165,8 +165,9 @@ impl Hemispheres {
             self.draw_colour_bar(&mut page.scene, bar, scales[0])?;
         }
         let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
-        let beside = (theme::MARGIN, 0.5 * (top + bottom));
-        page.scene.text_upwards(&self.row_title, beside, style);
+        let row_title_at = (theme::MARGIN, 0.5 * (top + bottom));
+        page.scene
+            .text_upwards(&self.row_title, row_title_at, style);
         page.y = top + rows as f64 * row_height - GAP + 10.0;
         page.note(&self.remarks(scales.iter().flatten().any(|scale| scale.log)))?;
         let end = page.y;

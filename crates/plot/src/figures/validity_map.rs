@@ -93,10 +93,10 @@ const BAR_ROOM: f64 = 104.0;
 const MIN_BAR_HEIGHT: f64 = 100.0;
 const MOST_DECADES: i32 = 4;
 
-/// Places of the panels; the label of the smoothness axis stands at `beside`.
+/// Places of the panels; the label of the smoothness axis is at `axis_label_x`.
 struct Layout {
     left: f64,
-    beside: f64,
+    axis_label_x: f64,
     right: f64,
     width: f64,
     height: f64,
@@ -115,7 +115,7 @@ impl ValidityMap {
         let layout = self.layout(&rows_of)?;
         let Layout {
             left,
-            beside,
+            axis_label_x,
             right,
             width,
             height,
@@ -147,8 +147,8 @@ impl ValidityMap {
             let middle = y + 0.5 * height;
             let axis = that_fits(&["smoothness s", "s"], height + ROW_GAP)?;
             let scene = &mut page.scene;
-            scene.text_upwards(axis, (beside, middle), style.muted());
-            let material_x = beside - theme::LABEL_SIZE - 6.0;
+            scene.text_upwards(axis, (axis_label_x, middle), style.muted());
+            let material_x = axis_label_x - theme::LABEL_SIZE - 6.0;
             scene.text_upwards(material, (material_x, middle), style);
             page.y += height + ROW_GAP;
         }
@@ -197,7 +197,7 @@ impl ValidityMap {
         let cell_height = (PANEL_HEIGHT / rows).clamp(CELL_HEIGHT, 2.0 * CELL_HEIGHT);
         Ok(Layout {
             left,
-            beside: left - texts - 16.0,
+            axis_label_x: left - texts - 16.0,
             right: left + panels * (width + PANEL_GAP) - PANEL_GAP,
             width,
             height: rows * cell_height,

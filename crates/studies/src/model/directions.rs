@@ -31,7 +31,7 @@ pub(super) struct Directions {
     rows: Vec<Row>,
 }
 
-/// What is said beside the values.
+/// What is printed with the values.
 pub(super) struct About {
     /// The model.
     pub(super) description: &'static str,
