@@ -101,12 +101,12 @@ fn compare(text: &str, rays: u64) {
     let entries = entries(&plain.spec);
     let mut all = Scores(Vec::new());
     for (a, b) in plain.cases.iter().zip(&controlled.cases) {
-        let scores = Scores::new(&entries, &a.statistics, &b.statistics);
+        let scores = Scores::new(&entries, &a.outcome.statistics, &b.outcome.statistics);
         println!(
             "{}: {} from {:?}, largest |z| {:.2}",
             a.case,
-            b.work.estimator,
-            b.work.starts,
+            b.outcome.work.estimator,
+            b.outcome.work.starts,
             scores.largest()
         );
         all.0.extend(scores.0);
@@ -223,7 +223,7 @@ fn a_control_variate_takes_most_of_the_noise_of_smooth_surfaces() {
     let runs = [Estimator::Plain, Estimator::Controlled].map(|e| outcome(text, effort, e, 3));
     for (number, least) in [500.0, 100.0].into_iter().enumerate() {
         let [plain, controlled] = runs.each_ref().map(|run| {
-            let statistics = &run.cases[number].statistics;
+            let statistics = &run.cases[number].outcome.statistics;
             let bins = run.spec.grid_entries(asperity_tally::Component::All);
             bins.iter()
                 .map(|i| squared_error(statistics.at(i)))
@@ -244,7 +244,7 @@ fn one_surface_is_not_mixed_with_the_mean_of_others() {
     };
     let estimator = |asked| {
         let outcome = outcome("[surface]\nsize = 128", effort, asked, 1);
-        outcome.cases[0].work.estimator
+        outcome.cases[0].outcome.work.estimator
     };
     assert_eq!(estimator(Estimator::Auto), Estimator::Plain);
     assert_eq!(estimator(Estimator::Controlled), Estimator::Controlled);
@@ -267,7 +267,7 @@ fn bins_below_zero_are_reported_as_they_are() {
         bins: "18x36",
     };
     let run = outcome(text, effort, Estimator::Controlled, 3);
-    let statistics = &run.cases[0].statistics;
+    let statistics = &run.cases[0].outcome.statistics;
     let bins = run.spec.grid_entries(asperity_tally::Component::All);
     let negative = bins
         .iter()

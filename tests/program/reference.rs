@@ -271,7 +271,7 @@ fn fresh_surfaces_agree_with_an_independent_ensemble() {
             .iter()
             .find(|(e, t, _)| (e - eta).abs() < 1e-6 && *t == theta)
             .unwrap();
-        let statistics = &case.statistics;
+        let statistics = &case.outcome.statistics;
         assert_eq!(statistics.means().budget().lost, 0.0);
         let [r, t, r1, t1] = *row;
         let single = |side| statistics.at(spec.order_entry(side, 1));

@@ -245,9 +245,9 @@ impl CheckpointCase for Task<'_> {
 fn on_fresh_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
     let case = outcome.cases.into_iter().next()?;
     Some(DirectionResults::of(
-        &case.statistics,
-        TracedEffort::of(&case.work),
-        case.errors_from,
+        &case.outcome.statistics,
+        TracedEffort::of(&case.outcome.work),
+        case.outcome.errors_from,
     ))
 }
 
@@ -278,7 +278,7 @@ impl Task<'_> {
             DirectionResults::of(
                 &outcome.statistics,
                 TracedEffort::of(&outcome.work),
-                outcome.errors_from.name(),
+                outcome.errors_from,
             )
         }))
     }

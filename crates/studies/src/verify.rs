@@ -8,11 +8,11 @@ use std::time::Instant;
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Deadline, ErrorBudget, LayerBelow, Light, Observer, Outcome, SimulateError, Simulation,
-    StoppedBy, Stopping, SummaryWork, SurfaceSource,
+    Case, Deadline, LayerBelow, Light, Observer, Outcome, SimulateError, Simulation, StoppedBy,
+    Stopping, SurfaceSource,
 };
 use asperity_surface::{HeightField, Synthesis};
-use asperity_tally::{TallySpec, TallyStatistics};
+use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -27,28 +27,30 @@ use crate::verify::comparison::models::{Compared, ModelOutcome, compare_models};
 pub struct CaseOutcome {
     /// The case.
     pub case: SweepCase,
-    /// Flux fractions by the spec of the run; a batch is a surface.
-    pub statistics: TallyStatistics,
-    /// What the batches are: `surfaces`, or `ray blocks` where there was one surface.
-    pub errors_from: &'static str,
-    /// The errors of the fluxes by where they come from.
-    pub errors: ErrorBudget,
+    /// What was simulated.
+    pub outcome: Outcome,
     /// Whether what leaves is spread evenly over azimuth: every bin holds its fraction of the light of its ring.
     pub free_azimuth: bool,
     /// The models.
     pub models: Vec<ModelOutcome>,
     /// Level of each test: that of the configuration, shared among the components that models claim.
     pub level: f64,
-    /// What the fluxes are sure not to differ by, if nothing was traced.
-    pub deviation_bound: Option<f64>,
-    /// Samples of its surfaces along x and y.
-    pub size: [usize; 2],
-    /// Length units per sample along x and y.
-    pub spacing: [f64; 2],
     /// How the run came to its end, if that was to be found out.
     pub stopping: Option<Stopping>,
-    /// What was done.
-    pub work: SummaryWork,
+}
+
+impl CaseOutcome {
+    /// Samples of its surfaces along x and y.
+    #[must_use]
+    pub fn size(&self) -> [usize; 2] {
+        self.outcome.case.surface.size().unwrap_or_default()
+    }
+
+    /// Length units per sample along x and y.
+    #[must_use]
+    pub fn spacing(&self) -> [f64; 2] {
+        self.outcome.case.surface.spacing().unwrap_or_default()
+    }
 }
 
 /// What a verification found.
@@ -237,20 +239,15 @@ fn judge(
     };
     let (models, tests) = compare_models(&compared)?;
     let level = sidak_level(config.compare.level, tests.max(1));
-    let surface = &outcome.case.surface;
     let limited = config.run.target_error.is_some() || config.run.max_time.is_some();
     Ok(CaseOutcome {
         case,
-        size: surface.size().unwrap_or_default(),
-        spacing: surface.spacing().unwrap_or_default(),
-        statistics: outcome.statistics,
-        errors_from: outcome.errors_from.name(),
-        errors: outcome.errors,
         free_azimuth: config.free_azimuth(&case),
         models,
         level,
-        deviation_bound: outcome.deviation_bound,
-        stopping: Some(outcome.stopping).filter(|stopping| limited || stopping.is_cut_short()),
-        work: outcome.work,
+        stopping: Some(&outcome.stopping)
+            .filter(|stopping| limited || stopping.is_cut_short())
+            .cloned(),
+        outcome,
     })
 }

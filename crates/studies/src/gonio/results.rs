@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use asperity_simulate::SummaryWork;
+use asperity_simulate::{ErrorSource, SummaryWork};
 use asperity_tally::{Component, Estimate, Score, Side, TallyResult, TallySpec, TallyStatistics};
 use serde::{Deserialize, Serialize};
 
@@ -163,13 +163,13 @@ impl DirectionResults {
     pub(super) fn of(
         statistics: &TallyStatistics,
         effort: TracedEffort,
-        errors_from: &str,
+        errors_from: ErrorSource,
     ) -> Self {
         let budget = statistics.budget();
         Self {
             surfaces: effort.surfaces,
             rays: effort.rays,
-            errors_from: errors_from.to_owned(),
+            errors_from: errors_from.name().to_owned(),
             budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
             components: kept_components(statistics.spec())
                 .map(|component| MeasuredComponent::of(component, statistics))
@@ -251,7 +251,7 @@ mod tests {
             surfaces: 2,
             rays: 100,
         };
-        DirectionResults::of(&statistics, effort, "surfaces")
+        DirectionResults::of(&statistics, effort, ErrorSource::Surfaces)
     }
 
     #[test]

@@ -195,12 +195,12 @@ impl CellResults {
             }
         });
         Self {
-            surfaces: case.work.realisations,
-            rays: case.work.rays,
-            size: case.size,
-            spacing: case.spacing,
-            deviation_bound: case.deviation_bound,
-            lost: case.statistics.means().budget().lost,
+            surfaces: case.outcome.work.realisations,
+            rays: case.outcome.work.rays,
+            size: case.size(),
+            spacing: case.spacing(),
+            deviation_bound: case.outcome.deviation_bound,
+            lost: case.outcome.statistics.means().budget().lost,
             models: models.collect(),
         }
     }
@@ -319,11 +319,11 @@ fn distances(
     component: Component,
 ) -> CellDistances {
     let compared = model.compared(component).unwrap_or(&model.total);
-    let mesh = |entry: Entry| case.errors.at(entry).mesh.map_or(0.0, f64::abs);
+    let mesh = |entry: Entry| case.outcome.errors.at(entry).mesh.map_or(0.0, f64::abs);
     let transmits = case.case.material.transmitting_index().is_some();
     let bins = spec.recorded_entries(component);
     let total = compared.comparison.total_variation;
-    let noise_95 = match case.deviation_bound {
+    let noise_95 = match case.outcome.deviation_bound {
         // The bound holds for sums over any bins; the noise of a model adds to it.
         Some(bound) => Some(bound + noise_of_model(model, spec, component)),
         None => total.noise_95,
@@ -344,12 +344,12 @@ fn distances(
                     explicit: of.explicit,
                     model: of.model,
                     difference: of.difference.mean,
-                    difference_se: match case.deviation_bound {
+                    difference_se: match case.outcome.deviation_bound {
                         Some(_) => se_of_model,
                         None => of.difference.se,
                     },
                     mesh: mesh(entry),
-                    peak: of.peak.map(|peak| match case.deviation_bound {
+                    peak: of.peak.map(|peak| match case.outcome.deviation_bound {
                         Some(bound) => PeakDifference {
                             se_deg: certain_peak(model, bound, of.explicit),
                             ..peak

@@ -20,7 +20,7 @@ use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// What a reader must know of the results of a case.
 pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
-    let mut warnings: Vec<String> = lost_warning(&case.statistics).into_iter().collect();
+    let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
     let left_out = outcome.left_out.len();
     if left_out > 0 {
@@ -49,9 +49,9 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
 /// The comparison of one case.
 pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     let mut out = String::new();
-    let [nx, ny] = case.size;
+    let [nx, ny] = case.size();
     let _ = writeln!(out, "{}", case.case);
-    let _ = match case.deviation_bound {
+    let _ = match case.outcome.deviation_bound {
         Some(bound) => writeln!(
             out,
             "nothing was traced: fluxes without shadowing and masking, which differ from the\ntrue ones by at most {bound:.1e}",
@@ -59,10 +59,10 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         None => writeln!(
             out,
             "{} of {nx} x {ny}, {} rays; standard errors from {} {}",
-            counted(case.work.realisations, "surface"),
-            case.work.rays,
-            case.statistics.batches(),
-            case.errors_from,
+            counted(case.outcome.work.realisations, "surface"),
+            case.outcome.work.rays,
+            case.outcome.statistics.batches(),
+            case.outcome.errors_from,
         ),
     };
     if let Some(line) = case.stopping.as_ref().and_then(Stopping::line) {
@@ -73,8 +73,8 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     if max_order < PathSettings::DEFAULT_MAX_ORDER {
         let _ = writeln!(out, "{orders} only; further paths are truncated");
     }
-    if case.deviation_bound.is_none() {
-        let config = outcome.config.on_grid(case.size, case.spacing);
+    if case.outcome.deviation_bound.is_none() {
+        let config = outcome.config.on_grid(case.size(), case.spacing());
         let _ = writeln!(
             out,
             "the slope variance of the mesh is {:.2} % below that of the continuous surface",
@@ -85,7 +85,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
 
     out.push_str(&flux_table(outcome, case));
     out.push('\n');
-    out.push_str(&errors_table(&case.errors));
+    out.push_str(&errors_table(&case.outcome.errors));
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
@@ -118,14 +118,14 @@ fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),
-            explicit: case.statistics.flux(side, component),
+            explicit: case.outcome.statistics.flux(side, component),
             component: Some((side, component)),
         };
         components(spec).map(row)
     };
     let endings = endings(spec).map(|(name, i)| FluxRow {
         name: name.to_owned(),
-        explicit: case.statistics.at(i),
+        explicit: case.outcome.statistics.at(i),
         component: None,
     });
     let models = case.models.iter().map(|model| {
@@ -299,7 +299,7 @@ fn distribution_table(
 
 /// Which bins enter the test.
 const fn tested_bins(case: &CaseOutcome) -> &'static str {
-    match (case.free_azimuth, case.work.control_variate) {
+    match (case.free_azimuth, case.outcome.work.control_variate) {
         (true, None) => "bins in rings of 20 rays or more",
         (false, None) => "bins of 20 rays or more",
         // Rays that do not deviate cancel exactly.
@@ -335,8 +335,9 @@ fn overview(outcome: &VerifyOutcome) -> String {
         })
     });
     let multiple = |row: &Row<'_>| {
-        let of =
-            |side| row.case.statistics.means()[outcome.spec.flux_entry(side, Component::Multiple)];
+        let of = |side| {
+            row.case.outcome.statistics.means()[outcome.spec.flux_entry(side, Component::Multiple)]
+        };
         of(Side::Reflected) + of(Side::Transmitted)
     };
     Table::new()

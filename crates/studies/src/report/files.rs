@@ -99,11 +99,13 @@ fn height_maps(
     if !outcome.config.output.plots {
         return Ok(());
     }
-    for sharing in places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd && a.size == b.size) {
+    for sharing in
+        places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd && a.size() == b.size())
+    {
         let case = sharing[0].0;
-        let config = outcome.config.on_grid(case.size, case.spacing);
+        let config = outcome.config.on_grid(case.size(), case.spacing());
         let first = config.first_surface(&case.case).map_err(Box::new)?;
-        let name = match case.work.realisations {
+        let name = match case.outcome.work.realisations {
             0 => "One such surface".to_owned(),
             n => format!("First of {n} surfaces"),
         };
@@ -131,7 +133,7 @@ fn write_case(
             return Ok(());
         }
         let light = PlottedCase::of_case(&case.case, &outcome.config);
-        figures::lobes_and_curves(place, &light, spec, &case.statistics, &case.models)
+        figures::lobes_and_curves(place, &light, spec, &case.outcome.statistics, &case.models)
     };
     let (tables, plots) = rayon::join(tables, plots);
     tables?;
@@ -143,9 +145,9 @@ fn flux_tables<'a>(outcome: &'a VerifyOutcome, case: &'a CaseOutcome) -> FluxTab
     FluxTables {
         fluxes: Fluxes {
             spec: &outcome.spec,
-            statistics: &case.statistics,
-            errors: &case.errors,
-            rays: case.work.rays,
+            statistics: &case.outcome.statistics,
+            errors: &case.outcome.errors,
+            rays: case.outcome.work.rays,
         },
         models: &case.models,
     }
@@ -183,20 +185,11 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 /// The summary of one case.
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
     let config = json!({ "verify": config(outcome), "case": case.case });
-    Summary::new(
-        "verify",
-        config,
-        outcome.config.run.seed,
-        case.errors_from,
-        &case.statistics,
-        case.work.clone(),
-    )
-    .with_errors(case.errors.to_json())
-    .with_comparison(json!(ComparisonJson::of(&outcome.spec, case)))
-    .with_columns(columns(outcome, case))
-    .with_warnings(warnings(outcome, case))
-    .with_stopping(case.stopping.clone())
-    .with_deviation_bound(case.deviation_bound)
+    Summary::new("verify", config, &case.outcome)
+        .with_comparison(json!(ComparisonJson::of(&outcome.spec, case)))
+        .with_columns(columns(outcome, case))
+        .with_warnings(warnings(outcome, case))
+        .with_stopping(case.stopping.clone())
 }
 
 /// The configuration that was run.

@@ -276,7 +276,7 @@ fn comparison<'a>(spec: &'a TallySpec, case: &'a CaseOutcome) -> Table<'a, usize
     let mut table = Table::new().columns(bin_columns(spec.grid(), |bin| *bin));
     for component in COMPARED.into_iter().filter(shown) {
         let bins = spec.grid_entries(component);
-        let flux = move |bin: &usize| Some(case.statistics.at(bins.get(*bin)));
+        let flux = move |bin: &usize| Some(case.outcome.statistics.at(bins.get(*bin)));
         let name = format!("flux_{}", key(component));
         table = table.column(Column::estimate(name, "explicit flux into the bin", flux));
         let of_component = match component {

@@ -1,6 +1,6 @@
 //! summary.json: totals, orders, event paths and work.
 
-use asperity_simulate::{Stopping, SummaryWork};
+use asperity_simulate::{Outcome, Stopping, SummaryWork};
 use asperity_tally::{
     Component, Estimate, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side, TallyResult, TallyStatistics,
 };
@@ -58,8 +58,7 @@ pub struct Summary {
     errors_from: &'static str,
     batches: u64,
     energy: Energy,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    error_budget: Option<serde_json::Value>,
+    error_budget: serde_json::Value,
     /// `None` on a side that is not recorded.
     orders: BySide<Option<Vec<Order>>>,
     paths: Vec<Path>,
@@ -79,16 +78,10 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Collects what a run found. `errors_from`: what its batches are.
+    /// Collects what a run found.
     #[must_use]
-    pub fn new(
-        command: &'static str,
-        config: serde_json::Value,
-        seed: u64,
-        errors_from: &'static str,
-        statistics: &TallyStatistics,
-        work: SummaryWork,
-    ) -> Self {
+    pub fn new(command: &'static str, config: serde_json::Value, outcome: &Outcome) -> Self {
+        let statistics = &outcome.statistics;
         let spec = statistics.spec();
         let energy = |side| {
             let recorded = spec.records(side);
@@ -99,8 +92,8 @@ impl Summary {
         Self {
             head: Head::of(command),
             config,
-            seed,
-            errors_from,
+            seed: outcome.seed,
+            errors_from: outcome.errors_from.name(),
             batches: statistics.batches(),
             energy: Energy {
                 sides: BySide::of(energy),
@@ -110,7 +103,7 @@ impl Summary {
                 left_patch: budget.left_patch,
                 not_recorded: budget.not_recorded,
             },
-            error_budget: None,
+            error_budget: outcome.errors.to_json(),
             orders: BySide::of(orders),
             paths: paths(statistics),
             components: spec.has_medium().then(|| of_components(statistics)),
@@ -118,16 +111,9 @@ impl Summary {
             columns: serde_json::Value::Null,
             warnings: Vec::new(),
             stopping: None,
-            deviation_bound: None,
-            work,
+            deviation_bound: outcome.deviation_bound,
+            work: outcome.work.clone(),
         }
-    }
-
-    /// With the errors by where they come from: [`ErrorBudget::to_json`](asperity_simulate::ErrorBudget::to_json).
-    #[must_use]
-    pub fn with_errors(mut self, error_budget: serde_json::Value) -> Self {
-        self.error_budget = Some(error_budget);
-        self
     }
 
     /// With the comparison of a verification.
@@ -148,13 +134,6 @@ impl Summary {
     #[must_use]
     pub fn with_stopping(mut self, stopping: Option<Stopping>) -> Self {
         self.stopping = stopping;
-        self
-    }
-
-    /// With what was known without tracing, if so.
-    #[must_use]
-    pub fn with_deviation_bound(mut self, bound: Option<f64>) -> Self {
-        self.deviation_bound = bound;
         self
     }
 

@@ -90,16 +90,8 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
 pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let found = &outcome.outcome;
     let config: Value = outcome.described.clone();
-    Summary::new(
-        "trace",
-        config,
-        outcome.config.run.seed,
-        "ray blocks",
-        &found.statistics,
-        found.work.clone(),
-    )
-    .with_errors(found.errors.to_json())
-    .with_columns(tables(outcome).columns())
-    .with_warnings(outcome.warnings.clone())
-    .with_stopping(outcome.stopping().cloned())
+    Summary::new("trace", config, found)
+        .with_columns(tables(outcome).columns())
+        .with_warnings(outcome.warnings.clone())
+        .with_stopping(outcome.stopping().cloned())
 }

@@ -182,7 +182,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
         let mesh = spec
             .grid_entries(component)
             .iter()
-            .map(|i| case.errors.at(i).mesh.unwrap_or(0.0).abs());
+            .map(|i| case.outcome.errors.at(i).mesh.unwrap_or(0.0).abs());
         let expected = 0.5 * mesh.sum::<f64>();
         let own = &found.models[model].own;
         println!("mesh {} of {expected}", own.mesh);
@@ -201,7 +201,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     // Where nothing was traced, noise is that of the model alone: 95 % of each bin, or by Student's quantile
     // of 16 batches a little more.
     let bound = 1e-3;
-    outcome.cases[0].deviation_bound = Some(bound);
+    outcome.cases[0].outcome.deviation_bound = Some(bound);
     let known = CellResults::of(&outcome, &outcome.cases[0]);
     let statistics = outcome.cases[0].models[0].expectation.statistics();
     let errors = spec.grid_entries(Component::All);
@@ -222,7 +222,7 @@ fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let mut outcome = run();
     let light = outcome.cases[0].models[1].judged().sides.clone();
     let mut peaks_at = |fraction: f64, side: usize| {
-        outcome.cases[0].deviation_bound = Some(fraction * light[side].explicit);
+        outcome.cases[0].outcome.deviation_bound = Some(fraction * light[side].explicit);
         let known = CellResults::of(&outcome, &outcome.cases[0]);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)
     };

@@ -93,8 +93,11 @@ fn a_killed_run_resumes_to_the_same_tallies() {
         assert!((1..8).contains(&resumed), "{resumed}");
         assert_eq!(rest.drawn.into_inner(), 8 - resumed as u64);
         for (a, b) in outcome.unwrap().cases.iter().zip(&whole.cases) {
-            assert_eq!(format!("{:?}", a.statistics), format!("{:?}", b.statistics));
-            assert_eq!(a.work.rays, b.work.rays);
+            assert_eq!(
+                format!("{:?}", a.outcome.statistics),
+                format!("{:?}", b.outcome.statistics)
+            );
+            assert_eq!(a.outcome.work.rays, b.outcome.work.rays);
         }
         assert!(names_in(place.path().join(FOLDER)).is_empty());
     }
