@@ -49,6 +49,7 @@ mod files;
 mod heights;
 mod plan;
 mod points;
+mod rough_surface;
 mod skyline;
 mod survey;
 mod tables;
@@ -79,6 +80,7 @@ use counts::{Area, Counts};
 use demarcation::Rises;
 use estimate::ratio;
 use plan::Plan;
+use rough_surface::RoughSurface;
 use survey::survey;
 
 /// Why an attenuation run fails.
@@ -316,24 +318,30 @@ fn demarcation(plan: &Plan, rises: &[Rises]) -> Vec<Demarcation> {
     if rises.is_empty() {
         return Vec::new();
     }
-    let sigmas = plan.sigmas.iter().zip(&plan.slopes);
-    sigmas
-        .map(|(&sigma, slopes)| {
-            Demarcation::new((sigma, plan.tau), slopes, rises, sigma / plan.sigmas[0])
-        })
+    rough_surfaces(plan)
+        .map(|surface| Demarcation::new(&surface, rises, surface.sigma / plan.sigmas[0]))
         .collect()
 }
 
 fn visibility(plan: &Plan, counts: &[Vec<Counts>]) -> Vec<VisibilityRow> {
     let mut rows = Vec::new();
-    for (sigma, counts) in counts.iter().enumerate() {
+    for (surface, counts) in rough_surfaces(plan).zip(counts) {
         let counts: Vec<&Counts> = counts.iter().collect();
-        for light in plan.lights.iter().enumerate() {
-            let surface = (plan.sigmas[sigma], plan.tau);
-            rows.extend(heights::rows(surface, &plan.slopes[sigma], light, &counts));
+        for (light, incidence) in plan.lights.iter().enumerate() {
+            rows.extend(heights::rows(&surface, light, incidence, &counts));
         }
     }
     rows
+}
+
+/// The surfaces of each sigma.
+fn rough_surfaces(plan: &Plan) -> impl Iterator<Item = RoughSurface<'_>> {
+    let sigmas = plan.sigmas.iter().zip(&plan.slopes);
+    sigmas.map(|(&sigma, slopes)| RoughSurface {
+        sigma,
+        tau: plan.tau,
+        slopes,
+    })
 }
 
 /// How far the slope variance of the mesh lies below that of the continuous surface: the worse of the two

@@ -15,9 +15,9 @@ impl TallySpec {
         let found = self
             .sections()
             .into_iter()
-            .find(|(entries, _)| entries.range().contains(&entry.0));
+            .find(|section| section.entries.range().contains(&entry.0));
         match found {
-            Some((entries, first)) => EntryDescription {
+            Some(Section { entries, first }) => EntryDescription {
                 index: first.index + entry.0 - entries.start,
                 ..first
             },
@@ -25,28 +25,33 @@ impl TallySpec {
         }
     }
 
-    /// Entries that are alike, each with the description of its first.
-    fn sections(&self) -> Vec<(Entries, EntryDescription)> {
-        let mut sections = Vec::new();
-        let mut add = |entries: Entries, score, side, component| {
-            let description = EntryDescription {
-                score,
-                side,
-                component,
-                index: 0,
-            };
-            sections.push((entries, description));
-        };
+    /// Entries that are alike.
+    fn sections(&self) -> Vec<Section> {
+        let mut sections = Self::budget_sections();
+        for component in self.described_components() {
+            for side in Side::BOTH {
+                sections.extend(self.component_sections(side, component));
+            }
+        }
+        sections.extend(Side::BOTH.map(Self::path_section));
+        sections
+    }
+
+    fn budget_sections() -> Vec<Section> {
         let budget = Self::BUDGET;
-        for (entry, score) in [
+        [
             (budget.absorbed, Score::Absorbed),
             (budget.truncated, Score::Truncated),
             (budget.lost, Score::Lost),
             (budget.left_patch, Score::LeftPatch),
             (budget.not_recorded, Score::NotRecorded),
-        ] {
-            add(Entries::new(entry.0, 1), score, None, Component::All);
-        }
+        ]
+        .map(|(entry, score)| Section::new(Entries::new(entry.0, 1), score, None, Component::All))
+        .into()
+    }
+
+    /// All components that entries may be of, each once.
+    fn described_components(&self) -> Vec<Component> {
         let surface = [Component::All, Component::Multiple].into_iter();
         let orders = (1..MAX_LISTED_ORDER as u8).map(Component::Order);
         let last = Component::OrderAndAbove(MAX_LISTED_ORDER as u8);
@@ -56,47 +61,62 @@ impl TallySpec {
             .chain(self.components().iter().copied());
         let mut listed: Vec<Component> = Vec::new();
         for component in components {
-            if listed.contains(&component) {
-                continue;
-            }
-            listed.push(component);
-            for side in Side::BOTH {
-                let n_theta = self.grid().n_theta();
-                for (start, len, score) in [
-                    (self.places().find_flux(side, component), 1, Score::Flux),
-                    (
-                        self.places().find_bins(side, component),
-                        self.grid().bins_per_side(),
-                        Score::BinFlux,
-                    ),
-                    (
-                        self.places().find_hits(side, component),
-                        self.grid().bins_per_side(),
-                        Score::BinHits,
-                    ),
-                    (
-                        self.places().find_rings(side, component),
-                        n_theta,
-                        Score::RingFlux,
-                    ),
-                    (
-                        self.places().find_in_plane(side, component),
-                        2 * n_theta,
-                        Score::InPlaneFlux,
-                    ),
-                ] {
-                    if let Some(start) = start {
-                        add(Entries::new(start, len), score, Some(side), component);
-                    }
-                }
+            if !listed.contains(&component) {
+                listed.push(component);
             }
         }
-        for side in Side::BOTH {
-            let start = PATHS_START + side.index() * PATH_ENTRIES;
-            let paths = Entries::new(start, PATH_ENTRIES);
-            add(paths, Score::EventPathFlux, Some(side), Component::All);
-        }
-        sections
+        listed
+    }
+
+    /// The entries of a component on a side, as far as there are any.
+    fn component_sections(
+        &self,
+        side: Side,
+        component: Component,
+    ) -> impl Iterator<Item = Section> {
+        let (places, grid) = (self.places(), self.grid());
+        let (bins, rings) = (grid.bins_per_side(), grid.n_theta());
+        [
+            (places.find_flux(side, component), 1, Score::Flux),
+            (places.find_bins(side, component), bins, Score::BinFlux),
+            (places.find_hits(side, component), bins, Score::BinHits),
+            (places.find_rings(side, component), rings, Score::RingFlux),
+            (
+                places.find_in_plane(side, component),
+                2 * rings,
+                Score::InPlaneFlux,
+            ),
+        ]
+        .into_iter()
+        .filter_map(move |(start, len, score)| {
+            let entries = Entries::new(start?, len);
+            Some(Section::new(entries, score, Some(side), component))
+        })
+    }
+
+    fn path_section(side: Side) -> Section {
+        let start = PATHS_START + side.index() * PATH_ENTRIES;
+        let entries = Entries::new(start, PATH_ENTRIES);
+        Section::new(entries, Score::EventPathFlux, Some(side), Component::All)
+    }
+}
+
+/// Entries that are alike.
+struct Section {
+    entries: Entries,
+    /// Description of the first of them.
+    first: EntryDescription,
+}
+
+impl Section {
+    const fn new(entries: Entries, score: Score, side: Option<Side>, component: Component) -> Self {
+        let first = EntryDescription {
+            score,
+            side,
+            component,
+            index: 0,
+        };
+        Self { entries, first }
     }
 }
 
@@ -110,8 +130,8 @@ mod tests {
         let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
         for spec in [spec, spec.with_medium()] {
             let mut seen = vec![0_u32; spec.len()];
-            for (entries, _) in spec.sections() {
-                entries.iter().for_each(|entry| seen[entry.0] += 1);
+            for section in spec.sections() {
+                section.entries.iter().for_each(|entry| seen[entry.0] += 1);
             }
             assert!(seen.iter().all(|&n| n == 1), "{seen:?}");
         }

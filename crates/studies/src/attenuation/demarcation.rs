@@ -1,10 +1,11 @@
 //! The angle at which shadow begins, by four definitions.
 
-use asperity_analysis::{SlopeCovariance, smith_demarcation};
+use asperity_analysis::smith_demarcation;
 use asperity_tally::Estimate;
 use asperity_tracer::Horizon;
 
 use super::estimate::mean;
+use super::rough_surface::RoughSurface;
 
 /// The fraction of points whose shadow counts as its beginning.
 pub(super) const SHADOWED_FRACTION: f64 = 0.01;
@@ -98,12 +99,8 @@ const PAPER: [(f64, f64); 3] = [(0.1, 85.8), (0.5, 21.4), (0.9, 15.6)];
 
 impl Demarcation {
     /// Of surfaces `factor` times as high as those with these `rises`.
-    pub(super) fn new(
-        (sigma, tau): (f64, f64),
-        slopes: &SlopeCovariance,
-        rises: &[Rises],
-        factor: f64,
-    ) -> Self {
+    pub(super) fn new(surface: &RoughSurface<'_>, rises: &[Rises], factor: f64) -> Self {
+        let RoughSurface { sigma, tau, slopes } = *surface;
         let rises: Vec<Rises> = rises.iter().map(|rises| rises.times(factor)).collect();
         let angle = |rise: f64| rise.recip().atan().to_degrees();
         // An angle that one of the surfaces does not have is none of the ensemble.

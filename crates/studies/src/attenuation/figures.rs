@@ -185,21 +185,7 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             style: Style::Points(0),
             points: points.collect(),
         });
-        if let (Ok(slopes), Ok(light)) = (
-            SlopeCovariance::isotropic(smoothness),
-            Incidence::from_degrees(theta, 0.0),
-        ) {
-            let heights =
-                (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
-            lines.push(Curve {
-                name: String::new(),
-                colour,
-                style: Style::Line(0),
-                points: heights
-                    .map(|h| Point::exact(h, smith_visibility(&slopes, light.wi(), h)))
-                    .collect(),
-            });
-        }
+        lines.extend(smith_line(smoothness, theta, colour));
         let at_zero = of_light.iter().filter_map(|row| row.xu_sun);
         lines.push(Curve {
             name: String::new(),
@@ -224,6 +210,21 @@ fn visibility(outcome: &AttenuationOutcome) -> Curves {
             "Colours: θᵢ.".into(),
         ],
     }
+}
+
+/// Smith's visibility over height, of light at `theta` degrees.
+fn smith_line(smoothness: f64, theta: f64, colour: Colour) -> Option<Curve> {
+    let slopes = SlopeCovariance::isotropic(smoothness).ok()?;
+    let light = Incidence::from_degrees(theta, 0.0).ok()?;
+    let heights = (0..=STEPS).map(|k| HIGHEST * (2.0 * f64::from(k) / f64::from(STEPS) - 1.0));
+    Some(Curve {
+        name: String::new(),
+        colour,
+        style: Style::Line(0),
+        points: heights
+            .map(|h| Point::exact(h, smith_visibility(&slopes, light.wi(), h)))
+            .collect(),
+    })
 }
 
 const AS_PRINTED: &str = "Smith as the 2019 paper prints it";

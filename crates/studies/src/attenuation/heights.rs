@@ -1,11 +1,12 @@
 //! The visibility of points by their height, against Smith and Xu and Sun.
 
-use asperity_analysis::{SlopeCovariance, smith_visibility, xu_sun_visibility};
+use asperity_analysis::{smith_visibility, xu_sun_visibility};
 use asperity_optics::Incidence;
 use asperity_tally::Estimate;
 
 use super::counts::Counts;
 use super::estimate::ratio;
+use super::rough_surface::RoughSurface;
 
 /// Bins of heights over sigma; the middle one lies about zero.
 pub(super) const BINS: usize = 29;
@@ -51,11 +52,12 @@ pub struct VisibilityRow {
 
 /// The rows of one light on surfaces of one sigma; `light` is its number.
 pub(super) fn rows(
-    (sigma, tau): (f64, f64),
-    slopes: &SlopeCovariance,
-    (light, incidence): (usize, &Incidence),
+    surface: &RoughSurface<'_>,
+    light: usize,
+    incidence: &Incidence,
     counts: &[&Counts],
 ) -> Vec<VisibilityRow> {
+    let RoughSurface { sigma, tau, slopes } = *surface;
     let wi = incidence.wi();
     let smoothness = tau / sigma;
     (0..BINS)

@@ -35,7 +35,7 @@ pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
         ..fraction
     };
     Table::new()
-        .column(Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"))
+        .column(sigma_column(|row: &Row| row.sigma))
         .column(angle("theta", "polar angle of the light", |row: &Row| row.theta))
         .column(angle("phi", "azimuth of the light", |row: &Row| row.phi))
         .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view_theta))
@@ -67,89 +67,83 @@ pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
 /// demarcation.csv: a row per sigma.
 pub(super) fn demarcation() -> Table<'static, Demarcation> {
     type Row = Demarcation;
-    let smith = |name, about, value: fn(&Row) -> Option<f64>| {
-        Column::new(name, about, value)
-            .unit("deg")
-            .format(Format::Fixed(2))
-    };
-    let found = |name, about, value: fn(&Row) -> Option<Estimate>| {
-        Column::estimate(name, about, value).unit("deg")
-    };
+    let paper = "the demarcation angle of the 2019 paper";
     Table::new()
-        .column(
-            Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"),
-        )
-        .column(
-            found(
-                "first_dark",
-                "polar angle of the light at which the first point is dark",
-                |row| Some(row.first_dark),
-            )
-            .heading("first dark"),
-        )
-        .column(
-            fraction(
-                "first_dark_scaled",
-                "its cotangent over the root mean square slope",
-                |row: &Row| row.first_dark_scaled,
-            )
-            .heading("cot / slope rms"),
-        )
-        .column(
-            found(
-                "first_shadowed",
-                "polar angle at which the first point that faces the light is dark",
-                |row| row.first_shadowed,
-            )
+        .column(sigma_column(|row: &Row| row.sigma))
+        .columns(first_point_columns())
+        .columns(one_percent_columns())
+        .column(expected_angle("paper", paper, |row| row.paper).heading("2019 paper"))
+}
+
+/// The column `sigma`.
+fn sigma_column<'a, R: 'a>(sigma: fn(&R) -> f64) -> Column<'a, R> {
+    Column::new("sigma", "root mean square height", sigma).unit("length")
+}
+
+/// A column of measured polar angles.
+fn measured_angle(
+    name: &'static str,
+    about: &'static str,
+    value: fn(&Demarcation) -> Option<Estimate>,
+) -> Column<'static, Demarcation> {
+    Column::estimate(name, about, value).unit("deg")
+}
+
+/// A column of polar angles that a theory expects.
+fn expected_angle(
+    name: &'static str,
+    about: &'static str,
+    value: fn(&Demarcation) -> Option<f64>,
+) -> Column<'static, Demarcation> {
+    let column = Column::new(name, about, value).unit("deg");
+    column.format(Format::Fixed(2))
+}
+
+/// Where the first point is dark, and where the first one is shadowed.
+fn first_point_columns() -> [Column<'static, Demarcation>; 3] {
+    type Row = Demarcation;
+    let dark = "polar angle of the light at which the first point is dark";
+    let scaled = "its cotangent over the root mean square slope";
+    let shadowed = "polar angle at which the first point that faces the light is dark";
+    [
+        measured_angle("first_dark", dark, |row| Some(row.first_dark)).heading("first dark"),
+        fraction("first_dark_scaled", scaled, |row: &Row| {
+            row.first_dark_scaled
+        })
+        .heading("cot / slope rms"),
+        measured_angle("first_shadowed", shadowed, |row| row.first_shadowed)
             .heading("first shadowed"),
-        )
-        .column(
-            found(
-                "one_percent_dark",
-                "polar angle at which 1 % of all points are dark",
-                |row| row.one_percent_dark,
-            )
-            .heading("1 % dark"),
-        )
-        .column(
-            smith(
-                "smith_one_percent_dark",
-                "one_percent_dark, by Smith",
-                |row| row.smith_one_percent_dark,
-            )
-            .heading("Smith"),
-        )
-        .column(
-            found(
-                "one_percent_shadowed",
-                "polar angle at which 1 % of all points face the light and are dark",
-                |row| row.one_percent_shadowed,
-            )
-            .heading("1 % shadowed"),
-        )
-        .column(
-            smith(
-                "smith_one_percent_shadowed",
-                "one_percent_shadowed, by Smith",
-                |row| row.smith_one_percent_shadowed,
-            )
-            .heading("Smith"),
-        )
-        .column(
-            smith("paper", "the demarcation angle of the 2019 paper", |row| {
-                row.paper
-            })
-            .heading("2019 paper"),
-        )
+    ]
+}
+
+/// Where 1 % of all points are dark, and where 1 % are shadowed, next to Smith's expectations.
+fn one_percent_columns() -> [Column<'static, Demarcation>; 4] {
+    let dark = "polar angle at which 1 % of all points are dark";
+    let smith_dark = "one_percent_dark, by Smith";
+    let shadowed = "polar angle at which 1 % of all points face the light and are dark";
+    let smith_shadowed = "one_percent_shadowed, by Smith";
+    [
+        measured_angle("one_percent_dark", dark, |row| row.one_percent_dark).heading("1 % dark"),
+        expected_angle("smith_one_percent_dark", smith_dark, |row| {
+            row.smith_one_percent_dark
+        })
+        .heading("Smith"),
+        measured_angle("one_percent_shadowed", shadowed, |row| {
+            row.one_percent_shadowed
+        })
+        .heading("1 % shadowed"),
+        expected_angle("smith_one_percent_shadowed", smith_shadowed, |row| {
+            row.smith_one_percent_shadowed
+        })
+        .heading("Smith"),
+    ]
 }
 
 /// visibility.csv: a row per sigma, light and height.
 pub(super) fn visibility() -> Table<'static, VisibilityRow> {
     type Row = VisibilityRow;
     Table::new()
-        .column(
-            Column::new("sigma", "root mean square height", |row: &Row| row.sigma).unit("length"),
-        )
+        .column(sigma_column(|row: &Row| row.sigma))
         .column(angle("theta", "polar angle of the light", |row: &Row| {
             row.theta
         }))

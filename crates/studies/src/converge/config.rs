@@ -74,13 +74,20 @@ pub struct ConvergeConfig {
     pub output: OutputConfig,
 }
 
+/// What runs are measured against.
+#[derive(Clone, Copy)]
+pub(super) struct PlannedReference {
+    pub(super) method: Method,
+    pub(super) effort: RunEffort,
+}
+
 /// A configuration with its lists multiplied out, checked.
 pub(super) struct Plan {
     pub(super) cases: Vec<SweepCase>,
     pub(super) methods: Vec<Method>,
     pub(super) efforts: Vec<RunEffort>,
     pub(super) repeats: u64,
-    pub(super) reference: (Method, RunEffort),
+    pub(super) reference: PlannedReference,
     pub(super) errors: Vec<f64>,
     pub(super) spec: TallySpec,
     pub(super) incident: HalfSpace,
@@ -109,10 +116,10 @@ impl ConvergeConfig {
     /// [`ConvergeError`] as from [`crate::converge`].
     pub fn check(&self) -> Result<(), ConvergeError> {
         let plan = self.plan()?;
-        let efforts = plan.efforts.iter().chain([&plan.reference.1]);
+        let efforts = plan.efforts.iter().chain([&plan.reference.effort]);
         let surfaces = efforts.map(|effort| effort.surfaces).max().unwrap_or(1);
         check_results(&plan.spec, surfaces, 1, false)?;
-        for method in plan.methods.iter().chain([&plan.reference.0]) {
+        for method in plan.methods.iter().chain([&plan.reference.method]) {
             for case in &plan.cases {
                 let synthesis = self.recipe(case, method)?;
                 let [ny, nx] = synthesis.shape();
@@ -190,18 +197,21 @@ impl ConvergeConfig {
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
     }
 
-    /// Multiplies the lists out and checks them.
-    pub(super) fn plan(&self) -> Result<Plan, ConfigError> {
-        let config = &self.converge;
-        let verification = self.as_verification();
-        let spacings: Vec<PerAxis<Number>> = match &config.spacings {
+    /// The spacings of the methods.
+    fn spacings(&self) -> Result<Vec<PerAxis<Number>>, ConfigError> {
+        Ok(match &self.converge.spacings {
             Some(list) => {
                 let list = list.values("spacings")?;
                 once("spacings", list.iter().map(|spacing| spacing.0))?;
                 list.into_iter().map(PerAxis::Both).collect()
             }
             None => vec![self.surface.spacing],
-        };
+        })
+    }
+
+    /// All methods, by spacing, accelerator, estimator and sampling in that order of nesting.
+    fn methods(&self, spacings: &[PerAxis<Number>]) -> Result<Vec<Method>, ConfigError> {
+        let config = &self.converge;
         let estimators = config.estimators.values("estimators")?;
         let samplings = config.samplings.values("samplings")?;
         let accelerators = config.accelerators.values("accelerators")?;
@@ -209,7 +219,7 @@ impl ConvergeConfig {
         once("samplings", &samplings)?;
         once("accelerators", &accelerators)?;
         let mut methods = Vec::new();
-        for &spacing in &spacings {
+        for &spacing in spacings {
             self.shape(spacing)?;
             for &accelerator in &accelerators {
                 check_accelerator(accelerator)?;
@@ -223,6 +233,15 @@ impl ConvergeConfig {
                 }
             }
         }
+        Ok(methods)
+    }
+
+    /// Multiplies the lists out and checks them.
+    pub(super) fn plan(&self) -> Result<Plan, ConfigError> {
+        let config = &self.converge;
+        let verification = self.as_verification();
+        let spacings = self.spacings()?;
+        let methods = self.methods(&spacings)?;
         let errors: Vec<f64> = config
             .errors
             .values("errors")?
@@ -246,15 +265,15 @@ impl ConvergeConfig {
             methods,
             efforts: efforts(config)?,
             repeats: config.repeats.0,
-            reference: (
-                Method {
+            reference: PlannedReference {
+                method: Method {
                     estimator: Estimator::Controlled,
                     sampling: Sampling::QuasiRandom,
                     accelerator: AcceleratorKind::Auto,
                     spacing,
                 },
-                reference,
-            ),
+                effort: reference,
+            },
             errors,
             spec: verification.run.ray_settings()?.tally,
             incident: HalfSpace::from(self.light.from),
@@ -373,7 +392,7 @@ mod tests {
         assert_eq!(shapes[0], [128, 256]);
         assert_eq!(shapes[17], [512, 1024]);
         // The reference is as fine as the finest.
-        assert_eq!(plan.reference.0.spacing, PerAxis::Both(Number(0.5)));
+        assert_eq!(plan.reference.method.spacing, PerAxis::Both(Number(0.5)));
     }
 
     #[test]

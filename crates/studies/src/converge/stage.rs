@@ -12,7 +12,7 @@ use asperity_simulate::{
 };
 use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
 
-use super::config::Plan;
+use super::config::{Plan, PlannedReference};
 use super::deviation::Target;
 use super::method::{reference_seed, run_seed};
 use super::{
@@ -53,6 +53,13 @@ pub(super) struct Run {
     pub(super) work: SummaryWork,
 }
 
+/// What runs are measured against.
+struct Targets {
+    reference: Target,
+    /// The exact fluxes, where they are known.
+    exact: Option<Target>,
+}
+
 /// Passes on steps and the stop; what a run begins and ends is a part of the measurement.
 struct Steps<'a>(&'a dyn Observer);
 
@@ -81,7 +88,7 @@ impl<'a> Stage<'a> {
         plan: &'a Plan,
         case: SweepCase,
     ) -> Result<Self, ConvergeError> {
-        let methods = plan.methods.iter().chain([&plan.reference.0]);
+        let methods = plan.methods.iter().chain([&plan.reference.method]);
         let prepared = methods.map(|method| prepare(config, plan, &case, method));
         Ok(Self {
             plan,
@@ -100,7 +107,10 @@ impl<'a> Stage<'a> {
     /// Rays of all runs.
     pub(super) fn rays(&self) -> u64 {
         let plan = self.plan;
-        let (reference, effort) = &plan.reference;
+        let PlannedReference {
+            method: reference,
+            effort,
+        } = &plan.reference;
         let of = |method, effort: &RunEffort| {
             let simulation = &self.prepared(method).simulation;
             simulation.repeated(engine_effort(*effort), 0).rays()
@@ -142,38 +152,58 @@ impl<'a> Stage<'a> {
     /// The reference first, which also warms the machine up, then all methods in turns.
     pub(super) fn measure(&self, progress: &dyn Observer) -> Result<ConvergedCase, ConvergeError> {
         let began = Instant::now();
-        let plan = self.plan;
-        let (method, effort) = plan.reference;
-        let run = self.run(
-            &method,
-            effort,
-            reference_seed(plan.seed, &self.case),
-            progress,
-        )?;
-        let target = Target::new(self.fluxes(&run)).ok_or(ConvergeError::NoLight)?;
-        let exact = self.exact_fluxes()?.and_then(Target::new);
+        let mut work = ConvergeWork::default();
+        let PlannedReference { method, effort } = self.plan.reference;
+        let seed = reference_seed(self.plan.seed, &self.case);
+        let run = self.run(&method, effort, seed, progress)?;
+        work.add(&run, effort);
+        let targets = Targets {
+            reference: Target::new(self.fluxes(&run)).ok_or(ConvergeError::NoLight)?,
+            exact: self.exact_fluxes()?.and_then(Target::new),
+        };
+        let reference = self.reference(&run, &targets);
+        let samples = self.samples(&targets, &mut work, progress)?;
+        let methods = self.outcomes(&samples, &reference);
+        work.seconds = began.elapsed().as_secs_f64();
+        Ok(ConvergedCase {
+            case: self.case,
+            reference,
+            is_exact: targets.exact.is_some(),
+            methods,
+            work,
+        })
+    }
+
+    /// What the run of the reference found.
+    fn reference(&self, run: &Run, targets: &Targets) -> Reference {
+        let PlannedReference { method, effort } = self.plan.reference;
         let bins = self.plan.spec.recorded_entries(Component::All);
         let standard_errors: Vec<f64> = bins
             .iter()
             .map(|bin| run.statistics.at(bin).se.unwrap_or(0.0))
             .collect();
-        let reference = Reference {
+        let exact = targets.exact.as_ref();
+        Reference {
             method,
             size: self.prepared(&method).size,
             rays_a_surface: run.rays_a_surface,
             surfaces: effort.surfaces,
-            error: target.own_error(&standard_errors),
-            error_exact: exact
-                .as_ref()
-                .map(|exact| exact.relative_rms(&self.fluxes(&run))),
+            error: targets.reference.own_error(&standard_errors),
+            error_exact: exact.map(|exact| exact.relative_rms(&self.fluxes(run))),
             seconds: run.work.seconds,
-        };
-        let mut work = ConvergeWork::default();
-        work.add(&run, effort);
+        }
+    }
 
-        let cells = plan.methods.len() * plan.efforts.len();
+    /// The runs of every method and effort, by method, then by effort.
+    fn samples(
+        &self,
+        targets: &Targets,
+        work: &mut ConvergeWork,
+        progress: &dyn Observer,
+    ) -> Result<Vec<Vec<RunSample>>, ConvergeError> {
+        let plan = self.plan;
         let mut samples: Vec<Vec<RunSample>> = Vec::new();
-        samples.resize_with(cells, Vec::new);
+        samples.resize_with(plan.methods.len() * plan.efforts.len(), Vec::new);
         for repeat in 0..plan.repeats {
             for (e, &effort) in plan.efforts.iter().enumerate() {
                 for turn in 0..plan.methods.len() {
@@ -183,34 +213,27 @@ impl<'a> Stage<'a> {
                     let seed = run_seed(plan.seed, &self.case, method, effort, repeat);
                     let run = self.run(method, effort, seed, progress)?;
                     work.add(&run, effort);
-                    samples[m * plan.efforts.len() + e].push(self.sample(
-                        &run,
-                        &target,
-                        exact.as_ref(),
-                    ));
+                    samples[m * plan.efforts.len() + e].push(self.sample(&run, targets));
                 }
             }
         }
-        let methods = plan
-            .methods
-            .iter()
-            .zip(samples.chunks_exact(plan.efforts.len()))
+        Ok(samples)
+    }
+
+    /// The measurements of every method, over their samples.
+    fn outcomes(&self, samples: &[Vec<RunSample>], reference: &Reference) -> Vec<MethodOutcome> {
+        let efforts = &self.plan.efforts;
+        let methods = self.plan.methods.iter();
+        methods
+            .zip(samples.chunks_exact(efforts.len()))
             .map(|(method, samples)| {
-                let measurements = plan.efforts.iter().zip(samples);
+                let measurements = efforts.iter().zip(samples);
                 let measurements = measurements
                     .map(|(effort, samples)| Measurement::over(*effort, samples, reference.error));
                 let setup_seconds = self.prepared(method).seconds;
                 MethodOutcome::new(*method, setup_seconds, measurements.collect())
             })
-            .collect();
-        work.seconds = began.elapsed().as_secs_f64();
-        Ok(ConvergedCase {
-            case: self.case,
-            reference,
-            is_exact: exact.is_some(),
-            methods,
-            work,
-        })
+            .collect()
     }
 
     /// Mean fluxes of the bins that are compared.
@@ -219,14 +242,15 @@ impl<'a> Stage<'a> {
         run.statistics.means()[bins].to_vec()
     }
 
-    fn sample(&self, run: &Run, target: &Target, exact: Option<&Target>) -> RunSample {
+    fn sample(&self, run: &Run, targets: &Targets) -> RunSample {
         let fluxes = self.fluxes(run);
         let means = run.statistics.means();
         let left = means.budget().reflected + means.budget().transmitted;
+        let exact = targets.exact.as_ref();
         RunSample {
             seconds: run.work.seconds,
             rays_a_surface: run.rays_a_surface,
-            error: target.relative_rms(&fluxes),
+            error: targets.reference.relative_rms(&fluxes),
             error_exact: exact.map(|exact| exact.relative_rms(&fluxes)),
             energy_error: self.returns_all_light().then_some(left - 1.0),
         }
@@ -300,7 +324,7 @@ fn prepare(
         accelerator: method.accelerator,
         estimator: method.estimator,
         sampling: method.sampling,
-        effort: engine_effort(plan.reference.1),
+        effort: engine_effort(plan.reference.effort),
         mesh_quadrature: false,
         ..Settings::default()
     };

@@ -39,6 +39,29 @@ pub fn converge_table(outcome: &ConvergeOutcome) -> String {
 
 /// The tables of one case: what was measured, and the seconds to each error.
 pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
+    let mut out = case_head(outcome, case);
+    let runs = counted(outcome.config.converge.repeats.0, "run");
+    let _ = writeln!(
+        out,
+        "seconds are medians of {runs} on {} threads, and in brackets the fastest and the slowest\n",
+        case.work.threads,
+    );
+    out.push_str(&measured(case).text(measurements(case)));
+    if measurements(case).any(|row| !row.measurement.usable) {
+        out.push_str("* as small as the error of the reference, and not fitted\n");
+    }
+    out.push_str(&case_notes(case));
+    out.push('\n');
+    out.push_str(&compared(outcome, case).text(&case.methods));
+    let _ = writeln!(
+        out,
+        "\n~ lies beyond what was measured. In brackets, and as efficiency at equal rays: how many times\nlonger plain random rays take to the same error."
+    );
+    out
+}
+
+/// The surfaces of a case, its reference and how its meshes differ from the surface.
+fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
     let mut out = String::new();
     let reference = &case.reference;
     let [x, y] = outcome.config.extent();
@@ -79,16 +102,12 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
             );
         }
     }
-    let runs = counted(outcome.config.converge.repeats.0, "run");
-    let _ = writeln!(
-        out,
-        "seconds are medians of {runs} on {} threads, and in brackets the fastest and the slowest\n",
-        case.work.threads,
-    );
-    out.push_str(&measured(case).text(measurements(case)));
-    if measurements(case).any(|row| !row.measurement.usable) {
-        out.push_str("* as small as the error of the reference, and not fitted\n");
-    }
+    out
+}
+
+/// What a reader should know of the measurements.
+fn case_notes(case: &ConvergedCase) -> String {
+    let mut out = String::new();
     let setup = case.methods.iter().map(|method| method.setup_seconds);
     let setup = setup.fold(0.0, f64::max);
     // Plain rays have nothing to prepare; what the clock says of that is no news.
@@ -106,12 +125,6 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
             case.work.lost
         );
     }
-    out.push('\n');
-    out.push_str(&compared(outcome, case).text(&case.methods));
-    let _ = writeln!(
-        out,
-        "\n~ lies beyond what was measured. In brackets, and as efficiency at equal rays: how many times\nlonger plain random rays take to the same error."
-    );
     out
 }
 
@@ -142,17 +155,16 @@ pub(super) fn write_convergence(path: &Path, case: &ConvergedCase) -> Result<(),
 
 /// convergence.csv: a row per method and effort.
 pub(super) fn convergence(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
+    with_measurements(with_methods(Table::new()), case)
+}
+
+/// With the columns of the method.
+fn with_methods<'a>(table: Table<'a, Measured<'a>>) -> Table<'a, Measured<'a>> {
     type Row<'a> = Measured<'a>;
     let method = |name, about, of: fn(&Method) -> String| {
         Column::new(name, about, move |row: &Row<'_>| of(&row.method.method))
     };
-    let count = |name, about, of: fn(&Measurement) -> u64| {
-        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
-    };
-    let number = |name, about, of: fn(&Measurement) -> Option<f64>| {
-        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
-    };
-    Table::new()
+    table
         .column(method("estimator", "estimator", |m| {
             m.estimator.to_string()
         }))
@@ -174,6 +186,21 @@ pub(super) fn convergence(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
                 }
             },
         ))
+}
+
+/// With the columns of effort, run time and error.
+fn with_measurements<'a>(
+    table: Table<'a, Measured<'a>>,
+    case: &'a ConvergedCase,
+) -> Table<'a, Measured<'a>> {
+    type Row<'a> = Measured<'a>;
+    let count = |name, about, of: fn(&Measurement) -> u64| {
+        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
+    };
+    let number = |name, about, of: fn(&Measurement) -> Option<f64>| {
+        Column::new(name, about, move |row: &Row<'_>| of(row.measurement))
+    };
+    table
         .column(count("rays_a_surface", "rays per surface", |m| {
             m.rays_a_surface
         }))

@@ -66,7 +66,7 @@ pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
         for light in ComparedLight::BOTH {
             for (index, model) in outcome.config.compare.models.iter().enumerate() {
                 let verdicts = verdicts(outcome, material, light, index);
-                let count = |wanted| verdicts.iter().filter(|v| v.2 == wanted).count();
+                let count = |wanted| verdicts.iter().filter(|v| v.verdict == wanted).count();
                 summaries.push(ModelSummary {
                     material,
                     light,
@@ -83,13 +83,20 @@ pub fn summarise(outcome: &MapOutcome) -> Vec<ModelSummary> {
     summaries
 }
 
-/// Smoothness, angle and verdict of each cell that is there.
+/// The verdict on a model in one cell.
+struct PlacedVerdict {
+    smoothness: f64,
+    theta_deg: f64,
+    verdict: CellVerdict,
+}
+
+/// The verdicts of all cells that are there.
 fn verdicts(
     outcome: &MapOutcome,
     material: Material,
     light: ComparedLight,
     model: usize,
-) -> Vec<(f64, f64, CellVerdict)> {
+) -> Vec<PlacedVerdict> {
     let of_material = |cell: &&super::MapCell| cell.case.material == material;
     outcome
         .cells
@@ -98,25 +105,24 @@ fn verdicts(
         .filter_map(|cell| {
             let results = cell.results.as_ref()?;
             let judged = results.judge(results.models.get(model)?, light, &outcome.config.map);
-            let theta = cell.case.incidence.theta_deg();
-            Some((cell.case.smoothness, theta, judged.verdict))
+            Some(PlacedVerdict {
+                smoothness: cell.case.smoothness,
+                theta_deg: cell.case.incidence.theta_deg(),
+                verdict: judged.verdict,
+            })
         })
         .collect()
 }
 
 /// The least smoothness from which all cells up to `theta` are there and within tolerance.
-fn within_from(
-    outcome: &MapOutcome,
-    verdicts: &[(f64, f64, CellVerdict)],
-    theta: f64,
-) -> Option<f64> {
+fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> Option<f64> {
     let angles = thetas(outcome).into_iter().filter(|t| *t <= theta).count();
     let is_within = |s: &f64| {
-        let here = |v: &&(f64, f64, CellVerdict)| v.0 == *s && v.1 <= theta;
+        let here = |v: &&PlacedVerdict| v.smoothness == *s && v.theta_deg <= theta;
         verdicts
             .iter()
             .filter(here)
-            .filter(|v| v.2 == CellVerdict::Within)
+            .filter(|v| v.verdict == CellVerdict::Within)
             .count()
             == angles
     };
@@ -237,6 +243,14 @@ mod tests {
     use super::*;
     use crate::output::Completion;
 
+    fn placed(smoothness: f64, theta_deg: f64, verdict: CellVerdict) -> PlacedVerdict {
+        PlacedVerdict {
+            smoothness,
+            theta_deg,
+            verdict,
+        }
+    }
+
     #[test]
     fn a_model_is_within_tolerance_from_where_all_smoother_cells_are() {
         let text = "[surface]\nsmoothness = [1, 2, 3, 4]\n[light]\ntheta = [0, 60]\n[compare]\nmodels = [\"smith\"]";
@@ -277,15 +291,18 @@ mod tests {
             ),
             ([[Within; 2]; 4], Some(1.0), Some(1.0)),
         ] {
-            let list: Vec<(f64, f64, CellVerdict)> = verdicts
+            let list: Vec<PlacedVerdict> = verdicts
                 .iter()
                 .zip([1.0, 2.0, 3.0, 4.0])
-                .flat_map(|(pair, s)| [(s, 0.0, pair[0]), (s, 60.0, pair[1])])
+                .flat_map(|(pair, s)| [placed(s, 0.0, pair[0]), placed(s, 60.0, pair[1])])
                 .collect();
             assert_eq!(within_from(&outcome, &list, 0.0), at_0);
             assert_eq!(within_from(&outcome, &list, 60.0), to_60);
         }
         // A missing cell is not within tolerance.
-        assert_eq!(within_from(&outcome, &[(4.0, 0.0, Within)], 60.0), None);
+        assert_eq!(
+            within_from(&outcome, &[placed(4.0, 0.0, Within)], 60.0),
+            None
+        );
     }
 }

@@ -224,6 +224,18 @@ impl Described<'_> {
     }
 }
 
+/// The models that describe a component of the light.
+fn described(case: &CaseOutcome, component: Component) -> Vec<Described<'_>> {
+    let models = case.models.iter();
+    models
+        .filter(|model| model.describes(component))
+        .filter_map(|model| {
+            let compared = model.compared(component)?;
+            Some(Described { model, compared })
+        })
+        .collect()
+}
+
 /// Total variation, p value and verdict of every model that describes a component of the light; `orders`
 /// names all light that was recorded. Empty if none does.
 fn distribution_table(
@@ -233,15 +245,7 @@ fn distribution_table(
     orders: &str,
 ) -> String {
     type Row<'a> = Described<'a>;
-    let models: Vec<Row<'_>> = case
-        .models
-        .iter()
-        .filter(|model| model.describes(component))
-        .filter_map(|model| {
-            let compared = model.compared(component)?;
-            Some(Described { model, compared })
-        })
-        .collect();
+    let models = described(case, component);
     if models.is_empty() {
         return String::new();
     }
