@@ -440,12 +440,12 @@ fn invalid_surfaces_are_refused() {
         assert!(error.to_string().contains(words), "{error}");
         error
     };
-    refused(&[], Border::Open, "no triangle");
+    refused(&[], Border::Open, "none of 0 triangles");
     refused(&[[0, 1, 5]], Border::Open, "there are 5 vertices");
     refused(
         &[[0, 2, 2]],
         Border::Open,
-        "no triangle with an area among 1",
+        "none of 1 triangles has an area",
     );
     let error = refused(
         &[[0, 1, 2], [0, 2, 3], [0, 2, 4]],
