@@ -12,6 +12,7 @@ use crate::common::{Common, Results};
 use crate::failure::Failure;
 use crate::input::{check_height_map_output, name_of, read_surface, required_file, write_surface};
 use crate::output::note_lines;
+use crate::output_files::{refuse_equal_names, refuse_input};
 
 /// What is read.
 #[derive(Deserialize)]
@@ -30,11 +31,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         .transpose()?;
     if let Some(path) = &results.output {
         check_height_map_output(path)?;
+    }
+    let outputs = [results.output.as_deref(), results.plot.as_deref()];
+    let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
+    for path in &outputs {
         refuse_input(path, file)?;
     }
-    if let Some(path) = &results.plot {
-        refuse_input(path, file)?;
-    }
+    refuse_equal_names(&outputs)?;
     let mut input = read_surface(file, &measured, common)?;
     let roughness = Roughness::of(&input.field);
     if let (Some(path), Some(format)) = (&results.plot, plot) {
@@ -54,18 +57,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             format!("{}: {table}{realisation}{notes}", file.display())
         },
     )
-}
-
-/// Refuses to replace the file that is read.
-fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
-    let both = (output.canonicalize(), input.canonicalize());
-    match both {
-        (Ok(output), Ok(input)) if output == input => Err(Failure::usage(format!(
-            "{} is the input of this command, which would replace it; choose another output",
-            input.display()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// Formats of a plot, by file ending.

@@ -17,6 +17,7 @@ mod map;
 mod mesh;
 mod model;
 mod output;
+mod output_files;
 mod progress;
 mod render;
 mod trace;

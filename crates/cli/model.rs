@@ -1,5 +1,7 @@
 //! `asperity model`: a statistical model, direction by direction or bin by bin.
 
+use std::path::Path;
+
 use asperity_studies::settings::Document;
 use asperity_studies::{ModelConfig, Resolution, evaluate_model, model_list};
 
@@ -13,12 +15,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         return print(&model_list().map_err(Failure::failed)?);
     }
     let results = Results::of(document).map_err(Failure::usage)?;
+    let file = results.output.as_deref();
+    file.map_or(Ok(()), check_table_output)?;
     let resolution = match results.json {
         true => Resolution::Bins,
         false => Resolution::Directions,
     };
     let model = evaluate_model(&config, document, resolution).map_err(Failure::usage)?;
-    let file = results.output.as_deref();
     if let Some(path) = file {
         model.write_csv(path).map_err(Failure::failed)?;
     }
@@ -40,4 +43,15 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         text
     };
     results.print_file(common, || model.summary(file), text)
+}
+
+/// Refuses a file whose ending is not that of a table.
+fn check_table_output(path: &Path) -> Result<(), Failure> {
+    match path.extension() {
+        Some(ending) if ending.eq_ignore_ascii_case("csv") => Ok(()),
+        _ => Err(Failure::usage(format!(
+            "{}: a model is written as .csv",
+            path.display()
+        ))),
+    }
 }

@@ -1,6 +1,6 @@
 //! `asperity render`: a picture of one surface.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use asperity_io::{PictureFormat, check_folder_of, write_picture};
 use asperity_optics::Incidence;
@@ -21,6 +21,7 @@ use crate::failure::Failure;
 use crate::given::{read_given, required_surface};
 use crate::interrupt;
 use crate::output::{note_lines, print, say};
+use crate::output_files::{refuse_equal_names, refuse_input};
 use crate::progress::Bar;
 
 /// What the values of an EXR are.
@@ -109,6 +110,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
         check_folder_of(path).map_err(Failure::failed)?;
     }
+    settings.check_outputs()?;
     let surface = required_surface(&settings.measured, document.command(), common)?;
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
     let bottom = settings.bottom(common)?;
@@ -138,6 +140,18 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
 }
 
 impl Settings {
+    /// Refuses outputs that would replace an input or each other.
+    fn check_outputs(&self) -> Result<(), Failure> {
+        let outputs: Vec<&Path> = self.picture.output.iter().map(PathBuf::as_path).collect();
+        let bottom = self.medium.as_ref().and_then(|m| m.bottom_surface.file());
+        for input in self.measured.file.as_deref().into_iter().chain(bottom) {
+            for output in &outputs {
+                refuse_input(output, input)?;
+            }
+        }
+        refuse_equal_names(&outputs)
+    }
+
     fn check_bottom(&self) -> Result<(), Failure> {
         match self.bottom_surface() {
             BottomSurface::Independent => Err(Failure::usage(
@@ -256,9 +270,9 @@ fn report(name: &str, outcome: &RenderOutcome, factor: f64) -> String {
     let [columns, rows] = picture.size;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let [build, follow] = outcome.seconds;
-    let lines = outcome.samples as f64 * (columns * rows) as f64;
+    let rays = outcome.samples as f64 * (columns * rows) as f64;
     let mut text = format!(
-        "{name}, {columns} x {rows} pixels of {} camera rays, {lines:.3e} in {:.1} s\n  mean radiance {:.5}, standard error of a pixel {:.2e} on average, from {} passes; exposure {factor:.4}\n",
+        "{name}, {columns} x {rows} pixels of {} camera rays, {rays:.3e} rays in {:.1} s\n  mean radiance {:.5}, standard error of a pixel {:.2e} on average, from {} passes; exposure {factor:.4}\n",
         outcome.samples,
         build + follow,
         mean(&picture.radiance),

@@ -257,8 +257,6 @@ fn places_that_cannot_be_written_are_refused_before_the_work() {
     }
     assert!(refused(&folder, &["mesh", "h.exr", "-o", "no/m.ply"], 1).contains("no"));
     if Path::new("/dev/full").exists() {
-        let model = words("model smith --smoothness 3 --theta 30 -o /dev/full");
-        refused(&folder, &model, 1);
         let full = fs::OpenOptions::new()
             .write(true)
             .open("/dev/full")
@@ -288,6 +286,25 @@ fn a_surface_is_named_once_and_an_input_is_no_output() {
 }
 
 /// A stopped run says in its manifest that it is not complete, and its checkpoints are kept for the same command.
+#[test]
+fn outputs_keep_the_file_of_a_user_and_each_other() {
+    let (_keep, folder) = with_surface();
+    fs::write(folder.join("own.toml"), "mine").unwrap();
+    for name in ["own.toml", "h.exr", "new"] {
+        let model = words("model smith --smoothness 2 --eta 1.5 --theta 30 -o");
+        let sentence = refused(&folder, &[&model[..], &[name]].concat(), 2);
+        assert!(
+            sentence.contains("a model is written as .csv"),
+            "{sentence}"
+        );
+    }
+    let inspect = words("inspect h.exr -o p.png --plot ./p.png");
+    let sentence = refused(&folder, &inspect, 2);
+    assert!(sentence.contains("given as two outputs"), "{sentence}");
+    assert_eq!(files(&folder), ["h.exr", "own.toml"]);
+    assert_eq!(fs::read_to_string(folder.join("own.toml")).unwrap(), "mine");
+}
+
 #[test]
 fn a_manifest_says_whether_the_run_is_complete() {
     let folder = tempfile::tempdir().unwrap();

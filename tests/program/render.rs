@@ -14,7 +14,10 @@ fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_
         let medium = words("--mean-free-path 2 --albedo 0.9 --g 0.5");
         let rest = ["-o", &exr, "-o", &png, "--threads", threads];
         let text = succeed(&folder, &[&words(SMALL)[..], &medium, &rest].concat());
-        assert!(text.contains("24 x 18 pixels of 4 camera rays"), "{text}");
+        assert!(
+            text.contains("24 x 18 pixels of 4 camera rays, 1.728e3 rays in"),
+            "{text}"
+        );
         assert!(text.contains("standard error"), "{text}");
     }
     for ending in ["exr", "png"] {
@@ -94,6 +97,24 @@ fn what_makes_no_sense_gets_a_sentence_and_no_file() {
         assert!(sentence.contains(expected), "{flags}: {sentence}");
     }
     assert_eq!(files(&folder), ["h.exr"]);
+}
+
+#[test]
+fn an_output_that_would_replace_an_input_or_another_output_is_refused() {
+    let (_keep, folder) = with_surface();
+    let before = fs::read(folder.join("h.exr")).unwrap();
+    for (outputs, expected) in [
+        (["p.png", "p.png"], "given as two outputs"),
+        (["p.exr", "./p.exr"], "given as two outputs"),
+        (["p.png", "h.exr"], "h.exr is the input"),
+    ] {
+        let [a, b] = outputs;
+        let rest = ["-o", a, "-o", b];
+        let sentence = refused(&folder, &[&words(SMALL)[..], &rest].concat(), 2);
+        assert!(sentence.contains(expected), "{sentence}");
+    }
+    assert_eq!(files(&folder), ["h.exr"]);
+    assert!(fs::read(folder.join("h.exr")).unwrap() == before);
 }
 
 #[test]

@@ -17,7 +17,7 @@ use crate::formats::{HeightMapFormat, MeshFormat, list_endings, list_mesh_ending
 #[non_exhaustive]
 pub enum ReadError {
     /// Nothing of that name.
-    #[error("`{}` does not exist; the name of an existing file is needed", .path.display())]
+    #[error("`{}` does not exist", .path.display())]
     NotFound {
         /// The file.
         path: PathBuf,

@@ -27,7 +27,7 @@ pub enum ResultFolderError {
         path: PathBuf,
     },
     /// The folder holds results of another command.
-    #[error("`{}` holds results of `{found}`, which `{command}` does not replace; choose another folder or delete this one", .folder.display())]
+    #[error("`{}` holds results of `{found}`, which `{command}` does not replace; choose another folder", .folder.display())]
     OtherCommand {
         /// The folder.
         folder: PathBuf,
@@ -37,7 +37,7 @@ pub enum ResultFolderError {
         command: String,
     },
     /// The folder holds results, and no manifest lists them.
-    #[error("`{}` holds the summary.json of a run without the manifest.json that lists its files; choose another folder or delete this one", .folder.display())]
+    #[error("`{}` holds the summary.json of a run without the manifest.json that lists its files; choose another folder", .folder.display())]
     NoManifest {
         /// The folder.
         folder: PathBuf,
@@ -53,7 +53,7 @@ pub enum ResultFolderError {
         results: PathBuf,
     },
     /// The manifest is damaged, of another form, or not ours.
-    #[error("`{}` is not a manifest of results ({reason}); choose another folder or delete this one", .path.display())]
+    #[error("`{}` is not a manifest of results ({reason}); choose another folder", .path.display())]
     InvalidManifest {
         /// The manifest.
         path: PathBuf,

@@ -1,0 +1,46 @@
+//! Output files: refuses those that would replace an input or each other.
+
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+
+/// Refuses to replace a file that is read.
+pub(crate) fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
+    match is_same_file(output, input) {
+        true => Err(Failure::usage(format!(
+            "{} is the input of this command, which would replace it; choose another output",
+            input.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
+/// Refuses two outputs of one name.
+pub(crate) fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
+    let named_before = |(i, path): (usize, &&Path)| {
+        let mut before = outputs[..i].iter();
+        before.any(|other| is_same_file(other, path))
+    };
+    let mut all = outputs.iter().enumerate();
+    match all.find(|output| named_before(*output)) {
+        Some((_, path)) => Err(Failure::usage(format!(
+            "{} is given as two outputs, one of which would replace the other; choose another name",
+            path.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Whether both paths name one file, which need not exist.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a == b || place(a).is_some_and(|place_of_a| Some(place_of_a) == place(b))
+}
+
+/// The file without links, or the name that a new one has in its folder; `None` if there is no such folder.
+fn place(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let path = std::path::absolute(path).ok()?;
+        let folder = path.parent()?.canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    })
+}
