@@ -14,11 +14,16 @@ pub(crate) struct Cases {
     pub(crate) missing: usize,
 }
 
-/// Prints notes, and how a run that was stopped goes on; with `--verbose` also how many cases were computed.
-pub(crate) fn say_completion(completion: &Completion, cases: &Cases, common: &Common) {
-    for note in &completion.notes {
+/// Prints what a reader should know of the checkpoints.
+pub(crate) fn say_notes(notes: &[String]) {
+    for note in notes {
         say(&format!("note: {note}"));
     }
+}
+
+/// Prints notes, and how a run that was stopped goes on; with `--verbose` also how many cases were computed.
+pub(crate) fn say_completion(completion: &Completion, cases: &Cases, common: &Common) {
+    say_notes(&completion.notes);
     let Cases {
         name,
         total,

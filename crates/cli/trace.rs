@@ -9,6 +9,7 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
+use crate::completion::say_notes;
 use crate::failure::Failure;
 use crate::given::{read_given, required_surface};
 use crate::input::{refuse_config, refuse_simulation};
@@ -42,8 +43,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let folder = folder.transpose()?;
     let checkpoints = folder.as_ref().map(|folder| planned.checkpoints(folder));
     let checkpoints = checkpoints.transpose().map_err(Failure::failed)?;
-    if checkpoints.as_ref().is_some_and(|kept| kept.resumed() > 0) {
-        say("resumed with the rays of the run that was ended");
+    if let Some(checkpoints) = &checkpoints {
+        say_notes(checkpoints.notes());
+        if checkpoints.resumed() > 0 {
+            say("resumed with the rays of the run that was ended");
+        }
     }
 
     let bar = Bar::new(common);

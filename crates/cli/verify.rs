@@ -5,6 +5,7 @@ use asperity_studies::settings::Document;
 use asperity_studies::{VerifyConfig, resume_verify, verify_report, verify_summary, verify_table};
 
 use crate::common::{Common, Results};
+use crate::completion::say_notes;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
@@ -26,6 +27,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let folder = result_folder(&results.required(), "verify", &[document.file()], &names)?;
 
     let checkpoints = config.checkpoints(&folder).map_err(Failure::failed)?;
+    say_notes(checkpoints.notes());
     if checkpoints.resumed() > 0 {
         say(&format!(
             "resumed with {} of the run that was ended",

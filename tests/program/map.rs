@@ -334,7 +334,8 @@ fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
         let told = String::from_utf8(output.stderr).unwrap();
         assert!(output.status.success(), "{told}");
         assert!(
-            told.contains("theta0.json is damaged and is not used") && told.lines().count() == 1,
+            told.contains("theta0.json is damaged and is computed again")
+                && told.lines().count() == 1,
             "{told}"
         );
         assert_eq!(fs::read_to_string(&cell).unwrap(), whole);

@@ -56,15 +56,12 @@ pub enum CheckpointError {
     Folder(#[from] ResultFolderError),
     /// A complete checkpoint of another run, which this one must not overwrite.
     #[error(
-        "{} is a checkpoint of another run ({difference}); choose another folder, or delete {}",
-        path.display(),
-        folder.display()
+        "{} is a checkpoint of another run ({difference}); choose another folder, or remove that file",
+        path.display()
     )]
     OtherRun {
         /// The file.
         path: PathBuf,
-        /// The folder of the checkpoints.
-        folder: PathBuf,
         /// What differs.
         difference: String,
     },
@@ -159,12 +156,7 @@ impl Checkpoints<'_> {
         };
         for (case, found) in cases.iter().zip(found) {
             if let Found::Damaged(reason) = &found {
-                let path = self.path(case);
-                let reason = reason.replace('\n', " ");
-                completion.notes.push(format!(
-                    "{} is damaged and is not used ({reason})",
-                    path.display()
-                ));
+                completion.notes.push(damaged(&self.path(case), reason));
             }
             results.push(match found {
                 Found::Results(results) => Some(results),
@@ -260,7 +252,7 @@ impl Checkpoints<'_> {
         };
         // Another form or build may have other fields, so these are compared first.
         if let Some(difference) = other_build(&value, SCHEMA, self.study) {
-            return Err(self.other_run(&path, difference));
+            return Err(CheckpointError::OtherRun { path, difference });
         }
         let checkpoint: Checkpoint<C::Results> = match serde_json::from_value(value) {
             Ok(checkpoint) => checkpoint,
@@ -271,20 +263,12 @@ impl Checkpoints<'_> {
         }
         // Which results are valid may depend on the settings, so these are compared before.
         if let Some(difference) = first_difference(&checkpoint.config, &case.settings(), "") {
-            return Err(self.other_run(&path, difference));
+            return Err(CheckpointError::OtherRun { path, difference });
         }
         Ok(match case.invalid(&checkpoint.results) {
             Some(reason) => Found::Damaged(reason.to_owned()),
             None => Found::Results(checkpoint.results),
         })
-    }
-
-    fn other_run(&self, path: &Path, difference: String) -> CheckpointError {
-        CheckpointError::OtherRun {
-            path: path.to_owned(),
-            folder: self.folder.path().join(self.place),
-            difference,
-        }
     }
 }
 
@@ -292,6 +276,15 @@ impl<T> Found<T> {
     const fn is_complete(&self) -> bool {
         matches!(self, Self::Results(_))
     }
+}
+
+/// The sentence on a checkpoint that is damaged.
+pub(super) fn damaged(path: &Path, reason: &str) -> String {
+    let reason = reason.replace('\n', " ");
+    format!(
+        "{} is damaged and is computed again ({reason})",
+        path.display()
+    )
 }
 
 /// What tells a checkpoint from those of this form, study and results epoch; `None` if nothing does.

@@ -21,7 +21,7 @@ use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceStore};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::checkpoints::{CheckpointError, first_difference, other_build};
+use super::checkpoints::{CHANGED, CheckpointError, Found, damaged, first_difference, other_build};
 
 /// Folder of the files within the result folder.
 const FOLDER: &str = "checkpoints";
@@ -67,6 +67,7 @@ pub struct SurfaceCheckpoints<'a> {
     /// Those of an earlier run that were not loaded yet.
     earlier: Mutex<HashMap<SurfaceKey, SavedSurface>>,
     resumed: usize,
+    notes: Vec<String>,
     pending: Mutex<Pending>,
 }
 
@@ -104,11 +105,19 @@ impl<'a> SurfaceCheckpoints<'a> {
         // A later file holds what was saved later.
         numbers.sort_unstable();
         let (mut earlier, mut files) = (HashMap::new(), HashMap::new());
+        let mut notes = Vec::new();
         for &number in &numbers {
-            if let Some(surfaces) = read(folder, study, &config, number)? {
-                folder.keep(&file_name(number));
-                files.extend(surfaces.iter().map(|(key, _)| (*key, number)));
-                earlier.extend(surfaces);
+            match read(folder, study, &config, number)? {
+                Found::Results(surfaces) => {
+                    folder.keep(&file_name(number));
+                    files.extend(surfaces.iter().map(|(key, _)| (*key, number)));
+                    earlier.extend(surfaces);
+                }
+                Found::Damaged(reason) => {
+                    let path = folder.path().join(file_name(number));
+                    notes.push(damaged(&path, &reason));
+                }
+                Found::Missing => {}
             }
         }
         Ok(Self {
@@ -117,6 +126,7 @@ impl<'a> SurfaceCheckpoints<'a> {
             config,
             pace: PACE,
             resumed: earlier.len(),
+            notes,
             earlier: Mutex::new(earlier),
             pending: Mutex::new(Pending {
                 surfaces: Vec::new(),
@@ -132,6 +142,12 @@ impl<'a> SurfaceCheckpoints<'a> {
     #[must_use]
     pub const fn resumed(&self) -> usize {
         self.resumed
+    }
+
+    /// What a reader should know of the files that an earlier run has left: a sentence each.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
     }
 
     /// Ends the run. The surfaces of a stopped one are kept, those of a complete one removed.
@@ -204,46 +220,42 @@ impl<'a> SurfaceCheckpoints<'a> {
     }
 }
 
-/// The surfaces of a file; `None` if it is damaged.
+/// The surfaces of a file, which is there.
 fn read(
     folder: &ResultFolder,
     study: &str,
     config: &Value,
     number: usize,
-) -> Result<Option<Surfaces>, CheckpointError> {
-    let place = folder.path().join(FOLDER);
+) -> Result<Found<Surfaces>, CheckpointError> {
     let path = folder.path().join(file_name(number));
     let text = match read_text(&path) {
-        Err(ReadError::Text { .. }) => return Ok(None),
+        Err(error @ ReadError::Text { .. }) => return Ok(Found::Damaged(error.to_string())),
         text => text?,
     };
     let Some((header, surfaces)) = text.trim_end().split_once('\n') else {
-        return Ok(None);
+        return Ok(Found::Damaged("it was cut short".to_owned()));
     };
-    let Ok(header) = serde_json::from_str::<Value>(header) else {
-        return Ok(None);
+    let header: Value = match serde_json::from_str(header) {
+        Ok(header) => header,
+        Err(error) => return Ok(Found::Damaged(error.to_string())),
     };
     if let Some(difference) = other_build(&header, SCHEMA, study) {
-        return Err(CheckpointError::OtherRun {
-            path,
-            folder: place,
-            difference,
-        });
+        return Err(CheckpointError::OtherRun { path, difference });
     }
-    let Ok(header) = serde_json::from_value::<Header>(header) else {
-        return Ok(None);
+    let header: Header = match serde_json::from_value(header) {
+        Ok(header) => header,
+        Err(error) => return Ok(Found::Damaged(error.to_string())),
     };
     if let Some(difference) = first_difference(&header.config, config, "") {
-        return Err(CheckpointError::OtherRun {
-            path,
-            folder: place,
-            difference,
-        });
+        return Err(CheckpointError::OtherRun { path, difference });
     }
     if header.checksum != checksum(surfaces) {
-        return Ok(None);
+        return Ok(Found::Damaged(CHANGED.to_owned()));
     }
-    Ok(serde_json::from_str(surfaces).ok())
+    Ok(match serde_json::from_str(surfaces) {
+        Ok(surfaces) => Found::Results(surfaces),
+        Err(error) => Found::Damaged(error.to_string()),
+    })
 }
 
 /// Name of a file within the result folder.

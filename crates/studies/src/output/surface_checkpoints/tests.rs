@@ -125,6 +125,11 @@ fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refus
         message.contains("run.rays 4000 in place of 5000"),
         "{message}"
     );
+    // A folder that may hold more than checkpoints is never to be removed.
+    assert!(
+        message.ends_with("choose another folder, or remove that file"),
+        "{message}"
+    );
     assert_eq!(names_in(place.path().join(FOLDER)).len(), saved);
     let path = place.path().join(FOLDER).join("0.json");
     let text = read_text(&path).unwrap();
@@ -135,6 +140,14 @@ fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refus
         text[..text.len() / 2].to_owned(),
     ] {
         write_bytes(&path, damaged.as_bytes()).unwrap();
+        let folder = ResultFolder::open(place.path(), "verify", &[]).unwrap();
+        let store = SurfaceCheckpoints::open(&folder, "verify", json!(config)).unwrap();
+        let [note] = store.notes() else {
+            panic!("{:?}", store.notes());
+        };
+        let expected = format!("{} is damaged and is computed again", path.display());
+        assert!(note.starts_with(&expected), "{note}");
+        drop(store);
         let (resumed, _) = run(place.path(), &config, &stopped(), None);
         assert_eq!(resumed, saved - 1);
     }
