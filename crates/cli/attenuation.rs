@@ -39,11 +39,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = attenuation(&config, &bar).map_err(Failure::failed)?;
+    let is_stopped = outcome.stopped_by.is_some();
     if let Some(folder) = folder {
         attenuation_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
-        folder.finish(!interrupt::came()).map_err(Failure::failed)?;
+        folder.finish(!is_stopped).map_err(Failure::failed)?;
     }
-    if interrupt::came() {
+    if is_stopped {
         say(&format!(
             "interrupted; results are of {} that finished",
             counted(outcome.work.realisations, "surface")

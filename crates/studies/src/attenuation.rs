@@ -53,8 +53,10 @@ mod rough_surface;
 mod skyline;
 mod survey;
 mod tables;
+#[cfg(test)]
+mod tests;
 
-use asperity_simulate::{Observer, SimulateError};
+use asperity_simulate::{Observer, SimulateError, StoppedBy, counted};
 use std::time::Instant;
 
 use asperity_analysis::{
@@ -195,6 +197,29 @@ pub struct AttenuationOutcome {
     pub mesh_slope_deficit: f64,
     models_at: Vec<f64>,
     over_sigma_at: Vec<f64>,
+    /// What ended the run before all surfaces were measured.
+    pub stopped_by: Option<StoppedBy>,
+}
+
+impl AttenuationOutcome {
+    /// What a reader should not miss.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let work = &self.work;
+        let lost = (work.lost > 0).then(|| {
+            format!(
+                "{} visibility rays were lost to numerical failure; they count as blocked",
+                work.lost
+            )
+        });
+        let stopped = self.stopped_by.map(|_| {
+            format!(
+                "interrupted: these are the results of {} of {}",
+                work.realisations,
+                counted(self.config.run.realisations.0, "surface")
+            )
+        });
+        lost.into_iter().chain(stopped).collect()
+    }
 }
 
 /// Measures geometric attenuation.
@@ -212,8 +237,10 @@ pub fn attenuation(
     progress.begin("measuring", realisations * plan.sigmas.len() as u64);
     let mut counts: Vec<Vec<Counts>> = vec![Vec::new(); plan.sigmas.len()];
     let mut rises = Vec::new();
+    let mut stopped_by = None;
     for index in 0..realisations {
         let Some(surveyed) = survey(config, &plan, index, progress)? else {
+            stopped_by = progress.stop();
             break;
         };
         for (all, one) in counts.iter_mut().zip(surveyed.counts) {
@@ -250,6 +277,7 @@ pub fn attenuation(
         mesh_slope_deficit: mesh_slope_deficit(&plan),
         models_at: plan.models_at,
         over_sigma_at: plan.over_sigma_at,
+        stopped_by,
     })
 }
 

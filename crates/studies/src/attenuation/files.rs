@@ -1,6 +1,6 @@
 //! The files of an attenuation run: tables, plots, report.txt and summary.json.
 
-use asperity_simulate::Observer;
+use asperity_simulate::{Observer, StoppedBy};
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
 use serde::Serialize;
@@ -83,6 +83,10 @@ struct Summary<'a> {
     demarcation: Value,
     visibility: Value,
     columns: Value,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    warnings: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stopped_by: Option<StoppedBy>,
     work: &'a AttenuationWork,
 }
 
@@ -102,6 +106,8 @@ pub fn attenuation_summary(outcome: &AttenuationOutcome) -> Value {
             "demarcation.csv": tables::demarcation().description(),
             "visibility.csv": tables::visibility().description(),
         }),
+        warnings: outcome.warnings(),
+        stopped_by: outcome.stopped_by,
         work: &outcome.work,
     })
 }

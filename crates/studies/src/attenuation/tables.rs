@@ -229,12 +229,8 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
             "\nvisibility of the points at height zero that face the light\n{table}"
         );
     }
-    if work.lost > 0 {
-        let _ = writeln!(
-            out,
-            "warning: {} visibility rays were lost to numerical failure; they count as blocked",
-            work.lost
-        );
+    for warning in outcome.warnings() {
+        let _ = writeln!(out, "warning: {warning}");
     }
     out
 }
