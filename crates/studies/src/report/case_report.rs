@@ -40,7 +40,8 @@ pub fn verify_table(outcome: &VerifyOutcome) -> String {
         out.push_str(&case_table(outcome, case));
         out.push('\n');
     }
-    if outcome.cases.len() > 1 {
+    let is_judged = outcome.cases.iter().any(|case| !case.models.is_empty());
+    if is_judged && outcome.cases.len() > 1 {
         out.push_str(&overview(outcome));
     }
     out
@@ -367,9 +368,10 @@ fn overview(outcome: &VerifyOutcome) -> String {
             let test = row.compared.comparison.test.as_ref().ok()?;
             Some(format!("{:.4}", test.p))
         }))
-        .column(Column::new("multiple", "", multiple).format(Format::Fixed(5)))
+        .column(Column::new("multiple flux fraction", "", multiple).format(Format::Fixed(5)))
         .column(Column::new("verdict", "", |row: &Row<'_>| {
             row.compared.verdict.as_ref().map(verdict_name)
         }))
+        .keys(3)
         .text(judged)
 }
