@@ -3,8 +3,8 @@
 //! A component is a filter on exits. It says which exits count, and how tables, files and plots name
 //! them. [`TallySpec`](crate::TallySpec) says which components a tally keeps for which quantity.
 //!
-//! To add a component, add a variant here with its row in [`Component::text`] and its line in
-//! [`Component::accepts`], or define a [`ComponentFilter`] and pass it to
+//! To add a component, add a variant here with its row in [`Component::text`], its line in
+//! [`Component::accepts`] and its place in [`Component::place`], or define a [`ComponentFilter`] and pass it to
 //! [`TallySpec::with_components`](crate::TallySpec::with_components). Columns, legends and JSON follow
 //! from its names.
 
@@ -177,6 +177,18 @@ impl Component {
             Self::Order(_) => "light that met the surface as often",
             Self::OrderAndAbove(_) => "light that met the surface as often or more often",
             _ => self.text().description,
+        }
+    }
+
+    /// Place in the split that it belongs to, by which figures colour it: 0 for all light, then 1, 2, ...
+    #[must_use]
+    pub const fn place(self) -> usize {
+        match self {
+            Self::All => 0,
+            Self::Single | Self::Unscattered => 1,
+            Self::Multiple | Self::ScatteredOnce => 2,
+            Self::ScatteredMore | Self::Custom(_) => 3,
+            Self::Order(order) | Self::OrderAndAbove(order) => order as usize,
         }
     }
 

@@ -209,17 +209,6 @@ const fn plot_side(side: Side) -> PlotSide {
     }
 }
 
-/// Number of a component of light in figures, which gives it its colour: 0 is all light.
-const fn component_number(component: Component) -> usize {
-    match component {
-        Component::All => 0,
-        Component::Single | Component::Unscattered => 1,
-        Component::Multiple | Component::ScatteredOnce => 2,
-        Component::ScatteredMore | Component::Custom(_) => 3,
-        Component::Order(order) | Component::OrderAndAbove(order) => order as usize,
-    }
-}
-
 /// Number of a model in figures, which gives it its colour: its place among all models, whichever are drawn.
 fn model_number(name: &str) -> usize {
     let mut names = MODEL_NAMES.iter().chain(&FlatLayer::NAMES);
@@ -239,7 +228,7 @@ fn series_of(
     let explicit = |name: &str, component: Component| {
         let points = in_plane_points(statistics, side, component);
         let name = format!("explicit, {name}");
-        Series::explicit(name, component_number(component), plot_side(side), points)
+        Series::explicit(name, component.place(), plot_side(side), points)
     };
     let seen = |component| statistics.means().flux(side, component) != 0.0;
     let mut series = vec![explicit(&recorded_orders(light.max_order), Component::All)];
@@ -261,7 +250,7 @@ fn series_of(
         };
         let component = match judged {
             Component::Single if single_is_all => 0,
-            _ => component_number(judged),
+            _ => judged.place(),
         };
         let points = model_points(light, spec, model, side);
         let line = Series::model(label, model_number(name), plot_side(side), points);
