@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 
 use asperity_studies::settings::{Command, reference_page, settings_of};
 
@@ -66,6 +67,25 @@ fn trace_reads_a_configuration_and_flags_override_it() {
         said.contains("bad.toml: line 1: unknown section `surface`"),
         "{said}"
     );
+    // The example is for another command, which is named.
+    fs::write(
+        folder.join("first.toml"),
+        include_str!("../../examples/first_look.toml"),
+    )
+    .unwrap();
+    let said = refused(&folder, &words("trace first.toml"), 2);
+    assert!(said.contains("is for verify"), "{said}");
+}
+
+#[test]
+fn the_example_of_a_traced_surface_runs_from_the_root() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let found = json(&succeed(
+        root,
+        &words("trace examples/trace_ripples.toml --json"),
+    ));
+    assert_eq!(found["config"]["light"]["theta_deg"], 30.0);
+    assert_eq!(found["config"]["surface"], "ripples.txt");
 }
 
 #[test]

@@ -208,9 +208,34 @@ fn a_verification_of_one_side_judges_that_side() {
         assert!(scales[2]["name"] == "sides" && scales[2]["member"] == 0);
     }
     assert!(!folder.join("one/in_plane_reflected.svg").exists());
-    // Many cases have an overview.
     let many = words("verify v.toml --theta 0,60 --side reflected -o many");
     assert!(!succeed(folder, &many).contains("transmitted"));
+}
+
+#[test]
+fn the_overview_of_several_cases_names_case_and_model_in_every_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = "verify --tau 8 --size 64 --smoothness 1 --realisations 6 --rays 6e3 --no-plots --theta 0,30";
+    let overview = |models: &str| {
+        let line = format!("{run} --models {models} -o {models}");
+        let text = succeed(folder, &words(&line));
+        let from = text.find("\ncase ").map(|start| text[start..].to_owned());
+        from.unwrap_or_default()
+    };
+    let text = overview("smith,heitz");
+    assert!(text.contains("multiple flux fraction"), "{text}");
+    let lines = || text.lines().filter(|line| !line.is_empty());
+    let heads = lines().filter(|line| line.starts_with("case "));
+    assert!(heads.clone().count() > 1, "{text}");
+    for head in heads {
+        assert!(head.contains("model") && head.contains("light"), "{head}");
+    }
+    for row in lines().filter(|line| line.starts_with("s = 1, ")) {
+        assert!(row.contains("smith") || row.contains("heitz"), "{row}");
+    }
+    // Without models there is nothing to give an overview of.
+    assert_eq!(overview("none"), "");
 }
 
 #[test]
@@ -414,7 +439,8 @@ fn every_example_configuration_is_understood() {
                 let stem = stem.to_string_lossy();
                 stem.starts_with("translucent_") || stem == "small_gonio"
             });
-            let of_others = of_attenuation || of_gonio;
+            let of_trace = text.contains("[measured]");
+            let of_others = of_attenuation || of_gonio || of_trace;
             if text.contains("[converge]") || text.contains("[map]") || of_others {
                 continue;
             }

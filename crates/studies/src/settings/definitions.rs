@@ -86,14 +86,14 @@ const SWEEPS: Commands = Commands::of(&[
 /// Commands that draw random surfaces of any kind.
 const RANDOM: Commands = SWEEPS.and(Commands::of(&[Command::Generate]));
 
+/// Commands that read a height map, and no mesh.
+const HEIGHT_MAPS: Commands = Commands::of(&[Command::Inspect, Command::Mesh]);
+
+/// Commands that read a height map or a triangle mesh.
+const SURFACES: Commands = Commands::of(&[Command::Trace, Command::Render, Command::Gonio]);
+
 /// Commands that read a given surface.
-const GIVEN: Commands = Commands::of(&[
-    Command::Inspect,
-    Command::Mesh,
-    Command::Trace,
-    Command::Render,
-    Command::Gonio,
-]);
+const GIVEN: Commands = HEIGHT_MAPS.and(SURFACES);
 
 /// Commands that trace paths into bins.
 const TRACING: Commands = Commands::of(&[

@@ -87,7 +87,10 @@ pub enum SettingError {
         known: String,
     },
     /// A section that the command does not have.
-    #[error("{place}unknown section `{section}`; the sections of {command} are {known}")]
+    #[error(
+        "{place}unknown section `{section}`; the sections of {command} are {known}{}",
+        other_readers(*readers)
+    )]
     UnknownSection {
         /// Where it stands.
         place: Place,
@@ -97,6 +100,8 @@ pub enum SettingError {
         command: Command,
         /// The sections of the command, with commas.
         known: String,
+        /// The commands that have all sections of the file.
+        readers: Commands,
     },
     /// A value where a section must be.
     #[error("{place}`{section}` must be a section, written as [{section}]")]
@@ -137,6 +142,14 @@ pub enum SettingError {
     /// The typed configuration does not take what the definitions allow.
     #[error("the settings do not fit the configuration: {0}")]
     Unreadable(String),
+}
+
+/// The end of a sentence: which commands read a file.
+fn other_readers(commands: Commands) -> String {
+    match names(commands) {
+        names if names.is_empty() => names,
+        names => format!("; a file with such sections is for {names}"),
+    }
 }
 
 /// Names of commands in a sentence.

@@ -30,9 +30,10 @@ impl File<'_> {
         for (section, value) in table.get_ref() {
             let name = section.get_ref().as_ref();
             let place = self.place(section.span().start);
-            if !settings_of(self.command).any(|setting| setting.in_file && setting.section == name)
-            {
-                return Err(self.unknown_section(place, name));
+            if !has_section(self.command, name) {
+                let sections = table.get_ref().keys();
+                let sections: Vec<&str> = sections.map(|name| name.get_ref().as_ref()).collect();
+                return Err(self.unknown_section(place, name, &sections));
             }
             let DeValue::Table(keys) = value.get_ref() else {
                 let section = name.to_owned();
@@ -93,7 +94,13 @@ impl File<'_> {
         })
     }
 
-    fn unknown_section(&self, place: Place, name: &str) -> SettingError {
+    /// The refusal of the section `name` of a file with these `sections`.
+    fn unknown_section(&self, place: Place, name: &str, sections: &[&str]) -> SettingError {
+        let reads = |command: &Command| {
+            let mut sections = sections.iter();
+            command.has_configuration() && sections.all(|name| has_section(*command, name))
+        };
+        let readers: Vec<Command> = Command::ALL.into_iter().filter(reads).collect();
         let known: Vec<&str> = SECTIONS
             .iter()
             .filter(|section| {
@@ -107,6 +114,7 @@ impl File<'_> {
             section: name.to_owned(),
             command: self.command,
             known: known.join(", "),
+            readers: Commands::of(&readers),
         }
     }
 
@@ -188,6 +196,11 @@ impl File<'_> {
             reason,
         }
     }
+}
+
+/// Whether a file of `command` may hold the section `name`.
+fn has_section(command: Command, name: &str) -> bool {
+    settings_of(command).any(|setting| setting.in_file && setting.section == name)
 }
 
 /// One value; `None` if it is invalid.

@@ -54,7 +54,8 @@ const INTRODUCTION: &str = "# Settings
 <!-- Generated from crates/studies/src/settings/definitions; see CONTRIBUTING for how to write it anew. -->
 
 Every setting of every command. A configuration file is TOML: keys stand in sections, as in `[surface]`. Flags override
-the file, and the file overrides the defaults. A flag that excludes keys of the file takes their place.
+the file, and the file overrides the defaults. A flag that excludes keys of the file takes their place. Relative paths of
+files are taken from the folder that the program runs in, also those in a configuration file.
 
 Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
 `6,3,1` on the command line and `[6, 3, 1]` in a file. Numbers of samples, pixels and bins along

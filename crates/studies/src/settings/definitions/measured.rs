@@ -1,7 +1,7 @@
 //! `[measured]`: one given surface.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::{GIVEN, GONIO, LENGTH, RENDER, TRACE};
+use super::{GIVEN, GONIO, HEIGHT_MAPS, LENGTH, RENDER, SURFACES, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, setting};
@@ -9,11 +9,15 @@ use crate::settings::setting::{Arity, Flag, Setting, setting};
 const SECTION: &str = "measured";
 
 pub(super) const SETTINGS: &[Setting] = &[
+    setting(SECTION, "file", Kind::Path, HEIGHT_MAPS, "Height map")
+        .flag(Flag::Named("surface"))
+        .value_name("FILE")
+        .flag_only(),
     setting(
         SECTION,
         "file",
         Kind::Path,
-        GIVEN,
+        SURFACES,
         "Height map or triangle mesh",
     )
     .flag(Flag::Named("surface"))
