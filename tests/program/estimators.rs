@@ -1,4 +1,4 @@
-//! The controlled estimator against the plain one: on fresh surfaces, where its mean is an integral over
+//! The controlled estimator against the plain one: on random surfaces, where its mean is an integral over
 //! Gaussian slopes, and on given ones, where it is a sum over facets.
 //!
 //! Tried and seen to fail: points on the surface whose weight lacks a cosine, a slope covariance half as

@@ -1,7 +1,7 @@
 //! Explicit results against those of an independent tracer.
 //!
 //! The large reference files are no part of the project: where `../shared` is missing, the tests that
-//! need it say so and pass. The essentials, the ensemble means of fresh surfaces, stand here.
+//! need it say so and pass. The essentials, the ensemble means of random surfaces, stand here.
 
 use std::path::PathBuf;
 
@@ -192,7 +192,7 @@ fn one_surface_agrees_with_an_independent_tracer() {
     }
 }
 
-/// Eta, theta, and R, T, R1, T1 each with its standard error: means over 12 fresh surfaces of
+/// Eta, theta, and R, T, R1, T1 each with its standard error: means over 12 random surfaces of
 /// smoothness 3, N = 512, tau = 16, of an independent program.
 type EnsembleRow = (f64, f64, [[f64; 2]; 4]);
 
@@ -240,7 +240,7 @@ const ENSEMBLE: [EnsembleRow; 4] = [
 ];
 
 #[test]
-fn fresh_surfaces_agree_with_an_independent_ensemble() {
+fn random_surfaces_agree_with_an_independent_ensemble() {
     let config = VerifyConfig::from_toml(
         "
         [surface]

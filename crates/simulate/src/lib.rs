@@ -1,6 +1,6 @@
 //! The engine: from cases and settings to tallies with errors.
 //!
-//! [`simulate`] is the door. A [`Case`] has one value each: a surface source, a material, perhaps a layer below,
+//! [`simulate`] is the entry point. A [`Case`] has one value each: a surface source, a material, perhaps a layer below,
 //! and the light. [`Settings`] say how all cases are simulated and how much is traced. Each case gives an
 //! [`Outcome`]: tallies with errors by where they come from, the work done, and how the run ended. An [`Observer`]
 //! is told of progress and may stop the run. A [`Simulation`] resumes from the finished parts that a

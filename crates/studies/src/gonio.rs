@@ -224,9 +224,9 @@ impl CheckpointCase for Task<'_> {
     fn compute(&self, observer: &dyn Observer) -> Result<Option<DirectionResults>, GonioError> {
         let results = match (&self.plan.work, self.sample) {
             (Work::Given(rays), Some(sample)) => self.on_sample(rays, sample, observer),
-            (Work::Fresh(config), _) => match verify(config, observer) {
+            (Work::Random(config), _) => match verify(config, observer) {
                 Err(error) if error.is_interrupt() => return Ok(None),
-                outcome => outcome.map(on_fresh_surfaces),
+                outcome => outcome.map(on_random_surfaces),
             },
             (Work::Given(_), None) => Ok(None),
         };
@@ -242,7 +242,7 @@ impl CheckpointCase for Task<'_> {
 }
 
 /// What a measurement keeps of a verification without models.
-fn on_fresh_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
+fn on_random_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
     let case = outcome.cases.into_iter().next()?;
     Some(DirectionResults::of(
         &case.outcome.statistics,

@@ -160,7 +160,7 @@ impl VerifyConfig {
     }
 }
 
-/// Draws fresh surfaces, traces every case on them, and compares with the models.
+/// Draws random surfaces, traces every case on them, and compares with the models.
 ///
 /// Cases of equal smoothness share their surfaces.
 ///

@@ -1,4 +1,4 @@
-//! The run of cases on one given surface: blocks of rays take the place of fresh surfaces.
+//! The run of cases on one given surface: blocks of rays take the place of random surfaces.
 
 use std::sync::Arc;
 use std::time::Instant;

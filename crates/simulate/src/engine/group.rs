@@ -13,7 +13,7 @@ use crate::observer::Observer;
 /// Cases that share surfaces, checked.
 #[derive(Clone)]
 pub(crate) enum Group {
-    /// Fresh surfaces.
+    /// Random surfaces.
     Random(Box<RandomGroup>),
     /// One given surface.
     Given(GivenGroup),

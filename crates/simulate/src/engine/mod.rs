@@ -1,6 +1,6 @@
 //! How rays are divided, traced and added until an error is reached.
 //!
-//! [`simulation`] is the door. It puts cases with equal surface sources into a [`group`]: [`random`] for fresh
+//! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
 //! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
 //! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes; [`watch`] shows how

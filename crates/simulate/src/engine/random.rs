@@ -1,4 +1,4 @@
-//! Cases that share fresh surfaces: what needs no rays, and how each case stands when the others have had theirs.
+//! Cases that share random surfaces: what needs no rays, and how each case stands when the others have had theirs.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -28,7 +28,7 @@ use crate::store::Stage;
 /// What the mesh may add to an error at its target: a third of it, squared.
 pub const MESH_ALLOWANCE: f64 = 1.055;
 
-/// Cases that share fresh surfaces, and the effort that they take.
+/// Cases that share random surfaces, and the effort that they take.
 #[derive(Clone)]
 pub(crate) struct RandomGroup {
     pub(super) synthesis: Synthesis,

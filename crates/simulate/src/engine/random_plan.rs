@@ -1,4 +1,4 @@
-//! The plan of cases that share fresh surfaces: surfaces, rays and spacing that reach a target, by a pilot run.
+//! The plan of cases that share random surfaces: surfaces, rays and spacing that reach a target, by a pilot run.
 
 use super::context::Context;
 use super::pilot::{self, Figures, PilotRun};

@@ -1,4 +1,4 @@
-//! The rounds of cases that share fresh surfaces: a batch is a surface.
+//! The rounds of cases that share random surfaces: a batch is a surface.
 
 use super::context::Context;
 use super::random::RandomGroup;

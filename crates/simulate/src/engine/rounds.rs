@@ -1,6 +1,6 @@
 //! Rounds: adds batches to those planned until an error is reached.
 //!
-//! A batch is a fresh surface, or a block of rays on a given one.
+//! A batch is a random surface, or a block of rays on a given one.
 
 use super::context::Context;
 use crate::error::SimulateError;

@@ -1,4 +1,4 @@
-//! Simulation: the one door to the engine.
+//! Simulation: the entry point of the engine.
 
 use rayon::prelude::*;
 

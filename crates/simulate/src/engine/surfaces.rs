@@ -1,4 +1,4 @@
-//! Surface group: draws fresh surfaces, and traces all cases that share them on each.
+//! Surface group: draws random surfaces, and traces all cases that share them on each.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

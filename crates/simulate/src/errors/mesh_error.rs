@@ -161,7 +161,7 @@ impl FirstOrder<'_> {
         match self.removed(refined, control_variate) {
             Ok(values) => {
                 said.remaining
-                    .push_str("; what is removed is no part of it");
+                    .push_str("; the part that is removed is not included");
                 said.removed = format!(
                     "exact, by quadrature: unshadowed single scattering by the slopes of the facets, less that by those of the continuous surface, in the fractions that the control variate subtracts{}",
                     self.over_azimuth()

@@ -10,7 +10,7 @@ use asperity_tracer::{MeshSurface, Surface};
 /// Cases whose sources are equal share their surfaces: each surface is drawn, or prepared, once.
 #[derive(Clone, Debug)]
 pub enum SurfaceSource {
-    /// Fresh surfaces, drawn by a recipe. The result is a mean over them.
+    /// Random surfaces, drawn by a recipe. The result is a mean over them.
     Random(Synthesis),
     /// One surface. The result is that of this surface alone.
     Given(Shape),

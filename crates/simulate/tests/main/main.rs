@@ -1,9 +1,9 @@
-//! The engine through its door, `simulate`.
+//! The engine through its entry point, `simulate`.
 
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
+    reason = "helpers of tests panic and print as tests do"
 )]
 
 mod after;

@@ -40,8 +40,8 @@ pub(super) struct Plan {
 /// How a direction is measured.
 #[derive(Clone, Debug)]
 pub(super) enum Work {
-    /// On fresh surfaces.
-    Fresh(Box<VerifyConfig>),
+    /// On random surfaces.
+    Random(Box<VerifyConfig>),
     /// On the given one.
     Given(Settings),
 }
@@ -59,7 +59,7 @@ impl GonioConfig {
         let values = rays.tally.len() as f64 * 2.0 * plans.directions.len() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         for plan in &plans.directions {
-            if let Work::Fresh(config) = &plan.work {
+            if let Work::Random(config) = &plan.work {
                 config.check_surfaces()?;
             }
         }
@@ -76,12 +76,12 @@ impl GonioConfig {
             None if self.measured.is_given() => Err(ConfigError::Contradiction(
                 "the measured surface was not read".into(),
             )),
-            None => self.fresh(),
+            None => self.random(),
             Some(sample) => self.given(sample),
         }
     }
 
-    fn fresh(&self) -> Result<Plans, ConfigError> {
+    fn random(&self) -> Result<Plans, ConfigError> {
         let mut plans = Plans::default();
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
             let setting = plans.number_of(Specimen::of_case(&case));
@@ -90,7 +90,7 @@ impl GonioConfig {
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),
-                work: Work::Fresh(Box::new(config)),
+                work: Work::Random(Box::new(config)),
             });
         }
         Ok(plans)

@@ -15,7 +15,7 @@
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
-    reason = "helpers of tests fail and speak as tests do"
+    reason = "helpers of tests panic and print as tests do"
 )]
 
 mod cases;
