@@ -85,7 +85,7 @@ fn the_example_of_a_traced_surface_runs_from_the_root() {
         &words("trace examples/trace_ripples.toml --json"),
     ));
     assert_eq!(found["config"]["light"]["theta_deg"], 30.0);
-    assert_eq!(found["config"]["surface"], "ripples.txt");
+    assert_eq!(found["config"]["surface"]["file"], "examples/ripples.txt");
 }
 
 #[test]
