@@ -52,48 +52,53 @@ impl Fresnel {
 /// Total reflection gives `reflected = 1`, `transmitted = 0` exactly. For `eta = 1` nothing is
 /// reflected and `cos_theta_t = cos_theta_i`.
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn dielectric(cos_theta_i: f64, eta: f64) -> Fresnel {
+    // All cases are computed and one is selected, without branches: so loops over many angles take vector
+    // instructions.
     let delta = (eta - 1.0) * (eta + 1.0);
-    if delta == 0.0 {
-        return Fresnel {
-            reflected: 0.0,
-            transmitted: 1.0,
-            cos_theta_t: cos_theta_i,
-        };
-    }
     // Compute g = eta cos_theta_t by Snell's law; total reflection leaves no real root.
     let g_squared = delta + cos_theta_i * cos_theta_i;
-    if g_squared <= 0.0 {
-        return Fresnel::TOTAL_REFLECTION;
-    }
-    let g = g_squared.sqrt();
-    if cos_theta_i <= 0.0 {
-        return Fresnel {
-            cos_theta_t: g / eta,
-            ..Fresnel::TOTAL_REFLECTION
-        };
-    }
+    let is_total = g_squared <= 0.0;
+    let g = if is_total { 0.0 } else { g_squared }.sqrt();
     // Compute the amplitudes r_s and r_p, and average s and p.
     let eta2 = eta * eta;
     let s_sum = cos_theta_i + g;
     let p_sum = eta2 * cos_theta_i + g;
-    let r_s = -delta / (s_sum * s_sum);
-    let r_p = delta * ((eta2 + 1.0) * cos_theta_i * cos_theta_i - 1.0) / (p_sum * p_sum);
+    let (s_squared, p_squared) = (s_sum * s_sum, p_sum * p_sum);
+    let r_s = -delta / s_squared;
+    let r_p = delta * ((eta2 + 1.0) * cos_theta_i * cos_theta_i - 1.0) / p_squared;
     let reflected = 0.5 * (r_s * r_s + r_p * r_p);
     // The smaller fraction keeps its relative accuracy, and both add to one exactly.
-    let (reflected, transmitted) = if reflected < 0.5 {
-        (reflected, 1.0 - reflected)
-    } else {
-        let t_s = 4.0 * cos_theta_i * g / (s_sum * s_sum);
-        let t_p = 4.0 * eta2 * cos_theta_i * g / (p_sum * p_sum);
-        let transmitted = 0.5 * (t_s + t_p);
-        (1.0 - transmitted, transmitted)
-    };
+    let t_s = 4.0 * cos_theta_i * g / s_squared;
+    let t_p = 4.0 * eta2 * cos_theta_i * g / p_squared;
+    let transmitted = 0.5 * (t_s + t_p);
+    let is_weak = reflected < 0.5;
+    let partial = [
+        if is_weak {
+            reflected
+        } else {
+            1.0 - transmitted
+        },
+        if is_weak {
+            1.0 - reflected
+        } else {
+            transmitted
+        },
+    ];
+    // Select total reflection, grazing light, and indices that match.
+    let is_all = is_total | (cos_theta_i <= 0.0);
+    let is_matched = delta == 0.0;
+    let [reflected, transmitted] = [
+        if is_all { 1.0 } else { partial[0] },
+        if is_all { 0.0 } else { partial[1] },
+    ];
+    let cos_theta_t = g / eta;
+    let capped = if cos_theta_t > 1.0 { 1.0 } else { cos_theta_t };
     Fresnel {
-        reflected,
-        transmitted,
-        cos_theta_t: (g / eta).min(1.0),
+        reflected: if is_matched { 0.0 } else { reflected },
+        transmitted: if is_matched { 1.0 } else { transmitted },
+        cos_theta_t: if is_matched { cos_theta_i } else { capped },
     }
 }
 
