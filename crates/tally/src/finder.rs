@@ -1,9 +1,11 @@
 //! Finds bins without inverse trigonometric functions.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
+use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::exit_columns::ExitColumns;
 use crate::{HemisphereGrid, Side};
 
 /// How far from an edge, as a sine or cosine, a table decides. Snapping reaches 1e-9 of a bin, which
@@ -97,11 +99,94 @@ impl BinFinder {
     }
 }
 
+/// Exits of a block.
+const BLOCK: usize = 64;
+
+impl BinFinder {
+    /// The same for many directions: rings, and sectors unless azimuths are free.
+    #[inline(always)]
+    pub(crate) fn locate(&self, exits: &mut ExitColumns, with_sectors: bool) {
+        let n = exits.len();
+        exits.ring.resize(n, 0);
+        exits.sector.resize(n, 0);
+        for first in (0..n).step_by(BLOCK) {
+            let last = (first + BLOCK).min(n);
+            self.locate_rings(exits, first..last);
+            if with_sectors {
+                self.locate_sectors(exits, first..last);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn locate_rings(&self, exits: &mut ExitColumns, range: Range<usize>) {
+        let last = self.grid.n_theta() as i32 - 1;
+        let (z, side) = (&exits.wo[2][range.clone()], &exits.side[range.clone()]);
+        let rings = &mut exits.ring[range.clone()];
+        let mut cosines = [0.0; BLOCK];
+        for ((ring, cos), (&z, &side)) in rings.iter_mut().zip(&mut cosines).zip(z.iter().zip(side))
+        {
+            let along = if side == Side::Reflected { z } else { -z };
+            *cos = if along > 0.0 { along } else { 0.0 };
+            let from_normal = (rough_acos(*cos) * self.rings_per_radian) as i32;
+            *ring = from_normal.clamp(0, last) as u32;
+        }
+        let mut edges = [[0.0; 2]; BLOCK];
+        for (edges, &ring) in edges.iter_mut().zip(rings.iter()) {
+            let ring = ring as usize;
+            *edges = [self.ring_cosines[ring], self.ring_cosines[ring + 1]];
+        }
+        let mut is_sure = [true; BLOCK];
+        for (k, ring) in rings.iter_mut().enumerate() {
+            let [above, below] = edges[k];
+            is_sure[k] = (below + MARGIN < cosines[k]) & (cosines[k] < above - MARGIN);
+            let transmitted = last as u32 - *ring;
+            *ring = if side[k] == Side::Reflected {
+                *ring
+            } else {
+                transmitted
+            };
+        }
+        for (i, _) in range.zip(is_sure).filter(|(_, is_sure)| !is_sure) {
+            exits.ring[i] = self.grid.ring_of(exits.side[i], exits.wo(i)) as u32;
+        }
+    }
+
+    #[inline(always)]
+    fn locate_sectors(&self, exits: &mut ExitColumns, range: Range<usize>) {
+        let last = self.grid.n_phi() as i32 - 1;
+        let [x, y, _] = exits.wo.each_ref().map(|column| &column[range.clone()]);
+        let sectors = &mut exits.sector[range.clone()];
+        for (sector, (&x, &y)) in sectors.iter_mut().zip(x.iter().zip(y)) {
+            let azimuth = rough_azimuth(DVec3::new(x, y, 0.0));
+            *sector = ((azimuth * self.sectors_per_radian) as i32).clamp(0, last) as u32;
+        }
+        let mut edges = [[0.0; 4]; BLOCK];
+        for (edges, &sector) in edges.iter_mut().zip(sectors.iter()) {
+            let sector = sector as usize;
+            let ([c0, s0], [c1, s1]) = (self.sector_edges[sector], self.sector_edges[sector + 1]);
+            *edges = [c0, s0, c1, s1];
+        }
+        let mut is_sure = [true; BLOCK];
+        for (k, is_sure) in is_sure.iter_mut().enumerate().take(x.len()) {
+            let [c0, s0, c1, s1] = edges[k];
+            let after_first = c0 * y[k] - s0 * x[k];
+            let before_last = s1 * x[k] - c1 * y[k];
+            let length = x[k].abs() + y[k].abs();
+            let margin = MARGIN * length;
+            *is_sure = (after_first > margin) & (before_last > margin) & (length > TINY);
+        }
+        for (i, _) in range.zip(is_sure).filter(|(_, is_sure)| !is_sure) {
+            exits.sector[i] = self.grid.sector_of(exits.wo(i)) as u32;
+        }
+    }
+}
+
 /// `acos x` for `0 <= x <= 1` to 7e-5.
 ///
 /// # Source
 /// Abramowitz and Stegun 4.4.45.
-#[inline]
+#[inline(always)]
 fn rough_acos(x: f64) -> f64 {
     let polynomial = 1.570_728_8 + x * (-0.212_114_4 + x * (0.074_261_0 - x * 0.018_729_3));
     (1.0 - x).sqrt() * polynomial
@@ -111,10 +196,11 @@ fn rough_acos(x: f64) -> f64 {
 ///
 /// # Source
 /// Abramowitz and Stegun 4.4.47.
-#[inline]
+#[inline(always)]
 fn rough_azimuth(w: DVec3) -> f64 {
     let (a, b) = (w.x.abs(), w.y.abs());
-    let t = a.min(b) / a.max(b);
+    let (least, greatest) = if a < b { (a, b) } else { (b, a) };
+    let t = least / greatest;
     let t2 = t * t;
     let polynomial = 0.999_866_0
         + t2 * (-0.330_299_5 + t2 * (0.180_141_0 + t2 * (-0.085_133_0 + t2 * 0.020_835_1)));

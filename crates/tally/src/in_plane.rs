@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use asperity_optics::azimuth;
 use glam::DVec3;
 
+use crate::exit_columns::{ExitColumns, InSlice};
 use crate::filters::Half;
 use crate::finder::{MARGIN, TINY};
 
@@ -34,23 +35,66 @@ impl InPlaneSlice {
     /// products wherever no edge is near.
     #[inline]
     pub(crate) fn half(&self, wo: DVec3) -> Option<Half> {
+        match self.by_products(wo.x, wo.y) {
+            InSlice::Neither => None,
+            InSlice::Forward => Some(Half::Forward),
+            InSlice::Backward => Some(Half::Backward),
+            InSlice::Unsure => self.by_angles(wo),
+        }
+    }
+
+    /// The same for many directions.
+    #[inline(always)]
+    pub(crate) fn locate(&self, exits: &mut ExitColumns) {
+        exits.slice.resize(exits.len(), InSlice::Neither);
+        let [x, y, _] = &exits.wo;
+        let mut are_sure = true;
+        for (slice, (&x, &y)) in exits.slice.iter_mut().zip(x.iter().zip(y)) {
+            *slice = self.by_products(x, y);
+            are_sure &= *slice != InSlice::Unsure;
+        }
+        if !are_sure {
+            self.locate_by_angles(exits);
+        }
+    }
+
+    #[inline(never)]
+    fn locate_by_angles(&self, exits: &mut ExitColumns) {
+        for i in 0..exits.len() {
+            if exits.slice[i] == InSlice::Unsure {
+                exits.slice[i] = match self.by_angles(exits.wo(i)) {
+                    None => InSlice::Neither,
+                    Some(Half::Forward) => InSlice::Forward,
+                    Some(Half::Backward) => InSlice::Backward,
+                };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn by_products(&self, x: f64, y: f64) -> InSlice {
         let [cos, sin] = self.forward;
-        let along = cos * wo.x + sin * wo.y;
-        let across = (cos * wo.y - sin * wo.x).abs();
+        let along = cos * x + sin * y;
+        let across = (cos * y - sin * x).abs();
         let [cos, sin] = self.edge;
         let inside = sin * along.abs() - cos * across;
         let length = along.abs() + across;
         let margin = MARGIN * length;
-        if length < TINY {
-            self.by_angles(wo)
-        } else if inside < -margin {
-            None
-        } else if inside > margin && along > margin {
-            Some(Half::Forward)
-        } else if inside > margin && along < -margin {
-            Some(Half::Backward)
+        let is_inside = inside > margin;
+        // Selected, not branched to, so that loops take vector instructions.
+        let known = if inside < -margin {
+            InSlice::Neither
+        } else if is_inside & (along > margin) {
+            InSlice::Forward
+        } else if is_inside & (along < -margin) {
+            InSlice::Backward
         } else {
-            self.by_angles(wo)
+            InSlice::Unsure
+        };
+        if length < TINY {
+            InSlice::Unsure
+        } else {
+            known
         }
     }
 

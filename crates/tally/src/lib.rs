@@ -31,6 +31,7 @@ mod describe;
 mod entry;
 mod events;
 mod exit;
+mod exit_columns;
 mod filters;
 mod finder;
 mod grid;
@@ -51,6 +52,7 @@ pub use control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
 pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
+pub use exit_columns::{ExitColumns, ExitRows};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::component::MAX_LISTED_ORDER;
 use crate::exit::{Exit, Loss};
+use crate::exit_columns::{ExitColumns, InSlice};
 use crate::filters::Half;
 use crate::finder::BinFinder;
 use crate::in_plane::InPlaneSlice;
@@ -106,31 +107,104 @@ impl<'c> Tally<'c> {
     /// Adds light that left the surface: to its bins, or, on a side that is not recorded, to the flux
     /// that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
-        let ring = self.finder.ring(exit.side, exit.wo);
-        let left = match self.control_variate {
-            Some(control_variate) if exit.path.order() == 1 => {
-                1.0 - control_variate.fraction(exit.side, ring)
-            }
-            _ => 1.0,
-        };
-        self.book(exit, left * exit.flux, ring);
+        let direction = self.direction(exit);
+        self.book(
+            exit,
+            self.weight(exit, direction.ring) * exit.flux,
+            direction,
+        );
     }
 
     /// Subtracts, under a control variate, light that a facet would send away if nothing were in its
     /// way, but that is shadowed or masked. A direction that leads into the surface is no exit of the
     /// control variate.
     pub fn add_masked(&mut self, exit: &Exit) {
-        let away = match exit.side {
+        let direction = self.direction(exit);
+        self.book(
+            exit,
+            self.masked_weight(exit, direction.ring) * exit.flux,
+            direction,
+        );
+    }
+
+    /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.
+    #[inline(always)]
+    pub fn locate(&self, exits: &mut ExitColumns) {
+        self.finder.locate(exits, self.slice.is_some());
+        if let Some(slice) = &self.slice {
+            slice.locate(exits);
+        }
+    }
+
+    /// Adds exits to the bins that [`Tally::locate`] has found, in their order, and removes them:
+    /// as [`Tally::add_exit`] and [`Tally::add_masked`] do.
+    pub fn add_located(&mut self, exits: &mut ExitColumns) {
+        for i in 0..exits.len() {
+            let exit = exits.exit(i);
+            let ring = exits.ring[i] as usize;
+            let weight = if exits.is_masked[i] {
+                self.masked_weight(&exit, ring)
+            } else {
+                self.weight(&exit, ring)
+            };
+            let half = match exits.slice.get(i) {
+                Some(InSlice::Forward) => Some(Half::Forward),
+                Some(InSlice::Backward) => Some(Half::Backward),
+                _ => None,
+            };
+            let direction = self.direction_at(exit.side, ring, exits.sector[i] as usize, half);
+            self.book(&exit, weight * exit.flux, direction);
+        }
+        exits.clear();
+    }
+
+    /// The factor with which light that left through a ring counts.
+    #[inline(always)]
+    fn weight(&self, exit: &Exit, ring: usize) -> f64 {
+        match self.control_variate {
+            Some(control) if exit.path.order() == 1 => 1.0 - control.fraction(exit.side, ring),
+            _ => 1.0,
+        }
+    }
+
+    /// The factor with which shadowed or masked light counts.
+    #[inline(always)]
+    fn masked_weight(&self, exit: &Exit, ring: usize) -> f64 {
+        let is_away = match exit.side {
             Side::Reflected => exit.wo.z > 0.0,
             Side::Transmitted => exit.wo.z < 0.0,
         };
-        if let (true, Some(control_variate)) = (away, self.control_variate) {
-            let ring = self.finder.ring(exit.side, exit.wo);
-            self.book(
-                exit,
-                -control_variate.fraction(exit.side, ring) * exit.flux,
-                ring,
-            );
+        match self.control_variate {
+            Some(control) if is_away => -control.fraction(exit.side, ring),
+            _ => 0.0,
+        }
+    }
+
+    /// Where an exit counts.
+    fn direction(&self, exit: &Exit) -> Direction {
+        let ring = self.finder.ring(exit.side, exit.wo);
+        let (sector, half) = match &self.slice {
+            None => (0, None),
+            Some(slice) => (self.finder.sector(exit.wo), slice.half(exit.wo)),
+        };
+        self.direction_at(exit.side, ring, sector, half)
+    }
+
+    #[inline(always)]
+    fn direction_at(
+        &self,
+        side: Side,
+        ring: usize,
+        sector: usize,
+        half: Option<Half>,
+    ) -> Direction {
+        let grid = self.spec.grid();
+        // Without azimuths the first bin counts for its ring until the tally is closed.
+        let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
+        Direction {
+            ring,
+            bin: first + sector,
+            in_plane: half.map(|half| self.spec.in_plane_filter(side).number(ring, half)),
         }
     }
 
@@ -151,10 +225,10 @@ impl<'c> Tally<'c> {
             .map_or(0.0, ControlVariate::absorbed_fraction)
     }
 
-    /// Adds `flux` to all entries that `exit` belongs to, in the ring that it leaves through.
+    /// Adds `flux` to all entries that `exit` belongs to.
     #[inline(always)]
-    fn book(&mut self, exit: &Exit, flux: f64, ring: usize) {
-        let Exit { side, wo, path, .. } = *exit;
+    fn book(&mut self, exit: &Exit, flux: f64, direction: Direction) {
+        let Exit { side, path, .. } = *exit;
         // Where the control variate cancels all of it, no ray of the bin is left either.
         if flux == 0.0 {
             return;
@@ -164,37 +238,23 @@ impl<'c> Tally<'c> {
             self.add_loss(Loss::NotRecorded, flux);
             return;
         }
+        let Direction {
+            ring,
+            bin,
+            in_plane,
+        } = direction;
         let group = Component::order_group(path.order());
         let multiple = usize::from(path.order() > 1);
         self.values[spec.order_entry(side, path.order() as usize).0] += flux;
         self.values[spec.event_path_entry(side, path).0] += flux;
         self.values[spec.places().rings_start(side, group) + ring] += flux;
-
-        let grid = spec.grid();
-        let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
-        let direction = match &self.slice {
-            // The first bin counts for its ring until the tally is closed.
-            None => Direction {
-                ring,
-                bin: first,
-                in_plane: None,
-            },
-            Some(slice) => {
-                let bin = first + self.finder.sector(wo);
-                self.values[spec.places().bins_start(multiple) + bin] += flux;
-                let half = slice.half(wo);
-                let in_plane = half.map(|half| spec.in_plane_filter(side).number(ring, half));
-                if let Some(i) = in_plane {
-                    self.values[spec.places().in_plane_start(side, group) + i] += flux;
-                }
-                Direction {
-                    ring,
-                    bin,
-                    in_plane,
-                }
-            }
-        };
-        self.values[spec.places().hits_start(multiple) + direction.bin] += 1.0;
+        if self.slice.is_some() {
+            self.values[spec.places().bins_start(multiple) + bin] += flux;
+        }
+        if let Some(i) = in_plane {
+            self.values[spec.places().in_plane_start(side, group) + i] += flux;
+        }
+        self.values[spec.places().hits_start(multiple) + bin] += 1.0;
         if !spec.components().is_empty() {
             self.book_components(exit, flux, direction);
         }

@@ -269,3 +269,72 @@ fn a_side_that_is_not_recorded_fills_no_bin() {
         assert_eq!(budget(&recorded), budget(&all));
     }
 }
+
+/// Many exits at once are counted as one after the other: in directions over both hemispheres, on edges of bins and of
+/// the slice, vertical and grazing.
+#[test]
+fn located_exits_count_as_single_ones() {
+    let grid = HemisphereGrid::new(7, 12).unwrap();
+    let spec = TallySpec::new(grid, 0.2).unwrap().with_medium();
+    let n_theta = grid.n_theta();
+    let fractions = crate::VisibleFractions {
+        rings: [0.3, 0.6].map(|f| (0..n_theta).map(|ring| f * ring as f64 / 7.0).collect()),
+        absorbed: 0.5,
+    };
+    let fluxes = crate::UnshadowedFluxes {
+        bins: vec![0.1; grid.len()],
+        rings: [vec![0.1; n_theta], vec![0.1; n_theta]],
+        in_plane: Side::BOTH.map(|side| vec![0.1; spec.in_plane_filter(side).len()]),
+        absorbed: 0.1,
+    };
+    let control_variate = ControlVariate::new(spec, fractions, &fluxes);
+    let exits: Vec<(Exit, bool)> = (0..6000_u32)
+        .map(|i| {
+            let x = f64::from(i);
+            let (u, v) = ((x * 0.618_034).fract(), (x * 0.414_214).fract());
+            let theta = if i % 5 == 0 {
+                (14.0 * u).round() / 14.0
+            } else {
+                u
+            } * 180.0;
+            let phi = if i % 7 == 0 {
+                (36.0 * v).round() * 10.0
+            } else {
+                v * 360.0
+            };
+            let side = if theta <= 90.0 {
+                Side::Reflected
+            } else {
+                Side::Transmitted
+            };
+            let exit = Exit {
+                flux: 0.1 + v,
+                ..exit(side, theta, phi, 1 + i % 4)
+            };
+            (exit, i % 6 == 0)
+        })
+        .collect();
+    for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
+        for control_variate in [None, Some(&control_variate)] {
+            let mut single = Tally::new(spec, azimuth).with_control_variate(control_variate);
+            let mut located = single.clone();
+            let mut columns = ExitColumns::default();
+            for (i, (exit, is_masked)) in exits.iter().enumerate() {
+                if *is_masked {
+                    single.add_masked(exit);
+                    columns.push_masked(exit);
+                } else {
+                    single.add_exit(exit);
+                    columns.push(exit);
+                }
+                if i % 1000 == 700 {
+                    located.locate(&mut columns);
+                    located.add_located(&mut columns);
+                }
+            }
+            located.locate(&mut columns);
+            located.add_located(&mut columns);
+            assert_eq!(single.into_fractions(10), located.into_fractions(10));
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Exits field by field: light that left, collected by many paths before it is added to a tally.
+
+use glam::DVec3;
+
+use crate::{EventPath, Exit, Side};
+
+/// Light that left the surface, field by field, so that bins are found by loops that take vector instructions.
+///
+/// [`crate::Tally::locate`] finds the bins, and [`crate::Tally::add_located`] adds the light to them.
+///
+/// # Examples
+/// ```
+/// use asperity_optics::from_spherical;
+/// use asperity_tally::{
+///     Azimuth, Component, Event, EventPath, Exit, ExitColumns, Side, Tally, TallyResult, TallySpec,
+/// };
+///
+/// let mut exits = ExitColumns::default();
+/// exits.push(&Exit {
+///     side: Side::Reflected,
+///     wo: from_spherical(0.3, 0.0),
+///     flux: 1.0,
+///     path: EventPath::default().then(Event::Reflection),
+///     scatterings: 0,
+/// });
+/// let mut tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
+/// tally.locate(&mut exits);
+/// tally.add_located(&mut exits);
+/// assert!(exits.is_empty());
+/// assert_eq!(tally.into_fractions(1).flux(Side::Reflected, Component::Single), 1.0);
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct ExitColumns {
+    pub(crate) wo: [Vec<f64>; 3],
+    pub(crate) flux: Vec<f64>,
+    pub(crate) side: Vec<Side>,
+    pub(crate) path: Vec<EventPath>,
+    pub(crate) scatterings: Vec<u32>,
+    pub(crate) is_masked: Vec<bool>,
+    /// What was found by [`crate::Tally::locate`].
+    pub(crate) ring: Vec<u32>,
+    pub(crate) sector: Vec<u32>,
+    pub(crate) slice: Vec<InSlice>,
+}
+
+/// Exits that are about to be written: the fields of [`Exit`].
+#[derive(Debug)]
+pub struct ExitRows<'a> {
+    /// Directions, `[x, y, z]`.
+    pub wo: [&'a mut [f64]; 3],
+    /// Fluxes.
+    pub flux: &'a mut [f64],
+    /// Sides.
+    pub side: &'a mut [Side],
+    /// Interactions.
+    pub path: &'a mut [EventPath],
+    /// Scatterings in the medium below.
+    pub scatterings: &'a mut [u32],
+}
+
+/// Which half of the in-plane slice contains a direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum InSlice {
+    Neither,
+    Forward,
+    Backward,
+    /// An edge is near: angles decide.
+    Unsure,
+}
+
+impl ExitColumns {
+    /// Number of exits.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.flux.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.flux.is_empty()
+    }
+
+    /// Adds light for [`crate::Tally::add_exit`].
+    #[inline]
+    pub fn push(&mut self, exit: &Exit) {
+        self.push_as(exit, false);
+    }
+
+    /// Adds light for [`crate::Tally::add_masked`].
+    #[inline]
+    pub fn push_masked(&mut self, exit: &Exit) {
+        self.push_as(exit, true);
+    }
+
+    #[inline(always)]
+    fn push_as(&mut self, exit: &Exit, is_masked: bool) {
+        for (column, w) in self.wo.iter_mut().zip(exit.wo.to_array()) {
+            column.push(w);
+        }
+        self.flux.push(exit.flux);
+        self.side.push(exit.side);
+        self.path.push(exit.path);
+        self.scatterings.push(exit.scatterings);
+        self.is_masked.push(is_masked);
+    }
+
+    /// Adds `count` exits, whose fields are about to be written.
+    pub fn add_rows(&mut self, count: usize) -> ExitRows<'_> {
+        let first = self.len();
+        let len = first + count;
+        self.wo
+            .iter_mut()
+            .for_each(|column| column.resize(len, 0.0));
+        self.flux.resize(len, 0.0);
+        self.side.resize(len, Side::Reflected);
+        self.path.resize(len, EventPath::default());
+        self.scatterings.resize(len, 0);
+        self.is_masked.resize(len, false);
+        ExitRows {
+            wo: self.wo.each_mut().map(|column| &mut column[first..]),
+            flux: &mut self.flux[first..],
+            side: &mut self.side[first..],
+            path: &mut self.path[first..],
+            scatterings: &mut self.scatterings[first..],
+        }
+    }
+
+    /// Exit number `i`.
+    #[inline(always)]
+    pub(crate) fn exit(&self, i: usize) -> Exit {
+        Exit {
+            side: self.side[i],
+            wo: self.wo(i),
+            flux: self.flux[i],
+            path: self.path[i],
+            scatterings: self.scatterings[i],
+        }
+    }
+
+    /// Direction of exit number `i`.
+    #[inline(always)]
+    pub(crate) fn wo(&self, i: usize) -> DVec3 {
+        let [x, y, z] = &self.wo;
+        DVec3::new(x[i], y[i], z[i])
+    }
+
+    pub(crate) fn clear(&mut self) {
+        self.wo.iter_mut().for_each(Vec::clear);
+        self.flux.clear();
+        self.side.clear();
+        self.path.clear();
+        self.scatterings.clear();
+        self.is_masked.clear();
+        self.ring.clear();
+        self.sector.clear();
+        self.slice.clear();
+    }
+}
