@@ -10,7 +10,7 @@
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use asperity_optics::{Incidence, Material, polar_angle};
-use asperity_simulate::ray_stream;
+use asperity_simulate::point_stream;
 use asperity_surface::{Psd, Synthesis};
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathSettings,
@@ -32,7 +32,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     for interactions in 1..20 {
         let settings = PathSettings::new(Branching::Pick, 1e-6, interactions)?;
         let integrator = PathIntegrator::new(&surface, &*accelerator, silver, settings, None);
-        let path = integrator.trace(origin, -wi, &mut ray_stream(1, 0, 0));
+        let path = integrator.trace(origin, -wi, &mut point_stream(1, 0, 0));
         let theta_deg = polar_angle(path.direction).to_degrees();
         let (events, [x, y, z]) = (path.path.to_string(), path.origin.to_array());
         print!(

@@ -8,7 +8,7 @@ use asperity_surface::{Border, Psd, Synthesis};
 use asperity_tally::{BatchStatistics, TallyResult, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
-    PathSettings, TracedLayer, Tracer,
+    PathSettings, PathStream, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -174,10 +174,9 @@ fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
         }
         let mut sums = BatchStatistics::new(1);
         for block in 0..50 {
-            let mut rng = ChaCha8Rng::seed_from_u64(8);
-            rng.set_stream(block);
             let light = Illumination::new(towards, false);
-            let (tally, _) = tracer.batch(&light, 16, TallySpec::default(), None, &mut rng);
+            let stream = PathStream::new(8, block);
+            let (tally, _) = tracer.batch(&light, 16, TallySpec::default(), None, stream);
             sums.push(&[tally.budget().reflected]);
         }
         let sent = sums.estimate(0);

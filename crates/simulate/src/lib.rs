@@ -47,5 +47,5 @@ pub use output::stopping::{PilotFigures, Stopping};
 pub use output::work::SummaryWork;
 pub use slopes::slopes;
 pub use store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
-pub use stream::{convergence_stream, picture_stream, point_stream, ray_stream};
+pub use stream::{convergence_stream, picture_stream, point_stream};
 pub use text::{counted, error_in_short, short};

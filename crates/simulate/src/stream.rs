@@ -1,15 +1,19 @@
-//! Random streams of ray blocks.
+//! Random numbers of ray blocks, points and pictures.
 
 use asperity_analysis::fnv1a;
+use asperity_tracer::PathStream;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-/// The stream of block `block` of realisation `realisation` under `seed`.
+/// Paths of a block, at the most.
+const MAX_PATHS_OF_BLOCK: u64 = 1 << 20;
+
+/// The numbers of the paths of block `block` of realisation `realisation` under `seed`.
 ///
-/// The ChaCha key holds a name, the seed and the realisation; the block is the stream number. The
-/// name keeps these streams apart from those that draw surfaces.
-pub fn ray_stream(seed: u64, realisation: u64, block: u64) -> ChaCha8Rng {
-    stream(b"asperity rays v1", [seed, realisation], block)
+/// # Panics
+/// If `block` is not below `2^36`.
+pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> PathStream {
+    PathStream::new(seed, realisation).from_path(block * MAX_PATHS_OF_BLOCK)
 }
 
 /// The stream that seeds repeat `repeat` of the run `name` of a convergence measurement under `seed`.
@@ -27,6 +31,7 @@ pub fn picture_stream(seed: u64, pass: u64, row: u64) -> ChaCha8Rng {
     stream(b"asperity pict v1", [seed, pass], row)
 }
 
+/// A ChaCha stream: its key holds a name, which keeps streams of different uses apart, and two numbers.
 fn stream(name: &[u8; 16], [a, b]: [u64; 2], number: u64) -> ChaCha8Rng {
     let mut key = [0_u8; 32];
     key[..16].copy_from_slice(name);
@@ -44,7 +49,7 @@ mod tests {
 
     #[test]
     fn streams_differ_in_each_of_their_numbers() {
-        let draw = |seed, realisation, block| ray_stream(seed, realisation, block).random::<u64>();
+        let draw = |seed, pass, row| picture_stream(seed, pass, row).random::<u64>();
         let reference = draw(1, 2, 3);
         assert_eq!(draw(1, 2, 3), reference);
         for other in [draw(2, 2, 3), draw(1, 3, 3), draw(1, 2, 4), draw(2, 1, 3)] {

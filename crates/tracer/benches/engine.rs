@@ -22,10 +22,8 @@ use asperity_surface::{Psd, Synthesis};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,
-    Instructions, PathSettings, Pyramid, Query, Surface, Tracer, Work,
+    Instructions, PathSettings, PathStream, Pyramid, Query, RayColumns, Surface, Tracer, Work,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 /// Correlation length of all surfaces, samples.
 const TAU: f64 = 16.0;
@@ -222,14 +220,13 @@ fn paths(
     let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
     let settings = PathSettings::default();
     let tracer = Tracer::new(surface, accelerator, glass, HalfSpace::Above, settings);
-    let mut rng = ChaCha8Rng::seed_from_u64(1);
     tracer
         .batch(
             &Illumination::new(incidence, false),
             strata,
             TallySpec::default(),
             None,
-            &mut rng,
+            PathStream::new(1, 0),
         )
         .1
 }
@@ -275,10 +272,11 @@ impl Accelerator<Surface> for Timed {
     fn closest_hits(
         &self,
         surface: &Surface,
-        queries: &[Query],
+        rays: RayColumns<'_>,
+        which: &[u32],
         hits: &mut Vec<Option<Hit<Facet>>>,
     ) {
-        let seconds = time(|| self.inner.closest_hits(surface, queries, hits));
+        let seconds = time(|| self.inner.closest_hits(surface, rays, which, hits));
         self.seconds.set(self.seconds.get() + seconds);
     }
 }

@@ -30,10 +30,12 @@ mod geometry;
 mod interaction;
 mod path;
 mod periodic;
+mod random;
 mod ray;
 mod reference;
 mod sampling;
 mod settings;
+mod vector;
 mod visibility;
 
 pub use accelerators::accelerator::{Accelerator, BuildError};
@@ -42,23 +44,25 @@ pub use accelerators::chooser::BuildAccelerator;
 pub use accelerators::flat::Flat;
 pub use accelerators::kind::AcceleratorKind;
 pub use accelerators::mesh_bvh::MeshBvh;
-pub use accelerators::pyramid::{Instructions, Pyramid};
+pub use accelerators::pyramid::Pyramid;
 pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
-pub use geometry::{Escape, Geometry, Nearby};
+pub use geometry::{Escape, Geometry, Nearby, Outlook};
 pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Work};
 pub use periodic::{
     Heading, MAX_TILES, TraversalEnd, TraversalResult, can_traverse, tiles_crossed, traverse,
 };
-pub use ray::{HalfSpace, Hit, Query, TileRay};
+pub use random::PathStream;
+pub use ray::{HalfSpace, Hit, Query, RayBatch, RayColumns, TileRay};
 pub use reference::{
     BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
 };
 pub use sampling::Sampling;
 pub use settings::{Branching, PathSettings, PathSettingsError};
+pub use vector::Instructions;
 pub use visibility::horizon::{Horizon, HorizonError, Horizons};
 pub use visibility::light_beams::LightBeams;
 pub use visibility::rays::{Visibility, VisibilityRay, trace_visibility};

@@ -21,6 +21,13 @@ impl HalfSpace {
         }
     }
 
+    /// The half space of a [`HalfSpace::sign`].
+    #[inline(always)]
+    #[must_use]
+    pub fn from_sign(sign: f64) -> Self {
+        if sign > 0.0 { Self::Above } else { Self::Below }
+    }
+
     /// The other half space.
     #[must_use]
     pub const fn other(self) -> Self {
@@ -75,5 +82,95 @@ impl<F: Copy + Ord> Hit<F> {
     #[must_use]
     pub fn is_before(&self, other: &Option<Self>) -> bool {
         other.is_none_or(|o| self.t < o.t || (self.t == o.t && self.facet < o.facet))
+    }
+}
+
+/// Rays in tile coordinates, field by field, so that loops over many of them take vector instructions.
+///
+/// All slices have the same length. A direction in tile coordinates is `(dx, dy * aspect, dz)`.
+#[derive(Clone, Copy, Debug)]
+pub struct RayColumns<'a> {
+    /// Origins, `[x, y, z]`.
+    pub origin: [&'a [f64]; 3],
+    /// Directions before their y component is scaled, `[dx, dy, dz]`.
+    pub direction: [&'a [f64]; 3],
+    /// Sign of the half space that each ray is in: see [`HalfSpace::sign`].
+    pub side: &'a [f64],
+    /// What scales the y component of all directions.
+    pub aspect: f64,
+}
+
+impl RayColumns<'_> {
+    /// Number of rays.
+    #[inline(always)]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.side.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.side.is_empty()
+    }
+
+    /// Ray number `i`.
+    #[inline(always)]
+    #[must_use]
+    pub fn query(&self, i: usize) -> Query {
+        let ([x, y, z], [dx, dy, dz]) = (self.origin, self.direction);
+        Query {
+            ray: TileRay {
+                origin: DVec3::new(x[i], y[i], z[i]),
+                direction: DVec3::new(dx[i], dy[i] * self.aspect, dz[i]),
+            },
+            half_space: HalfSpace::from_sign(self.side[i]),
+        }
+    }
+}
+
+/// Rays field by field, collected one by one.
+#[derive(Clone, Debug, Default)]
+pub struct RayBatch {
+    origin: [Vec<f64>; 3],
+    direction: [Vec<f64>; 3],
+    side: Vec<f64>,
+}
+
+impl RayBatch {
+    /// Adds a ray.
+    pub fn push(&mut self, query: &Query) {
+        let Query { ray, half_space } = query;
+        for axis in 0..3 {
+            self.origin[axis].push(ray.origin[axis]);
+            self.direction[axis].push(ray.direction[axis]);
+        }
+        self.side.push(half_space.sign());
+    }
+
+    /// Removes all rays.
+    pub fn clear(&mut self) {
+        self.origin.iter_mut().for_each(Vec::clear);
+        self.direction.iter_mut().for_each(Vec::clear);
+        self.side.clear();
+    }
+
+    /// The rays.
+    #[must_use]
+    pub fn columns(&self) -> RayColumns<'_> {
+        RayColumns {
+            origin: self.origin.each_ref().map(Vec::as_slice),
+            direction: self.direction.each_ref().map(Vec::as_slice),
+            side: &self.side,
+            aspect: 1.0,
+        }
+    }
+}
+
+impl<'a> FromIterator<&'a Query> for RayBatch {
+    fn from_iter<I: IntoIterator<Item = &'a Query>>(queries: I) -> Self {
+        let mut rays = Self::default();
+        queries.into_iter().for_each(|query| rays.push(query));
+        rays
     }
 }

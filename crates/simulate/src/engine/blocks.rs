@@ -107,14 +107,14 @@ pub(crate) fn run_blocks<G: Geometry>(
         let mut work_of_first = None;
         let mut tallies = Vec::new();
         for mesh in meshes {
-            let mut rng = ray_stream(settings.seed, realisation, number);
+            let stream = ray_stream(settings.seed, realisation, number);
             let spec = settings.tally;
             let (tally, work) = mesh.tracer.batch(
                 &mesh.light,
                 blocks.strata,
                 spec,
                 mesh.control_variate,
-                &mut rng,
+                stream,
             );
             tallies.push(tally);
             work_of_first.get_or_insert(work);

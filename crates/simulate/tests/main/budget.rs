@@ -18,7 +18,8 @@ fn smooth(smoothness: f64) -> Rough {
     Rough::smooth(smoothness, 8.0, 64)
 }
 
-/// Of 64 surfaces with two blocks each the ray error is known to 9 %, so their ratio to 13 %.
+/// Of 64 surfaces with two blocks each the ray error is known to 9 %, so their ratio to 13 %. The part between surfaces is
+/// what is left of the variance of means over surfaces, which scatters by sqrt(2 / 63) of itself; three of these.
 /// Random rays: the errors of stratified ones fall faster.
 #[test]
 fn more_rays_make_the_ray_error_less_and_leave_that_between_surfaces() {
@@ -36,8 +37,9 @@ fn more_rays_make_the_ray_error_less_and_leave_that_between_surfaces() {
     println!("{few:?} {many:?}");
     let ratio = few.rays.unwrap() / many.rays.unwrap();
     assert!((ratio / 4.0 - 1.0).abs() < 0.4, "{ratio}");
-    let ratio = few.surfaces.unwrap() / many.surfaces.unwrap();
-    assert!((ratio - 1.0).abs() < 0.4, "{ratio}");
+    let difference = few.surfaces.unwrap().powi(2) - many.surfaces.unwrap().powi(2);
+    let scatter = (2.0_f64 / 63.0).sqrt() * few.total.unwrap().powi(2);
+    assert!(difference.abs() < 3.0 * scatter, "{difference} {scatter}");
 }
 
 #[test]

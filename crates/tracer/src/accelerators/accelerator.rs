@@ -2,7 +2,7 @@
 
 use super::kind::AcceleratorKind;
 use crate::geometry::Geometry;
-use crate::ray::{Hit, Query};
+use crate::ray::{Hit, Query, RayBatch, RayColumns};
 
 /// Finds where rays meet the facets of one tile.
 ///
@@ -23,10 +23,32 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
 
-    /// The same for many rays; `hits` is cleared and gets one entry per query.
-    fn closest_hits(&self, geometry: &G, queries: &[Query], hits: &mut Vec<Option<Hit<G::Facet>>>) {
+    /// The same for those of many `rays` whose numbers are in `which`: `hits` gets an entry per ray, `None` for the
+    /// others.
+    fn closest_hits(
+        &self,
+        geometry: &G,
+        rays: RayColumns<'_>,
+        which: &[u32],
+        hits: &mut Vec<Option<Hit<G::Facet>>>,
+    ) {
         hits.clear();
-        hits.extend(queries.iter().map(|q| self.closest_hit(geometry, q)));
+        hits.resize(rays.len(), None);
+        for &i in which {
+            hits[i as usize] = self.closest_hit(geometry, &rays.query(i as usize));
+        }
+    }
+
+    /// The same for rays one by one; `hits` is cleared and gets one entry per query.
+    fn closest_hits_of(
+        &self,
+        geometry: &G,
+        queries: &[Query],
+        hits: &mut Vec<Option<Hit<G::Facet>>>,
+    ) {
+        let rays: RayBatch = queries.iter().collect();
+        let all: Vec<u32> = (0..queries.len() as u32).collect();
+        self.closest_hits(geometry, rays.columns(), &all, hits);
     }
 }
 

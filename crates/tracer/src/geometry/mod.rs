@@ -11,7 +11,7 @@ use std::fmt::Debug;
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::ray::{HalfSpace, Hit, TileRay};
+use crate::ray::{HalfSpace, Hit, Query, RayColumns, TileRay};
 
 /// Triangles that light meets.
 ///
@@ -88,6 +88,72 @@ pub trait Geometry: Sized + Send + Sync {
     /// Whether bounds on the slopes ahead exclude that a ray in `half_space` meets any facet at all, in
     /// this tile or beyond it.
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape>;
+
+    /// What is known of each of many rays before it is searched: the same as [`Geometry::escapes`] for rays that
+    /// begin in the tile, between the lowest and the highest point.
+    #[inline(always)]
+    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
+        for (i, outlook) in outlooks.iter_mut().enumerate() {
+            let Query { ray, half_space } = rays.query(i);
+            *outlook = if !self.is_in_tile(ray.origin) {
+                Outlook::Elsewhere
+            } else {
+                match self.escapes(&ray, half_space) {
+                    None => Outlook::Unknown,
+                    Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
+                    Some(Escape::SteeperThanNear) => Outlook::SteeperThanNear,
+                }
+            };
+        }
+    }
+
+    /// Moves rays to the facets that they meet at ray parameters `ts`, and finds the normals there, upwards.
+    ///
+    /// All slices have the same length; `origin` and `direction` are those of [`RayColumns`].
+    #[inline(always)]
+    fn arrive(
+        &self,
+        facets: &[Self::Facet],
+        ts: &[f64],
+        origin: [&mut [f64]; 3],
+        direction: [&[f64]; 3],
+        normal: [&mut [f64]; 3],
+    ) {
+        for (i, (&facet, &t)) in facets.iter().zip(ts).enumerate() {
+            let d = DVec3::new(
+                direction[0][i],
+                direction[1][i] * self.aspect(),
+                direction[2][i],
+            );
+            let o = DVec3::new(origin[0][i], origin[1][i], origin[2][i]);
+            let (p, m) = (self.snap(facet, o + t * d), self.normal(facet));
+            for axis in 0..3 {
+                origin[axis][i] = p[axis];
+                normal[axis][i] = m[axis];
+            }
+        }
+    }
+
+    /// Whether a point is in the tile, between the lowest and the highest point.
+    #[inline(always)]
+    fn is_in_tile(&self, p: DVec3) -> bool {
+        let ([cx, cy], [low, high]) = (self.extent(), self.z_range());
+        (0.0 <= p.x) & (p.x < cx) & (0.0 <= p.y) & (p.y < cy) & (low <= p.z) & (p.z <= high)
+    }
+}
+
+/// What is known of a ray before it is searched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Outlook {
+    /// A search must tell what it meets.
+    Unknown,
+    /// It escapes: [`Escape::SteeperThanAll`].
+    SteeperThanAll,
+    /// It escapes: [`Escape::SteeperThanNear`].
+    SteeperThanNear,
+    /// It begins in another tile, above all heights or below them, or nowhere.
+    Elsewhere,
 }
 
 /// What is known of the first stretch of a ray without a search.

@@ -1,47 +1,104 @@
 //! Batch: everything that changes while a batch of paths is traced.
 
-use asperity_tally::Tally;
+use asperity_tally::{ExitColumns, Tally};
 
-use super::state::{LayerRay, SegmentQueue};
+use super::arrivals::Arrivals;
+use super::illumination::{Illumination, Starts};
+use super::scatter::ScatteredLight;
+use super::segments::Segments;
+use super::state::{LayerRay, SingleSegment};
 use super::work::Work;
+use crate::geometry::Outlook;
+use crate::random::PathStream;
+use crate::ray::{Hit, RayBatch};
+use crate::vector::Instructions;
 
-/// Segments that are searched together: enough to fill wide searches, few enough for them and the surface
-/// around them to stay in cache.
+/// New paths start while fewer segments are in flight: enough to fill lanes in every stage, few enough for them and
+/// the surface around them to stay in cache.
 pub(super) const MAX_IN_FLIGHT: usize = 1024;
 
-/// The state of one batch.
-pub(super) struct Batch<'r, F, R> {
-    pub(super) tally: Tally<'r>,
-    pub(super) work: Work,
-    pub(super) rng: &'r mut R,
-    /// Segments to be searched in the next round, by the interface that they may meet.
-    pub(super) next: [SegmentQueue<F>; 2],
-    /// Rays that begin inside the layer.
-    pub(super) inside: Vec<LayerRay>,
-    /// How many of the next segments may be followed by another one.
-    ///
-    /// New paths start while it is small. Segments that are the last of their paths do not count, so that when a
-    /// path starts, and which random numbers it draws, does not depend on whether they are traced; see
-    /// `Tracer::trace_if_recorded`.
-    pub(super) continuing: usize,
+/// Memory for the interactions of one round.
+#[derive(Default)]
+pub(super) struct Interactions {
+    pub(super) scattered: ScatteredLight,
+    /// Interactions that need random numbers, and these.
+    pub(super) which: Vec<u32>,
+    pub(super) pairs: Vec<[f64; 2]>,
+    /// Interactions that transmit light.
+    pub(super) transmitting: Vec<u32>,
 }
 
-impl<'r, F, R> Batch<'r, F, R> {
-    pub(super) fn new(tally: Tally<'r>, rng: &'r mut R) -> Self {
+/// The state of one batch.
+pub(super) struct Batch<'r, F> {
+    pub(super) tally: Tally<'r>,
+    pub(super) work: Work,
+    pub(super) stream: PathStream,
+    pub(super) instructions: Instructions,
+    /// Whether light is followed on behind the first facet that it has met, to shadowed facets.
+    pub(super) traces_shadows: bool,
+    /// Segments of paths in their first tile.
+    pub(super) segments: Segments,
+    /// Those of them that are searched in this round.
+    pub(super) searched: Vec<u32>,
+    /// All other segments that are searched.
+    pub(super) singles: Vec<SingleSegment<F>>,
+    /// Starts of this round.
+    pub(super) starts: Vec<[f64; 3]>,
+    /// Facets that light has arrived at.
+    pub(super) arrivals: Arrivals<F>,
+    /// Rays that begin inside the layer.
+    pub(super) inside: Vec<LayerRay>,
+    /// Light that has left, not yet in the tally.
+    pub(super) exits: ExitColumns,
+    /// Memory that stages use again and again.
+    pub(super) outlooks: Vec<Outlook>,
+    pub(super) hits: Vec<Option<Hit<F>>>,
+    /// Numbers of segments: that have met a facet, that escape, that begin outside of the tile.
+    pub(super) met: Vec<u32>,
+    pub(super) escaped: Vec<u32>,
+    pub(super) elsewhere: Vec<u32>,
+    /// Whether each of the segments elsewhere escapes.
+    pub(super) escape: Vec<bool>,
+    pub(super) single_rays: RayBatch,
+    pub(super) interactions: Interactions,
+}
+
+impl<'r, F: Copy> Batch<'r, F> {
+    pub(super) fn new(
+        tally: Tally<'r>,
+        stream: PathStream,
+        instructions: Instructions,
+        illumination: &Illumination,
+    ) -> Self {
+        let is_turned = illumination.turns();
+        let traces_shadows =
+            tally.control_variate().is_some() && illumination.starts == Starts::FromAbove;
         Self {
             tally,
             work: Work::default(),
-            rng,
-            next: [SegmentQueue::new(), SegmentQueue::new()],
+            stream,
+            instructions,
+            traces_shadows,
+            segments: Segments::new(is_turned),
+            searched: Vec::new(),
+            singles: Vec::new(),
+            starts: Vec::new(),
+            arrivals: Arrivals::new(is_turned),
             inside: Vec::new(),
-            continuing: 0,
+            exits: ExitColumns::default(),
+            outlooks: Vec::new(),
+            hits: Vec::new(),
+            met: Vec::new(),
+            escaped: Vec::new(),
+            elsewhere: Vec::new(),
+            escape: Vec::new(),
+            single_rays: RayBatch::default(),
+            interactions: Interactions::default(),
         }
     }
 
-    /// Takes the segments of the next round into `now`; false if there are none.
-    pub(super) fn begin_round(&mut self, now: &mut [SegmentQueue<F>; 2]) -> bool {
-        std::mem::swap(now, &mut self.next);
-        self.continuing = 0;
-        now.iter().any(|queue| !queue.segments.is_empty())
+    /// Whether any segment is left.
+    pub(super) fn is_finished(&self) -> bool {
+        self.searched.is_empty() && self.singles.is_empty() && self.arrivals.is_empty()
     }
 }

@@ -50,23 +50,36 @@ impl Beam {
 
     /// The direction towards light whose azimuth is turned by the angle of which `turn` holds cosine and
     /// sine.
+    #[inline(always)]
     fn wi(&self, turn: DVec2) -> DVec3 {
         turn.rotate(self.wi.truncate()).extend(self.wi.z)
     }
 
     /// The ray that would meet the mean plane at `[u, v]` of the period.
     pub(crate) fn ray(&self, [u, v]: [f64; 2], turn: DVec2) -> Heading {
-        let wi = self.wi(turn);
-        let [cx, cy] = self.period;
         Heading {
-            origin: DVec3::new(
-                u * cx + self.to_mean_plane * wi.x,
-                v * cy + self.to_mean_plane * wi.y * self.aspect,
-                self.z,
-            ),
-            direction: -wi,
+            origin: self.origin([u, v], turn),
+            direction: self.direction(turn),
             mirrored: [false; 2],
         }
+    }
+
+    /// Where that ray begins.
+    #[inline(always)]
+    pub(crate) fn origin(&self, [u, v]: [f64; 2], turn: DVec2) -> DVec3 {
+        let wi = self.wi(turn);
+        let [cx, cy] = self.period;
+        DVec3::new(
+            u * cx + self.to_mean_plane * wi.x,
+            v * cy + self.to_mean_plane * wi.y * self.aspect,
+            self.z,
+        )
+    }
+
+    /// The direction of all rays whose light is turned by `turn`.
+    #[inline(always)]
+    pub(crate) fn direction(&self, turn: DVec2) -> DVec3 {
+        -self.wi(turn)
     }
 
     /// The light that comes to the point of the surface at `[u, v]` of the period if nothing is in its

@@ -1,36 +1,154 @@
 //! Emission: where the paths of a batch start.
 
+use std::f64::consts::TAU;
+
+use asperity_surface::Border;
 use asperity_tally::EventPath;
 use glam::DVec2;
-use rand::Rng;
 
 use super::Tracer;
-use super::batch::Batch;
+use super::batch::{Batch, MAX_IN_FLIGHT};
 use super::beam::Beam;
 use super::illumination::Starts;
+use super::segments::Segments;
 use super::state::{Arrival, PathRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
-use crate::interaction::layer::Interface;
+use crate::sampling::Places;
+use crate::vector::Stage;
+
+/// Adds the parallel rays of a beam to the segments, moved into the tile.
+struct Emit<'a> {
+    beam: &'a Beam,
+    /// Extent of the tile.
+    extent: [f64; 2],
+    /// Sign of the half space of the light.
+    side: f64,
+    starts: &'a [[f64; 3]],
+    /// Number of the first path in its batch.
+    first_ray: u32,
+    into: &'a mut Segments,
+}
+
+impl Stage for Emit<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let rows = self.into.len..self.into.len + self.starts.len();
+        self.into.len = rows.end;
+        let [x, y, z] = self
+            .into
+            .origin
+            .each_mut()
+            .map(|column| &mut column[rows.clone()]);
+        let in_tile = |place: f64, size: f64| place - (place / size).floor() * size;
+        let [size_x, size_y] = self.extent;
+        for (i, &[u, v, _]) in self.starts.iter().enumerate() {
+            let origin = self.beam.origin([u, v], DVec2::X);
+            x[i] = in_tile(origin.x, size_x);
+            y[i] = in_tile(origin.y, size_y);
+            z[i] = origin.z;
+        }
+        let direction = self.beam.direction(DVec2::X);
+        for axis in 0..3 {
+            self.into.direction[axis][rows.clone()].fill(direction[axis]);
+        }
+        self.into.side[rows.clone()].fill(self.side);
+        self.into.flux[rows.clone()].fill(1.0);
+        for column in [
+            &mut self.into.order,
+            &mut self.into.events,
+            &mut self.into.scatterings,
+            &mut self.into.mirrored,
+        ] {
+            column[rows.clone()].fill(0);
+        }
+        for (ray, number) in self.into.ray[rows].iter_mut().zip(self.first_ray..) {
+            *ray = number;
+        }
+    }
+}
 
 impl<G: Geometry> Tracer<'_, G> {
-    /// Starts one path of a batch at `place` in the period, with the light turned by `turn` about the vertical.
+    /// Starts new paths while few are in flight.
+    pub(super) fn start_paths(
+        &self,
+        beam: &Beam,
+        starts: Starts,
+        places: &mut Places,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        let free = MAX_IN_FLIGHT.saturating_sub(self.count_continuing(batch));
+        let mut drawn = std::mem::take(&mut batch.starts);
+        places.draw_many(free, batch.instructions, &mut drawn);
+        // Of parallel rays over a surface that repeats nothing has to be found out
+        let are_parallel = starts == Starts::FromAbove
+            && !batch.segments.is_turned
+            && self.geometry.border() == Border::Periodic;
+        if are_parallel {
+            self.emit_parallel(beam, &drawn, batch);
+        } else {
+            for &[u, v, azimuth] in &drawn {
+                let turn = if batch.segments.is_turned {
+                    DVec2::from_angle(TAU * azimuth)
+                } else {
+                    DVec2::X
+                };
+                self.emit(beam, starts, [u, v], turn, batch);
+                batch.work.rays += 1;
+            }
+        }
+        batch.starts = drawn;
+    }
+
+    /// Starts paths at the highest point of a periodic surface, all in the same direction, in its tile.
+    fn emit_parallel(&self, beam: &Beam, starts: &[[f64; 3]], batch: &mut Batch<'_, G::Facet>) {
+        let first = batch.segments.len;
+        let rays = batch.work.rays as u32;
+        batch.work.rays += starts.len() as u64;
+        batch.segments.make_room(first + starts.len());
+        batch.instructions.run(Emit {
+            beam,
+            extent: self.geometry.extent(),
+            side: self.incident.sign(),
+            starts,
+            first_ray: rays,
+            into: &mut batch.segments,
+        });
+        batch
+            .searched
+            .extend(first as u32..batch.segments.len as u32);
+    }
+
+    /// How many of the segments in flight may be followed by another one.
+    ///
+    /// Segments that are the last of their paths do not count, so that when a path starts does not depend on whether
+    /// they are traced; see [`Tracer::ends_unrecorded`].
+    fn count_continuing(&self, batch: &Batch<'_, G::Facet>) -> usize {
+        let max_order = self.settings.max_order;
+        let order = &batch.segments.order;
+        let continues = |i: &&u32| order[**i as usize] < max_order;
+        let singles = batch.singles.iter().filter(|single| {
+            !matches!(single.kind, RayKind::Path) || single.state.events.order() < max_order
+        });
+        batch.searched.iter().filter(continues).count() + singles.count() + batch.arrivals.len()
+    }
+
+    /// Starts one path at `place` in the period, with the light turned by `turn` about the vertical.
     #[inline]
-    pub(super) fn emit<R: Rng>(
+    fn emit(
         &self,
         beam: &Beam,
         starts: Starts,
         place: [f64; 2],
         turn: DVec2,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
-        let region = Region {
-            interface: Interface::Top,
-            half_space: self.incident,
-        };
+        let region = Region::top(self.incident);
+        let ray = batch.work.rays as u32;
         let state = |flux| PathState {
             flux,
             events: EventPath::default(),
             scatterings: 0,
+            ray,
             turn: DVec2::new(turn.x, -turn.y),
         };
         match starts {

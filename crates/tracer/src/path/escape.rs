@@ -1,15 +1,200 @@
-//! Escape: how light that leaves for good is told to the tally.
+//! Escape: which segments leave without a search, and how light that leaves for good is told to the tally.
 
-use asperity_tally::{Exit, Side};
-use glam::DVec3;
+use asperity_tally::{EventPath, Exit, ExitColumns, Loss, Side, Tally};
+use glam::{DVec2, DVec3};
 
 use super::Tracer;
-use super::state::{Departure, Region};
-use crate::geometry::Geometry;
+use super::batch::Batch;
+use super::segments::{Segments, gather_column};
+use super::state::{Departure, RayKind, Region};
+use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
+use crate::periodic::begin;
+use crate::vector::Stage;
+
+/// Finds what is known of all segments before they are searched.
+struct FindOutlooks<'a, G: Geometry> {
+    geometry: &'a G,
+    segments: &'a Segments,
+    outlooks: &'a mut Vec<Outlook>,
+}
+
+impl<G: Geometry> Stage for FindOutlooks<'_, G> {
+    #[inline(always)]
+    fn run(self) {
+        self.outlooks.resize(self.segments.len, Outlook::Unknown);
+        let rays = self.segments.rays(self.geometry.aspect());
+        self.geometry.outlooks(rays, self.outlooks);
+    }
+}
+
+/// Adds segments that leave to the exits, by their numbers.
+struct Leave<'a> {
+    segments: &'a Segments,
+    which: &'a [u32],
+    /// Sign of the half space of the light.
+    incident: f64,
+    exits: &'a mut ExitColumns,
+}
+
+impl Stage for Leave<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let Self {
+            segments,
+            which,
+            incident,
+            exits,
+        } = self;
+        let rows = exits.add_rows(which.len());
+        let [wx, wy, wz] = rows.wo;
+        let [dx, dy, dz] = &segments.direction;
+        gather_column(wx, dx, which);
+        gather_column(wy, dy, which);
+        gather_column(wz, dz, which);
+        gather_column(rows.flux, &segments.flux, which);
+        gather_column(rows.scatterings, &segments.scatterings, which);
+        for (k, &i) in which.iter().enumerate() {
+            let i = i as usize;
+            rows.path[k] = EventPath::from_code(segments.order[i], segments.events[i]);
+            rows.side[k] = if segments.side[i] == incident {
+                Side::Reflected
+            } else {
+                Side::Transmitted
+            };
+            // As in the world; the incident side is +z, and the azimuth is counted from that of the light
+            let mirrored = segments.mirrored[i];
+            wx[k] = if mirrored & 1 == 0 { wx[k] } else { -wx[k] };
+            wy[k] = if mirrored & 2 == 0 { wy[k] } else { -wy[k] };
+            wz[k] *= incident;
+        }
+        if segments.is_turned {
+            let [cosines, sines] = &segments.turn;
+            for (k, &i) in which.iter().enumerate() {
+                let turn = DVec2::new(cosines[i as usize], sines[i as usize]);
+                let level = turn.rotate(DVec2::new(wx[k], wy[k]));
+                (wx[k], wy[k]) = (level.x, level.y);
+            }
+        }
+    }
+}
+
+/// Finds the bins of all exits.
+struct Locate<'a, 't> {
+    tally: &'a Tally<'t>,
+    exits: &'a mut ExitColumns,
+}
+
+impl Stage for Locate<'_, '_> {
+    #[inline(always)]
+    fn run(self) {
+        self.tally.locate(self.exits);
+    }
+}
 
 impl<G: Geometry> Tracer<'_, G> {
+    /// Tallies the segments that leave without a search, and has the others searched.
+    pub(super) fn escape(&self, batch: &mut Batch<'_, G::Facet>) {
+        batch.instructions.run(FindOutlooks {
+            geometry: self.geometry,
+            segments: &batch.segments,
+            outlooks: &mut batch.outlooks,
+        });
+        if !Side::BOTH.into_iter().all(|side| batch.tally.records(side)) {
+            self.end_unrecorded(batch);
+        }
+        // Sort segments without branches, since they come as they like
+        let n = batch.segments.len;
+        batch.searched.resize(n, 0);
+        batch.escaped.resize(n, 0);
+        batch.elsewhere.clear();
+        let [mut searched, mut escaped] = [0; 2];
+        let mut near = 0;
+        let flux = &batch.segments.flux[..n];
+        for (i, (&outlook, &flux)) in batch.outlooks[..n].iter().zip(flux).enumerate() {
+            let is_alive = flux > 0.0;
+            let escapes =
+                (outlook == Outlook::SteeperThanAll) | (outlook == Outlook::SteeperThanNear);
+            batch.searched[searched] = i as u32;
+            searched += usize::from(is_alive & (outlook == Outlook::Unknown));
+            batch.escaped[escaped] = i as u32;
+            escaped += usize::from(is_alive & escapes);
+            near += u64::from(is_alive & (outlook == Outlook::SteeperThanNear));
+            if is_alive & (outlook == Outlook::Elsewhere) {
+                batch.elsewhere.push(i as u32);
+            }
+        }
+        batch.searched.truncate(searched);
+        batch.escaped.truncate(escaped);
+        batch.work.segments_skipped += escaped as u64;
+        batch.work.segments_skipped_nearby += near;
+        self.leave(batch);
+        for k in 0..batch.elsewhere.len() {
+            self.begin_elsewhere(batch.elsewhere[k] as usize, batch);
+        }
+    }
+
+    /// Adds the segments that have escaped to the exits.
+    pub(super) fn leave(&self, batch: &mut Batch<'_, G::Facet>) {
+        batch.instructions.run(Leave {
+            segments: &batch.segments,
+            which: &batch.escaped,
+            incident: self.incident.sign(),
+            exits: &mut batch.exits,
+        });
+        batch.escaped.clear();
+    }
+
+    /// Ends the segments that can only end on a side that is not recorded.
+    ///
+    /// A path that has reached the highest order has no interaction left: it escapes on the side of its half
+    /// space, or is truncated. If that side is not recorded, its flux is tallied as such at once. A path of lower
+    /// order is always traced, since it may come back. One of the highest order draws no more random numbers, so the
+    /// tally of a side does not depend on whether the other is recorded.
+    fn end_unrecorded(&self, batch: &mut Batch<'_, G::Facet>) {
+        for i in 0..batch.segments.len {
+            let segments = &batch.segments;
+            let is_last = segments.order[i] >= self.settings.max_order && segments.flux[i] > 0.0;
+            let side = self.side_of(Region::top(segments.half_space(i)));
+            if is_last && !batch.tally.records(side) {
+                let departure = self.departure(batch, i);
+                batch
+                    .tally
+                    .add_loss(Loss::NotRecorded, departure.state.flux);
+                self.tally_masked(&departure, batch);
+                batch.work.branches_not_recorded += 1;
+                batch.segments.flux[i] = 0.0;
+            }
+        }
+    }
+
+    /// Moves a segment that begins elsewhere into the tile, or ends it.
+    #[inline(never)]
+    fn begin_elsewhere(&self, i: usize, batch: &mut Batch<'_, G::Facet>) {
+        let mut heading = batch.segments.heading(i);
+        match begin(self.geometry, &mut heading, batch.segments.half_space(i)) {
+            None => {
+                batch.segments.set_heading(i, &heading);
+                batch.searched.push(i as u32);
+            }
+            Some(end) => {
+                let departure = self.departure(batch, i);
+                self.end(end, &departure, &RayKind::Path, batch);
+            }
+        }
+    }
+
+    /// Adds all exits to the tally.
+    pub(super) fn tally_exits(&self, batch: &mut Batch<'_, G::Facet>) {
+        batch.instructions.run(Locate {
+            tally: &batch.tally,
+            exits: &mut batch.exits,
+        });
+        batch.tally.add_located(&mut batch.exits);
+    }
+
     /// The exit of a path that departs.
+    #[inline(always)]
     pub(super) fn exit(&self, departure: &Departure) -> Exit {
         let Departure {
             region,
@@ -29,6 +214,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// The side on which light counts that escapes from a region.
+    #[inline(always)]
     pub(super) fn side_of(&self, region: Region) -> Side {
         if region.interface == Interface::Top && region.half_space == self.incident {
             Side::Reflected

@@ -12,12 +12,14 @@ use rand::{Rng, RngExt};
 
 use super::Tracer;
 use super::batch::Batch;
-use super::state::{Arrival, Departure, LayerRay, PathSegment, PathState, RayKind, Region};
+use super::roulette::Roulette;
+use super::state::{Arrival, Departure, LayerRay, PathState, RayKind, Region, SingleSegment};
 use crate::geometry::{Geometry, Nearby};
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
-use crate::ray::{HalfSpace, Hit, Query};
+use crate::random::{Draws, Use};
+use crate::ray::{HalfSpace, Hit};
 
 /// Inside, roulette begins at so many times the flux at which it begins elsewhere.
 ///
@@ -46,15 +48,16 @@ enum Ahead<F> {
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Traces all rays that wait inside the layer, until each has left, ended or needs a search.
-    pub(super) fn trace_flights<R: Rng>(&self, batch: &mut Batch<'_, G::Facet, R>) {
+    pub(super) fn trace_flights(&self, batch: &mut Batch<'_, G::Facet>) {
         let Some(layer) = &self.layer else {
             return;
         };
         while let Some(LayerRay { heading, state }) = batch.inside.pop() {
+            let mut draws = batch.stream.draws(state.ray, state.step(), Use::Flight);
             let flight = Flight {
                 heading,
                 state,
-                length: layer.free_flight(batch.rng),
+                length: layer.free_flight(&mut draws),
                 clear_of: 0,
             };
             self.fly(layer, flight, batch);
@@ -62,12 +65,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Follows a path from flight to flight.
-    fn fly<R: Rng>(
-        &self,
-        layer: &TracedLayer<'_, G>,
-        mut flight: Flight,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
+    fn fly(&self, layer: &TracedLayer<'_, G>, mut flight: Flight, batch: &mut Batch<'_, G::Facet>) {
         loop {
             // Look for the interfaces ahead, up to the end of the flight
             let to_bottom = layer.to_flat_bottom(&flight.heading);
@@ -98,23 +96,26 @@ impl<G: Geometry> Tracer<'_, G> {
             }
 
             // Scatter in the medium
-            if !self.collide(layer, &mut flight.state, batch) {
+            let mut draws = batch
+                .stream
+                .draws(flight.state.ray, flight.state.step(), Use::Medium);
+            if !self.collide(layer, &mut flight.state, &mut draws, batch) {
                 return;
             }
-            flight.heading.direction = layer.scattered(flight.heading.direction, batch.rng);
-            flight.length = layer.free_flight(batch.rng);
+            flight.heading.direction = layer.scattered(flight.heading.direction, &mut draws);
+            flight.length = layer.free_flight(&mut draws);
         }
     }
 
     /// Whether a flight ends at one of the interfaces ahead before `reach`, or has to be searched: then another one
     /// follows it. Both the flight and its reach begin anew where it comes between the heights of an interface.
     #[inline]
-    fn meets_interface<R: Rng>(
+    fn meets_interface(
         &self,
         layer: &TracedLayer<'_, G>,
         flight: &mut Flight,
         reach: &mut f64,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) -> bool {
         let interfaces = TracedLayer::<G>::interfaces_ahead(flight.heading.direction);
         for &interface in &interfaces[flight.clear_of..] {
@@ -133,18 +134,18 @@ impl<G: Geometry> Tracer<'_, G> {
                 Ahead::Clear => {}
                 Ahead::Met(at) => {
                     batch.work.segments_skipped += 1;
-                    self.interact(at, &flight.state, batch);
+                    self.interact(&at, &flight.state, batch);
                     return true;
                 }
                 Ahead::Unknown(heading) => {
-                    let query = heading.query(geometry, region.half_space);
-                    let segment = PathSegment {
+                    batch.singles.push(SingleSegment {
+                        interface,
+                        query: heading.query(geometry, region.half_space),
                         traversal: Traversal::begin(&heading),
                         state: flight.state,
                         kind: RayKind::Path,
                         flight: flight.length,
-                    };
-                    self.push(interface, segment, query, batch);
+                    });
                     return true;
                 }
                 Ahead::Lost => {
@@ -158,16 +159,16 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Tallies light that meets nothing more in a clear medium: it goes down for ever where that has no end,
-    /// or leaves an open patch, below the surface or next to a rough bottom.
-    fn leave_clear_medium<R>(
+    /// or leaves an open patch, below the surface or beside a bottom with a surface of its own.
+    fn leave_clear_medium(
         &self,
         layer: &TracedLayer<'_, G>,
         flight: &Flight,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         if flight.heading.direction.z < 0.0 && layer.bottom().is_none() {
             let departure = below_the_bottom(&flight.heading, flight.state);
-            batch.tally.add_exit(&self.exit(&departure));
+            batch.exits.push(&self.exit(&departure));
         } else {
             let loss = match self.geometry.border() {
                 Border::Open => Loss::LeftPatch,
@@ -179,11 +180,12 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Absorbs the fraction of an interaction with the medium that does not scatter; false if the path ends.
     #[inline]
-    fn collide<R: Rng>(
+    fn collide(
         &self,
         layer: &TracedLayer<'_, G>,
         state: &mut PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        draws: &mut Draws,
+        batch: &mut Batch<'_, G::Facet>,
     ) -> bool {
         let kept = state.flux * layer.albedo();
         batch.tally.add_loss(Loss::Absorbed, state.flux - kept);
@@ -199,23 +201,24 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.work.scatterings += 1;
         batch.work.max_scatterings = batch.work.max_scatterings.max(state.scatterings);
         let threshold = (ROULETTE_FACTOR * self.settings.roulette_below).min(1.0);
-        self.survives_roulette_below(threshold, state, batch)
+        let u = draws.random();
+        state.flux = Roulette::below(threshold).play(state.flux, u, &mut batch.tally);
+        state.flux > 0.0
     }
 
     /// Continues a segment inside the layer after the search in its current tile.
-    pub(super) fn advance_inside<R: Rng>(
+    pub(super) fn advance_inside(
         &self,
         layer: &TracedLayer<'_, G>,
-        interface: Interface,
-        mut segment: PathSegment<G::Facet>,
-        query: &mut Query,
-        hit: &Option<Hit<G::Facet>>,
-        batch: &mut Batch<'_, G::Facet, R>,
+        mut segment: SingleSegment<G::Facet>,
+        hit: Option<Hit<G::Facet>>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
+        let interface = segment.interface;
         let Some(geometry) = self.geometry_of(interface) else {
             return;
         };
-        let beginning = segment.traversal.beginning(query);
+        let beginning = segment.traversal.beginning(&segment.query);
         let from = layer.to_upper_surface(interface, beginning);
         let reach = segment.flight.min(layer.to_flat_bottom(&from));
         let end = match hit {
@@ -223,18 +226,19 @@ impl<G: Geometry> Tracer<'_, G> {
                 batch.work.segments += 1;
                 let at = Arrival {
                     region: Region::inside(interface),
-                    heading: segment.traversal.arrival(geometry, query, hit),
+                    heading: segment.traversal.arrival(geometry, &segment.query, &hit),
                     facet: hit.facet,
                 };
-                self.interact(at, &segment.state, batch);
+                self.interact(&at, &segment.state, batch);
                 return;
             }
             // It meets the interface only after its flight has ended.
             Some(_) => None,
-            None => match segment.traversal.step(geometry, query) {
+            None => match segment.traversal.step(geometry, &mut segment.query) {
                 Some(end) => Some(end),
                 None if segment.traversal.entered() <= reach => {
-                    return self.push(interface, segment, *query, batch);
+                    batch.singles.push(segment);
+                    return;
                 }
                 None => None,
             },
@@ -256,18 +260,18 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Lets a path interact with a flat bottom.
-    fn interact_at_flat_bottom<R: Rng>(
+    fn interact_at_flat_bottom(
         &self,
         mut heading: Heading,
         state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         let Some(bottom) = self.layer.as_ref().and_then(TracedLayer::bottom) else {
             return;
         };
         if bottom == Bottom::Open {
             let departure = below_the_bottom(&heading, *state);
-            batch.tally.add_exit(&self.exit(&departure));
+            batch.exits.push(&self.exit(&departure));
             return;
         }
         if state.events.order() >= self.settings.max_order {
@@ -275,22 +279,19 @@ impl<G: Geometry> Tracer<'_, G> {
             return;
         }
         let wi = -heading.direction;
-        let scattered = scatter_at_bottom(bottom, HalfSpace::Above, wi, DVec3::Z, batch.rng);
-        batch
-            .tally
-            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
-        let divides = matches!(bottom, Bottom::Interface { .. });
-        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
-            let mut state = state.after(&branch, fraction);
-            if !self.survives_roulette(&mut state, batch) {
-                continue;
-            }
+        let mut diffuse = batch.stream.draws(state.ray, state.step(), Use::Diffuse);
+        let scattered = scatter_at_bottom(bottom, HalfSpace::Above, wi, DVec3::Z, &mut diffuse);
+        for (branch, flux) in self.surviving_branches(bottom, &scattered, state, batch) {
+            let state = PathState {
+                flux,
+                ..state.after(&branch, 1.0)
+            };
             heading.direction = branch.direction;
             match branch.event {
                 Event::Reflection => batch.inside.push(LayerRay { heading, state }),
                 Event::Transmission => {
                     let departure = below_the_bottom(&heading, state);
-                    batch.tally.add_exit(&self.exit(&departure));
+                    batch.exits.push(&self.exit(&departure));
                 }
             }
         }

@@ -44,4 +44,9 @@ impl Illumination {
             starts: Starts::FromAbove,
         }
     }
+
+    /// Whether each ray has an azimuth of its own: vertical light has none to draw.
+    pub(super) fn turns(&self) -> bool {
+        self.any_azimuth && !self.incidence.is_vertical()
+    }
 }

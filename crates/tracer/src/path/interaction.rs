@@ -1,78 +1,222 @@
-//! Interaction: one bounce of a path at a facet, from scattering to Russian roulette.
+//! Interaction: what happens to light at the facets at which it has arrived, from scattering to Russian roulette.
 
 use asperity_optics::Bottom;
-use asperity_tally::Loss;
-use rand::{Rng, RngExt};
+use asperity_tally::{Loss, Tally};
 
 use super::Tracer;
-use super::batch::Batch;
+use super::arrivals::{Arrivals, Move};
+use super::batch::{Batch, Interactions};
+use super::branch::{PickBranches, SplitBranches};
 use super::flight::scatter_at_bottom;
-use super::state::{Arrival, Departure, PathRay, PathState, RayKind, Region};
+use super::random_pairs::DrawPairs;
+use super::roulette::Roulette;
+use super::scatter::Scatter;
+use super::state::{Arrival, LayerRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::random::Use;
+use crate::ray::HalfSpace;
 use crate::settings::Branching;
 
 impl<'a, G: Geometry> Tracer<'a, G> {
-    /// Lets a path interact with the facet at which it has arrived, and traces what leaves the facet.
-    #[inline]
-    pub(super) fn interact<R: Rng>(
-        &self,
-        at: Arrival<G::Facet>,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        // End the path at the highest order
-        if state.events.order() >= self.settings.max_order {
-            batch.tally.add_loss(Loss::Truncated, state.flux);
-            return;
-        }
-
-        // Scatter at the facet
-        match at.region.interface {
-            Interface::Top => self.interact_at_surface(&at, state, batch),
-            Interface::Bottom => self.interact_at_bottom(&at, state, batch),
-        }
-
-        // Look for shadowed facets behind the first one
-        if batch.tally.control_variate().is_some() {
-            self.trace_behind_first_facet(at, state, batch);
-        }
-    }
-
-    /// Reflects, transmits or absorbs light at a facet of the surface.
-    #[inline]
-    pub(super) fn interact_at_surface<R: Rng>(
+    /// Lets a path interact with the facet at which it has arrived: at the upper surface with all others of the round.
+    pub(super) fn interact(
         &self,
         at: &Arrival<G::Facet>,
         state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
-        // Scatter by the Fresnel equations
-        let scattered = self.scattered(at);
-        let absorbed = state.flux * scattered.absorbed;
-        if state.events.order() == 0 {
-            batch.tally.add_first_absorbed(absorbed);
-        } else {
-            batch.tally.add_loss(Loss::Absorbed, absorbed);
+        match at.region.interface {
+            Interface::Top => batch.arrivals.push(at, state),
+            Interface::Bottom => self.interact_at_bottom(at, state, batch),
+        }
+    }
+
+    /// Lets all paths interact that have arrived at the upper surface; `batch.segments` then holds what leaves it.
+    pub(super) fn interact_at_surface(&self, batch: &mut Batch<'_, G::Facet>) {
+        self.truncate_at_highest_order(batch);
+
+        // Scatter at the facets
+        batch.instructions.run(Move {
+            geometry: self.geometry,
+            arrivals: &mut batch.arrivals,
+        });
+        batch.instructions.run(Scatter {
+            arrivals: &batch.arrivals,
+            incident: self.incident.sign(),
+            material: self.material,
+            into: &mut batch.interactions.scattered,
+        });
+        let divides = self.material.transmitting_index().is_some();
+        if !divides {
+            self.absorb(batch);
         }
 
-        // Trace the branches that survive
-        let divides = self.material.transmitting_index().is_some();
-        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
-            let mut ray = at.leave(&branch, fraction, state);
-            if self.survives_roulette(&mut ray.state, batch) {
-                self.trace_if_recorded(ray, batch);
+        // Look for shadowed facets behind the first one
+        if batch.traces_shadows {
+            self.trace_behind_first_facets(batch);
+        }
+
+        // Make the branches that survive
+        let picks = divides && self.settings.branching == Branching::Pick;
+        if picks {
+            self.pick_branches(batch);
+        } else {
+            self.split_branches(batch);
+        }
+        std::mem::swap(&mut batch.segments, &mut batch.arrivals.at);
+        batch.arrivals.clear();
+        if self.layer.is_some() {
+            self.enter_layer(batch);
+        }
+    }
+
+    /// Ends paths that have reached the highest order.
+    fn truncate_at_highest_order(&self, batch: &mut Batch<'_, G::Facet>) {
+        let at = &mut batch.arrivals.at;
+        for i in 0..at.len {
+            if at.order[i] >= self.settings.max_order {
+                batch.tally.add_loss(Loss::Truncated, at.flux[i]);
+                at.flux[i] = 0.0;
             }
         }
     }
 
+    /// Tallies what an opaque material absorbs.
+    fn absorb(&self, batch: &mut Batch<'_, G::Facet>) {
+        let Arrivals { at, .. } = &batch.arrivals;
+        for i in 0..at.len {
+            let absorbed = at.flux[i] * (1.0 - batch.interactions.scattered.reflected[i]);
+            if at.order[i] == 0 {
+                batch.tally.add_first_absorbed(absorbed);
+            } else {
+                batch.tally.add_loss(Loss::Absorbed, absorbed);
+            }
+        }
+    }
+
+    /// Goes on along one branch of each interaction, which is picked by its share and carries all flux.
+    fn pick_branches(&self, batch: &mut Batch<'_, G::Facet>) {
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            ..
+        } = &mut batch.interactions;
+        let at = &mut batch.arrivals.at;
+        which.clear();
+        which.extend(0..at.len as u32);
+        batch.instructions.run(DrawPairs {
+            stream: batch.stream,
+            segments: at,
+            which,
+            pairs,
+        });
+        batch.instructions.run(PickBranches {
+            at,
+            scattered,
+            pairs,
+        });
+        let roulette = self.roulette(&batch.tally);
+        for (i, [_, u]) in pairs.iter().enumerate() {
+            if roulette.decides(at.flux[i], at.order[i] == 1) {
+                at.flux[i] = roulette.play(at.flux[i], *u, &mut batch.tally);
+            }
+        }
+    }
+
+    /// Goes on along both branches of each interaction.
+    fn split_branches(&self, batch: &mut Batch<'_, G::Facet>) {
+        let Interactions {
+            scattered,
+            which,
+            pairs,
+            transmitting,
+        } = &mut batch.interactions;
+        let at = &mut batch.arrivals.at;
+        let n = at.len;
+        let fluxes = at.flux[..n].iter();
+        let shares = scattered
+            .transmitted
+            .iter_mut()
+            .zip(&mut scattered.reflected);
+        fluxes
+            .zip(shares)
+            .for_each(|(flux, (transmitted, reflected))| {
+                *transmitted *= flux;
+                *reflected *= flux;
+            });
+
+        // Decide by Russian roulette over branches of little flux
+        let roulette = self.roulette(&batch.tally);
+        which.clear();
+        which.extend((0..n as u32).filter(|&i| {
+            let i = i as usize;
+            let is_first = at.order[i] == 0;
+            let fluxes = [scattered.transmitted[i], scattered.reflected[i]];
+            fluxes
+                .into_iter()
+                .any(|flux| roulette.decides(flux, is_first))
+        }));
+        batch.instructions.run(DrawPairs {
+            stream: batch.stream,
+            segments: at,
+            which,
+            pairs,
+        });
+        for (&i, pair) in which.iter().zip(&*pairs) {
+            let i = i as usize;
+            let fluxes = [&mut scattered.transmitted[i], &mut scattered.reflected[i]];
+            for (flux, u) in fluxes.into_iter().zip(pair) {
+                if roulette.decides(*flux, at.order[i] == 0) {
+                    *flux = roulette.play(*flux, *u, &mut batch.tally);
+                }
+            }
+        }
+
+        transmitting.resize(n, 0);
+        let mut count = 0;
+        for i in 0..n {
+            transmitting[count] = i as u32;
+            count += usize::from(scattered.transmitted[i] > 0.0);
+        }
+        at.make_room(n + count);
+        batch.instructions.run(SplitBranches {
+            at,
+            scattered,
+            transmitted: &transmitting[..count],
+        });
+    }
+
+    /// Takes what has entered the layer out of the segments.
+    fn enter_layer(&self, batch: &mut Batch<'_, G::Facet>) {
+        for i in 0..batch.segments.len {
+            if batch.segments.side[i] < 0.0 && batch.segments.flux[i] > 0.0 {
+                batch.inside.push(LayerRay {
+                    heading: batch.segments.heading(i),
+                    state: batch.segments.state(i),
+                });
+                batch.segments.flux[i] = 0.0;
+            }
+        }
+    }
+
+    /// Russian roulette of this tracer.
+    fn roulette(&self, tally: &Tally<'_>) -> Roulette {
+        let roulette = Roulette::below(self.settings.roulette_below);
+        match tally.control_variate() {
+            Some(_) => roulette.sparing_first(),
+            None => roulette,
+        }
+    }
+
     /// Reflects, transmits or absorbs light at a facet of the layer's bottom.
-    fn interact_at_bottom<R: Rng>(
+    fn interact_at_bottom(
         &self,
         at: &Arrival<G::Facet>,
         state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         let (Some(bottom), Some(geometry)) = (
             self.layer.as_ref().and_then(TracedLayer::bottom),
@@ -80,24 +224,56 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         ) else {
             return;
         };
+        if state.events.order() >= self.settings.max_order {
+            batch.tally.add_loss(Loss::Truncated, state.flux);
+            return;
+        }
         let half_space = at.region.half_space;
         let m = half_space.sign() * geometry.normal(at.facet);
         let wi = -at.heading.direction;
-        let scattered = scatter_at_bottom(bottom, half_space, wi, m, batch.rng);
-        batch
-            .tally
-            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
-        let divides = matches!(bottom, Bottom::Interface { .. });
-        for (branch, fraction) in self.followed(&scattered, divides, batch.rng) {
-            let mut ray = at.leave(&branch, fraction, state);
-            if self.survives_roulette(&mut ray.state, batch) {
-                self.trace(ray, RayKind::Path, batch);
-            }
+        let mut diffuse = batch.stream.draws(state.ray, state.step(), Use::Diffuse);
+        let scattered = scatter_at_bottom(bottom, half_space, wi, m, &mut diffuse);
+        for (branch, flux) in self.surviving_branches(bottom, &scattered, state, batch) {
+            let mut ray = at.leave(&branch, 1.0, state);
+            ray.state.flux = flux;
+            self.trace(ray, RayKind::Path, batch);
         }
     }
 
+    /// The branches that go on from a bottom, each with its flux: see [`Roulette`].
+    pub(super) fn surviving_branches(
+        &self,
+        bottom: Bottom,
+        scattered: &Scattered,
+        state: &PathState,
+        batch: &mut Batch<'_, G::Facet>,
+    ) -> impl Iterator<Item = (Branch, f64)> + use<G> {
+        batch
+            .tally
+            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
+        let [transmitted, reflected] = scattered.branches;
+        let pair = batch.stream.pair(state.ray, state.step(), Use::Interaction);
+        let divides = matches!(bottom, Bottom::Interface { .. });
+        let (shares, roulette) = if divides && self.settings.branching == Branching::Pick {
+            let is_reflected = pair[0] < reflected.fraction;
+            let shares = if is_reflected { [0.0, 1.0] } else { [1.0, 0.0] };
+            (shares, [pair[1]; 2])
+        } else {
+            ([transmitted.fraction, reflected.fraction], pair)
+        };
+        let threshold = self.settings.roulette_below;
+        let mut survive = |b: usize| {
+            let flux = state.flux * shares[b];
+            Roulette::below(threshold).play(flux, roulette[b], &mut batch.tally)
+        };
+        let fluxes = [survive(0), survive(1)];
+        [transmitted, reflected]
+            .into_iter()
+            .zip(fluxes)
+            .filter(|(_, flux)| *flux > 0.0)
+    }
+
     /// What a facet of the surface does with light that has arrived at it.
-    #[inline(always)]
     pub(super) fn scattered(&self, at: &Arrival<G::Facet>) -> Scattered {
         let half_space = at.region.half_space;
         let m = half_space.sign() * self.geometry.normal(at.facet);
@@ -105,86 +281,18 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         scatter(self.material, half_space == self.incident, wi, m)
     }
 
-    /// The branches that are traced, each with the fraction of the flux that it takes: both, or one picked at
-    /// random where an interface `divides` light.
-    #[inline(always)]
-    pub(super) fn followed<R: Rng>(
+    /// The arrival number `i` of the round at the upper surface.
+    pub(super) fn arrival(
         &self,
-        scattered: &Scattered,
-        divides: bool,
-        rng: &mut R,
-    ) -> impl Iterator<Item = (Branch, f64)> + use<'_, 'a, R, G> {
-        let [transmitted, reflected] = scattered.branches;
-        let fractions = if divides && self.settings.branching == Branching::Pick {
-            if rng.random::<f64>() < reflected.fraction {
-                [0.0, 1.0]
-            } else {
-                [1.0, 0.0]
-            }
-        } else {
-            [transmitted.fraction, reflected.fraction]
+        i: usize,
+        batch: &Batch<'_, G::Facet>,
+    ) -> (Arrival<G::Facet>, PathState) {
+        let Arrivals { at, facets, .. } = &batch.arrivals;
+        let arrival = Arrival {
+            region: Region::top(HalfSpace::from_sign(at.side[i])),
+            heading: at.heading(i),
+            facet: facets[i],
         };
-        [transmitted, reflected]
-            .into_iter()
-            .zip(fractions)
-            .filter(|(_, fraction)| *fraction > 0.0)
-    }
-
-    /// Russian roulette: a path of little flux continues with a probability proportional to its flux, and then
-    /// carries the threshold; false if it ends. Flux that roulette removes or adds is tallied as truncated, zero
-    /// on average.
-    ///
-    /// Under a control variate the first branches are all traced: what cancels must not be left to chance.
-    #[inline(always)]
-    pub(super) fn survives_roulette<R: Rng>(
-        &self,
-        state: &mut PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) -> bool {
-        self.survives_roulette_below(self.settings.roulette_below, state, batch)
-    }
-
-    /// The same with another threshold.
-    #[inline(always)]
-    pub(super) fn survives_roulette_below<R: Rng>(
-        &self,
-        threshold: f64,
-        state: &mut PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) -> bool {
-        let cancels = state.events.order() == 1 && batch.tally.control_variate().is_some();
-        if state.flux < threshold && !cancels {
-            let survives = batch.rng.random::<f64>() * threshold < state.flux;
-            let kept = if survives { threshold } else { 0.0 };
-            batch.tally.add_loss(Loss::Truncated, state.flux - kept);
-            state.flux = kept;
-        }
-        state.flux > 0.0
-    }
-
-    /// Traces a ray from the surface, unless it can end only on a side that is not recorded.
-    ///
-    /// A path that has reached the highest order has no interaction left: it escapes on the side of its half
-    /// space, or is truncated. If that side is not recorded, its flux is tallied as such at once. A path of lower
-    /// order is always traced, since it may come back. This is decided after all random numbers of a branch are
-    /// drawn, and one of the highest order draws no more, so the tally of a side does not depend on whether the
-    /// other is recorded.
-    #[inline(always)]
-    fn trace_if_recorded<R: Rng>(&self, ray: PathRay, batch: &mut Batch<'_, G::Facet, R>) {
-        // Inside the layer it may yet be absorbed, or leave elsewhere.
-        let is_inside = self.layer.is_some() && ray.region == Region::inside(Interface::Top);
-        let is_last = ray.state.events.order() >= self.settings.max_order && !is_inside;
-        if is_last && !batch.tally.records(self.side_of(ray.region)) {
-            batch.tally.add_loss(Loss::NotRecorded, ray.state.flux);
-            let departure = Departure {
-                region: ray.region,
-                direction: ray.heading.world_direction(),
-                state: ray.state,
-            };
-            self.tally_masked(&departure, batch);
-            batch.work.branches_not_recorded += 1;
-        } else {
-            self.trace(ray, RayKind::Path, batch);
-        }
+        (arrival, at.state(i))
     }
 }

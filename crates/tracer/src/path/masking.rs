@@ -1,25 +1,24 @@
 //! Shadowing and masking: visibility rays towards the light, and what the control variate needs to know of light
 //! that is shadowed before its first facet or masked behind it.
 
-use rand::{Rng, RngExt};
-
 use asperity_tally::Loss;
 
 use super::Tracer;
 use super::batch::Batch;
-use super::state::{Arrival, Departure, PathRay, PathSegment, PathState, RayKind};
+use super::state::{Arrival, Departure, PathRay, PathState, RayKind, SingleSegment};
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
+use crate::random::Use;
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Traces a visibility ray from a facet towards the light.
     #[inline(never)]
-    pub(super) fn trace_visibility<R: Rng>(
+    pub(super) fn trace_visibility(
         &self,
         at: Arrival<G::Facet>,
         state: PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         let mut towards_light = Heading {
             direction: -at.heading.direction,
@@ -31,30 +30,28 @@ impl<G: Geometry> Tracer<'_, G> {
                 batch.work.count(end);
                 self.end_visibility(end, &state, &at, batch);
             }
-            None => {
-                let query = towards_light.query(self.geometry, self.incident);
-                let segment = PathSegment {
-                    traversal: Traversal::begin(&towards_light),
-                    state,
-                    kind: RayKind::Visibility(Box::new(at)),
-                    flight: f64::INFINITY,
-                };
-                self.push(Interface::Top, segment, query, batch);
-            }
+            None => batch.singles.push(SingleSegment {
+                interface: Interface::Top,
+                query: towards_light.query(self.geometry, self.incident),
+                traversal: Traversal::begin(&towards_light),
+                state,
+                kind: RayKind::Visibility(Box::new(at)),
+                flight: f64::INFINITY,
+            }),
         }
     }
 
     /// Lets a path start at a facet from which the visibility ray has met nothing.
-    pub(super) fn end_visibility<R: Rng>(
+    pub(super) fn end_visibility(
         &self,
         end: TraversalEnd,
         state: &PathState,
         at: &Arrival<G::Facet>,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         match end {
             TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_) => {
-                self.interact_at_surface(at, state, batch);
+                batch.arrivals.push(at, state);
             }
             TraversalEnd::LeftPatch | TraversalEnd::Lost => {
                 self.tally_shadowed(at, state, batch);
@@ -63,54 +60,50 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
-    /// Continues the straight line of incident light behind the first facet that it has met, with the probability
+    /// Continues the straight lines of incident light behind the first facets of this round, each with the probability
     /// that the control variate sets.
-    #[inline(never)]
-    pub(super) fn trace_behind_first_facet<R: Rng>(
-        &self,
-        at: Arrival<G::Facet>,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
-        let Some(control_variate) = batch.tally.control_variate() else {
+    pub(super) fn trace_behind_first_facets(&self, batch: &mut Batch<'_, G::Facet>) {
+        let Some(control) = batch.tally.control_variate() else {
             return;
         };
-        let probability = control_variate.shadow_probability();
-        let is_first = state.events.order() == 0;
-        if !is_first || probability < 1.0 && batch.rng.random::<f64>() >= probability {
-            return;
+        let probability = control.shadow_probability();
+        for i in 0..batch.arrivals.len() {
+            if batch.arrivals.at.order[i] > 0 {
+                continue;
+            }
+            let (at, state) = self.arrival(i, batch);
+            let [u, _] = batch.stream.pair(state.ray, state.step(), Use::Shadow);
+            if u >= probability {
+                continue;
+            }
+            let ray = PathRay {
+                region: at.region.behind(),
+                heading: at.heading,
+                state: PathState {
+                    flux: state.flux / probability,
+                    ..state
+                },
+            };
+            self.trace(ray, RayKind::BehindFirstFacet, batch);
         }
-        let ray = PathRay {
-            region: at.region.behind(),
-            heading: at.heading,
-            state: PathState {
-                flux: state.flux / probability,
-                ..*state
-            },
-        };
-        self.trace(ray, RayKind::BehindFirstFacet, batch);
     }
 
     /// Tallies that light is masked on its way from its first facet.
     #[inline(always)]
-    pub(super) fn tally_masked<R>(
-        &self,
-        departure: &Departure,
-        batch: &mut Batch<'_, G::Facet, R>,
-    ) {
+    pub(super) fn tally_masked(&self, departure: &Departure, batch: &mut Batch<'_, G::Facet>) {
         if departure.state.events.order() == 1 && batch.tally.control_variate().is_some() {
             let exit = self.exit(departure);
-            batch.tally.add_masked(&exit);
+            batch.exits.push_masked(&exit);
         }
     }
 
     /// Tallies that a facet that faces the light is shadowed.
     #[inline(never)]
-    pub(super) fn tally_shadowed<R>(
+    pub(super) fn tally_shadowed(
         &self,
         at: &Arrival<G::Facet>,
         state: &PathState,
-        batch: &mut Batch<'_, G::Facet, R>,
+        batch: &mut Batch<'_, G::Facet>,
     ) {
         if batch.tally.control_variate().is_none() {
             return;
@@ -124,7 +117,7 @@ impl<G: Geometry> Tracer<'_, G> {
                     direction: ray.heading.world_direction(),
                     state: ray.state,
                 });
-                batch.tally.add_masked(&exit);
+                batch.exits.push_masked(&exit);
             }
         }
         batch

@@ -1,38 +1,54 @@
 //! Path engine: follows many light paths together, from interaction to interaction, until all flux has left.
 //!
-//! Each file is one step of a path. `emission.rs` starts it. `traversal.rs` takes its segments from tile to tile,
-//! many of them at a time. `interaction.rs` scatters it at a facet, and `flight.rs` inside the layer below.
-//! `escape.rs` makes of what leaves an exit for the tally. `masking.rs` traces what a control variate needs in addition to
-//! it. `state.rs` names what passes between these steps. The same light, one path at a time, is in `reference`.
+//! A wavefront: each round takes all segments in flight through the same stages, each a loop over arrays
+//! (`segments.rs`, `arrivals.rs`) that is compiled for the vector instructions of the machine.
+//!
+//! | stage | file |
+//! |---|---|
+//! | start new paths | `emission.rs` |
+//! | search for the facets that segments meet | `search.rs` |
+//! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `branch.rs`, `roulette.rs` |
+//! | fly and scatter inside the layer below | `flight.rs` |
+//! | find what escapes, and tally it | `escape.rs` |
+//!
+//! What is rare is traced one by one (`traversal.rs`): segments beyond their first tile, inside the layer, and those
+//! that a control variate needs (`masking.rs`). `state.rs` names what passes between the stages. Random
+//! numbers are functions of path and step ([`crate::random`]), so that no order of work changes them. The same
+//! light, one path at a time, is in `reference`.
 
+mod arrivals;
 mod batch;
 mod beam;
+mod branch;
 mod emission;
 mod escape;
 mod flight;
 mod illumination;
 mod interaction;
 mod masking;
+mod random_pairs;
+mod roulette;
+mod scatter;
+mod search;
+mod segments;
 mod state;
 mod traversal;
 mod work;
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
-use asperity_optics::Material;
-use asperity_tally::{Azimuth, ControlVariate, Tally, TallySpec, TallyValues};
-use glam::DVec2;
-use rand::Rng;
-
-use self::batch::{Batch, MAX_IN_FLIGHT};
+use self::batch::Batch;
 use self::beam::Beam;
-use self::state::SegmentQueue;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::random::PathStream;
 use crate::ray::HalfSpace;
 use crate::sampling::Places;
 use crate::settings::PathSettings;
+use crate::vector::Instructions;
+use asperity_optics::Material;
+use asperity_tally::{Azimuth, ControlVariate, Tally, TallySpec, TallyValues};
 
 pub use illumination::{Illumination, Starts};
 pub use work::Work;
@@ -46,9 +62,9 @@ pub use work::Work;
 /// use asperity_surface::HeightField;
 /// use asperity_tally::{Component, HemisphereGrid, Side, TallyResult, TallySpec};
 /// use asperity_tracer::{
-///     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface, Tracer,
+///     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, PathStream, Surface,
+///     Tracer,
 /// };
-/// use rand::SeedableRng;
 ///
 /// let field = HeightField::new(vec![0.0; 64], [8, 8], [1.0, 1.0])?;
 /// let surface = Surface::new(field);
@@ -58,8 +74,7 @@ pub use work::Work;
 ///
 /// let light = Illumination::new(Incidence::from_degrees(0.0, 0.0)?, false);
 /// let spec = TallySpec::new(HemisphereGrid::new(6, 12)?, 0.1)?;
-/// let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(1);
-/// let (fluxes, work) = tracer.batch(&light, 10, spec, None, &mut rng);
+/// let (fluxes, work) = tracer.batch(&light, 10, spec, None, PathStream::new(1, 0));
 /// assert_eq!(work.rays, 100);
 /// assert!((fluxes.flux(Side::Reflected, Component::All) - 0.04).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -71,6 +86,7 @@ pub struct Tracer<'a, G: Geometry> {
     incident: HalfSpace,
     settings: PathSettings,
     layer: Option<TracedLayer<'a, G>>,
+    instructions: Instructions,
 }
 
 impl<'a, G: Geometry> Tracer<'a, G> {
@@ -78,7 +94,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     ///
     /// The indices of `material` are relative to the medium there, also where it lies below.
     #[must_use]
-    pub const fn new(
+    pub fn new(
         geometry: &'a G,
         accelerator: &'a dyn Accelerator<G>,
         material: Material,
@@ -92,6 +108,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             incident,
             settings,
             layer: None,
+            instructions: Instructions::best(),
         }
     }
 
@@ -111,76 +128,61 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
+    /// The same with the given instructions, or portably where the machine lacks them.
+    #[must_use]
+    pub fn with_instructions(self, instructions: Instructions) -> Self {
+        Self {
+            instructions,
+            ..self
+        }
+    }
+
     /// Traces one batch of `strata * strata` rays.
     ///
-    /// Returns flux fractions, and the work done; under a `control_variate`, the fractions that it
+    /// Returns flux fractions, and the work done; under a `control`, the fractions that it
     /// leaves, which [`ControlVariate::complete`] turns into flux fractions.
     ///
     /// Directions are those of the incident medium's frame: its side is +z, also when it is below
-    /// the surface. Random numbers are drawn in an order that depends on the paths alone, so all
-    /// accelerators give the same result.
+    /// the surface. The rays are the paths of `stream` from its first on. All accelerators and all instructions
+    /// give the same result.
     ///
     /// # Panics
-    /// If there is both a layer and a control variate, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
-    pub fn batch<R: Rng>(
+    /// If there is both a layer and a control, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    pub fn batch(
         &self,
         illumination: &Illumination,
         strata: u32,
         spec: TallySpec,
-        control_variate: Option<&ControlVariate>,
-        rng: &mut R,
+        control: Option<&ControlVariate>,
+        stream: PathStream,
     ) -> (TallyValues, Work) {
         assert!(
-            self.layer.is_none() || control_variate.is_none(),
+            self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
         );
         let incidence = illumination.incidence;
-        // Vertical light has no azimuth to draw.
-        let free = illumination.any_azimuth && incidence.is_vertical();
-        let azimuth = if free {
+        // Of vertical light from any azimuth the azimuths of exits have no meaning.
+        let azimuth = if illumination.any_azimuth && !illumination.turns() {
             Azimuth::Free
         } else {
             Azimuth::From(incidence.phi() + PI)
         };
-        let turned = illumination.any_azimuth && !free;
-        let mut places = Places::new(illumination.sampling, strata, turned, rng);
-        let tally = Tally::new(spec, azimuth).with_control_variate(control_variate);
-        let mut batch = Batch::new(tally, rng);
+        let mut places = Places::new(illumination.sampling, strata, illumination.turns(), stream);
+        let tally = Tally::new(spec, azimuth).with_control_variate(control);
+        let mut batch = Batch::new(tally, stream, self.instructions, illumination);
         let beam = Beam::new(self.geometry, self.incident, incidence);
-        let mut now = [SegmentQueue::new(), SegmentQueue::new()];
-        let mut hits = Vec::new();
         loop {
-            // Start new paths where there is room
-            while batch.continuing < MAX_IN_FLIGHT
-                && let Some([u, v, azimuth]) = places.draw(batch.rng)
-            {
-                let turn = DVec2::from_angle(TAU * azimuth);
-                self.emit(&beam, illumination.starts, [u, v], turn, &mut batch);
-                self.trace_flights(&mut batch);
-                batch.work.rays += 1;
-            }
-            if !batch.begin_round(&mut now) {
+            self.start_paths(&beam, illumination.starts, &mut places, &mut batch);
+            if batch.is_finished() {
                 break;
             }
-            for (interface, queue) in [Interface::Top, Interface::Bottom]
-                .into_iter()
-                .zip(&mut now)
-            {
-                // Search all segments for their closest hits
-                let Some((geometry, accelerator)) = self.surface(interface) else {
-                    continue;
-                };
-                accelerator.closest_hits(geometry, &queue.queries, &mut hits);
-
-                // Continue each in the next tile, at a facet, or into the tally
-                let segments = queue.segments.drain(..).zip(&mut queue.queries);
-                for ((segment, query), hit) in segments.zip(&hits) {
-                    self.advance(interface, segment, query, hit, &mut batch);
-                    self.trace_flights(&mut batch);
-                }
-                queue.queries.clear();
-            }
+            self.search(&mut batch);
+            self.interact_at_surface(&mut batch);
+            self.trace_flights(&mut batch);
+            self.escape(&mut batch);
+            self.tally_exits(&mut batch);
         }
+        self.tally_exits(&mut batch);
         let rays = batch.work.rays;
         (batch.tally.into_fractions(rays), batch.work)
     }

@@ -6,6 +6,7 @@ use glam::{DVec2, DVec3};
 use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, Traversal};
+use crate::random::Step;
 use crate::ray::{HalfSpace, Query};
 
 /// What a path carries from one interaction to the next.
@@ -17,6 +18,8 @@ pub(super) struct PathState {
     pub(super) events: EventPath,
     /// How often it was scattered inside the layer.
     pub(super) scatterings: u32,
+    /// Number of the path in its batch.
+    pub(super) ray: u32,
     /// Cosine and sine of the angle by which exit directions are turned about the vertical.
     pub(super) turn: DVec2,
 }
@@ -31,6 +34,15 @@ impl PathState {
             ..*self
         }
     }
+
+    /// Where along its path the next random numbers are used.
+    #[inline(always)]
+    pub(super) const fn step(&self) -> Step {
+        Step {
+            number: self.events.order().wrapping_add(self.scatterings),
+            events: self.events.code(),
+        }
+    }
 }
 
 /// Where a ray is: at which interface, and on which side of it.
@@ -41,6 +53,15 @@ pub(super) struct Region {
 }
 
 impl Region {
+    /// At the upper surface.
+    #[inline(always)]
+    pub(super) const fn top(half_space: HalfSpace) -> Self {
+        Self {
+            interface: Interface::Top,
+            half_space,
+        }
+    }
+
     /// The part of the layer at an interface.
     #[inline]
     pub(super) const fn inside(interface: Interface) -> Self {
@@ -119,8 +140,11 @@ pub(super) enum RayKind<F> {
     Visibility(Box<Arrival<F>>),
 }
 
-/// One segment of a path, from tile to tile.
-pub(super) struct PathSegment<F> {
+/// A segment that [`super::segments::Segments`] has no fields for: beyond its first tile, inside the layer, or of
+/// another kind than a path.
+pub(super) struct SingleSegment<F> {
+    pub(super) interface: Interface,
+    pub(super) query: Query,
     pub(super) traversal: Traversal,
     pub(super) state: PathState,
     pub(super) kind: RayKind<F>,
@@ -128,17 +152,13 @@ pub(super) struct PathSegment<F> {
     pub(super) flight: f64,
 }
 
-/// Segments that are searched together, and the query of each.
-pub(super) struct SegmentQueue<F> {
-    pub(super) queries: Vec<Query>,
-    pub(super) segments: Vec<PathSegment<F>>,
-}
-
-impl<F> SegmentQueue<F> {
-    pub(super) const fn new() -> Self {
-        Self {
-            queries: Vec::new(),
-            segments: Vec::new(),
+impl<F> SingleSegment<F> {
+    /// Where the ray is.
+    #[inline]
+    pub(super) const fn region(&self) -> Region {
+        Region {
+            interface: self.interface,
+            half_space: self.query.half_space,
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::geometry::Geometry;
 
 pub use self::heading::Heading;
 pub(crate) use self::heading::{mirror_image, wrap};
-pub(crate) use self::traversal::{Traversal, approach, begin};
+pub(crate) use self::traversal::{Traversal, approach, begin, leaves_heights_in_tile};
 pub use self::traversal::{TraversalEnd, TraversalResult, traverse};
 
 /// Tiles that a ray may cross before it is given up as lost.

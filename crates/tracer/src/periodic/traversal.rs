@@ -121,6 +121,20 @@ fn enter<G: Geometry>(
     None
 }
 
+/// Whether a ray that moves away from the surface leaves the space between lowest and highest point before it
+/// leaves the tile: then it escapes if it has met nothing in the tile.
+#[inline(always)]
+pub(crate) fn leaves_heights_in_tile<G: Geometry>(geometry: &G, query: &Query) -> bool {
+    let Query { ray, half_space } = query;
+    let [_, half_range] = geometry.z_range();
+    // Wider than the heights, as in [`between_heights`].
+    let high = half_range + 1e-6 * (1.0 + 2.0 * half_range);
+    let q = half_space.sign();
+    let (z, rise) = (q * ray.origin.z, q * ray.direction.z);
+    let ([cx, cy], p) = (geometry.extent(), ray.at((high - z) / rise));
+    (rise > 0.0) & (0.0 < p.x) & (p.x < cx) & (0.0 < p.y) & (p.y < cy)
+}
+
 /// Moves a ray that comes to a surface from beyond all its heights on to where it comes between them, if that
 /// is not beyond `reach`; returns how far.
 ///

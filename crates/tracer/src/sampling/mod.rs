@@ -7,7 +7,9 @@ use rand::{Rng, RngExt};
 use serde::{Deserialize, Serialize};
 
 use self::net::Net;
+use crate::random::{PathStream, Step, Use};
 use crate::sampling::morton::{MortonSquare, morton_place};
+use crate::vector::{Instructions, Stage};
 
 pub(crate) mod morton;
 mod net;
@@ -72,6 +74,9 @@ impl FromStr for Sampling {
 pub(crate) struct Places {
     order: Order,
     any_azimuth: bool,
+    stream: PathStream,
+    /// Number of the next start.
+    next: u32,
 }
 
 enum Order {
@@ -85,16 +90,15 @@ enum Order {
 }
 
 impl Places {
-    /// Places of a batch. Of `rng`, quasi-random ones take the scrambling at once; all else is drawn
-    /// start by start.
+    /// Places of the paths of `stream`, from its first on.
     ///
     /// # Panics
     /// As [`crate::Tracer::batch`].
-    pub(crate) fn new<R: Rng>(
+    pub(crate) fn new(
         sampling: Sampling,
         strata: u32,
         any_azimuth: bool,
-        rng: &mut R,
+        stream: PathStream,
     ) -> Self {
         let order = match sampling {
             Sampling::Random => Order::Random(Shuffle::new(u64::from(strata).pow(2))),
@@ -107,16 +111,49 @@ impl Places {
                     Sampling::quasi_random_strata(strata),
                     "{strata} strata along a side of a quasi-random batch"
                 );
-                Order::QuasiRandom(Net::new(strata, any_azimuth, rng))
+                let mut draws = stream.draws(0, Step::START, Use::Scramble);
+                Order::QuasiRandom(Net::new(strata, any_azimuth, &mut draws))
             }
         };
-        Self { order, any_azimuth }
+        Self {
+            order,
+            any_azimuth,
+            stream,
+            next: 0,
+        }
+    }
+
+    /// The next starts, at most `count`; `starts` is cleared.
+    pub(crate) fn draw_many(
+        &mut self,
+        count: usize,
+        instructions: Instructions,
+        starts: &mut Vec<[f64; 3]>,
+    ) {
+        starts.clear();
+        if let (Order::Stratified { places, width }, false) = (&mut self.order, self.any_azimuth) {
+            starts.extend(places.take(count).map(|place| {
+                let [column, row] = place.map(f64::from);
+                [column, row, 0.0]
+            }));
+            instructions.run(Jitter {
+                stream: self.stream,
+                first: self.next,
+                width: *width,
+                starts,
+            });
+            self.next += starts.len() as u32;
+        } else {
+            starts.extend(std::iter::from_fn(|| self.draw()).take(count));
+        }
     }
 
     /// The next start; `None` after the last.
     #[inline]
-    pub(crate) fn draw<R: Rng>(&mut self, rng: &mut R) -> Option<[f64; 3]> {
+    pub(crate) fn draw(&mut self) -> Option<[f64; 3]> {
         let any_azimuth = self.any_azimuth;
+        let rng = &mut self.stream.draws(self.next, Step::START, Use::Start);
+        self.next += 1;
         let [u, v] = match &mut self.order {
             Order::Random(shuffle) => shuffle.draw(rng)?,
             Order::Stratified { places, width } => {
@@ -127,6 +164,27 @@ impl Places {
         };
         let azimuth = if any_azimuth { rng.random() } else { 0.0 };
         Some([u, v, azimuth])
+    }
+}
+
+/// Puts starts, which are columns and rows of strata, into the strata.
+struct Jitter<'a> {
+    stream: PathStream,
+    /// Number of the path of the first start.
+    first: u32,
+    /// Side of a stratum.
+    width: f64,
+    starts: &'a mut [[f64; 3]],
+}
+
+impl Stage for Jitter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for ([u, v, _], path) in self.starts.iter_mut().zip(self.first..) {
+            let [along_u, along_v] = self.stream.pair(path, Step::START, Use::Start);
+            *u = (*u + along_u) * self.width;
+            *v = (*v + along_v) * self.width;
+        }
     }
 }
 
@@ -177,9 +235,6 @@ impl Shuffle {
 mod tests {
     use std::f64::consts::TAU;
 
-    use rand::SeedableRng;
-    use rand_chacha::ChaCha8Rng;
-
     use super::*;
     use crate::sampling::morton::morton_code;
 
@@ -195,9 +250,8 @@ mod tests {
     }
 
     fn starts_with(sampling: Sampling, strata: u32, any_azimuth: bool, seed: u64) -> Vec<[f64; 3]> {
-        let mut rng = ChaCha8Rng::seed_from_u64(seed);
-        let mut starts = Places::new(sampling, strata, any_azimuth, &mut rng);
-        std::iter::from_fn(|| starts.draw(&mut rng)).collect()
+        let mut starts = Places::new(sampling, strata, any_azimuth, PathStream::new(seed, 0));
+        std::iter::from_fn(|| starts.draw()).collect()
     }
 
     /// `(x - dof) / sqrt(2 dof)` of a chi-squared of counts that are all expected to be equal; near to
@@ -213,14 +267,16 @@ mod tests {
     }
 
     #[test]
-    fn stratified_starts_draw_place_and_then_azimuth_as_ever() {
+    fn a_start_depends_on_the_number_of_its_path_alone() {
+        let stream = PathStream::new(7, 0);
         for any_azimuth in [false, true] {
-            let mut rng = ChaCha8Rng::seed_from_u64(7);
-            let plain: Vec<[f64; 3]> = MortonSquare::new(5)
-                .map(|[column, row]| {
-                    let u = (f64::from(column) + rng.random::<f64>()) * (1.0 / 5.0);
-                    let v = (f64::from(row) + rng.random::<f64>()) * (1.0 / 5.0);
-                    let azimuth = if any_azimuth { rng.random() } else { 0.0 };
+            let plain: Vec<[f64; 3]> = (0..)
+                .zip(MortonSquare::new(5))
+                .map(|(path, [column, row])| {
+                    let mut draws = stream.draws(path, Step::START, Use::Start);
+                    let u = (f64::from(column) + draws.random::<f64>()) * (1.0 / 5.0);
+                    let v = (f64::from(row) + draws.random::<f64>()) * (1.0 / 5.0);
+                    let azimuth = if any_azimuth { draws.random() } else { 0.0 };
                     [u, v, azimuth]
                 })
                 .collect();

@@ -64,8 +64,8 @@ pub fn trace_visibility<G: Geometry>(
         if queries.is_empty() {
             return;
         }
-        accelerator.closest_hits(geometry, &queries, &mut hits);
-        // Rays that continue in the next tile move to the front.
+        accelerator.closest_hits_of(geometry, &queries, &mut hits);
+        // Those that go on in the next tile move to the front.
         let mut kept = 0;
         for i in 0..queries.len() {
             if hits[i].is_some() {

@@ -135,7 +135,7 @@ fn agree_on(surface: &Surface, count: usize, seed: u64) -> usize {
         .collect();
     let mut together = Vec::new();
     for (name, accelerator) in accelerators(surface) {
-        accelerator.closest_hits(surface, &queries, &mut together);
+        accelerator.closest_hits_of(surface, &queries, &mut together);
         for ((query, expected), together) in queries.iter().zip(&expected).zip(&together) {
             let alone = accelerator.closest_hit(surface, query);
             assert_eq!(alone, *expected, "{name}: {query:?}");
@@ -328,7 +328,7 @@ fn rays_that_run_along_an_edge_past_corners_are_met_where_brute_force_meets_them
             if !name.starts_with("pyramid") {
                 continue;
             }
-            accelerator.closest_hits(&surface, &queries, &mut found);
+            accelerator.closest_hits_of(&surface, &queries, &mut found);
             for ((query, expected), found) in queries.iter().zip(&expected).zip(&found) {
                 assert_eq!(found, expected, "{name}: {query:?}");
             }
@@ -352,7 +352,7 @@ fn high_levels_of_large_tiles_are_searched_as_well() {
             .collect();
         assert!(expected.iter().flatten().count() > 500);
         for (name, accelerator) in accelerators(&surface) {
-            accelerator.closest_hits(&surface, &queries, &mut found);
+            accelerator.closest_hits_of(&surface, &queries, &mut found);
             for ((query, expected), found) in queries.iter().zip(&expected).zip(&found) {
                 assert_eq!(found, expected, "{name}: {query:?}");
             }
@@ -439,7 +439,7 @@ fn rays_that_graze_edges_are_met_where_f64_meets_them_on_tall_and_on_steep_surfa
                 .unwrap()
                 .with_instructions(instructions);
             let mut together = Vec::new();
-            pyramid.closest_hits(&surface, &queries, &mut together);
+            pyramid.closest_hits_of(&surface, &queries, &mut together);
             let differing = one_by_one.iter().zip(&together).filter(|(a, b)| a != b);
             assert_eq!(differing.count(), 0, "{instructions}, {name}");
         }

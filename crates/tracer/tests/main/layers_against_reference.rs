@@ -10,7 +10,8 @@ use asperity_tally::{
 };
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, FlightSearch, Geometry, HalfSpace,
-    Illumination, PathEnd, PathIntegrator, PathResult, PathSettings, Surface, TracedLayer, Tracer,
+    Illumination, PathEnd, PathIntegrator, PathResult, PathSettings, PathStream, Surface,
+    TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -122,10 +123,9 @@ impl Scene {
         let mut together = TallyStatistics::new(spec);
         let mut alone = TallyStatistics::new(spec);
         for block in 0..BATCHES {
-            let mut rng = ChaCha8Rng::seed_from_u64(1);
-            rng.set_stream(block);
             let light = Illumination::new(incidence, false);
-            let (tally, _) = tracer.batch(&light, STRATA, spec, None, &mut rng);
+            let stream = PathStream::new(1, block);
+            let (tally, _) = tracer.batch(&light, STRATA, spec, None, stream);
             together.push(&tally);
         }
         let integrator =

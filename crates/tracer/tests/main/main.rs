@@ -15,3 +15,4 @@ mod light_beams;
 mod meshes;
 mod physics;
 mod visibility;
+mod wavefront;

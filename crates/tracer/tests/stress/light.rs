@@ -5,15 +5,15 @@ use asperity_surface::Border;
 use asperity_tally::{HemisphereGrid, TallyResult, TallySpec, TallyValues};
 use asperity_tracer::Heading;
 use asperity_tracer::{
-    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, Query, Surface,
-    TileRay, Tracer,
+    AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, PathStream, Query,
+    Surface, TileRay, Tracer,
 };
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::cases::{Case, cases, is_long};
-use crate::paths::{Account, BySide, Light, Scheme, start, start_towards, walk};
+use crate::paths::{Account, BySide, Light, Numbers, Scheme, start, start_towards, walk};
 use crate::rays;
 use crate::rows::{Row, assert_clean, over_scenes, report};
 use crate::scenes::{Scene, gaussian, scaled};
@@ -47,13 +47,12 @@ fn powers_of_two_of_scale_change_no_byte() {
             let values = accelerators(&surface).into_iter().map(|(_, accelerator)| {
                 let tracer =
                     Tracer::new(&surface, &*accelerator, glass, HalfSpace::Above, settings);
-                let mut rng = generator(61, 0);
                 tracer.batch(
                     &Illumination::new(incidence, false),
                     10,
                     spec,
                     None,
-                    &mut rng,
+                    PathStream::new(61, 0),
                 )
             });
             values.collect::<Vec<_>>()
@@ -117,7 +116,11 @@ pub(super) fn watched(
         // Light that comes in under the rim of an open patch is on no side.
         let first = first_query(surface, &heading, case.incident);
         if surface.border() != Border::Open || comes_in_its_medium(surface, &first) {
-            account.add(&walk(surface, scheme, &light, heading, rng));
+            let numbers = Numbers {
+                stream: PathStream::new(0, 0),
+                ray: i as u32,
+            };
+            account.add(&walk(surface, scheme, &light, heading, numbers));
         }
     }
     account
@@ -187,7 +190,7 @@ pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
                 {
                     continue;
                 }
-                let mut rng = generator(index, 200 + number as u64);
+                let stream = PathStream::new(index as u64, number as u64);
                 let tracer = Tracer::new(
                     surface,
                     &**accelerator,
@@ -200,7 +203,7 @@ pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
                     strata,
                     spec,
                     None,
-                    &mut rng,
+                    stream,
                 );
                 let segments = work.segments + work.segments_skipped;
                 row.segments += segments;

@@ -4,11 +4,12 @@
 
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
-use asperity_tracer::{Accelerator, Branching, Facet, Geometry, HalfSpace, Surface, TileRay};
+use asperity_tally::{Event, EventPath};
+use asperity_tracer::{
+    Accelerator, Branching, Facet, Geometry, HalfSpace, PathStream, Surface, TileRay,
+};
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use glam::DVec3;
-use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::ground::Ground;
 
@@ -25,6 +26,7 @@ pub(crate) struct Segment {
     flux: f64,
     order: usize,
     transmissions: u32,
+    path: EventPath,
 }
 
 /// How segments are traced.
@@ -163,13 +165,28 @@ pub(crate) fn start_towards(
     }
 }
 
+/// The random numbers of a path.
+#[derive(Clone, Copy)]
+pub(crate) struct Numbers {
+    pub(crate) stream: PathStream,
+    pub(crate) ray: u32,
+}
+
+impl Numbers {
+    /// The number that picks a branch at the end of a segment.
+    fn pick(self, segment: &Segment) -> f64 {
+        let [pick, _] = self.stream.of_interaction(self.ray, segment.path, 0);
+        pick
+    }
+}
+
 /// Follows one incident ray and all that comes of it.
 pub(crate) fn walk(
     surface: &Surface,
     scheme: &dyn Scheme,
     light: &Light,
     heading: Heading,
-    rng: &mut ChaCha8Rng,
+    numbers: Numbers,
 ) -> Account {
     let mut account = Account {
         rays: 1,
@@ -183,6 +200,7 @@ pub(crate) fn walk(
         flux: 1.0,
         order: 0,
         transmissions: 0,
+        path: EventPath::default(),
     }];
     while let Some(segment) = segments.pop() {
         account.segments += 1;
@@ -215,7 +233,7 @@ pub(crate) fn walk(
                     scheme,
                     light,
                     &arrived,
-                    rng,
+                    numbers,
                     &mut segments,
                     &mut account,
                 );
@@ -237,7 +255,7 @@ fn interact(
     scheme: &dyn Scheme,
     light: &Light,
     segment: &Segment,
-    rng: &mut ChaCha8Rng,
+    numbers: Numbers,
     segments: &mut Vec<Segment>,
     account: &mut Account,
 ) {
@@ -262,8 +280,8 @@ fn interact(
         None => light.material.fresnel(cos_theta_i),
     };
 
-    let mut push = |direction: DVec3, half_space, fraction: f64, transmissions| {
-        let flux = segment.flux * fraction;
+    let mut push = |direction: DVec3, half_space, share: f64, event| {
+        let flux = segment.flux * share;
         if flux < light.weakest && light.branching == Branching::Split {
             account.truncated += flux;
             account.weak += u64::from(flux > 0.0);
@@ -279,12 +297,13 @@ fn interact(
             half_space,
             flux,
             order: segment.order + 1,
-            transmissions,
+            transmissions: segment.transmissions + u32::from(event == Event::Transmission),
+            path: segment.path.then(event),
             ..*segment
         });
     };
     let [reflected, transmitted] = match (index, light.branching) {
-        (Some(_), Branching::Pick) if rng.random::<f64>() < fresnel.reflected => [1.0, 0.0],
+        (Some(_), Branching::Pick) if numbers.pick(segment) < fresnel.reflected => [1.0, 0.0],
         (Some(_), Branching::Pick) => [0.0, 1.0],
         _ => [fresnel.reflected, fresnel.transmitted],
     };
@@ -295,7 +314,7 @@ fn interact(
                 direction,
                 segment.half_space.other(),
                 transmitted,
-                segment.transmissions + 1,
+                Event::Transmission,
             );
         }
         _ => {}
@@ -305,7 +324,7 @@ fn interact(
             reflect(wi, m),
             segment.half_space,
             reflected,
-            segment.transmissions,
+            Event::Reflection,
         );
     }
     if index.is_none() {

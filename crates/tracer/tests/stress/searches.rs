@@ -35,7 +35,7 @@ fn a_direction_of_minus_zero_is_one_of_zero() {
     assert!(expected.is_some());
     let mut hits = Vec::new();
     for (kind, accelerator) in accelerators(surface) {
-        accelerator.closest_hits(surface, &[query], &mut hits);
+        accelerator.closest_hits_of(surface, &[query], &mut hits);
         assert_eq!(hits, [expected], "{kind}");
     }
 }
@@ -78,7 +78,7 @@ pub(super) fn against_brute_force(index: usize, scene: &Scene, effort: Effort) -
         for together in TOGETHER {
             let batches = queries.chunks(together).zip(expected.chunks(together));
             for (queries, expected) in batches {
-                accelerator.closest_hits(surface, queries, &mut hits);
+                accelerator.closest_hits_of(surface, queries, &mut hits);
                 row.segments += queries.len() as u64;
                 if hits != expected {
                     row.unlike_batches += 1;

@@ -4,14 +4,13 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
 use asperity_tally::{Entry, HemisphereGrid, Side, TallySpec, TallyValues};
 use asperity_tracer::{
-    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
-    Tracer,
+    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathSettings,
+    PathStream, Surface, Tracer,
 };
-use rand::RngExt;
 
-use crate::paths::{Account, BySide, Light, start, walk};
+use crate::MAX_ORDER;
+use crate::paths::{Account, BySide, Light, Numbers, start, walk};
 use crate::scenes::gaussian;
-use crate::{MAX_ORDER, generator};
 
 #[test]
 fn many_rays_together_do_what_one_ray_after_another_does() {
@@ -58,48 +57,38 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
         let incidence = Incidence::from_degrees(theta_deg, 50.0 * number as f64).unwrap();
         let scheme = BySide(&*accelerator);
 
-        // Picked branches draw random numbers on their way, in an order that only one ray has in
-        // common; so these are compared ray by ray, the others all at once as well.
+        // Ray by ray, then all at once.
         for ray in 0..60 {
-            let mut rng = generator(number, ray);
-            let (u, v) = (rng.random(), rng.random());
+            let stream = PathStream::new(number as u64, 0).from_path(ray);
+            let numbers = Numbers { stream, ray: 0 };
+            let [u, v] = stream.of_start(0);
             let heading = start(&surface, &light, incidence, u, v);
-            let account = walk(&surface, &scheme, &light, heading, &mut rng);
-            let mut rng = generator(number, ray);
-            let (values, _) = tracer.batch(
-                &Illumination::new(incidence, false),
-                1,
-                spec,
-                None,
-                &mut rng,
-            );
+            let account = walk(&surface, &scheme, &light, heading, numbers);
+            let (values, _) =
+                tracer.batch(&Illumination::new(incidence, false), 1, spec, None, stream);
             assert_eq!(account.weak, 0);
             assert_same(&values, spec, &account);
         }
-        if branching == Branching::Split {
-            let mut rng = generator(number, 100);
-            let mut account = Account::default();
-            for [column, row] in z_curve(side) {
-                let [u, v] = [column, row].map(|i| {
-                    let width = 1.0 / f64::from(side);
-                    (f64::from(i) + rng.random::<f64>()) * width
-                });
-                let heading = start(&surface, &light, incidence, u, v);
-                let mut unused = generator(number, 101);
-                account.add(&walk(&surface, &scheme, &light, heading, &mut unused));
-            }
-            let mut rng = generator(number, 100);
-            let (values, work) = tracer.batch(
-                &Illumination::new(incidence, false),
-                side,
-                spec,
-                None,
-                &mut rng,
-            );
-            assert_eq!(account.weak, 0);
-            assert_eq!(work.segments + work.segments_skipped, account.segments);
-            assert_same(&values, spec, &account);
+        let stream = PathStream::new(number as u64, 1);
+        let mut account = Account::default();
+        for (ray, [column, row]) in (0..).zip(z_curve(side)) {
+            let width = 1.0 / f64::from(side);
+            let [u, v] = stream.of_start(ray);
+            let [u, v] = [f64::from(column) + u, f64::from(row) + v].map(|place| place * width);
+            let heading = start(&surface, &light, incidence, u, v);
+            let numbers = Numbers { stream, ray };
+            account.add(&walk(&surface, &scheme, &light, heading, numbers));
         }
+        let (values, work) = tracer.batch(
+            &Illumination::new(incidence, false),
+            side,
+            spec,
+            None,
+            stream,
+        );
+        assert_eq!(account.weak, 0);
+        assert_eq!(work.segments + work.segments_skipped, account.segments);
+        assert_same(&values, spec, &account);
     }
 }
 

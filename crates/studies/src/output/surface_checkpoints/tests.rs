@@ -151,11 +151,11 @@ fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refus
         let (resumed, _) = run(place.path(), &config, &stopped(), None);
         assert_eq!(resumed, saved - 1);
     }
-    let epoch = "\"results_epoch\":1";
-    assert!(text.contains(epoch));
+    let epoch = format!("\"results_epoch\":{}", asperity_io::RESULTS_EPOCH);
+    assert!(text.contains(&epoch));
     write_bytes(
         &path,
-        text.replacen(epoch, "\"results_epoch\":7", 1).as_bytes(),
+        text.replacen(&epoch, "\"results_epoch\":7", 1).as_bytes(),
     )
     .unwrap();
     let message = refusal(&config);

@@ -9,31 +9,29 @@
 //!   hands the few other rays to the quadtree;
 //! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does; on x86-64 only.
 //!
-//! `instructions.rs` chooses between the last two. Where a ray is met is computed in f64, and which facet of a cell it is wherever rounding in f32
-//! might decide. So all give the facet that brute force gives.
+//! `load.rs` brings rays into f32, and `instructions.rs` chooses between the last two. Where a ray is met is computed
+//! in f64, and which facet of a cell it is wherever rounding in f32 might decide. So all give the facet that brute
+//! force gives.
 
 mod bounds;
 mod instructions;
-#[cfg(target_arch = "x86_64")]
-mod lanes;
+mod load;
 mod quadtree;
 mod rays;
 mod scalar;
 #[cfg(target_arch = "x86_64")]
 mod wide;
-#[cfg(target_arch = "x86_64")]
-mod x86;
 
 use std::cell::Cell;
 
 use self::bounds::Bounds;
+use self::load::Load;
 use self::rays::{Answer, Rays};
 use crate::accelerators::accelerator::{Accelerator, BuildError};
 use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::height_field::{Facet, Surface};
-use crate::ray::{Hit, Query};
-
-pub use self::instructions::Instructions;
+use crate::ray::{Hit, Query, RayColumns};
+use crate::vector::Instructions;
 
 /// Height bounds over one tile, and the instructions with which they are searched.
 pub struct Pyramid {
@@ -95,8 +93,8 @@ fn fetch(surface: &Surface, [ix, iy]: [u32; 2]) {
         let field = surface.field();
         let [_, stride] = field.shape();
         let corner = iy as usize * stride + ix as usize;
-        x86::prefetch(field.heights(), corner);
-        x86::prefetch(field.heights(), corner + stride);
+        crate::vector::x86::prefetch(field.heights(), corner);
+        crate::vector::x86::prefetch(field.heights(), corner + stride);
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = (surface, ix, iy);
@@ -127,21 +125,27 @@ impl Accelerator<Surface> for Pyramid {
     fn closest_hits(
         &self,
         surface: &Surface,
-        queries: &[Query],
+        rays: RayColumns<'_>,
+        which: &[u32],
         hits: &mut Vec<Option<Hit<Facet>>>,
     ) {
-        let mut rays = RAYS.take();
-        rays.load(surface, queries);
-        instructions::search(&self.bounds, &mut rays, self.instructions);
+        let mut lanes = RAYS.take();
+        self.instructions.run(Load {
+            surface,
+            rays,
+            which,
+            into: &mut lanes,
+        });
+        instructions::search(&self.bounds, &mut lanes, self.instructions);
         hits.clear();
-        hits.resize(queries.len(), None);
-        let answers = &rays.answers;
+        hits.resize(rays.len(), None);
+        let answers = &lanes.answers;
         for i in 0..answers.len() {
             if let Some(cell) = answers.cell(i + AHEAD) {
                 fetch(surface, cell);
             }
             let (place, answer) = answers.get(i);
-            let query = &queries[place];
+            let query = &rays.query(place);
             match answer {
                 Answer::Nothing => {}
                 Answer::Inside([ix, iy], triangle) => {
@@ -153,6 +157,6 @@ impl Accelerator<Surface> for Pyramid {
                 Answer::Doubtful => hits[place] = self.closest_hit(surface, query),
             }
         }
-        RAYS.set(rays);
+        RAYS.set(lanes);
     }
 }

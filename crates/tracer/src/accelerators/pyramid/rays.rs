@@ -5,6 +5,7 @@ use asperity_surface::Triangle;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 use crate::ray::{Query, TileRay};
+use crate::vector::MAX_LANES;
 
 /// How far a point of a ray may be from where it should be, in columns a column travelled: the
 /// position `x + t dx` takes `t = edge / dx - x / dx` and roundings of x, dx, 1 / dx, and of two or
@@ -12,9 +13,6 @@ use crate::ray::{Query, TileRay};
 /// error of x counts `dy / dx` times: what that can do is which edge comes first, and where the ray is
 /// when it leaves through an edge that it runs along; `Exit::tied` and `Exit::late` see to those.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
-
-/// Most lanes of any instruction set.
-pub(super) const MAX_LANES: usize = 16;
 
 /// Reciprocals are kept below this, so that products with edges stay finite.
 const STEEPEST: f32 = 1e30;
@@ -98,22 +96,11 @@ pub(super) struct Rays {
 }
 
 impl Rays {
-    /// Takes in the rays of `queries` instead of those that were there.
-    pub(super) fn load(&mut self, surface: &Surface, queries: &[Query]) {
-        self.make_room(queries.len() + MAX_LANES);
+    /// Makes room for `count` rays instead of those that were there.
+    pub(super) fn begin(&mut self, count: usize) {
+        self.make_room(count + MAX_LANES);
         self.count = 0;
         self.answers.count = 0;
-        let cells = surface.cells();
-        // Wider than the heights, so that a ray that touches the highest point within rounding
-        // begins before it.
-        let [low, high] = surface.z_range();
-        let pad = 1e-6 * (1.0 + high - low);
-        let z_range = [low - pad, high + pad];
-        for (place, query) in queries.iter().enumerate() {
-            if self.add(query, cells, z_range, place as i32).is_none() {
-                self.answers.push(place as i32, Code::DOUBTFUL);
-            }
-        }
     }
 
     /// Makes every field at least `room` long.
@@ -147,48 +134,69 @@ impl Rays {
         }
     }
 
-    /// Adds a ray, unless it is doubtful from the start.
-    #[inline(always)]
-    fn add(
-        &mut self,
-        query: &Query,
-        cells: [usize; 2],
-        z_range: [f64; 2],
-        place: i32,
-    ) -> Option<()> {
+    /// Adds a ray from where it enters the box of the tile, unless it is doubtful from the start.
+    pub(super) fn add_entering(&mut self, query: &Query, tile: &Tile, place: i32) {
         let Query { ray, half_space } = *query;
-        let (o, d) = (ray.origin, ray.direction);
-        let extent = cells.map(|n| n as f64);
-        let inside = o.x >= 0.0
-            && o.x <= extent[0]
-            && o.y >= 0.0
-            && o.y <= extent[1]
-            && o.z >= z_range[0]
-            && o.z <= z_range[1];
-        let p = if inside {
-            o
-        } else {
-            ray.at(entry(&ray, extent, z_range)?)
-        };
-        let (dx, dy) = (d.x as f32, d.y as f32);
-        let (column, x) = cell(p.x, dx, cells[0])?;
-        let (row, y) = cell(p.y, dy, cells[1])?;
+        let extent = tile.cells.map(f64::from);
         let q = half_space.sign();
+        let loaded = entry(&ray, extent, tile.z_range)
+            .map(|t| ray.at(t))
+            .map(|p| tile.load(p.to_array(), ray.direction.to_array(), q));
+        match loaded {
+            Some((loaded, true)) => self.add(&loaded, place),
+            _ => self.add_doubtful(place),
+        }
+    }
+
+    /// Notes that a ray is doubtful from the start.
+    pub(super) fn add_doubtful(&mut self, place: i32) {
+        self.answers.push(place, Code::DOUBTFUL);
+    }
+
+    /// Adds a ray.
+    #[inline(always)]
+    pub(super) fn add(&mut self, ray: &Ray, place: i32) {
         let i = self.count;
-        self.x[i] = x as f32;
-        self.y[i] = y as f32;
-        self.z[i] = (q * p.z) as f32;
-        self.dx[i] = dx;
-        self.dy[i] = dy;
-        self.dz[i] = (q * d.z) as f32;
-        self.inverse_dx[i] = reciprocal(dx);
-        self.inverse_dy[i] = reciprocal(dy);
-        self.side[i] = q as f32;
-        self.cell_x[i] = column;
-        self.cell_y[i] = row;
-        self.place[i] = place;
         self.count += 1;
-        Some(())
+        self.x[i] = ray.x;
+        self.y[i] = ray.y;
+        self.z[i] = ray.z;
+        self.dx[i] = ray.dx;
+        self.dy[i] = ray.dy;
+        self.dz[i] = ray.dz;
+        self.inverse_dx[i] = ray.inverse_dx;
+        self.inverse_dy[i] = ray.inverse_dy;
+        self.side[i] = ray.side;
+        [self.cell_x[i], self.cell_y[i]] = ray.cell;
+        self.place[i] = place;
+    }
+
+    /// The next `count` rays, whose fields are about to be written: those of [`Ray`] in its order, and places.
+    #[inline(always)]
+    pub(super) fn next(&mut self, count: usize) -> ([&mut [f32]; 9], [&mut [i32]; 3]) {
+        let range = self.count..self.count + count;
+        self.count += count;
+        (
+            [
+                &mut self.x,
+                &mut self.y,
+                &mut self.z,
+                &mut self.dx,
+                &mut self.dy,
+                &mut self.dz,
+                &mut self.inverse_dx,
+                &mut self.inverse_dy,
+                &mut self.side,
+            ]
+            .map(|field| &mut field[range.clone()]),
+            [&mut self.cell_x, &mut self.cell_y, &mut self.place]
+                .map(|field| &mut field[range.clone()]),
+        )
+    }
+
+    /// Takes the last `count` rays back.
+    pub(super) fn take_back(&mut self, count: usize) {
+        self.count -= count;
     }
 
     /// Number of rays to be searched.
@@ -272,13 +280,14 @@ impl Answers {
 }
 
 /// `1 / d`, kept finite.
+#[inline(always)]
 fn reciprocal(d: f32) -> f32 {
+    let most = if d < 0.0 { -STEEPEST } else { STEEPEST };
+    let inverse = 1.0 / d;
     if d.abs() > 1.0 / STEEPEST {
-        1.0 / d
-    } else if d < 0.0 {
-        -STEEPEST
+        inverse
     } else {
-        STEEPEST
+        most
     }
 }
 
@@ -304,16 +313,68 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
     (enter.is_finite() && leave - enter > 1e-6).then_some(enter)
 }
 
-/// The cell of `count` that the coordinate `p` is in, and the place within it; `None` if rounding in
-/// f32 may have put it on the wrong side of an edge.
-fn cell(p: f64, rate: f32, count: usize) -> Option<(i32, f64)> {
+/// What loading a ray takes of its tile.
+#[derive(Clone, Copy)]
+pub(super) struct Tile {
+    /// Columns and rows.
+    pub(super) cells: [i32; 2],
+    /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
+    pub(super) z_range: [f64; 2],
+}
+
+impl Tile {
+    pub(super) fn new(surface: &Surface) -> Self {
+        let [low, high] = surface.z_range();
+        let pad = 1e-6 * (1.0 + high - low);
+        Self {
+            cells: surface.cells().map(|n| n as i32),
+            z_range: [low - pad, high + pad],
+        }
+    }
+
+    /// Whether a point is in the box of the tile.
+    #[inline(always)]
+    pub(super) fn contains(&self, [x, y, z]: [f64; 3]) -> bool {
+        let [cx, cy] = self.cells.map(f64::from);
+        let [low, high] = self.z_range;
+        (x >= 0.0) & (x <= cx) & (y >= 0.0) & (y <= cy) & (z >= low) & (z <= high)
+    }
+
+    /// A ray from a point in the box along `d` in the half space of sign `q`, and whether it is certain in which
+    /// cell it begins.
+    #[inline(always)]
+    pub(super) fn load(&self, [x, y, z]: [f64; 3], d: [f64; 3], q: f64) -> (Ray, bool) {
+        let (dx, dy) = (d[0] as f32, d[1] as f32);
+        let (column, u, is_sure_x) = cell(x, dx, self.cells[0]);
+        let (row, v, is_sure_y) = cell(y, dy, self.cells[1]);
+        let ray = Ray {
+            x: u as f32,
+            y: v as f32,
+            z: (q * z) as f32,
+            dx,
+            dy,
+            dz: (q * d[2]) as f32,
+            inverse_dx: reciprocal(dx),
+            inverse_dy: reciprocal(dy),
+            side: q as f32,
+            cell: [column, row],
+            place: 0,
+        };
+        (ray, is_sure_x & is_sure_y)
+    }
+}
+
+/// The cell of `count` that the coordinate `p` is in, the place within it, and whether rounding in f32 cannot have put
+/// it on the wrong side of an edge.
+#[inline(always)]
+fn cell(p: f64, rate: f32, count: i32) -> (i32, f64, bool) {
     let edge = f64::from(ROUNDING);
     // A place in the tile is not below zero, but for rounding.
-    let index = f64::from((p as i32).clamp(0, (count - 1) as i32));
-    let within = p - index;
+    let index = (p as i32).max(0).min(count - 1);
+    let within = p - f64::from(index);
     // On the border of the tile, going inwards, only the border's own cell is possible.
-    let from_low = index == 0.0 && rate > 0.0 && within > -edge;
-    let from_high = index == (count - 1) as f64 && rate < 0.0 && within < 1.0 + edge;
-    let sure = (within > edge || from_low) && (within < 1.0 - edge || from_high);
-    sure.then_some((index as i32, within))
+    let from_low = (index == 0) & (rate > 0.0) & (within > -edge);
+    let from_high = (index == count - 1) & (rate < 0.0) & (within < 1.0 + edge);
+    let is_sure = ((within > edge) | from_low) & ((within < 1.0 - edge) | from_high);
+    (index, within, is_sure)
 }

@@ -6,8 +6,8 @@
 //! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
 
 use super::bounds::{Bounds, MAX_LEVELS};
-use super::lanes::{Floats, Integers, Lanes, Mask, Task};
 use super::rays::{Answers, Code, ROUNDING, Rays};
+use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
 
 /// Steps from node to node per test of cells: rays take some nine of those and three of these.
 const STEPS: usize = 3;

@@ -2,6 +2,7 @@
 
 mod cell;
 mod height_bounds;
+mod many;
 mod nearby;
 mod slope_bounds;
 #[cfg(test)]
@@ -16,8 +17,8 @@ use self::cell::{Cell, Size};
 use self::height_bounds::HeightBounds;
 use self::slope_bounds::SlopeBounds;
 
-use crate::geometry::{Escape, Geometry, Nearby};
-use crate::ray::{HalfSpace, Hit, TileRay};
+use crate::geometry::{Escape, Geometry, Nearby, Outlook};
+use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 
 pub use self::cell::Facet;
 
@@ -156,6 +157,29 @@ impl Surface {
             z10: self.z(ix + 1, iy),
             z01: self.z(ix, iy + 1),
             z11: self.z(ix + 1, iy + 1),
+        }
+    }
+
+    /// Heights between which the slopes of a facet lie, in the unit of the field: that of its cell's corner 00, and
+    /// the ends of its rise along a column and along a row, `[to, from]`.
+    #[inline(always)]
+    fn slope_heights(&self, Facet { ix, iy, triangle }: Facet) -> (f64, [f64; 2], [f64; 2]) {
+        let [rows, columns] = self.field.shape();
+        let (ix, iy) = (ix as usize, iy as usize);
+        let right = if ix + 1 < columns { ix + 1 } else { 0 };
+        let far = columns * if iy + 1 < rows { iy + 1 } else { 0 };
+        let near = columns * iy;
+        let heights = self.field.heights();
+        let (h00, h11) = (heights[near + ix], heights[far + right]);
+        match triangle {
+            Triangle::Lower => {
+                let h10 = heights[near + right];
+                (h00, [h10, h00], [h11, h10])
+            }
+            Triangle::Upper => {
+                let h01 = heights[far + ix];
+                (h00, [h11, h01], [h01, h00])
+            }
         }
     }
 
@@ -347,6 +371,23 @@ impl Geometry for Surface {
         let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
         (within && self.slope_bounds.is_below_near(place, u, rise, t))
             .then_some(Escape::SteeperThanNear)
+    }
+
+    #[inline(always)]
+    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
+        many::outlooks(self, rays, outlooks);
+    }
+
+    #[inline(always)]
+    fn arrive(
+        &self,
+        facets: &[Facet],
+        ts: &[f64],
+        origin: [&mut [f64]; 3],
+        direction: [&[f64]; 3],
+        normal: [&mut [f64]; 3],
+    ) {
+        many::arrive(self, facets, ts, origin, direction, normal);
     }
 }
 

@@ -28,10 +28,8 @@ impl Support {
     #[inline]
     pub(crate) fn rise(&self, u: DVec2) -> f64 {
         let (x, y) = (u.x.abs(), u.y.abs());
-        // Without branches, since directions come as they like.
-        let (left, down) = (usize::from(u.x < 0.0), usize::from(u.y < 0.0));
-        let axis = if x >= y { 4 * left } else { 2 + 4 * down };
-        let diagonal = 1 + 2 * (left ^ down) + 4 * down;
+        let sector = sector([u.x, u.y]);
+        let (axis, diagonal) = ((sector & 7) as usize, (sector >> 4) as usize);
         (x - y).abs() * self.0[axis] + x.min(y) * self.0[diagonal]
     }
 
@@ -77,17 +75,21 @@ impl Support {
 #[derive(Clone, Debug)]
 pub(crate) struct SlopeBounds {
     all: Support,
-    /// From the smallest blocks to the largest: blocks twice as long each time.
-    levels: Vec<Level>,
+    /// For each block that of itself and of the eight around it, beyond the border too; level by level, from the
+    /// smallest blocks to the largest, twice as long each time. The first entry is a bound that nothing exceeds.
+    around: Vec<Support>,
+    /// Where each level is found; of levels that do not exist, the first entry.
+    spans: [Span; MAX_LEVELS],
 }
 
-/// Blocks of one size.
-#[derive(Clone, Debug)]
-struct Level {
-    /// Columns and rows of blocks.
-    size: [u32; 2],
-    /// For each block, that of itself and of the eight around it, beyond the border too.
-    around: Vec<Support>,
+/// Levels of blocks, at the most.
+const MAX_LEVELS: usize = 32;
+
+/// Blocks of one level: the place of the first, and the numbers of the last along x and y.
+#[derive(Clone, Copy, Debug, Default)]
+struct Span {
+    first: u32,
+    last: [u32; 2],
 }
 
 impl SlopeBounds {
@@ -110,12 +112,15 @@ impl SlopeBounds {
             .collect();
         let mut size = [columns, cy.div_ceil(SMALLEST)];
         let mut side = SMALLEST;
-        let mut levels = Vec::new();
-        loop {
-            levels.push(Level {
-                size: size.map(|n| n as u32),
-                around: with_neighbours(&blocks, size, [cx, cy].map(|n| n % side == 0), border),
-            });
+        let mut around = vec![Support([f64::INFINITY; DIRECTIONS])];
+        let mut spans = [Span::default(); MAX_LEVELS];
+        for span in &mut spans {
+            *span = Span {
+                first: around.len() as u32,
+                last: size.map(|n| n as u32 - 1),
+            };
+            let whole = [cx, cy].map(|n| n % side == 0);
+            around.extend(with_neighbours(&blocks, size, whole, border));
             if size == [1, 1] {
                 break;
             }
@@ -130,7 +135,40 @@ impl SlopeBounds {
                 .into_iter()
                 .fold(tile, |all, axes| all.join(&tile.mirrored(axes))),
         };
-        Self { all, levels }
+        Self { all, around, spans }
+    }
+
+    /// Where to find the bounds for a ray from `[x, y]` in the tile, of horizontal direction `u`, that goes on by `t`:
+    /// the number of its block, and of its sector of directions.
+    #[inline(always)]
+    pub(crate) fn place_near(&self, [x, y]: [f64; 2], [ux, uy]: [f64; 2], t: f64) -> (u32, u8) {
+        // Level: bits of the whole number of smallest blocks that the ray passes, from the exponent
+        let longer = if ux.abs() > uy.abs() {
+            ux.abs()
+        } else {
+            uy.abs()
+        };
+        let blocks = t * longer * (1.0 / SMALLEST as f64);
+        let exponent = (blocks.to_bits() >> 52) as i32 - 1022;
+        let level = exponent.clamp(0, MAX_LEVELS as i32 - 1) as usize;
+        let Span { first, last } = self.spans[level];
+        let block = |p: f64, last: u32| ((p as i32 as u32 / SMALLEST as u32) >> level).min(last);
+        let number = first + block(y, last[1]) * (last[0] + 1) + block(x, last[0]);
+        (if first == 0 { 0 } else { number }, sector([ux, uy]))
+    }
+
+    /// Rises that bound those near a block, and those of the whole tile: along the axis and along the diagonal of a
+    /// sector. An upper bound for a direction is a sum of these, as in [`Support::rise`].
+    #[inline(always)]
+    pub(crate) fn rises(&self, block: u32, sector: u8) -> [f64; 4] {
+        let near = &self.around[block as usize].0;
+        let (axis, diagonal) = ((sector & 7) as usize, (sector >> 4 & 7) as usize);
+        [
+            near[axis],
+            near[diagonal],
+            self.all.0[axis],
+            self.all.0[diagonal],
+        ]
     }
 
     /// The steepest rise in any of the eight directions.
@@ -149,19 +187,22 @@ impl SlopeBounds {
     /// before it has gone on by `t`.
     #[inline]
     pub(crate) fn is_below_near(&self, place: DVec2, u: DVec2, rise: f64, t: f64) -> bool {
-        let reach = t * u.x.abs().max(u.y.abs());
-        // Blocks of 16 * 2^level cells per side, the smallest that are longer than the reach.
-        let level = u32::BITS - (reach as u32 / SMALLEST as u32).leading_zeros();
-        let Some(Level { size, around }) = self.levels.get(level as usize) else {
-            return false;
-        };
-        let block = |p: f64, count: u32| {
-            let number = (p as u32 / SMALLEST as u32) >> level;
-            number.min(count - 1) as usize
-        };
-        let around = &around[block(place.y, size[1]) * size[0] as usize + block(place.x, size[0])];
-        rise > around.rise(u)
+        let (block, _) = self.place_near([place.x, place.y], [u.x, u.y], t);
+        rise > self.around[block as usize].rise(u)
     }
+}
+
+/// Numbers of the axis and of the diagonal between which a horizontal direction lies, in four bits each.
+#[inline(always)]
+fn sector([x, y]: [f64; 2]) -> u8 {
+    // Without branches, since directions come as they like.
+    let (left, down) = (u8::from(x < 0.0), u8::from(y < 0.0));
+    let axis = if x.abs() >= y.abs() {
+        4 * left
+    } else {
+        2 + 4 * down
+    };
+    axis | (1 + 2 * (left ^ down) + 4 * down) << 4
 }
 
 /// Supports of one row of the smallest blocks, `rows` being its rows of cells.

@@ -9,7 +9,7 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{Estimate, TallySpec, TallyStatistics};
 use asperity_tracer::{
-    Accelerator, Geometry, HalfSpace, Illumination, PathSettings, Surface, Tracer, Work,
+    Accelerator, Geometry, HalfSpace, Illumination, PathSettings, PathStream, Surface, Tracer, Work,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -99,14 +99,13 @@ impl<'a, G: Geometry> Run<'a, G> {
         let mut statistics = TallyStatistics::new(self.spec);
         let mut work = Work::default();
         for block in 0..batches {
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(block);
+            let stream = PathStream::new(self.seed, block);
             let (values, done) = tracer.batch(
                 &Illumination::new(incidence, false),
                 strata,
                 self.spec,
                 None,
-                &mut rng,
+                stream,
             );
             statistics.push(&values);
             work += done;

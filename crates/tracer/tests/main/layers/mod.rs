@@ -10,11 +10,9 @@ use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, P
 use asperity_surface::HeightField;
 use asperity_tally::{Entry, Sides, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, BuildAccelerator, HalfSpace, Illumination, PathSettings, Surface,
-    TracedLayer, Tracer, Work,
+    AcceleratorKind, BottomShape, BuildAccelerator, HalfSpace, Illumination, PathSettings,
+    PathStream, Surface, TracedLayer, Tracer, Work,
 };
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 /// A scene: a surface of glass, what lies below it, and the light.
 #[derive(Clone)]
@@ -79,9 +77,8 @@ impl Scene {
         let mut statistics = TallyStatistics::new(spec);
         let mut work = Work::default();
         for batch in 0..batches {
-            let mut rng = ChaCha8Rng::seed_from_u64(self.seed);
-            rng.set_stream(batch);
-            let (values, done) = tracer.batch(&light, strata, spec, None, &mut rng);
+            let stream = PathStream::new(self.seed, batch);
+            let (values, done) = tracer.batch(&light, strata, spec, None, stream);
             statistics.push(&values);
             work += done;
         }

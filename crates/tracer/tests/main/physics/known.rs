@@ -4,11 +4,9 @@ use asperity_optics::{Incidence, Material, dielectric};
 use asperity_surface::{Border, HeightField};
 use asperity_tally::{Component, HemisphereGrid, Side, TallyResult, TallySpec};
 use asperity_tracer::{
-    BruteForce, HalfSpace, Illumination, MeshBvh, PathSettings, Surface, Tracer,
+    BruteForce, HalfSpace, Illumination, MeshBvh, PathSettings, PathStream, Surface, Tracer,
 };
 use glam::DVec3;
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
 
 use super::{GLASS, glass};
 use crate::common::{Run, rugged};
@@ -79,13 +77,12 @@ fn light_of_any_azimuth_is_turned_back_to_the_plane_of_incidence() {
         let incidence = Incidence::from_degrees(theta_deg, phi_deg).unwrap();
         let expected = dielectric(incidence.theta().cos(), GLASS).reflected;
         for any_azimuth in [false, true] {
-            let mut rng = ChaCha8Rng::seed_from_u64(5);
             let (values, _) = tracer.batch(
                 &Illumination::new(incidence, any_azimuth),
                 6,
                 spec,
                 None,
-                &mut rng,
+                PathStream::new(5, 0),
             );
             let (sin_phi, cos_phi) = (incidence.phi() + std::f64::consts::PI).sin_cos();
             let (sin, cos) = incidence.theta().sin_cos();

@@ -2,9 +2,9 @@
 
 use asperity_optics::Incidence;
 use asperity_tally::{Component, Entry, Side, TallyResult, TallySpec, TallyStatistics};
-use asperity_tracer::{HalfSpace, Illumination, MeshBvh, PathSettings, Sampling, Surface, Tracer};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
+use asperity_tracer::{
+    HalfSpace, Illumination, MeshBvh, PathSettings, PathStream, Sampling, Surface, Tracer,
+};
 
 use super::{exhaustive, glass};
 use crate::common::{waves, z_score};
@@ -28,13 +28,12 @@ fn samplings_agree_and_even_ones_scatter_less() {
     .map(|sampling| {
         let mut statistics = TallyStatistics::new(spec);
         for block in 0..400 {
-            let mut rng = ChaCha8Rng::seed_from_u64(6);
-            rng.set_stream(block);
+            let stream = PathStream::new(6, block);
             let illumination = Illumination {
                 sampling,
                 ..Illumination::new(incidence, true)
             };
-            let (values, work) = tracer.batch(&illumination, 32, spec, None, &mut rng);
+            let (values, work) = tracer.batch(&illumination, 32, spec, None, stream);
             assert_eq!(work.rays, 1024);
             assert!((values.budget().total() - 1.0).abs() < 1e-12);
             statistics.push(&values);
@@ -72,17 +71,10 @@ fn free_azimuth_of_vertical_light_is_the_mean_over_azimuths() {
         let incidence = Incidence::from_degrees(theta_deg, 33.0).unwrap();
         let mut statistics = TallyStatistics::new(spec);
         for block in 0..400 {
-            let mut rng = ChaCha8Rng::seed_from_u64(seed);
-            rng.set_stream(block);
+            let stream = PathStream::new(seed, block);
             statistics.push(
                 &tracer
-                    .batch(
-                        &Illumination::new(incidence, true),
-                        24,
-                        spec,
-                        None,
-                        &mut rng,
-                    )
+                    .batch(&Illumination::new(incidence, true), 24, spec, None, stream)
                     .0,
             );
         }

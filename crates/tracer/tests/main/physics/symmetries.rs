@@ -7,7 +7,7 @@ use asperity_tally::{
 };
 use asperity_tracer::{
     AcceleratorKind, BruteForce, BuildAccelerator, HalfSpace, Illumination, MeshBvh, PathSettings,
-    Surface, Tracer,
+    PathStream, Surface, Tracer,
 };
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -53,7 +53,7 @@ fn diffuse_light_passes_both_ways_alike() {
             rng.set_stream(block);
             // Cosine-distributed directions, stratified over sin^2(theta).
             let mut sum = TallyValues::zeros(spec);
-            let directions = 64;
+            let directions = 64_u32;
             for i in 0..directions {
                 let sin2 = (f64::from(i) + rng.random::<f64>()) / f64::from(directions);
                 let theta = sin2.sqrt().asin().to_degrees().min(89.999);
@@ -64,7 +64,7 @@ fn diffuse_light_passes_both_ways_alike() {
                     3,
                     spec,
                     None,
-                    &mut rng,
+                    PathStream::new(seed, block).from_path(u64::from(9 * i)),
                 );
                 sum.update(&values, |s, v| *s += v / f64::from(directions));
             }

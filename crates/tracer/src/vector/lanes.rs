@@ -3,7 +3,7 @@
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 /// Lanes of f32.
-pub(super) trait Floats:
+pub(crate) trait Floats:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// Lane by lane the smaller one.
@@ -21,7 +21,7 @@ pub(super) trait Floats:
 }
 
 /// Lanes of i32; arithmetic wraps.
-pub(super) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
+pub(crate) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
     /// Lane by lane `self << by`, `by` from 0 to 31.
     fn shifted_left(self, by: Self) -> Self;
     /// Lane by lane `self >> by`, `by` from 0 to 31, filled with zeros.
@@ -33,7 +33,7 @@ pub(super) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
 }
 
 /// Lanes of booleans.
-pub(super) trait Mask:
+pub(crate) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
     /// One bit per lane, the first lane lowest.
@@ -41,8 +41,8 @@ pub(super) trait Mask:
 }
 
 /// An instruction set; a value of it is the proof that the machine has it.
-pub(super) trait Lanes: Copy {
-    /// Number of lanes, at most [`MAX_LANES`](super::rays::MAX_LANES).
+pub(crate) trait Lanes: Copy {
+    /// Number of lanes, at most [`MAX_LANES`](super::stage::MAX_LANES).
     const COUNT: usize;
     type F: Floats;
     type I: Integers;
@@ -71,19 +71,19 @@ pub(super) trait Lanes: Copy {
     fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
     /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.
     ///
-    /// `source` must hold at least [`MAX_LANES`](super::rays::MAX_LANES) entries.
+    /// `source` must hold at least [`MAX_LANES`](super::stage::MAX_LANES) entries.
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F;
     /// As [`Lanes::refill`], for integers.
     fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
     /// The mask whose lanes are the low bits of `bits`.
     fn mask(self, bits: u32) -> Self::M;
     /// Writes the entries of the lanes in `mask` to the front of `out`, in order; what is behind
-    /// them there may be overwritten. `out` must hold at least [`MAX_LANES`](super::rays::MAX_LANES) entries.
+    /// them there may be overwritten. `out` must hold at least [`MAX_LANES`](super::stage::MAX_LANES) entries.
     fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]);
 }
 
 /// Work that can be done with any lanes.
-pub(super) trait Task {
+pub(crate) trait Task {
     /// Does it. Implementations are `#[inline(always)]`, so that they are compiled for the
     /// instructions of the function that calls them.
     fn run<L: Lanes>(self, lanes: L);

@@ -15,7 +15,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
-use super::rays::MAX_LANES;
+use super::stage::{MAX_LANES, Stage};
 
 /// Implements an operator by an intrinsic.
 macro_rules! operator {
@@ -46,15 +46,15 @@ macro_rules! methods {
 
 /// The instructions of AVX2 and FMA, found on this machine.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Avx2(());
+pub(crate) struct Avx2(());
 
 impl Avx2 {
-    pub(super) fn detect() -> Option<Self> {
+    pub(crate) fn detect() -> Option<Self> {
         (is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")).then_some(Self(()))
     }
 
     /// Does `task` compiled for this instruction set.
-    pub(super) fn run(self, task: impl Task) {
+    pub(crate) fn run(self, task: impl Task) {
         #[target_feature(enable = "avx2,fma")]
         fn compiled(lanes: Avx2, task: impl Task) {
             task.run(lanes);
@@ -62,14 +62,24 @@ impl Avx2 {
         // SAFETY: `self` is the proof that the processor has these instructions.
         unsafe { compiled(self, task) }
     }
+
+    /// Runs `stage` compiled for this instruction set.
+    pub(crate) fn run_stage(self, stage: impl Stage) {
+        #[target_feature(enable = "avx2,fma")]
+        fn compiled(stage: impl Stage) {
+            stage.run();
+        }
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { compiled(stage) }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct F8(__m256);
+pub(crate) struct F8(__m256);
 #[derive(Clone, Copy, Debug)]
-pub(super) struct I8(__m256i);
+pub(crate) struct I8(__m256i);
 #[derive(Clone, Copy, Debug)]
-pub(super) struct M8(__m256);
+pub(crate) struct M8(__m256);
 
 operator!(Add, add, F8, _mm256_add_ps);
 operator!(Sub, sub, F8, _mm256_sub_ps);
@@ -347,10 +357,10 @@ fn last_index(len: usize) -> i32 {
 
 /// The instructions of AVX-512 (F, BW, DQ, VL), found on this machine.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Avx512(());
+pub(crate) struct Avx512(());
 
 impl Avx512 {
-    pub(super) fn detect() -> Option<Self> {
+    pub(crate) fn detect() -> Option<Self> {
         (is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
@@ -360,7 +370,7 @@ impl Avx512 {
     }
 
     /// Does `task` compiled for this instruction set.
-    pub(super) fn run(self, task: impl Task) {
+    pub(crate) fn run(self, task: impl Task) {
         #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma")]
         fn compiled(lanes: Avx512, task: impl Task) {
             task.run(lanes);
@@ -368,14 +378,24 @@ impl Avx512 {
         // SAFETY: `self` is the proof that the processor has these instructions.
         unsafe { compiled(self, task) }
     }
+
+    /// Runs `stage` compiled for this instruction set.
+    pub(crate) fn run_stage(self, stage: impl Stage) {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,fma")]
+        fn compiled(stage: impl Stage) {
+            stage.run();
+        }
+        // SAFETY: `self` is the proof that the processor has these instructions.
+        unsafe { compiled(stage) }
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct F16(__m512);
+pub(crate) struct F16(__m512);
 #[derive(Clone, Copy, Debug)]
-pub(super) struct I16(__m512i);
+pub(crate) struct I16(__m512i);
 #[derive(Clone, Copy, Debug)]
-pub(super) struct M16(__mmask16);
+pub(crate) struct M16(__mmask16);
 
 operator!(Add, add, F16, _mm512_add_ps);
 operator!(Sub, sub, F16, _mm512_sub_ps);
@@ -588,7 +608,7 @@ impl Lanes for Avx512 {
 
 /// Asks for the cache line of an entry, which is about to be read.
 #[inline(always)]
-pub(super) fn prefetch<T>(table: &[T], index: usize) {
+pub(crate) fn prefetch<T>(table: &[T], index: usize) {
     // SAFETY: nothing is read, whatever the address; every x86-64 processor has this instruction.
     unsafe { _mm_prefetch::<_MM_HINT_T0>(table.as_ptr().wrapping_add(index).cast()) }
 }

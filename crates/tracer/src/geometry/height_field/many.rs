@@ -1,0 +1,120 @@
+//! Many rays at a time: loops over arrays that take vector instructions, with the results of the methods for one ray.
+//!
+//! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
+
+use super::{Facet, Scale, Surface};
+use crate::geometry::Outlook;
+use crate::ray::RayColumns;
+
+/// Rays of a block: a few loads of lanes.
+const BLOCK: usize = 64;
+
+/// [`crate::Geometry::outlooks`].
+#[inline(always)]
+pub(super) fn outlooks(surface: &Surface, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
+    let n = outlooks.len();
+    let [x, y, z] = rays.origin.map(|column| &column[..n]);
+    let [dx, dy, dz] = rays.direction.map(|column| &column[..n]);
+    let (side, aspect) = (&rays.side[..n], rays.aspect);
+    let [cx, cy] = surface.extent;
+    let reach = surface.size.reach;
+    let bounds = &surface.slope_bounds;
+    for first in (0..n).step_by(BLOCK) {
+        let last = (first + BLOCK).min(n);
+        let mut places = [(0, 0); BLOCK];
+        for (place, i) in places.iter_mut().zip(first..last) {
+            let q = side[i];
+            let u = [q * dx[i], q * (dy[i] * aspect)];
+            // Until it is above the highest point (below the lowest one).
+            let t = (reach - q * z[i]) / (q * dz[i]);
+            *place = bounds.place_near([x[i], y[i]], u, t);
+        }
+        let mut rises = [[0.0; 4]; BLOCK];
+        for (rises, (block, sector)) in rises.iter_mut().zip(places) {
+            *rises = bounds.rises(block, sector);
+        }
+        for (outlook, (i, [near_axis, near_diagonal, axis, diagonal])) in outlooks[first..last]
+            .iter_mut()
+            .zip((first..last).zip(rises))
+        {
+            let q = side[i];
+            let (ux, uy) = ((q * dx[i]).abs(), (q * (dy[i] * aspect)).abs());
+            let rise = q * dz[i];
+            let along_axis = (ux - uy).abs();
+            let along_diagonal = if ux < uy { ux } else { uy };
+            let is_below_all = rise > along_axis * axis + along_diagonal * diagonal;
+            let is_below_near = rise > along_axis * near_axis + along_diagonal * near_diagonal;
+            let within = (0.0 <= x[i])
+                & (x[i] < cx)
+                & (0.0 <= y[i])
+                & (y[i] < cy)
+                & (-reach <= z[i])
+                & (z[i] <= reach);
+            let escapes = rise > 0.0;
+            let known = if escapes & is_below_all {
+                Outlook::SteeperThanAll
+            } else if escapes & is_below_near {
+                Outlook::SteeperThanNear
+            } else {
+                Outlook::Unknown
+            };
+            *outlook = if within { known } else { Outlook::Elsewhere };
+        }
+    }
+}
+
+/// [`crate::Geometry::arrive`].
+#[inline(always)]
+pub(super) fn arrive(
+    surface: &Surface,
+    facets: &[Facet],
+    ts: &[f64],
+    [x, y, z]: [&mut [f64]; 3],
+    [dx, dy, _]: [&[f64]; 3],
+    [nx, ny, nz]: [&mut [f64]; 3],
+) {
+    let n = facets.len();
+    let (ts, x, y, z) = (&ts[..n], &mut x[..n], &mut y[..n], &mut z[..n]);
+    let (dx, dy) = (&dx[..n], &dy[..n]);
+    let (nx, ny, nz) = (&mut nx[..n], &mut ny[..n], &mut nz[..n]);
+    let aspect = surface.aspect;
+    let Scale { per_column, offset } = surface.scale;
+    let scaled = |height: f64| (height - offset) * per_column;
+    for first in (0..n).step_by(BLOCK) {
+        let last = (first + BLOCK).min(n);
+        // Load the heights between which the two slopes of a facet lie: from the corner 00 along a
+        // column, along a row
+        let mut cells = [[0.0; BLOCK]; 7];
+        for (k, i) in (first..last).enumerate() {
+            let (z00, column, row) = surface.slope_heights(facets[i]);
+            cells[0][k] = z00;
+            (cells[1][k], cells[2][k]) = (column[0], column[1]);
+            (cells[3][k], cells[4][k]) = (row[0], row[1]);
+            (cells[5][k], cells[6][k]) = (f64::from(facets[i].ix), f64::from(facets[i].iy));
+        }
+        // Move to the facet, into its cell and onto its plane; its gradient gives the normal
+        for (k, i) in (first..last).enumerate() {
+            let (ix, iy) = (cells[5][k], cells[6][k]);
+            let u = unit_interval(x[i] + ts[i] * dx[i] - ix);
+            let v = unit_interval(y[i] + ts[i] * (dy[i] * aspect) - iy);
+            let z00 = scaled(cells[0][k]);
+            let along_column = scaled(cells[1][k]) - scaled(cells[2][k]);
+            let along_row = scaled(cells[3][k]) - scaled(cells[4][k]);
+            x[i] = ix + u;
+            y[i] = iy + v;
+            z[i] = z00 + along_column * u + along_row * v;
+            let (mx, my) = (-along_column, -along_row * aspect);
+            let scale = 1.0 / (mx * mx + my * my + 1.0).sqrt();
+            nx[i] = mx * scale;
+            ny[i] = my * scale;
+            nz[i] = scale;
+        }
+    }
+}
+
+/// The nearest number in `[0, 1]`.
+#[inline(always)]
+fn unit_interval(x: f64) -> f64 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    if x < 1.0 { x } else { 1.0 }
+}

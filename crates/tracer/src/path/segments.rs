@@ -1,0 +1,226 @@
+//! Segments: path segments field by field, so that stages over many of them take vector instructions.
+
+use asperity_tally::EventPath;
+use glam::{DVec2, DVec3};
+
+use super::state::PathState;
+use crate::periodic::Heading;
+use crate::ray::{HalfSpace, RayColumns};
+
+/// Path segments at the upper surface: rays, and what their paths carry.
+///
+/// Columns are longer than `len`: their length is a power of two, by which [`gather_column`] gathers.
+pub(super) struct Segments {
+    pub(super) len: usize,
+    /// Tile coordinates.
+    pub(super) origin: [Vec<f64>; 3],
+    /// Unit vectors in physical lengths, mirrored with the tile.
+    pub(super) direction: [Vec<f64>; 3],
+    /// Sign of the half space.
+    pub(super) side: Vec<f64>,
+    /// Throughput; zero where a path has ended.
+    pub(super) flux: Vec<f64>,
+    /// Cosine and sine of what exit directions are turned by; without rows where the azimuth of the light is fixed.
+    pub(super) turn: [Vec<f64>; 2],
+    /// Interactions with interfaces, and their kinds as in [`EventPath::code`].
+    pub(super) order: Vec<u32>,
+    pub(super) events: Vec<u32>,
+    pub(super) scatterings: Vec<u32>,
+    /// Number of the path in its batch.
+    pub(super) ray: Vec<u32>,
+    /// Axes that are mirrored against the world, a bit each.
+    pub(super) mirrored: Vec<u32>,
+    pub(super) is_turned: bool,
+}
+
+impl Segments {
+    /// No segments; `is_turned`: the light comes from any azimuth.
+    pub(super) fn new(is_turned: bool) -> Self {
+        let columns = || [const { Vec::new() }; 3];
+        Self {
+            len: 0,
+            origin: columns(),
+            direction: columns(),
+            side: Vec::new(),
+            flux: Vec::new(),
+            turn: [const { Vec::new() }; 2],
+            order: Vec::new(),
+            events: Vec::new(),
+            scatterings: Vec::new(),
+            ray: Vec::new(),
+            mirrored: Vec::new(),
+            is_turned,
+        }
+    }
+
+    /// Makes room for `len` segments in all.
+    pub(super) fn make_room(&mut self, len: usize) {
+        if self.flux.len() >= len {
+            return;
+        }
+        let room = len.next_power_of_two();
+        let floats = self.origin.iter_mut().chain(&mut self.direction);
+        for column in floats.chain([&mut self.side, &mut self.flux]) {
+            column.resize(room, 0.0);
+        }
+        let turn = self.turn.iter_mut().filter(|_| self.is_turned);
+        turn.for_each(|column| column.resize(room, 0.0));
+        for column in [
+            &mut self.order,
+            &mut self.events,
+            &mut self.scatterings,
+            &mut self.ray,
+            &mut self.mirrored,
+        ] {
+            column.resize(room, 0);
+        }
+    }
+
+    /// All rays, as physical directions over a tile of the given aspect ratio.
+    #[inline(always)]
+    pub(super) fn rays(&self, aspect: f64) -> RayColumns<'_> {
+        RayColumns {
+            origin: self.origin.each_ref().map(|column| &column[..self.len]),
+            direction: self.direction.each_ref().map(|column| &column[..self.len]),
+            side: &self.side[..self.len],
+            aspect,
+        }
+    }
+
+    /// Where segment `i` begins and goes.
+    pub(super) fn heading(&self, i: usize) -> Heading {
+        let at = |[x, y, z]: &[Vec<f64>; 3]| DVec3::new(x[i], y[i], z[i]);
+        Heading {
+            origin: at(&self.origin),
+            direction: at(&self.direction),
+            mirrored: [1, 2].map(|axis| self.mirrored[i] & axis != 0),
+        }
+    }
+
+    /// The half space of segment `i`.
+    pub(super) fn half_space(&self, i: usize) -> HalfSpace {
+        HalfSpace::from_sign(self.side[i])
+    }
+
+    /// What the path of segment `i` carries.
+    pub(super) fn state(&self, i: usize) -> PathState {
+        PathState {
+            flux: self.flux[i],
+            events: EventPath::from_code(self.order[i], self.events[i]),
+            scatterings: self.scatterings[i],
+            ray: self.ray[i],
+            turn: if self.is_turned {
+                DVec2::new(self.turn[0][i], self.turn[1][i])
+            } else {
+                DVec2::X
+            },
+        }
+    }
+
+    /// Adds a segment.
+    pub(super) fn push(&mut self, heading: &Heading, half_space: HalfSpace, state: &PathState) {
+        let i = self.len;
+        self.make_room(i + 1);
+        self.len += 1;
+        self.set_heading(i, heading);
+        self.side[i] = half_space.sign();
+        self.flux[i] = state.flux;
+        self.order[i] = state.events.order();
+        self.events[i] = state.events.code();
+        self.scatterings[i] = state.scatterings;
+        self.ray[i] = state.ray;
+        if self.is_turned {
+            (self.turn[0][i], self.turn[1][i]) = (state.turn.x, state.turn.y);
+        }
+    }
+
+    /// Changes where segment `i` begins and goes.
+    pub(super) fn set_heading(&mut self, i: usize, heading: &Heading) {
+        for axis in 0..3 {
+            self.origin[axis][i] = heading.origin[axis];
+            self.direction[axis][i] = heading.direction[axis];
+        }
+        let [x, y] = heading.mirrored.map(u32::from);
+        self.mirrored[i] = x | y << 1;
+    }
+
+    /// Adds those segments of others whose numbers are in `which`. There must be room.
+    #[inline(always)]
+    pub(super) fn gather(&mut self, from: &Self, which: &[u32]) {
+        let rows = self.len..self.len + which.len();
+        self.len = rows.end;
+        for axis in 0..3 {
+            gather_column(
+                &mut self.origin[axis][rows.clone()],
+                &from.origin[axis],
+                which,
+            );
+            gather_column(
+                &mut self.direction[axis][rows.clone()],
+                &from.direction[axis],
+                which,
+            );
+        }
+        gather_column(&mut self.side[rows.clone()], &from.side, which);
+        gather_column(&mut self.flux[rows.clone()], &from.flux, which);
+        if self.is_turned {
+            for axis in 0..2 {
+                gather_column(&mut self.turn[axis][rows.clone()], &from.turn[axis], which);
+            }
+        }
+        gather_column(&mut self.order[rows.clone()], &from.order, which);
+        gather_column(&mut self.events[rows.clone()], &from.events, which);
+        gather_column(
+            &mut self.scatterings[rows.clone()],
+            &from.scatterings,
+            which,
+        );
+        gather_column(&mut self.ray[rows.clone()], &from.ray, which);
+        gather_column(&mut self.mirrored[rows], &from.mirrored, which);
+    }
+
+    /// Adds copies of those of its own first `n` segments whose numbers are in `which`, but for direction, side and
+    /// flux, behind these `n`. There must be room.
+    #[inline(always)]
+    pub(super) fn copy_paths(&mut self, which: &[u32]) {
+        let n = self.len;
+        let end = n + which.len();
+        self.len = end;
+        for column in self.origin.iter_mut().chain(&mut self.turn) {
+            if let Some((from, rows)) = column.split_at_mut_checked(n) {
+                copy_column(&mut rows[..end - n], from, which);
+            }
+        }
+        for column in [
+            &mut self.order,
+            &mut self.events,
+            &mut self.scatterings,
+            &mut self.ray,
+            &mut self.mirrored,
+        ] {
+            let (from, rows) = column.split_at_mut(n);
+            copy_column(&mut rows[..end - n], from, which);
+        }
+    }
+}
+
+/// Copies the entries of a column of [`Segments`] whose numbers are in `which`. Its length is a power of two, so that
+/// the compiler knows that no masked number is out of bounds.
+#[inline(always)]
+pub(super) fn gather_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]) {
+    if column.is_empty() {
+        return;
+    }
+    let mask = column.len() - 1;
+    for (entry, &i) in into.iter_mut().zip(which) {
+        *entry = column[i as usize & mask];
+    }
+}
+
+/// The same of a column of any length.
+#[inline(always)]
+pub(super) fn copy_column<T: Copy>(into: &mut [T], column: &[T], which: &[u32]) {
+    for (entry, &i) in into.iter_mut().zip(which) {
+        *entry = column[i as usize];
+    }
+}

@@ -1,0 +1,356 @@
+//! Random numbers of light paths: each is a function of the path and of where along it the number is used.
+//!
+//! A number depends on the seed, the surface, the path and the step alone, not on the order in which paths are
+//! traced, on how many are traced together, or on threads. The generator is Threefry-2x64 with 13 rounds: it
+//! passes BigCrush, has a key and a counter of 128 bits each, and consists of additions, rotations and exclusive
+//! ors, so that loops over many paths take vector instructions.
+//!
+//! | word | bits | holds |
+//! |---|---|---|
+//! | key 0 | 64 | seed |
+//! | key 1 | 64 | number of the surface |
+//! | counter 0 | 0 to 55 | number of the path, from zero for each surface |
+//! | | 56 to 59 | number of the pair of a [`Draws`], for more than two numbers |
+//! | | 60 to 63 | [`Use`] |
+//! | counter 1 | 0 to 31 | step: interactions and scatterings so far |
+//! | | 32 to 63 | events of the path so far, bit by bit, so that branches of one path differ |
+//!
+//! Two branches that part after their 32nd interaction share numbers; each alone is as random as any other path.
+//!
+//! # Source
+//! Salmon, Moraes, Dror and Shaw, Parallel Random Numbers: As Easy as 1, 2, 3, Proc. SC11 (2011).
+
+use std::convert::Infallible;
+
+use asperity_tally::EventPath;
+use rand::TryRng;
+
+/// What random numbers of a step are used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Use {
+    /// Where a path starts.
+    Start,
+    /// Branches and Russian roulette at an interface.
+    Interaction,
+    /// Direction of diffuse reflection.
+    Diffuse,
+    /// Whether to look for shadowed facets behind the first.
+    Shadow,
+    /// Free flight that begins at an interface.
+    Flight,
+    /// Scattering in a medium, and the free flight that follows.
+    Medium,
+    /// Scrambling of quasi-random starts; the path is the first of its batch.
+    Scramble,
+}
+
+/// The random numbers of the paths on one surface.
+///
+/// # Examples
+/// ```
+/// use asperity_tracer::PathStream;
+///
+/// // Paths 1000 and above on surface 3 under seed 1
+/// let stream = PathStream::new(1, 3).from_path(1000);
+/// assert_eq!(stream.first_path(), 1000);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PathStream {
+    key: [u64; 2],
+    first: u64,
+}
+
+/// Paths of one surface have numbers below this.
+const MAX_PATHS: u64 = 1 << 56;
+
+impl PathStream {
+    /// The numbers of all paths on surface number `realisation` under `seed`.
+    #[must_use]
+    pub const fn new(seed: u64, realisation: u64) -> Self {
+        Self {
+            key: [seed, realisation],
+            first: 0,
+        }
+    }
+
+    /// The same, from path number `first` on.
+    ///
+    /// # Panics
+    /// If `first` is not below `2^56`.
+    #[must_use]
+    pub const fn from_path(self, first: u64) -> Self {
+        assert!(first < MAX_PATHS, "paths have numbers below 2^56");
+        Self { first, ..self }
+    }
+
+    /// Number of the first path.
+    #[must_use]
+    pub const fn first_path(self) -> u64 {
+        self.first
+    }
+
+    /// The numbers in `[0, 1)` that place the start of path number `ray` of this stream in its stratum.
+    #[must_use]
+    pub fn of_start(self, ray: u32) -> [f64; 2] {
+        self.pair(ray, Step::START, Use::Start)
+    }
+
+    /// The numbers in `[0, 1)` of an interaction of path number `ray` of this stream that has had the interactions
+    /// `path` and `scatterings` in a medium: the first picks the branch, and is that of Russian roulette over
+    /// transmission where both branches are followed; the second is that of roulette over the other branch.
+    #[must_use]
+    pub fn of_interaction(self, ray: u32, path: EventPath, scatterings: u32) -> [f64; 2] {
+        let step = Step {
+            number: path.order().wrapping_add(scatterings),
+            events: path.code(),
+        };
+        self.pair(ray, step, Use::Interaction)
+    }
+
+    /// The two numbers in `[0, 1)` of a step of path number `ray` of this stream.
+    #[inline(always)]
+    pub(crate) fn pair(self, ray: u32, step: Step, of: Use) -> [f64; 2] {
+        threefry(self.key, self.counter(ray, step, of, 0)).map(unit)
+    }
+
+    /// Any number of random numbers of a step of path number `ray` of this stream.
+    pub(crate) const fn draws(self, ray: u32, step: Step, of: Use) -> Draws {
+        Draws {
+            stream: self,
+            ray,
+            step,
+            of,
+            pair: 0,
+            spare: None,
+        }
+    }
+
+    #[inline(always)]
+    const fn counter(self, ray: u32, step: Step, of: Use, pair: u64) -> [u64; 2] {
+        let path = self.first + ray as u64;
+        [
+            path | pair << 56 | (of as u64) << 60,
+            step.number as u64 | (step.events as u64) << 32,
+        ]
+    }
+}
+
+/// Where along a path random numbers are used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Step {
+    /// Interactions and scatterings so far.
+    pub(crate) number: u32,
+    /// Events so far, bit by bit.
+    pub(crate) events: u32,
+}
+
+impl Step {
+    /// Before anything has happened.
+    pub(crate) const START: Self = Self {
+        number: 0,
+        events: 0,
+    };
+}
+
+/// The random numbers of one step, one after the other.
+#[derive(Clone, Debug)]
+pub(crate) struct Draws {
+    stream: PathStream,
+    ray: u32,
+    step: Step,
+    of: Use,
+    pair: u64,
+    spare: Option<u64>,
+}
+
+impl TryRng for Draws {
+    type Error = Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+        Ok((self.try_next_u64()? >> 32) as u32)
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+        if let Some(word) = self.spare.take() {
+            return Ok(word);
+        }
+        // Scrambling takes more pairs than have numbers: it has all steps for itself.
+        let step = Step {
+            number: self.step.number + (self.pair >> 4) as u32,
+            ..self.step
+        };
+        let counter = self
+            .stream
+            .counter(self.ray, step, self.of, self.pair & 0xf);
+        let [word, spare] = threefry(self.stream.key, counter);
+        self.pair += 1;
+        self.spare = Some(spare);
+        Ok(word)
+    }
+
+    fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+        for chunk in bytes.chunks_mut(8) {
+            let word = self.try_next_u64()?.to_le_bytes();
+            chunk.copy_from_slice(&word[..chunk.len()]);
+        }
+        Ok(())
+    }
+}
+
+/// A word as a number in `[0, 1)`, a multiple of `2^-53`.
+#[inline(always)]
+pub(crate) fn unit(word: u64) -> f64 {
+    // As a signed integer, which vector instructions convert directly.
+    (word >> 11) as i64 as f64 * (1.0 / (1_u64 << 53) as f64)
+}
+
+/// Rounds: the fewest that pass BigCrush (Salmon et al., Table 2).
+const ROUNDS: usize = 13;
+
+/// Rotations of the rounds, again and again.
+const ROTATIONS: [u32; 8] = [16, 42, 12, 31, 16, 32, 24, 21];
+
+/// Threefry-2x64 with [`ROUNDS`] rounds.
+#[inline(always)]
+pub(crate) const fn threefry(key: [u64; 2], counter: [u64; 2]) -> [u64; 2] {
+    threefry_of::<ROUNDS>(key, counter)
+}
+
+#[inline(always)]
+const fn threefry_of<const ROUNDS: usize>([k0, k1]: [u64; 2], [c0, c1]: [u64; 2]) -> [u64; 2] {
+    let keys = [k0, k1, 0x1bd1_1bda_a9fc_1a22 ^ k0 ^ k1];
+    let (mut x, mut y) = (c0.wrapping_add(k0), c1.wrapping_add(k1));
+    let mut round = 0;
+    while round < ROUNDS {
+        x = x.wrapping_add(y);
+        y = y.rotate_left(ROTATIONS[round % 8]) ^ x;
+        round += 1;
+        if round % 4 == 0 {
+            let injection = round / 4;
+            x = x.wrapping_add(keys[injection % 3]);
+            y = y
+                .wrapping_add(keys[(injection + 1) % 3])
+                .wrapping_add(injection as u64);
+        }
+    }
+    [x, y]
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+
+    use super::*;
+
+    /// Known answers of the Random123 library.
+    #[test]
+    fn threefry_gives_the_known_answers() {
+        let digits = (
+            [0xa409_3822_299f_31d0, 0x082e_fa98_ec4e_6c89],
+            [0x243f_6a88_85a3_08d3, 0x1319_8a2e_0370_7344],
+        );
+        let ones = ([u64::MAX; 2], [u64::MAX; 2]);
+        let zeros = ([0; 2], [0; 2]);
+        for ((key, counter), of_20) in [
+            (zeros, [0xc2b6_e3a8_c2c6_9865, 0x6f81_ed42_f350_084d]),
+            (ones, [0xe02c_b7c4_d95d_277a, 0xd066_33d0_893b_8b68]),
+            (digits, [0x263c_7d30_bb0f_0af1, 0x56be_8361_d331_1526]),
+        ] {
+            assert_eq!(threefry_of::<20>(key, counter), of_20);
+        }
+        let of_13 = [0xf167_b032_c3b4_80bd, 0xe91f_9fee_4b7a_6fb5];
+        assert_eq!(threefry([0; 2], [0; 2]), of_13);
+    }
+
+    #[test]
+    fn numbers_differ_in_each_part_of_their_place() {
+        let stream = PathStream::new(1, 2).from_path(3);
+        let step = Step {
+            number: 4,
+            events: 5,
+        };
+        let pair = |stream: PathStream, ray, number, events, of| {
+            stream.pair(ray, Step { number, events }, of)
+        };
+        let all = [
+            stream.pair(6, step, Use::Interaction),
+            pair(
+                PathStream::new(2, 2).from_path(3),
+                6,
+                4,
+                5,
+                Use::Interaction,
+            ),
+            pair(
+                PathStream::new(1, 3).from_path(3),
+                6,
+                4,
+                5,
+                Use::Interaction,
+            ),
+            pair(stream, 7, 4, 5, Use::Interaction),
+            pair(stream, 6, 5, 5, Use::Interaction),
+            pair(stream, 6, 4, 4, Use::Interaction),
+            pair(stream, 6, 4, 5, Use::Flight),
+        ];
+        for (i, a) in all.iter().enumerate() {
+            assert!(all[i + 1..].iter().all(|b| a != b));
+        }
+        // Path 9 is the same however it is reached.
+        assert_eq!(
+            all[0],
+            pair(PathStream::new(1, 2), 9, 4, 5, Use::Interaction)
+        );
+    }
+
+    #[test]
+    fn draws_begin_with_the_pair_and_do_not_repeat() {
+        let stream = PathStream::new(1, 2);
+        let mut draws = stream.draws(3, Step::START, Use::Scramble);
+        let numbers: Vec<f64> = (0..5000).map(|_| draws.random()).collect();
+        assert_eq!(numbers[..2], stream.pair(3, Step::START, Use::Scramble));
+        let mut sorted = numbers;
+        sorted.sort_by(f64::total_cmp);
+        sorted.dedup();
+        assert_eq!(sorted.len(), 5000);
+    }
+
+    /// Pairs of consecutive paths, steps and branches in 16 x 16 cells: the chi-squared of a million of
+    /// each, |z| < 4.
+    #[test]
+    fn numbers_of_neighbours_are_uniform_and_independent() {
+        let stream = PathStream::new(7, 0);
+        let step = |number, events| Step { number, events };
+        let interaction = |ray, step| stream.pair(ray, step, Use::Interaction)[0];
+        type Neighbours<'a> = &'a dyn Fn(u32) -> [f64; 2];
+        let kinds: [(&str, Neighbours<'_>); 4] = [
+            ("words", &|i| stream.pair(i, Step::START, Use::Interaction)),
+            ("paths", &|i| {
+                [2 * i, 2 * i + 1].map(|ray| interaction(ray, step(1, 0)))
+            }),
+            ("steps", &|i| {
+                [1, 2].map(|number| interaction(i, step(number, 0)))
+            }),
+            ("branches", &|i| {
+                [0, 1].map(|events| interaction(i, step(1, events)))
+            }),
+        ];
+        for (name, pair) in kinds {
+            let mut counts = [0_u32; 256];
+            let total = 1_000_000;
+            for i in 0..total {
+                let [u, v] = pair(i).map(|u| (16.0 * u) as usize);
+                counts[16 * u + v] += 1;
+            }
+            let expected = f64::from(total) / 256.0;
+            let chi_squared: f64 = counts
+                .iter()
+                .map(|n| (f64::from(*n) - expected).powi(2) / expected)
+                .sum();
+            let z = (chi_squared - 255.0) / (2.0_f64 * 255.0).sqrt();
+            println!("{name}: z = {z:.2}");
+            assert!(z.abs() < 4.0, "{name}: z = {z}");
+        }
+    }
+}

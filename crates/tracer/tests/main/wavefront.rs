@@ -1,0 +1,244 @@
+//! The wavefront: the same bytes with all vector instructions, and loops over many rays that agree with one ray.
+
+use asperity_optics::{Bottom, Incidence, Layer, Material, ParticipatingMedium, PhaseFunction};
+use asperity_surface::{Border, HeightField};
+use asperity_tally::{
+    ControlVariate, Side, TallySpec, TallyValues, UnshadowedFluxes, VisibleFractions,
+};
+use asperity_tracer::{
+    AcceleratorKind, BottomShape, Branching, BuildAccelerator, Escape, Geometry, HalfSpace,
+    Illumination, Instructions, Outlook, PathSettings, PathStream, Query, RayBatch, Sampling,
+    Starts, Surface, TileRay, TracedLayer, Tracer, Work,
+};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::common::{rugged, waves};
+
+const INSTRUCTIONS: [Instructions; 3] = [
+    Instructions::Portable,
+    Instructions::Avx2,
+    Instructions::Avx512,
+];
+
+/// A scene and how it is traced.
+struct Scene {
+    surface: Surface,
+    material: Material,
+    incident: HalfSpace,
+    light: Illumination,
+    branching: Branching,
+    has_control_variate: bool,
+    has_layer: bool,
+}
+
+impl Scene {
+    fn new(surface: Surface, material: Material, theta_deg: f64) -> Self {
+        Self {
+            surface,
+            material,
+            incident: HalfSpace::Above,
+            light: Illumination::new(Incidence::from_degrees(theta_deg, 25.0).unwrap(), false),
+            branching: Branching::Split,
+            has_control_variate: false,
+            has_layer: false,
+        }
+    }
+
+    /// Traces 900 rays with the given instructions.
+    fn trace(&self, instructions: Instructions) -> (TallyValues, Work) {
+        let accelerator = self.surface.accelerator(AcceleratorKind::Mesh).unwrap();
+        let settings = PathSettings::new(self.branching, 0.02, 30).unwrap();
+        let mut spec = TallySpec::default();
+        let mut tracer = Tracer::new(
+            &self.surface,
+            &*accelerator,
+            self.material,
+            self.incident,
+            settings,
+        )
+        .with_instructions(instructions);
+        if self.has_layer {
+            spec = spec.with_medium();
+            let medium =
+                ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Isotropic);
+            let bottom = Bottom::Lambertian { reflectance: 0.5 };
+            let layer = Layer::slab(medium.unwrap(), 20.0, bottom).unwrap();
+            tracer = tracer
+                .over(TracedLayer::new(&self.surface, &layer, BottomShape::Flat, 1000).unwrap());
+        }
+        let control_variate = self.has_control_variate.then(|| half_of_all(spec));
+        let stream = PathStream::new(3, 1).from_path(1000);
+        tracer.batch(&self.light, 30, spec, control_variate.as_ref(), stream)
+    }
+}
+
+/// A control variate that removes half of the single scattering; that its expectation is wrong does not matter here.
+fn half_of_all(spec: TallySpec) -> ControlVariate {
+    let n_theta = spec.grid().n_theta();
+    let fractions = VisibleFractions {
+        rings: [vec![0.5; n_theta], vec![0.5; n_theta]],
+        absorbed: 0.5,
+    };
+    let fluxes = UnshadowedFluxes {
+        bins: vec![0.0; spec.grid().len()],
+        rings: [vec![0.0; n_theta], vec![0.0; n_theta]],
+        in_plane: Side::BOTH.map(|side| vec![0.0; spec.in_plane_filter(side).len()]),
+        absorbed: 0.0,
+    };
+    ControlVariate::new(spec, fractions, &fluxes)
+}
+
+fn scenes() -> Vec<Scene> {
+    let smooth = || Surface::new(waves(32, 1.5, 4));
+    let rough = |border| rugged(17, 12, 0.7, 5, border);
+    let glass = Material::dielectric(1.5).unwrap();
+    let gold = Material::conductor(0.21, 3.272).unwrap();
+    let dense = Material::dielectric(1.0 / 1.5).unwrap();
+    vec![
+        Scene::new(smooth(), glass, 30.0),
+        Scene::new(rough(Border::Mirrored), dense, 60.0),
+        Scene::new(rough(Border::Open), gold, 75.0),
+        Scene {
+            branching: Branching::Pick,
+            incident: HalfSpace::Below,
+            ..Scene::new(rough(Border::Periodic), dense, 40.0)
+        },
+        Scene {
+            has_control_variate: true,
+            ..Scene::new(rough(Border::Periodic), glass, 50.0)
+        },
+        Scene {
+            has_control_variate: true,
+            light: Illumination {
+                starts: Starts::OnSurface,
+                sampling: Sampling::Random,
+                ..Illumination::new(Incidence::from_degrees(65.0, 10.0).unwrap(), true)
+            },
+            ..Scene::new(smooth(), glass, 0.0)
+        },
+        Scene {
+            has_layer: true,
+            branching: Branching::Pick,
+            ..Scene::new(smooth(), glass, 20.0)
+        },
+    ]
+}
+
+#[test]
+fn all_instructions_give_the_same_bytes() {
+    for (number, scene) in scenes().iter().enumerate() {
+        let portable = scene.trace(Instructions::Portable);
+        for instructions in INSTRUCTIONS {
+            if !instructions.are_available() {
+                println!("skipped: this machine has no {instructions}");
+                continue;
+            }
+            let (values, work) = scene.trace(instructions);
+            assert_eq!(work, portable.1, "scene {number}, {instructions}");
+            let differ = values.iter().zip(portable.0.iter());
+            let differ = differ.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+            assert_eq!(differ, 0, "scene {number}, {instructions}");
+        }
+    }
+}
+
+/// Rays from on, above, below and beside a surface, in all directions.
+fn rays(surface: &Surface, count: usize) -> Vec<Query> {
+    let mut rng = ChaCha8Rng::seed_from_u64(6);
+    let ([cx, cy], [low, high]) = (surface.extent(), surface.z_range());
+    (0..count)
+        .map(|i| {
+            let mut uniform = |low: f64, high: f64| low + (high - low) * rng.random::<f64>();
+            let mut origin = DVec3::new(
+                uniform(-0.1 * cx, 1.1 * cx),
+                uniform(-0.1 * cy, 1.1 * cy),
+                uniform(1.2 * low, 1.2 * high),
+            );
+            let steepness = 10_f64.powf(uniform(-2.0, 1.5));
+            let mut direction = DVec3::new(
+                uniform(-1.0, 1.0),
+                uniform(-1.0, 1.0),
+                uniform(-1.0, 1.0) * steepness,
+            );
+            match i % 9 {
+                0 => (origin.x, direction.x) = (cx, 0.0),
+                1 => (origin.y, direction.y) = (0.0, -0.0),
+                2 => (direction.x, direction.y) = (0.0, 0.0),
+                3 => origin.z = high,
+                _ => {}
+            }
+            let ray = TileRay {
+                origin,
+                direction: direction.normalize(),
+            };
+            let half_space = [HalfSpace::Above, HalfSpace::Below][i % 2];
+            Query { ray, half_space }
+        })
+        .collect()
+}
+
+#[test]
+fn outlooks_of_many_rays_are_those_of_one() {
+    for border in [Border::Periodic, Border::Mirrored, Border::Open] {
+        // Smooth but for a corner, so that bounds nearby say more than those of the whole.
+        let smooth = waves(160, 0.3, 2);
+        let mut heights = smooth.heights().to_vec();
+        (0..400).for_each(|i| heights[160 * (i / 20) + i % 20] *= (i % 7) as f64);
+        let field = HeightField::new(heights, smooth.shape(), smooth.spacing()).unwrap();
+        let surface = Surface::new(field.with_border(border));
+        let queries = rays(&surface, 5000);
+        let batch: RayBatch = queries.iter().collect();
+        let mut outlooks = vec![Outlook::Elsewhere; queries.len()];
+        surface.outlooks(batch.columns(), &mut outlooks);
+        let mut found = [0; 4];
+        for (Query { ray, half_space }, outlook) in queries.iter().zip(outlooks) {
+            let expected = match surface.escapes(ray, *half_space) {
+                _ if !surface.is_in_tile(ray.origin) => Outlook::Elsewhere,
+                None => Outlook::Unknown,
+                Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
+                Some(Escape::SteeperThanNear) => Outlook::SteeperThanNear,
+            };
+            assert_eq!(outlook, expected, "{ray:?}");
+            found[outlook as usize] += 1;
+        }
+        assert!(found.iter().all(|count| *count > 50), "{found:?}");
+    }
+}
+
+#[test]
+fn many_rays_arrive_where_one_does() {
+    let surface = rugged(9, 7, 2.0, 8, Border::Periodic);
+    let queries = rays(&surface, 500);
+    let mut rng = ChaCha8Rng::seed_from_u64(9);
+    let facets: Vec<_> = (0..queries.len())
+        .map(|_| surface.facet(rng.random_range(0..surface.facet_count())))
+        .collect();
+    let ts: Vec<f64> = facets.iter().map(|_| 5.0 * rng.random::<f64>()).collect();
+    let column = |of: fn(&Query) -> f64| -> Vec<f64> { queries.iter().map(of).collect() };
+    let mut origin = [
+        column(|q| q.ray.origin.x),
+        column(|q| q.ray.origin.y),
+        column(|q| q.ray.origin.z),
+    ];
+    let direction = [
+        column(|q| q.ray.direction.x),
+        column(|q| q.ray.direction.y),
+        column(|q| q.ray.direction.z),
+    ];
+    let mut normal = origin.clone();
+    surface.arrive(
+        &facets,
+        &ts,
+        origin.each_mut().map(|column| &mut column[..]),
+        direction.each_ref().map(|column| &column[..]),
+        normal.each_mut().map(|column| &mut column[..]),
+    );
+    let at =
+        |columns: &[Vec<f64>; 3], i: usize| DVec3::from_array(columns.each_ref().map(|c| c[i]));
+    for (i, Query { ray, .. }) in queries.iter().enumerate() {
+        assert_eq!(at(&origin, i), surface.snap(facets[i], ray.at(ts[i])));
+        assert_eq!(at(&normal, i), surface.normal(facets[i]));
+    }
+}
