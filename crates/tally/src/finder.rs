@@ -18,8 +18,8 @@ pub(crate) const TINY: f64 = 1e-290;
 /// Finds rings and sectors of a grid, the same as [`HemisphereGrid::index_of`] names.
 ///
 /// Short polynomials propose a ring and a sector, and the cosines and sines of their edges confirm
-/// them. What lies within [`MARGIN`] of an edge, or was proposed wrongly, is left to the grid, whose
-/// word is the definition.
+/// them. What lies within [`MARGIN`] of an edge, or was proposed wrongly, is decided by the grid,
+/// which defines the bins.
 #[derive(Clone, Debug)]
 pub(crate) struct BinFinder {
     grid: HemisphereGrid,

@@ -7,7 +7,7 @@ use asperity_tally::{Loss, Tally};
 #[derive(Clone, Copy)]
 pub(super) struct Roulette {
     threshold: f64,
-    /// Under a control variate the first branches are all traced: what cancels must not be left to chance.
+    /// Under a control variate all first branches are traced, so that they cancel exactly.
     spares_first: bool,
 }
 
