@@ -86,7 +86,7 @@ impl View {
         (self.projection == Projection::Orthographic).then(|| self.towards.theta())
     }
 
-    /// The camera of a picture of so many columns and rows, over a surface that rises to `highest` above its mean
+    /// The camera of a picture of the given columns and rows, over a surface that rises to `highest` above its mean
     /// plane.
     ///
     /// # Errors

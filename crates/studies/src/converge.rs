@@ -62,7 +62,7 @@ pub use tables::converge_table;
 
 use stage::{Run, RunSample, Stage};
 
-/// An error below so many times that of the reference says more about the reference.
+/// An error below this multiple of the reference's own error says more about the reference than about the run.
 const AT_THE_REFERENCE: f64 = 2.0;
 
 /// Why a convergence run fails.

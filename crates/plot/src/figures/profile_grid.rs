@@ -295,7 +295,7 @@ impl Layout {
         self.name_depth + self.height + GAP + 6.0
     }
 
-    /// Height of so many panels, without the axis below them.
+    /// Height of the rows that hold `panels` panels, without the axis below them.
     fn depth(&self, panels: usize) -> f64 {
         panels.div_ceil(self.columns) as f64 * self.row_height() - GAP - 6.0
     }

@@ -158,7 +158,7 @@ mod tests {
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
-    /// Answers "do not stop" so many times, then "stop".
+    /// Lets a run go on for its first `questions` questions whether to stop, then stops it.
     struct Patience {
         questions: u64,
         asked: AtomicU64,

@@ -9,7 +9,7 @@ use crate::input::limits::most_realisations;
 use crate::output::stopped_by::StoppedBy;
 use crate::store::Stage;
 
-/// Surfaces added are so many times more than the present error requires.
+/// Safety factor: surfaces added, over those that the present error requires.
 const ROUND_MARGIN: f64 = 1.1;
 
 impl RandomGroup {

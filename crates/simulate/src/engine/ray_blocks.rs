@@ -17,7 +17,7 @@ use crate::output::surface_tallies::{CaseOnSurface, Seconds};
 use crate::output::work::Used;
 use crate::store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
 
-/// Rays added are so many times more than the present error requires.
+/// Safety factor: rays added, over those that the present error requires.
 pub(crate) const MARGIN: f64 = 1.2;
 
 /// Most rays of a run with a target.

@@ -373,7 +373,7 @@ mod tests {
         assert!(reflected.len() > 1, "{reflected:?}");
     }
 
-    /// Says that the time is over once so many rays are done.
+    /// Stops a run by its time limit once `rays` rays are traced.
     struct TimeFor {
         rays: u64,
         done: AtomicU64,

@@ -35,7 +35,7 @@ pub enum ControlVariateMean {
 /// are worth more than what their first segment costs.
 const MOST_WEIGHT_VARIANCE: f64 = 0.25;
 
-/// The least probability of tracing into the shadow is that of so many heads in a row.
+/// The probability of tracing into the shadow is at least `2^-HALVINGS`.
 const HALVINGS: i32 = 6;
 
 impl Method {

@@ -27,7 +27,7 @@ pub(crate) struct CaseOnSurface {
 }
 
 impl CaseOnSurface {
-    /// Of so many meshes of a surface, before the first block.
+    /// No blocks yet, for a surface that is traced on `meshes` meshes.
     pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
         Self {
             tally: TallyStatistics::new(spec),

@@ -1,4 +1,4 @@
-//! An observer that interrupts a run after so many rays.
+//! An observer that interrupts a run after a given number of rays.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

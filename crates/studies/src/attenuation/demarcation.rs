@@ -42,7 +42,7 @@ impl Rises {
         }
     }
 
-    /// The same of a surface so many times as high.
+    /// The same for a surface whose heights are multiplied by `factor`.
     fn times(self, factor: f64) -> Self {
         let times = |rise: Option<f64>| rise.map(|rise| factor * rise);
         Self {

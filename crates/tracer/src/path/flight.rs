@@ -21,7 +21,7 @@ use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
 use crate::random::{Draws, Use};
 use crate::ray::{HalfSpace, Hit};
 
-/// Inside, roulette begins at so many times the flux at which it begins elsewhere.
+/// Threshold of Russian roulette inside the layer, over the threshold elsewhere.
 ///
 /// A scattered path continues for long with little flux. At an albedo of 0.9 over glass, 0.3 of an incident
 /// ray's flux instead of 0.01 takes a third of the scatterings, and half the time for the same error of bins.
