@@ -23,8 +23,8 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
     /// First facet of the tile that a ray passes through.
     fn closest_hit(&self, geometry: &G, query: &Query) -> Option<Hit<G::Facet>>;
 
-    /// The same for those of many `rays` whose numbers are in `which`: `hits` gets an entry per ray, `None` for the
-    /// others.
+    /// The same for those of many `rays` whose numbers are in `which`: `hits` is cleared and gets an entry for each of
+    /// them.
     fn closest_hits(
         &self,
         geometry: &G,
@@ -32,11 +32,9 @@ pub trait Accelerator<G: Geometry>: Send + Sync {
         which: &[u32],
         hits: &mut Vec<Option<Hit<G::Facet>>>,
     ) {
+        let query = |&i: &u32| rays.query(i as usize);
         hits.clear();
-        hits.resize(rays.len(), None);
-        for &i in which {
-            hits[i as usize] = self.closest_hit(geometry, &rays.query(i as usize));
-        }
+        hits.extend(which.iter().map(|i| self.closest_hit(geometry, &query(i))));
     }
 
     /// The same for rays one by one; `hits` is cleared and gets one entry per query.

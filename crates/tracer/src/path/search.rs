@@ -50,8 +50,8 @@ impl<G: Geometry> Tracer<'_, G> {
         let searched = std::mem::take(&mut batch.searched);
         batch.met.clear();
         batch.elsewhere.clear();
-        for &i in &searched {
-            match batch.hits[i as usize] {
+        for (&i, hit) in searched.iter().zip(&batch.hits) {
+            match *hit {
                 Some(Hit { t, facet }) => {
                     batch.met.push(i);
                     batch.arrivals.facets.push(facet);
@@ -169,8 +169,8 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             let rays = batch.single_rays.columns();
             accelerator.closest_hits(geometry, rays, &which, &mut batch.hits);
-            for k in which {
-                hits[k as usize] = batch.hits[k as usize];
+            for (k, hit) in which.into_iter().zip(&batch.hits) {
+                hits[k as usize] = *hit;
             }
         }
         for (single, hit) in singles.into_iter().zip(hits) {

@@ -36,13 +36,15 @@ pub(crate) trait Integers: Copy + Add<Output = Self> + Sub<Output = Self> {
 pub(crate) trait Mask:
     Copy + BitAnd<Output = Self> + BitOr<Output = Self> + BitXor<Output = Self> + Not<Output = Self>
 {
+    /// Number of lanes.
+    const COUNT: usize;
     /// One bit per lane, the first lane lowest.
     fn bits(self) -> u32;
 }
 
 /// An instruction set; a value of it is the proof that the machine has it.
 pub(crate) trait Lanes: Copy {
-    /// Number of lanes, at most [`MAX_LANES`](super::stage::MAX_LANES).
+    /// Number of lanes, at most half of [`MAX_LANES`](super::stage::MAX_LANES).
     const COUNT: usize;
     type F: Floats;
     type I: Integers;
@@ -67,18 +69,16 @@ pub(crate) trait Lanes: Copy {
     fn gather_i(self, table: &[u32], index: Self::I) -> Self::I;
     /// `table[index]` and `table[index + 1]`; an index beyond the last pair reads the last pair.
     fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2];
-    /// `table[index & 15]`.
-    fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
     /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.
     ///
-    /// `source` must hold at least [`MAX_LANES`](super::stage::MAX_LANES) entries.
+    /// `source` must hold at least [`Lanes::COUNT`] entries.
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F;
     /// As [`Lanes::refill`], for integers.
     fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I;
     /// The mask whose lanes are the low bits of `bits`.
     fn mask(self, bits: u32) -> Self::M;
     /// Writes the entries of the lanes in `mask` to the front of `out`, in order; what is behind
-    /// them there may be overwritten. `out` must hold at least [`MAX_LANES`](super::stage::MAX_LANES) entries.
+    /// them there may be overwritten. `out` must hold at least [`Lanes::COUNT`] entries.
     fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]);
 }
 

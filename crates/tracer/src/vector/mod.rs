@@ -9,6 +9,8 @@
 pub(crate) mod lanes;
 mod stage;
 #[cfg(target_arch = "x86_64")]
+pub(crate) mod twice;
+#[cfg(target_arch = "x86_64")]
 pub(crate) mod x86;
 
 use std::fmt;

@@ -1,7 +1,7 @@
 //! Stage: a loop over arrays that is compiled for each instruction set.
 
-/// Most lanes of any instruction set.
-pub(crate) const MAX_LANES: usize = 16;
+/// Most lanes of any search: twice those of the widest instruction set.
+pub(crate) const MAX_LANES: usize = 32;
 
 /// A loop over arrays that is compiled for each instruction set.
 pub(crate) trait Stage {

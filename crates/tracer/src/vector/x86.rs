@@ -15,7 +15,7 @@ use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
 
 use super::lanes::{Floats, Integers, Lanes, Mask, Task};
-use super::stage::{MAX_LANES, Stage};
+use super::stage::Stage;
 
 /// Implements an operator by an intrinsic.
 macro_rules! operator {
@@ -137,6 +137,7 @@ impl Integers for I8 {
 }
 
 impl Mask for M8 {
+    const COUNT: usize = 8;
     #[inline(always)]
     fn bits(self) -> u32 {
         // SAFETY: lanes exist only where the processor has been checked.
@@ -232,22 +233,8 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
-    fn lookup(self, table: &[i32; 16], index: I8) -> I8 {
-        // SAFETY: as above; `table` holds sixteen entries, and the permutations take an index's
-        // low three bits; the fourth, moved to the sign, chooses between them.
-        unsafe {
-            let low = _mm256_loadu_si256(table.as_ptr().cast());
-            let high = _mm256_loadu_si256(table.as_ptr().add(8).cast());
-            let low = _mm256_permutevar8x32_epi32(low, index.0);
-            let high = _mm256_permutevar8x32_epi32(high, index.0);
-            let fourth = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index.0));
-            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
-            I8(_mm256_castps_si256(_mm256_blendv_ps(low, high, fourth)))
-        }
-    }
-    #[inline(always)]
     fn refill(self, mask: M8, source: &[f32], old: F8) -> F8 {
-        assert!(source.len() >= MAX_LANES);
+        assert!(source.len() >= Self::COUNT);
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_ps(source.as_ptr());
@@ -257,7 +244,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn refill_i(self, mask: M8, source: &[i32], old: I8) -> I8 {
-        assert!(source.len() >= MAX_LANES);
+        assert!(source.len() >= Self::COUNT);
         // SAFETY: as above; `source` holds eight entries at least.
         unsafe {
             let next = _mm256_loadu_si256(source.as_ptr().cast());
@@ -281,7 +268,7 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn store_some(self, mask: M8, value: I8, out: &mut [i32]) {
-        assert!(out.len() >= MAX_LANES);
+        assert!(out.len() >= Self::COUNT);
         // SAFETY: as above; `out` has room for eight entries.
         unsafe {
             let packed =
@@ -469,6 +456,7 @@ impl Integers for I16 {
 }
 
 impl Mask for M16 {
+    const COUNT: usize = 16;
     #[inline(always)]
     fn bits(self) -> u32 {
         u32::from(self.0)
@@ -565,17 +553,8 @@ impl Lanes for Avx512 {
         }
     }
     #[inline(always)]
-    fn lookup(self, table: &[i32; 16], index: I16) -> I16 {
-        // SAFETY: as above; `table` holds sixteen entries, and the permutation takes an index's
-        // low four bits.
-        unsafe {
-            let table = _mm512_loadu_epi32(table.as_ptr());
-            I16(_mm512_permutexvar_epi32(index.0, table))
-        }
-    }
-    #[inline(always)]
     fn refill(self, mask: M16, source: &[f32], old: F16) -> F16 {
-        assert!(source.len() >= MAX_LANES);
+        assert!(source.len() >= Self::COUNT);
         // SAFETY: as above; `source` holds sixteen entries at least.
         unsafe {
             let next = _mm512_loadu_ps(source.as_ptr());
@@ -584,7 +563,7 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn refill_i(self, mask: M16, source: &[i32], old: I16) -> I16 {
-        assert!(source.len() >= MAX_LANES);
+        assert!(source.len() >= Self::COUNT);
         // SAFETY: as above; `source` holds sixteen entries at least.
         unsafe {
             let next = _mm512_loadu_epi32(source.as_ptr());
@@ -597,18 +576,11 @@ impl Lanes for Avx512 {
     }
     #[inline(always)]
     fn store_some(self, mask: M16, value: I16, out: &mut [i32]) {
-        assert!(out.len() >= MAX_LANES);
+        assert!(out.len() >= Self::COUNT);
         // SAFETY: as above; `out` has room for sixteen entries.
         unsafe {
             let packed = _mm512_maskz_compress_epi32(mask.0, value.0);
             _mm512_storeu_epi32(out.as_mut_ptr(), packed);
         }
     }
-}
-
-/// Asks for the cache line of an entry, which is about to be read.
-#[inline(always)]
-pub(crate) fn prefetch<T>(table: &[T], index: usize) {
-    // SAFETY: nothing is read, whatever the address; every x86-64 processor has this instruction.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(table.as_ptr().wrapping_add(index).cast()) }
 }

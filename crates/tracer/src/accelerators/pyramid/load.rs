@@ -8,7 +8,7 @@ use crate::vector::Stage;
 /// Rays of a block.
 const BLOCK: usize = 64;
 
-/// Loads those of `rays` whose numbers are in `which`; those that are doubtful from the start get their answers.
+/// Loads those of `rays` whose numbers are in `which`, with their places there; those that are doubtful from the start get their answers.
 pub(super) struct Load<'a> {
     pub(super) surface: &'a Surface,
     pub(super) rays: RayColumns<'a>,
@@ -21,9 +21,10 @@ impl Stage for Load<'_> {
     fn run(self) {
         let tile = Tile::new(self.surface);
         self.into.begin(self.which.len());
-        for which in self.which.chunks(BLOCK) {
-            if !load_block(&tile, self.rays, which, self.into) {
-                load_one_by_one(&tile, self.rays, which, self.into);
+        for (k, which) in self.which.chunks(BLOCK).enumerate() {
+            let first = k * BLOCK;
+            if !load_block(&tile, self.rays, which, first, self.into) {
+                load_one_by_one(&tile, self.rays, which, first, self.into);
             }
         }
     }
@@ -31,7 +32,13 @@ impl Stage for Load<'_> {
 
 /// Loads a block of rays, unless one of them begins outside of the tile or is doubtful.
 #[inline(always)]
-fn load_block(tile: &Tile, rays: RayColumns<'_>, which: &[u32], into: &mut Rays) -> bool {
+fn load_block(
+    tile: &Tile,
+    rays: RayColumns<'_>,
+    which: &[u32],
+    first: usize,
+    into: &mut Rays,
+) -> bool {
     let n = which.len().min(BLOCK);
     // Gather
     let mut fields = [[0.0; BLOCK]; 7];
@@ -65,7 +72,7 @@ fn load_block(tile: &Tile, rays: RayColumns<'_>, which: &[u32], into: &mut Rays)
         fside[k] = ray.side;
         columns[k] = ray.cell[0];
         rows[k] = ray.cell[1];
-        places[k] = which[k] as i32;
+        places[k] = (first + k) as i32;
     }
     if !are_sure {
         into.take_back(n);
@@ -75,10 +82,16 @@ fn load_block(tile: &Tile, rays: RayColumns<'_>, which: &[u32], into: &mut Rays)
 
 /// Loads rays one by one, from where they enter the tile.
 #[inline(never)]
-fn load_one_by_one(tile: &Tile, rays: RayColumns<'_>, which: &[u32], into: &mut Rays) {
-    for &i in which {
+fn load_one_by_one(
+    tile: &Tile,
+    rays: RayColumns<'_>,
+    which: &[u32],
+    first: usize,
+    into: &mut Rays,
+) {
+    for (place, &i) in (first as i32..).zip(which) {
         let query = rays.query(i as usize);
-        let (origin, place) = (query.ray.origin.to_array(), i as i32);
+        let origin = query.ray.origin.to_array();
         let direction = query.ray.direction.to_array();
         if tile.contains(origin) {
             match tile.load(origin, direction, query.half_space.sign()) {

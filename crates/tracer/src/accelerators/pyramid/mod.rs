@@ -9,13 +9,13 @@
 //!   hands the few other rays to the quadtree;
 //! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does; on x86-64 only.
 //!
-//! `load.rs` brings rays into f32, and `instructions.rs` chooses between the last two. Where a ray is met is computed
-//! in f64, and which facet of a cell it is wherever rounding in f32 might decide. So all give the facet that brute
-//! force gives.
+//! `load.rs` brings rays into f32, and `instructions.rs` chooses between the last two. They name the cell that a ray
+//! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives.
 
 mod bounds;
 mod instructions;
 mod load;
+mod meet;
 mod quadtree;
 mod rays;
 mod scalar;
@@ -26,7 +26,8 @@ use std::cell::Cell;
 
 use self::bounds::Bounds;
 use self::load::Load;
-use self::rays::{Answer, Rays};
+use self::meet::Meet;
+use self::rays::Rays;
 use crate::accelerators::accelerator::{Accelerator, BuildError};
 use crate::accelerators::kind::AcceleratorKind;
 use crate::geometry::height_field::{Facet, Surface};
@@ -72,34 +73,6 @@ impl Pyramid {
     }
 }
 
-impl Pyramid {
-    /// The hit of a ray that is known to meet a facet of a cell. Near an edge, f64 may find that it
-    /// passes the cell by after all.
-    #[cold]
-    fn hit_in_cell(&self, surface: &Surface, cell: [u32; 2], query: &Query) -> Option<Hit<Facet>> {
-        let Query { ray, half_space } = query;
-        let hit = surface.intersect_cell(cell, ray, *half_space);
-        hit.or_else(|| self.closest_hit(surface, query))
-    }
-}
-
-/// How many answers ahead of their use the heights of a cell are prefetched.
-const AHEAD: usize = 16;
-
-/// Prefetches the heights of a cell, where the machine can.
-fn fetch(surface: &Surface, [ix, iy]: [u32; 2]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        let field = surface.field();
-        let [_, stride] = field.shape();
-        let corner = iy as usize * stride + ix as usize;
-        crate::vector::x86::prefetch(field.heights(), corner);
-        crate::vector::x86::prefetch(field.heights(), corner + stride);
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = (surface, ix, iy);
-}
-
 thread_local! {
     /// Memory for rays that each thread uses again and again.
     static RAYS: Cell<Rays> = Cell::default();
@@ -138,25 +111,20 @@ impl Accelerator<Surface> for Pyramid {
         });
         instructions::search(&self.bounds, &mut lanes, self.instructions);
         hits.clear();
-        hits.resize(rays.len(), None);
-        let answers = &lanes.answers;
-        for i in 0..answers.len() {
-            if let Some(cell) = answers.cell(i + AHEAD) {
-                fetch(surface, cell);
-            }
-            let (place, answer) = answers.get(i);
-            let query = &rays.query(place);
-            match answer {
-                Answer::Nothing => {}
-                Answer::Inside([ix, iy], triangle) => {
-                    let facet = Facet { iy, ix, triangle };
-                    let t = surface.crossing(facet, &query.ray);
-                    hits[place] = Some(Hit { t, facet });
-                }
-                Answer::Cell(cell) => hits[place] = self.hit_in_cell(surface, cell, query),
-                Answer::Doubtful => hits[place] = self.closest_hit(surface, query),
-            }
+        hits.resize(which.len(), None);
+        let mut open = std::mem::take(&mut lanes.open);
+        self.instructions.run(Meet {
+            surface,
+            rays,
+            which,
+            answers: &lanes.answers,
+            hits,
+            open: &mut open,
+        });
+        for place in open.drain(..) {
+            hits[place] = self.closest_hit(surface, &rays.query(which[place] as usize));
         }
+        lanes.open = open;
         RAYS.set(lanes);
     }
 }

@@ -1,7 +1,5 @@
 //! Rays of the wide search: in f32, each from a cell of its own, field by field.
 
-use asperity_surface::Triangle;
-
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 use crate::ray::{Query, TileRay};
@@ -9,49 +7,30 @@ use crate::vector::MAX_LANES;
 
 /// How far a point of a ray may be from where it should be, in columns a column travelled: the
 /// position `x + t dx` takes `t = edge / dx - x / dx` and roundings of x, dx, 1 / dx, and of two or
-/// three products and sums, six of 2^-24 in all; 2^-21 covers eight. Along the other axis the same
-/// error of x counts `dy / dx` times: what that can do is which edge comes first, and where the ray is
-/// when it leaves through an edge that it runs along; `Exit::tied` and `Exit::late` see to those.
+/// three products and sums, six of 2^-24 in all; 2^-21 covers eight.
+///
+/// At any one `t`, that is. Where the ray leaves a node may be off by more, if it runs along the edge, but the nodes
+/// visited follow each other without a gap in `t`, and each contains the ray but for such a distance.
 pub(super) const ROUNDING: f32 = 1.0 / (1 << 21) as f32;
 
 /// Reciprocals are kept below this, so that products with edges stay finite.
 const STEEPEST: f32 = 1e30;
 
-/// What the wide search found.
+/// What the search found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Answer {
     /// Nothing in the tile is met.
     Nothing,
-    /// This triangle of the cell `[column, row]`, farther from its edges than rounding can move it.
-    Inside([u32; 2], Triangle),
-    /// A facet of this cell, `[column, row]`.
+    /// This cell is met, `[column, row]`.
     Cell([u32; 2]),
     /// Rounding may have changed the answer.
     Doubtful,
 }
 
-/// Which facet of a cell is met, as coded in an answer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Code {
-    Lower = 0,
-    Upper = 1,
-    /// One of the two.
-    Either = 2,
-}
-
-impl Code {
-    /// In place of the column: nothing is met.
-    pub(super) const NOTHING_WORD: i32 = -1;
-    /// In place of the column: the ray is doubtful.
-    pub(super) const DOUBTFUL_WORD: i32 = -2;
-    pub(super) const NOTHING: [i32; 2] = [Self::NOTHING_WORD, 0];
-    pub(super) const DOUBTFUL: [i32; 2] = [Self::DOUBTFUL_WORD, 0];
-
-    /// The answer that a facet of the cell `[column, row]` is met.
-    pub(super) const fn met([column, row]: [i32; 2], code: Self) -> [i32; 2] {
-        [column, row << 2 | code as i32]
-    }
-}
+/// In place of a cell's column: nothing is met.
+pub(super) const NOTHING: i32 = -1;
+/// In place of a cell's column: the ray is doubtful.
+pub(super) const DOUBTFUL: i32 = -2;
 
 /// One ray; see [`Rays`].
 #[derive(Clone, Copy, Debug)]
@@ -93,6 +72,8 @@ pub(super) struct Rays {
     /// Number of rays.
     count: usize,
     pub(super) answers: Answers,
+    /// Room for the rays that the searches leave open.
+    pub(super) open: Vec<usize>,
 }
 
 impl Rays {
@@ -150,7 +131,7 @@ impl Rays {
 
     /// Notes that a ray is doubtful from the start.
     pub(super) fn add_doubtful(&mut self, place: i32) {
-        self.answers.push(place, Code::DOUBTFUL);
+        self.answers.push(place, [DOUBTFUL, 0]);
     }
 
     /// Adds a ray.
@@ -232,7 +213,7 @@ pub(super) struct Answers {
 }
 
 impl Answers {
-    /// Notes the answer to the ray at `place`, as a [`Code`].
+    /// Notes the answer to the ray at `place`: the cell `[column, row]`, or a negative column.
     #[inline(always)]
     pub(super) fn push(&mut self, place: i32, [column, row]: [i32; 2]) {
         let [places, columns, rows] = self.next(1);
@@ -256,24 +237,14 @@ impl Answers {
         self.count
     }
 
-    /// The cell that answer number `i` names, if there is such an answer and it names one.
-    #[inline(always)]
-    pub(super) fn cell(&self, i: usize) -> Option<[u32; 2]> {
-        let (column, row) = (*self.columns.get(i)?, *self.rows.get(i)?);
-        (i < self.count && column >= 0).then_some([column as u32, (row >> 2) as u32])
-    }
-
     /// Answer number `i`, and the place of its ray.
     #[inline(always)]
     pub(super) fn get(&self, i: usize) -> (usize, Answer) {
         let (column, row) = (self.columns[i], self.rows[i]);
-        let cell = [column as u32, (row >> 2) as u32];
-        let answer = match (column, row & 3) {
-            (Code::NOTHING_WORD, _) => Answer::Nothing,
-            (Code::DOUBTFUL_WORD, _) => Answer::Doubtful,
-            (_, 0) => Answer::Inside(cell, Triangle::Lower),
-            (_, 1) => Answer::Inside(cell, Triangle::Upper),
-            _ => Answer::Cell(cell),
+        let answer = match column {
+            NOTHING => Answer::Nothing,
+            DOUBTFUL => Answer::Doubtful,
+            _ => Answer::Cell([column as u32, row as u32]),
         };
         (self.places[i] as usize, answer)
     }
@@ -364,8 +335,8 @@ impl Tile {
     }
 }
 
-/// The cell of `count` that the coordinate `p` is in, the place within it, and whether rounding in f32 cannot have put
-/// it on the wrong side of an edge.
+/// The cell of `count` that the coordinate `p` is in, the place within it, and whether it is far enough from the edges
+/// that no facet of another cell is met at once.
 #[inline(always)]
 fn cell(p: f64, rate: f32, count: i32) -> (i32, f64, bool) {
     let edge = f64::from(ROUNDING);

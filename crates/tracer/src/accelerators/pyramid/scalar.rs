@@ -7,7 +7,7 @@
 //! a ray that comes nearer to a decision than that is doubtful, and left to `quadtree.rs`.
 
 use super::bounds::Bounds;
-use super::rays::{Code, ROUNDING, Ray, Rays};
+use super::rays::{DOUBTFUL, NOTHING, Ray, Rays};
 
 /// Searches all rays, one after the other.
 pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
@@ -21,27 +21,27 @@ pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
 /// Where a ray leaves the node that it is in.
 struct Exit {
     t: f32,
+    /// Height there.
+    z: f32,
     /// Whether through the edge across x.
     across_x: bool,
-    /// The edges ahead, in cells of the tile.
-    edge: [i32; 2],
-    /// How far, in columns, rounding may have moved the point.
-    rounding: f32,
-    /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
-    late: f32,
-    /// Whether the edges across x and y are reached so close together that rounding decides which
-    /// comes first: `x`, off by as much as the point, takes `1 / dx` times that to get to an edge.
-    tied: bool,
+    /// Column and row ahead, at the level of the node.
+    ahead: [i32; 2],
+    /// By how much rounding may have changed heights.
+    margin: f32,
 }
 
-/// What a ray meets in a cell.
-enum CellTest {
-    Met(Code),
-    Clear,
-    Doubtful,
+/// What a ray finds in a node or cell.
+enum Test {
+    /// A facet of the cell.
+    Met,
+    /// It passes over all of it, by so much.
+    Clear(f32),
+    /// The node has to be looked at more closely.
+    Unknown,
 }
 
-/// Follows one ray to its answer, as a [`Code`].
+/// Follows one ray to its answer: the cell `[column, row]` that it meets, or a negative column.
 fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let high = ray.z > 0.999 * bounds.reach;
     let mut level = if high {
@@ -49,61 +49,52 @@ fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     } else {
         0
     };
+    let [cx, cy] = bounds.cells.map(|n| n as i32);
     let mut cell = ray.cell;
     let mut t = 0.0;
     loop {
-        let exit = leave(ray, cell, level);
-        if level == 0 {
-            match test_cell(bounds, ray, cell, t, &exit) {
-                CellTest::Met(code) => return Code::met(cell, code),
-                CellTest::Doubtful => return Code::DOUBTFUL,
-                CellTest::Clear => {}
-            }
+        let exit = leave(bounds, ray, cell, level);
+        let test = if level == 0 {
+            test_cell(bounds, ray, cell, t, &exit)
         } else {
-            let node = cell.map(|i| (i >> level) as usize);
-            // A rising ray is lowest where it enters, a falling one where it leaves.
-            let lowest_at = if ray.dz > 0.0 {
-                least(t, exit.t - exit.late)
-            } else {
-                exit.t + exit.late
-            };
-            let lowest = ray.z + lowest_at * ray.dz;
-            if lowest <= bounds.bound(level as usize, node, ray.side < 0.0) {
+            test_node(bounds, ray, cell.map(|i| i >> level), level, t, &exit)
+        };
+        let gap = match test {
+            Test::Met => return cell,
+            Test::Clear(gap) if exit.t > t => gap,
+            Test::Unknown if level > 0 => {
                 level -= 1;
                 continue;
             }
-        }
-        if ray.dz > 0.0 && ray.z + (exit.t - exit.late) * ray.dz > bounds.reach + bounds.margin {
-            return Code::NOTHING;
+            Test::Clear(_) | Test::Unknown => return [DOUBTFUL, 0],
+        };
+        if ray.dz > 0.0 && exit.z > bounds.reach + bounds.margin {
+            return [NOTHING, 0];
         }
         // The coordinate along the edge says which cell comes next.
-        let along = if exit.across_x {
-            ray.y + exit.t * ray.dy
+        let behind = |axis: usize, rate: f32| (exit.ahead[axis] << level) - i32::from(rate < 0.0);
+        let (start, rate) = if exit.across_x {
+            (ray.y, ray.dy)
         } else {
-            ray.x + exit.t * ray.dx
+            (ray.x, ray.dx)
         };
-        let whole = floor(along);
-        let within = along - whole as f32;
-        if exit.tied || within < exit.rounding || 1.0 - within < exit.rounding {
-            return Code::DOUBTFUL;
+        let whole = floor(start + exit.t * rate);
+        if (whole as f32) * rate < 0.0 {
+            return [DOUBTFUL, 0];
         }
-        let behind = |edge: i32, rate: f32| if rate < 0.0 { edge - 1 } else { edge };
         cell = if exit.across_x {
-            [behind(exit.edge[0], ray.dx), ray.cell[1] + whole]
+            [behind(0, ray.dx), ray.cell[1] + whole]
         } else {
-            [ray.cell[0] + whole, behind(exit.edge[1], ray.dy)]
+            [ray.cell[0] + whole, behind(1, ray.dy)]
         };
-        let [cx, cy] = bounds.cells.map(|n| n as i32);
-        if !((0..cx).contains(&cell[0]) && (0..cy).contains(&cell[1])) {
-            return Code::NOTHING;
+        let inside_x = (0..cx).contains(&cell[0]);
+        if !(inside_x && (0..cy).contains(&cell[1])) {
+            let is_sure = gap > clearance(bounds, ray, !inside_x);
+            return [if is_sure { NOTHING } else { DOUBTFUL }, 0];
         }
         // Up a level where the edge is also that of the parent.
-        let edge = if exit.across_x {
-            exit.edge[0]
-        } else {
-            exit.edge[1]
-        };
-        if (edge >> level) & 1 == 0 && level < bounds.top as i32 {
+        let edge = exit.ahead[usize::from(!exit.across_x)];
+        if edge & 1 == 0 && level < bounds.top as i32 {
             level += 1;
         }
         t = exit.t;
@@ -111,43 +102,62 @@ fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
 }
 
 /// Where a ray leaves the node of `level` that `cell` is in.
-fn leave(ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
-    let ahead = |rate: f32| i32::from(rate >= 0.0);
-    let edge = [
-        ((cell[0] >> level) + ahead(ray.dx)) << level,
-        ((cell[1] >> level) + ahead(ray.dy)) << level,
+fn leave(bounds: &Bounds, ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
+    let ahead = [
+        (cell[0] >> level) + i32::from(ray.dx >= 0.0),
+        (cell[1] >> level) + i32::from(ray.dy >= 0.0),
     ];
-    let t_x = ((edge[0] - ray.cell[0]) as f32 - ray.x) * ray.inverse_dx;
-    let t_y = ((edge[1] - ray.cell[1]) as f32 - ray.y) * ray.inverse_dy;
-    let across_x = t_x < t_y;
-    let (t, slow) = if across_x {
-        (t_x, ray.inverse_dx)
-    } else {
-        (t_y, ray.inverse_dy)
-    };
-    let rounding = ROUNDING + ROUNDING * (t * (ray.dx.abs() + ray.dy.abs()));
+    let t_x = (((ahead[0] << level) - ray.cell[0]) as f32 - ray.x) * ray.inverse_dx;
+    let t_y = (((ahead[1] << level) - ray.cell[1]) as f32 - ray.y) * ray.inverse_dy;
+    let t = least(t_x, t_y);
     Exit {
         t,
-        across_x,
-        edge,
-        rounding,
-        late: (rounding * slow).abs(),
-        tied: (t_x - t_y).abs() < rounding * (ray.inverse_dx.abs() + ray.inverse_dy.abs()),
+        z: ray.z + t * ray.dz,
+        across_x: t_x < t_y,
+        ahead,
+        margin: bounds.margin + t * (bounds.slack * travel(ray)),
+    }
+}
+
+/// Columns and rows that a ray comes per unit of `t`.
+fn travel(ray: &Ray) -> f32 {
+    ray.dx.abs() + ray.dy.abs()
+}
+
+/// By how much a ray that leaves the tile must be clear of the surface: when it leaves may be off by [`ROUNDING`] times
+/// `1 / |dx|`, and so long it may run along the border.
+///
+/// [`ROUNDING`]: super::rays::ROUNDING
+fn clearance(bounds: &Bounds, ray: &Ray, through_x: bool) -> f32 {
+    let slow = if through_x {
+        ray.inverse_dx
+    } else {
+        ray.inverse_dy
+    };
+    let falls = ray.dz.abs() + bounds.steepest * travel(ray);
+    bounds.rounding_across() * falls * slow.abs()
+}
+
+/// Tests the bound of a node, which the ray enters at `t`.
+fn test_node(bounds: &Bounds, ray: &Ray, node: [i32; 2], level: i32, t: f32, exit: &Exit) -> Test {
+    let lowest = least(ray.z + t * ray.dz, exit.z);
+    let bound = bounds.bound(level as usize, node.map(|i| i as usize), ray.side < 0.0);
+    let gap = lowest - exit.margin - bound;
+    if gap > 0.0 {
+        Test::Clear(gap)
+    } else {
+        Test::Unknown
     }
 }
 
 /// Tests the facets of a cell, which the ray enters at `t`.
-fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> CellTest {
+fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test {
     let [h00, h10, h01, h11] = bounds.corners(cell).map(|h| h * ray.side);
     // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
     let u = ray.x - (cell[0] - ray.cell[0]) as f32;
     let v = ray.y - (cell[1] - ray.cell[1]) as f32;
     let (w, dw) = (u - v, ray.dx - ray.dy);
-    let (w_in, w_out) = (w + t * dw, w + exit.t * dw);
-    if exit.tied || least(w_in.abs(), w_out.abs()) < 2.0 * exit.rounding {
-        return CellTest::Doubtful;
-    }
-    let (lower_in, lower_out) = (w_in > 0.0, w_out > 0.0);
+    let (lower_in, lower_out) = (w + t * dw > 0.0, w + exit.t * dw > 0.0);
     let slopes = |lower: bool| {
         if lower {
             [h10 - h00, h11 - h10]
@@ -156,51 +166,43 @@ fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) ->
         }
     };
     let ([a_in, b_in], [a_out, b_out]) = (slopes(lower_in), slopes(lower_out));
-    // Heights above the triangles on entry, on the diagonal or where there is none on leaving, and
-    // on leaving.
+    // Where it passes from one to the other, or leaves if it does not.
+    let t_diagonal = if lower_in == lower_out {
+        exit.t
+    } else {
+        least(greatest(-w / dw, t), exit.t)
+    };
+    // Heights above the triangles on entry, on the diagonal, and on leaving.
     let over = ray.z - h00;
     let rate_in = ray.dz - a_in * ray.dx - b_in * ray.dy;
     let rate_out = ray.dz - a_out * ray.dx - b_out * ray.dy;
     let (first_in, first_out) = (over - a_in * u - b_in * v, over - a_out * u - b_out * v);
-    let across = -1.0 / dw;
-    let (t_diagonal, late) = if lower_in == lower_out {
-        (exit.t, exit.late)
-    } else {
-        (w * across, 2.0 * (exit.rounding * across).abs())
-    };
     let on_entry = first_in + t * rate_in;
     let on_diagonal = first_in + t_diagonal * rate_in;
     let on_leaving = first_out + exit.t * rate_out;
-    // What rounding may do to them: that of z, that of x and y times the slopes of two facets, and, on
-    // the diagonal and on leaving, that of t times the rate.
-    let margin = bounds.margin + exit.rounding * 4.0 * bounds.steepest;
-    let on_diagonal_margin = margin + late * rate_in.abs();
-    let on_leaving_margin = margin + exit.late * rate_out.abs();
+    // Rays come from above, or start on a facet.
+    let margin = exit.margin;
     if on_entry + margin <= 0.0 {
-        return CellTest::Doubtful;
+        return Test::Unknown;
     }
-    // The facet is sure if the ray comes to it from clearly above; otherwise it is in the cell.
-    let code = |lower: bool| match (on_entry > margin, lower) {
-        (true, true) => Code::Lower,
-        (true, false) => Code::Upper,
-        (false, _) => Code::Either,
-    };
-    if on_diagonal + on_diagonal_margin < 0.0 {
-        CellTest::Met(code(lower_in))
-    } else if on_diagonal <= on_diagonal_margin {
-        CellTest::Doubtful
-    } else if on_leaving + on_leaving_margin < 0.0 {
-        CellTest::Met(code(lower_out))
-    } else if on_leaving <= on_leaving_margin {
-        CellTest::Doubtful
+    let gap = least(on_diagonal, on_leaving) - margin;
+    if on_diagonal + margin < 0.0 || (on_diagonal > margin && on_leaving + margin < 0.0) {
+        Test::Met
+    } else if gap > 0.0 {
+        Test::Clear(gap)
     } else {
-        CellTest::Clear
+        Test::Unknown
     }
 }
 
 /// One comparison, where `f32::min` takes care of a NaN.
 fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
+}
+
+/// One comparison, where `f32::max` takes care of a NaN.
+fn greatest(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// The largest integer that is not larger; for values within the range of i32.

@@ -5,12 +5,10 @@
 //! whose rays have ended get new ones. In f32, with bounds on what rounding may do: a ray that comes
 //! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
 
-use super::bounds::{Bounds, MAX_LEVELS};
-use super::rays::{Answers, Code, ROUNDING, Rays};
+use super::bounds::Bounds;
+use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
-
-/// Steps from node to node per test of cells: rays take some nine of those and three of these.
-const STEPS: usize = 3;
+use crate::vector::twice::Twice;
 
 /// The search of all rays, for any lanes.
 pub(super) struct SearchAll<'a> {
@@ -21,7 +19,7 @@ pub(super) struct SearchAll<'a> {
 impl Task for SearchAll<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        Search::new(lanes, self.bounds).run(self.rays);
+        Search::new(Twice(lanes), self.bounds).run(self.rays);
     }
 }
 
@@ -29,9 +27,9 @@ impl Task for SearchAll<'_> {
 struct Search<'b, L: Lanes> {
     lanes: L,
     bounds: &'b Bounds,
-    /// First node and row length by level, as tables of sixteen.
-    first: [i32; 16],
-    width: [i32; 16],
+    zero: L::F,
+    none: L::I,
+    one: L::I,
 }
 
 /// The rays that are in the lanes.
@@ -47,27 +45,26 @@ struct State<L: Lanes> {
     inverse_dx: L::F,
     inverse_dy: L::F,
     side: L::F,
+    first_x: L::I,
+    first_y: L::I,
+    place: L::I,
     /// 1 if x (y) grows along the ray, otherwise 0.
     ahead_x: L::I,
     ahead_y: L::I,
     /// Where it passes the corner's column and row: `-x / dx` and `-y / dy`.
     corner_x: L::F,
     corner_y: L::F,
-    /// `1 / |dx|`, `1 / |dy|`, and their sum.
-    slow_x: L::F,
-    slow_y: L::F,
-    slow: L::F,
-    /// How far, in columns, rounding may move it per unit of `t`.
-    drift: L::F,
+    /// By how much heights may be off per unit of `t`: see [`Bounds::slack`].
+    slack: L::F,
+    /// How far it must be clear of the surface where it leaves the tile across x and y.
+    clearance_x: L::F,
+    clearance_y: L::F,
+    /// Height above which it meets nothing any more; a falling ray has none.
+    ceiling: L::F,
     /// By how many bits the bound of its half space is shifted in a word.
     half: L::I,
-    first_x: L::I,
-    first_y: L::I,
-    place: L::I,
     /// What is known of it: the column of the cell that it meets, or a negative word.
     answer: L::I,
-    /// Which facet of the cell.
-    code: L::I,
     /// How far the ray has come.
     t: L::F,
     /// The cell that it is in there.
@@ -81,71 +78,56 @@ struct State<L: Lanes> {
     occupied: L::M,
 }
 
-impl<L: Lanes> State<L> {
-    /// How fast the heights of the rays above planes of slopes `a` and `b` grow.
-    #[inline(always)]
-    fn rate(&self, a: L::F, b: L::F) -> L::F {
-        self.dz.minus_times(a, self.dx).minus_times(b, self.dy)
-    }
-}
-
 /// Where rays leave the nodes that they are in.
 struct Exit<L: Lanes> {
     t: L::F,
+    /// Height there.
+    z: L::F,
     /// Whether through the edge across x.
     across_x: L::M,
-    /// The edges ahead, in cells of the tile.
-    edge_x: L::I,
-    edge_y: L::I,
-    /// How far, in columns, rounding may have moved the point.
-    rounding: L::F,
-    /// The same in `t`: more than that where a steep ray leaves through an edge that it runs along.
-    late: L::F,
-    /// Whether rounding decides which of the edges across x and y comes first.
-    tied: L::M,
+    /// Column and row of the node at its level, and those ahead.
+    node: [L::I; 2],
+    ahead: [L::I; 2],
+    /// By how much rounding may have changed heights.
+    margin: L::F,
+}
+
+/// What rays find in the cells that they are in.
+struct Cells<L: Lanes> {
+    /// Whether a facet of the cell is met.
+    met: L::M,
+    /// By how much the ray passes over both facets, where positive.
+    gap: L::F,
 }
 
 impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn new(lanes: L, bounds: &'b Bounds) -> Self {
-        let mut tables = [[0; 16]; 2];
-        tables[0][..=MAX_LEVELS].copy_from_slice(&bounds.first);
-        tables[1][..=MAX_LEVELS].copy_from_slice(&bounds.width);
         Self {
             lanes,
             bounds,
-            first: tables[0],
-            width: tables[1],
+            zero: lanes.splat(0.0),
+            none: lanes.splat_i(0),
+            one: lanes.splat_i(1),
         }
     }
 
     #[inline(always)]
     fn run(&self, rays: &mut Rays) {
-        let empty = self.empty();
-        let (mut a, mut b) = (empty, empty);
+        let mut state = self.empty();
         let mut next = 0;
-        // Two loads of lanes in turn: while one waits for memory, the other is processed.
-        loop {
-            let more_a = self.keep_busy(&mut a, rays, &mut next);
-            let more_b = self.keep_busy(&mut b, rays, &mut next);
-            if !(more_a || more_b) {
-                break;
-            }
-            for _ in 0..STEPS {
-                self.step(&mut a);
-                self.step(&mut b);
-            }
-            self.test_cells(&mut a);
-            self.test_cells(&mut b);
+        while self.keep_busy(&mut state, rays, &mut next) {
+            // Rays take some nine steps between nodes and three through cells, which cost more.
+            self.step::<false>(&mut state);
+            self.step::<false>(&mut state);
+            self.step::<true>(&mut state);
         }
     }
 
     /// Lanes without rays.
     #[inline(always)]
     fn empty(&self) -> State<L> {
-        let lanes = self.lanes;
-        let zero = lanes.splat(0.0);
-        let none = lanes.splat_i(0);
+        let (zero, none, nowhere) = (self.zero, self.none, self.lanes.mask(0));
         State {
             x: zero,
             y: zero,
@@ -156,26 +138,25 @@ impl<'b, L: Lanes> Search<'b, L> {
             inverse_dx: zero,
             inverse_dy: zero,
             side: zero,
+            first_x: none,
+            first_y: none,
+            place: none,
             ahead_x: none,
             ahead_y: none,
             corner_x: zero,
             corner_y: zero,
-            slow_x: zero,
-            slow_y: zero,
-            slow: zero,
-            drift: zero,
+            slack: zero,
+            clearance_x: zero,
+            clearance_y: zero,
+            ceiling: zero,
             half: none,
-            first_x: none,
-            first_y: none,
-            place: none,
             answer: none,
-            code: none,
             t: zero,
             ix: none,
             iy: none,
             level: none,
-            active: lanes.mask(0),
-            occupied: lanes.mask(0),
+            active: nowhere,
+            occupied: nowhere,
         }
     }
 
@@ -221,222 +202,205 @@ impl<'b, L: Lanes> Search<'b, L> {
         load!(inverse_dx);
         load!(inverse_dy);
         load!(side);
-        let zero = lanes.splat(0.0);
-        let below = lanes.less(state.side, zero);
-        state.half = lanes.select_i(below, lanes.splat_i(16), lanes.splat_i(0));
-        let (none, one) = (lanes.splat_i(0), lanes.splat_i(1));
-        state.ahead_x = lanes.select_i(lanes.less(state.dx, zero), none, one);
-        state.ahead_y = lanes.select_i(lanes.less(state.dy, zero), none, one);
-        state.corner_x = zero - state.x * state.inverse_dx;
-        state.corner_y = zero - state.y * state.inverse_dy;
-        (state.slow_x, state.slow_y) = (state.inverse_dx.abs(), state.inverse_dy.abs());
-        state.slow = state.slow_x + state.slow_y;
-        state.drift = lanes.splat(ROUNDING) * (state.dx.abs() + state.dy.abs());
         state.first_x = lanes.refill_i(mask, &rays.cell_x[from..], state.first_x);
         state.first_y = lanes.refill_i(mask, &rays.cell_y[from..], state.first_y);
         state.place = lanes.refill_i(mask, &rays.place[from..], state.place);
-        state.answer = lanes.select_i(mask, lanes.splat_i(Code::DOUBTFUL_WORD), state.answer);
-        state.t = lanes.select(mask, zero, state.t);
+        self.derive(state);
+        state.answer = lanes.select_i(mask, lanes.splat_i(DOUBTFUL), state.answer);
+        state.t = lanes.select(mask, self.zero, state.t);
         state.ix = lanes.select_i(mask, state.first_x, state.ix);
         state.iy = lanes.select_i(mask, state.first_y, state.iy);
         // A ray from the highest point is far from everything, one from a facet is not.
         let high = lanes.less(lanes.splat(0.999 * self.bounds.reach), state.z);
         let first = Bounds::FIRST_LEVEL.min(self.bounds.top as i32);
-        let level = lanes.select_i(high, lanes.splat_i(first), none);
+        let level = lanes.select_i(high, lanes.splat_i(first), self.none);
         state.level = lanes.select_i(mask, level, state.level);
         state.active = state.active | mask;
         state.occupied = state.active;
         *next += filled.count_ones() as usize;
     }
 
+    /// What follows for rays from their fields.
+    #[inline(always)]
+    fn derive(&self, state: &mut State<L>) {
+        let (lanes, bounds) = (self.lanes, self.bounds);
+        let below = lanes.less(state.side, self.zero);
+        state.half = lanes.select_i(below, lanes.splat_i(16), self.none);
+        state.ahead_x = lanes.select_i(lanes.less(state.dx, self.zero), self.none, self.one);
+        state.ahead_y = lanes.select_i(lanes.less(state.dy, self.zero), self.none, self.one);
+        state.corner_x = self.zero - state.x * state.inverse_dx;
+        state.corner_y = self.zero - state.y * state.inverse_dy;
+        let travel = state.dx.abs() + state.dy.abs();
+        state.slack = lanes.splat(bounds.slack) * travel;
+        let falls = lanes
+            .splat(bounds.steepest)
+            .times_plus(travel, state.dz.abs());
+        let late = lanes.splat(bounds.rounding_across()) * falls;
+        state.clearance_x = late * state.inverse_dx.abs();
+        state.clearance_y = late * state.inverse_dy.abs();
+        let rises = lanes.less(self.zero, state.dz);
+        let (top, never) = (bounds.reach + bounds.margin, f32::INFINITY);
+        state.ceiling = lanes.select(rises, lanes.splat(top), lanes.splat(never));
+    }
+
     /// Where the rays leave the nodes of their levels.
     #[inline(always)]
-    fn exit(&self, state: &State<L>, level: L::I) -> Exit<L> {
-        let lanes = self.lanes;
-        let edge_x = (state.ix.shifted_right(level) + state.ahead_x).shifted_left(level);
-        let edge_y = (state.iy.shifted_right(level) + state.ahead_y).shifted_left(level);
-        let t_x = lanes
-            .to_float(edge_x - state.first_x)
-            .times_plus(state.inverse_dx, state.corner_x);
-        let t_y = lanes
-            .to_float(edge_y - state.first_y)
-            .times_plus(state.inverse_dy, state.corner_y);
+    fn exit(&self, state: &State<L>) -> Exit<L> {
+        let (lanes, level) = (self.lanes, state.level);
+        let node = [state.ix.shifted_right(level), state.iy.shifted_right(level)];
+        let ahead = [node[0] + state.ahead_x, node[1] + state.ahead_y];
+        let columns = lanes.to_float(ahead[0].shifted_left(level) - state.first_x);
+        let rows = lanes.to_float(ahead[1].shifted_left(level) - state.first_y);
+        let t_x = columns.times_plus(state.inverse_dx, state.corner_x);
+        let t_y = rows.times_plus(state.inverse_dy, state.corner_y);
         let t = t_x.min(t_y);
-        let rounding = t.times_plus(state.drift, lanes.splat(ROUNDING));
-        let across_x = lanes.less(t_x, t_y);
         Exit {
             t,
-            across_x,
-            late: rounding * lanes.select(across_x, state.slow_x, state.slow_y),
-            tied: lanes.less((t_x - t_y).abs(), rounding * state.slow),
-            edge_x,
-            edge_y,
-            rounding,
+            z: t.times_plus(state.dz, state.z),
+            across_x: lanes.less(t_x, t_y),
+            node,
+            ahead,
+            margin: t.times_plus(state.slack, lanes.splat(self.bounds.margin)),
         }
     }
 
-    /// Which rays are tested against a cell.
+    /// By how much rays stay above the bounds of their nodes. Lanes at cells get anything.
     #[inline(always)]
-    fn at_cell(&self, state: &State<L>) -> L::M {
-        self.lanes.equal_i(state.level, self.lanes.splat_i(0))
-    }
-
-    /// Which rays rise.
-    #[inline(always)]
-    fn rising(&self, state: &State<L>) -> L::M {
-        self.lanes.less(self.lanes.splat(0.0), state.dz)
-    }
-
-    /// Tests nodes above the cells: goes down a level, or on to the next node.
-    #[inline(always)]
-    fn step(&self, state: &mut State<L>) {
-        let lanes = self.lanes;
-        let above_cells = state.active & !self.at_cell(state);
-        let exit = self.exit(state, state.level);
-        let node = lanes.lookup(&self.first, state.level)
-            + lanes
-                .lookup(&self.width, state.level)
-                .times(state.iy.shifted_right(state.level))
-            + state.ix.shifted_right(state.level);
-        let word = lanes.gather_i(&self.bounds.nodes, node);
+    fn gap_over_nodes(&self, state: &State<L>, exit: &Exit<L>) -> L::F {
+        let (lanes, bounds, level) = (self.lanes, self.bounds, state.level);
+        let [column, row] = exit.node;
+        let first = lanes
+            .splat_i(bounds.area as i32)
+            .shifted_right(level + level);
+        let width = lanes.splat_i(bounds.width).shifted_right(level);
+        let word = lanes.gather_i(&bounds.nodes, first + width.times(row) + column);
         let steps = word.shifted_right(state.half).and(lanes.splat_i(0xffff));
-        let bound = lanes.to_float(steps).times_plus(
-            lanes.splat(self.bounds.step),
-            lanes.splat(self.bounds.lowest),
-        );
-        // A rising ray is lowest where it enters, a falling one where it leaves. The bound holds all
-        // over the node, so that places within it need no margin; `advance` doubts the nodes themselves.
-        let early = exit.t - exit.late;
-        let at = lanes.select(self.rising(state), state.t.min(early), exit.t + exit.late);
-        let lowest = at.times_plus(state.dz, state.z);
-        let clear = lanes.less(bound, lowest);
-        let down = above_cells & !clear;
-        state.level = lanes.select_i(down, state.level - lanes.splat_i(1), state.level);
-        self.advance(state, above_cells & clear, &exit);
+        let (step, lowest) = (lanes.splat(bounds.step), lanes.splat(bounds.lowest));
+        let bound = lanes.to_float(steps).times_plus(step, lowest);
+        let lowest = state.t.times_plus(state.dz, state.z).min(exit.z);
+        lowest - exit.margin - bound
     }
 
-    /// Steps to the next nodes; ends the rays that leave the tile or have risen above it.
+    /// A step of all rays: down a level, or on to the next node; if `CELLS`, also of those that are at
+    /// cells, which end there or go on to the next cell.
     #[inline(always)]
-    fn advance(&self, state: &mut State<L>, moving: L::M, exit: &Exit<L>) {
+    fn step<const CELLS: bool>(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let one = lanes.splat_i(1);
-        let x = exit.t.times_plus(state.dx, state.x);
-        let y = exit.t.times_plus(state.dy, state.y);
+        let at_cell = lanes.equal_i(state.level, self.none);
+        let exit = self.exit(state);
+        let over_nodes = self.gap_over_nodes(state, &exit);
+        let clear_of_nodes = lanes.less(self.zero, over_nodes);
+        let above_cells = state.active & !at_cell;
+        let down = above_cells & !clear_of_nodes;
+        state.level = lanes.select_i(down, state.level - self.one, state.level);
+        let (moving, gap, waiting);
+        if CELLS {
+            let cells = self.test_cells(state, &exit);
+            let met = state.active & at_cell & cells.met;
+            state.answer = lanes.select_i(met, state.ix, state.answer);
+            gap = lanes.select(at_cell, cells.gap, over_nodes);
+            moving = state.active & !met & lanes.less(self.zero, gap);
+            waiting = down;
+        } else {
+            gap = over_nodes;
+            moving = above_cells & clear_of_nodes;
+            waiting = down | (state.active & at_cell);
+        }
+        let on = self.move_on(state, moving, gap, &exit);
+        state.active = waiting | on;
+    }
+
+    /// Moves rays on to the next nodes, and says which of them continue there: not those that have left
+    /// the tile, or have risen above it, or do not get any farther.
+    #[inline(always)]
+    fn move_on(&self, state: &mut State<L>, moving: L::M, gap: L::F, exit: &Exit<L>) -> L::M {
+        let (lanes, one, level) = (self.lanes, self.one, state.level);
         // The coordinate along the edge says which cell comes next.
-        let along = lanes.select(exit.across_x, y, x);
-        let whole = along.floor();
-        let within = along - whole;
-        let unsure = exit.tied | lanes.less(within.min(lanes.splat(1.0) - within), exit.rounding);
-        let cell = lanes.to_integer(whole);
-        let ix = lanes.select_i(
-            exit.across_x,
-            exit.edge_x + state.ahead_x - one,
-            cell + state.first_x,
-        );
-        let iy = lanes.select_i(
-            exit.across_x,
-            cell + state.first_y,
-            exit.edge_y + state.ahead_y - one,
-        );
+        let across_x = exit.across_x;
+        let rate = lanes.select(across_x, state.dy, state.dx);
+        let start = lanes.select(across_x, state.y, state.x);
+        let along = exit.t.times_plus(rate, start).floor();
+        let whole = lanes.to_integer(along);
+        let behind_x = exit.ahead[0].shifted_left(level) + state.ahead_x - one;
+        let behind_y = exit.ahead[1].shifted_left(level) + state.ahead_y - one;
+        let ix = lanes.select_i(across_x, behind_x, whole + state.first_x);
+        let iy = lanes.select_i(across_x, whole + state.first_y, behind_y);
         // Up a level where the edge is also that of the parent.
-        let edge = lanes.select_i(exit.across_x, exit.edge_x, exit.edge_y);
-        let odd = edge.shifted_right(state.level).and(one);
-        let upper = lanes.less_i(state.level, lanes.splat_i(self.bounds.top as i32));
-        let up = lanes.equal_i(odd, lanes.splat_i(0)) & upper & moving;
-        state.level = lanes.select_i(up, state.level + one, state.level);
+        let edge = lanes.select_i(across_x, exit.ahead[0], exit.ahead[1]);
+        let even = lanes.equal_i(edge.and(one), self.none);
+        let upper = lanes.less_i(level, lanes.splat_i(self.bounds.top as i32));
+        state.level = lanes.select_i(even & upper & moving, level + one, level);
+        let backward = lanes.less(along * rate, self.zero);
+        let forward = moving & lanes.less(state.t, exit.t) & !backward;
         state.t = lanes.select(moving, exit.t, state.t);
         state.ix = lanes.select_i(moving, ix, state.ix);
         state.iy = lanes.select_i(moving, iy, state.iy);
 
         let [cx, cy] = self.bounds.cells.map(|n| n as i32);
-        let inside = lanes.within(ix, cx) & lanes.within(iy, cy);
-        let top = lanes.splat(self.bounds.reach + self.bounds.margin);
-        let risen = self.rising(state)
-            & lanes.less(top, (exit.t - exit.late).times_plus(state.dz, state.z));
-        let left = moving & (risen | !(unsure | inside));
-        let doubtful = moving & unsure & !left;
-        state.answer = lanes.select_i(left, lanes.splat_i(Code::NOTHING_WORD), state.answer);
-        state.active = state.active & !(left | doubtful);
+        let inside_x = lanes.within(ix, cx);
+        let inside = inside_x & lanes.within(iy, cy);
+        let risen = lanes.less(state.ceiling, exit.z);
+        let clearance = lanes.select(inside_x, state.clearance_y, state.clearance_x);
+        let left = !inside & lanes.less(clearance, gap);
+        let nothing = forward & (risen | left);
+        state.answer = lanes.select_i(nothing, lanes.splat_i(NOTHING), state.answer);
+        forward & inside & !risen
     }
 
-    /// Tests the facets of cells: a hit, an unsure one, or a step to the next cell.
+    /// Tests rays against the two facets of the cells that they are in. Other lanes get anything.
     #[inline(always)]
-    fn test_cells(&self, state: &mut State<L>) {
-        let lanes = self.lanes;
-        let at_cell = state.active & self.at_cell(state);
-        let exit = self.exit(state, lanes.splat_i(0));
+    fn test_cells(&self, state: &State<L>, exit: &Exit<L>) -> Cells<L> {
+        let (lanes, zero, margin) = (self.lanes, self.zero, exit.margin);
         let stride = self.bounds.cells[0] as i32 + 1;
-        let corner = state.iy.times(lanes.splat_i(stride)) + state.ix;
+        let cell = state.iy.times(lanes.splat_i(stride)) + state.ix;
+        // Lanes that are not at cells touch no memory of their own.
+        let at_cell = lanes.equal_i(state.level, self.none);
+        let corner = lanes.select_i(at_cell, cell, self.none);
         let heights = &self.bounds.heights;
         let [h00, h10] = lanes.gather_pair(heights, corner);
         let [h01, h11] = lanes.gather_pair(heights, corner + lanes.splat_i(stride));
         let (h00, h10) = (h00 * state.side, h10 * state.side);
         let (h01, h11) = (h01 * state.side, h11 * state.side);
-        // Place within the cell at t = 0, and which triangle the ray is over.
+        // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
         let u = state.x - lanes.to_float(state.ix - state.first_x);
         let v = state.y - lanes.to_float(state.iy - state.first_y);
         let (w, dw) = (u - v, state.dx - state.dy);
-        let zero = lanes.splat(0.0);
         let (w_in, w_out) = (state.t.times_plus(dw, w), exit.t.times_plus(dw, w));
-        let lower_in = lanes.less(zero, w_in);
-        let lower_out = lanes.less(zero, w_out);
-        let crosses = lower_in ^ lower_out;
+        let (lower_in, lower_out) = (lanes.less(zero, w_in), lanes.less(zero, w_out));
         let (lower_a, lower_b, upper_a, upper_b) = (h10 - h00, h11 - h10, h11 - h01, h01 - h00);
         let a_in = lanes.select(lower_in, lower_a, upper_a);
         let b_in = lanes.select(lower_in, lower_b, upper_b);
         let a_out = lanes.select(lower_out, lower_a, upper_a);
         let b_out = lanes.select(lower_out, lower_b, upper_b);
+        // Where it passes from one to the other, or leaves if it does not.
+        let t_diagonal = (zero - w).over(dw);
+        let t_diagonal = lanes.select(lanes.less(t_diagonal, state.t), state.t, t_diagonal);
+        let t_diagonal = lanes.select(lower_in ^ lower_out, t_diagonal.min(exit.t), exit.t);
         // Heights above the triangles on entry, on the diagonal, and on leaving.
         let over = state.z - h00;
-        let (rate_in, rate_out) = (state.rate(a_in, b_in), state.rate(a_out, b_out));
-        let (first_in, first_out) = (
-            over.minus_times(a_in, u).minus_times(b_in, v),
-            over.minus_times(a_out, u).minus_times(b_out, v),
-        );
-        let across = lanes.splat(-1.0).over(dw);
-        let t_diagonal = lanes.select(crosses, w * across, exit.t);
+        let first_in = over.minus_times(a_in, u).minus_times(b_in, v);
+        let first_out = over.minus_times(a_out, u).minus_times(b_out, v);
+        let rate_in = state
+            .dz
+            .minus_times(a_in, state.dx)
+            .minus_times(b_in, state.dy);
+        let rate_out = state
+            .dz
+            .minus_times(a_out, state.dx)
+            .minus_times(b_out, state.dy);
         let on_entry = state.t.times_plus(rate_in, first_in);
         let on_diagonal = t_diagonal.times_plus(rate_in, first_in);
         let on_leaving = exit.t.times_plus(rate_out, first_out);
-        // What rounding may do to them: that of z, that of x and y times the slopes of two facets,
-        // and, on the diagonal and on leaving, that of t times the rate.
-        let slopes = lanes.splat(4.0 * self.bounds.steepest);
-        let margin = exit
-            .rounding
-            .times_plus(slopes, lanes.splat(self.bounds.margin));
-        let late = (exit.rounding * across).abs();
-        let late = lanes.select(crosses, late + late, exit.late);
-        let on_diagonal_margin = late.times_plus(rate_in.abs(), margin);
-
-        let right_side = lanes.less(zero, on_entry + margin);
-        let (under_diagonal, over_diagonal) = (
-            lanes.less(on_diagonal + on_diagonal_margin, zero),
-            lanes.less(on_diagonal_margin, on_diagonal),
-        );
-        let on_leaving_margin = exit.late.times_plus(rate_out.abs(), margin);
-        let (under_leaving, over_leaving) = (
-            lanes.less(on_leaving + on_leaving_margin, zero),
-            lanes.less(on_leaving_margin, on_leaving),
-        );
-        let edge = exit.rounding + exit.rounding;
-        let on_edge = lanes.less(w_in.abs().min(w_out.abs()), edge);
-        let sure = right_side & !on_edge & !exit.tied & at_cell;
-        let met = sure & (under_diagonal | (over_diagonal & under_leaving));
-        let clear = sure & over_diagonal & over_leaving;
-        state.answer = lanes.select_i(met, state.ix, state.answer);
-        // Which facet, where it is met farther from its edges than rounding can move it.
-        let clear_entry = lanes.less(margin, on_entry);
-        let lower = (under_diagonal & lower_in) | (over_diagonal & lower_out);
-        let code = lanes.select_i(
-            lower,
-            lanes.splat_i(Code::Lower as i32),
-            lanes.splat_i(Code::Upper as i32),
-        );
-        let code = lanes.select_i(clear_entry, code, lanes.splat_i(Code::Either as i32));
-        state.code = lanes.select_i(met, code, state.code);
-        let doubtful = at_cell & !(met | clear);
-        state.active = state.active & !(met | doubtful);
-        self.advance(state, clear, &exit);
+        // Rays come from above, or start on a facet.
+        let comes = lanes.less(zero, on_entry + margin);
+        let under_diagonal = lanes.less(on_diagonal + margin, zero);
+        let over_diagonal = lanes.less(margin, on_diagonal);
+        let under_leaving = lanes.less(on_leaving + margin, zero);
+        let gap = on_diagonal.min(on_leaving) - margin;
+        Cells {
+            met: comes & (under_diagonal | (over_diagonal & under_leaving)),
+            gap: lanes.select(comes, gap, zero),
+        }
     }
 
     /// Writes down the answers of the rays that have ended.
@@ -445,10 +409,9 @@ impl<'b, L: Lanes> Search<'b, L> {
         let lanes = self.lanes;
         let ended = state.occupied & !state.active;
         let [places, columns, rows] = answers.next(ended.bits().count_ones() as usize);
-        let row = state.iy.shifted_left(lanes.splat_i(2)) + state.code;
         lanes.store_some(ended, state.place, places);
         lanes.store_some(ended, state.answer, columns);
-        lanes.store_some(ended, row, rows);
+        lanes.store_some(ended, state.iy, rows);
         state.occupied = state.active;
     }
 }

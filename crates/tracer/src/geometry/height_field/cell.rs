@@ -34,13 +34,6 @@ impl Cell {
         }
     }
 
-    /// Ray parameter at which a ray passes through the plane of a facet of the cell: what
-    /// [`Cell::intersect`] gives where the ray is known to pass through the facet, and not at its edge.
-    pub(crate) fn crossing(&self, facet: Facet, ray: &TileRay) -> f64 {
-        let [g, g_rate] = height_above(self.plane(facet.triangle), facet, ray);
-        -g / g_rate
-    }
-
     /// Ray parameter `t >= 0` at which a ray in `half_space` passes through `facet` to the other side.
     ///
     /// Along the ray, `g = z - plane` is linear. The ray is over the facet's footprint for `t` in

@@ -160,6 +160,19 @@ impl Surface {
         }
     }
 
+    /// Heights at the corners 00, 10, 01 and 11 of a cell, in the unit of the field.
+    #[inline(always)]
+    fn corner_heights(&self, [ix, iy]: [u32; 2]) -> [f64; 4] {
+        let [rows, columns] = self.field.shape();
+        let (ix, iy) = (ix as usize, iy as usize);
+        let right = if ix + 1 < columns { ix + 1 } else { 0 };
+        let far = columns * if iy + 1 < rows { iy + 1 } else { 0 };
+        let near = columns * iy;
+        let heights = self.field.heights();
+        let at = |i: usize| heights[i];
+        [near + ix, near + right, far + ix, far + right].map(at)
+    }
+
     /// Heights between which the slopes of a facet lie, in the unit of the field: that of its cell's corner 00, and
     /// the ends of its rise along a column and along a row, `[to, from]`.
     #[inline(always)]
@@ -183,13 +196,6 @@ impl Surface {
         }
     }
 
-    /// Ray parameter at which a ray passes through the plane of a facet: what [`Geometry::intersect`]
-    /// gives where the ray is known to pass through the facet, and not at its edge.
-    #[must_use]
-    pub fn crossing(&self, facet: Facet, ray: &TileRay) -> f64 {
-        self.cell([facet.ix, facet.iy]).crossing(facet, ray)
-    }
-
     /// First facet of the cell `[column, row]` that a ray in `half_space` passes through.
     #[must_use]
     pub fn intersect_cell(
@@ -199,6 +205,18 @@ impl Surface {
         half_space: HalfSpace,
     ) -> Option<Hit<Facet>> {
         self.closest_in(&self.cell([ix, iy]), [ix, iy], ray, half_space)
+    }
+
+    /// For rays by number and the cells that they meet: what [`Surface::intersect_cell`] gives, or `None` for rays that
+    /// come near an edge.
+    #[inline(always)]
+    pub(crate) fn pass_cells(
+        &self,
+        rays: RayColumns<'_>,
+        met: &[(u32, [u32; 2])],
+        hits: &mut [Option<Hit<Facet>>],
+    ) {
+        many::pass_cells(self, rays, met, hits);
     }
 
     /// First facet of a cell at hand, `[column, row]`, that a ray in `half_space` passes through.

@@ -1,0 +1,212 @@
+//! Twice: two loads of lanes as one, their instructions in turn, so that one load is processed while the other waits.
+
+use std::ops::{Add, BitAnd, BitOr, BitXor, Mul, Not, Sub};
+
+use super::lanes::{Floats, Integers, Lanes, Mask};
+
+/// Twice as many lanes of the same instruction set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Twice<L>(pub(crate) L);
+
+/// Two of a kind.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Both<T>(T, T);
+
+impl<T> Both<T> {
+    #[inline(always)]
+    fn from_fn(make: impl Fn() -> T) -> Self {
+        Self(make(), make())
+    }
+    #[inline(always)]
+    fn each(self, by: impl Fn(T) -> T) -> Self {
+        Self(by(self.0), by(self.1))
+    }
+    #[inline(always)]
+    fn with<U, V>(self, other: Both<U>, by: impl Fn(T, U) -> V) -> Both<V> {
+        Both(by(self.0, other.0), by(self.1, other.1))
+    }
+    #[inline(always)]
+    fn map<U>(self, by: impl Fn(T) -> U) -> Both<U> {
+        Both(by(self.0), by(self.1))
+    }
+}
+
+macro_rules! operators {
+    ($($trait:ident::$method:ident),*) => {
+        $(
+            impl<T: $trait<Output = T>> $trait for Both<T> {
+                type Output = Self;
+                #[inline(always)]
+                fn $method(self, other: Self) -> Self {
+                    self.with(other, T::$method)
+                }
+            }
+        )*
+    };
+}
+operators!(
+    Add::add,
+    Sub::sub,
+    Mul::mul,
+    BitAnd::bitand,
+    BitOr::bitor,
+    BitXor::bitxor
+);
+
+impl<T: Not<Output = T>> Not for Both<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn not(self) -> Self {
+        self.each(T::not)
+    }
+}
+
+impl<F: Floats> Floats for Both<F> {
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.with(other, F::min)
+    }
+    #[inline(always)]
+    fn times_plus(self, factor: Self, other: Self) -> Self {
+        Self(
+            self.0.times_plus(factor.0, other.0),
+            self.1.times_plus(factor.1, other.1),
+        )
+    }
+    #[inline(always)]
+    fn minus_times(self, a: Self, b: Self) -> Self {
+        Self(self.0.minus_times(a.0, b.0), self.1.minus_times(a.1, b.1))
+    }
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self.with(other, F::over)
+    }
+    #[inline(always)]
+    fn floor(self) -> Self {
+        self.each(F::floor)
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.each(F::abs)
+    }
+}
+
+impl<I: Integers> Integers for Both<I> {
+    #[inline(always)]
+    fn shifted_left(self, by: Self) -> Self {
+        self.with(by, I::shifted_left)
+    }
+    #[inline(always)]
+    fn shifted_right(self, by: Self) -> Self {
+        self.with(by, I::shifted_right)
+    }
+    #[inline(always)]
+    fn times(self, other: Self) -> Self {
+        self.with(other, I::times)
+    }
+    #[inline(always)]
+    fn and(self, other: Self) -> Self {
+        self.with(other, I::and)
+    }
+}
+
+impl<M: Mask> Mask for Both<M> {
+    const COUNT: usize = 2 * M::COUNT;
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        self.0.bits() | self.1.bits() << M::COUNT
+    }
+}
+
+impl<L: Lanes> Lanes for Twice<L> {
+    const COUNT: usize = 2 * L::COUNT;
+    type F = Both<L::F>;
+    type I = Both<L::I>;
+    type M = Both<L::M>;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> Self::F {
+        Both::from_fn(|| self.0.splat(value))
+    }
+    #[inline(always)]
+    fn splat_i(self, value: i32) -> Self::I {
+        Both::from_fn(|| self.0.splat_i(value))
+    }
+    #[inline(always)]
+    fn less(self, a: Self::F, b: Self::F) -> Self::M {
+        a.with(b, |a, b| self.0.less(a, b))
+    }
+    #[inline(always)]
+    fn less_i(self, a: Self::I, b: Self::I) -> Self::M {
+        a.with(b, |a, b| self.0.less_i(a, b))
+    }
+    #[inline(always)]
+    fn within(self, index: Self::I, count: i32) -> Self::M {
+        index.map(|index| self.0.within(index, count))
+    }
+    #[inline(always)]
+    fn equal_i(self, a: Self::I, b: Self::I) -> Self::M {
+        a.with(b, |a, b| self.0.equal_i(a, b))
+    }
+    #[inline(always)]
+    fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F {
+        Both(
+            self.0.select(mask.0, yes.0, no.0),
+            self.0.select(mask.1, yes.1, no.1),
+        )
+    }
+    #[inline(always)]
+    fn select_i(self, mask: Self::M, yes: Self::I, no: Self::I) -> Self::I {
+        Both(
+            self.0.select_i(mask.0, yes.0, no.0),
+            self.0.select_i(mask.1, yes.1, no.1),
+        )
+    }
+    #[inline(always)]
+    fn to_float(self, value: Self::I) -> Self::F {
+        value.map(|value| self.0.to_float(value))
+    }
+    #[inline(always)]
+    fn to_integer(self, value: Self::F) -> Self::I {
+        value.map(|value| self.0.to_integer(value))
+    }
+    #[inline(always)]
+    fn gather_i(self, table: &[u32], index: Self::I) -> Self::I {
+        index.map(|index| self.0.gather_i(table, index))
+    }
+    #[inline(always)]
+    fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2] {
+        let ([a, b], [c, d]) = (
+            self.0.gather_pair(table, index.0),
+            self.0.gather_pair(table, index.1),
+        );
+        [Both(a, c), Both(b, d)]
+    }
+    #[inline(always)]
+    fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F {
+        let first = mask.0.bits().count_ones() as usize;
+        Both(
+            self.0.refill(mask.0, source, old.0),
+            self.0.refill(mask.1, &source[first..], old.1),
+        )
+    }
+    #[inline(always)]
+    fn refill_i(self, mask: Self::M, source: &[i32], old: Self::I) -> Self::I {
+        let first = mask.0.bits().count_ones() as usize;
+        Both(
+            self.0.refill_i(mask.0, source, old.0),
+            self.0.refill_i(mask.1, &source[first..], old.1),
+        )
+    }
+    #[inline(always)]
+    fn mask(self, bits: u32) -> Self::M {
+        let low = bits & ((1_u64 << L::COUNT) - 1) as u32;
+        Both(self.0.mask(low), self.0.mask(bits >> L::COUNT))
+    }
+    #[inline(always)]
+    fn store_some(self, mask: Self::M, value: Self::I, out: &mut [i32]) {
+        let first = mask.0.bits().count_ones() as usize;
+        self.0.store_some(mask.0, value.0, out);
+        self.0.store_some(mask.1, value.1, &mut out[first..]);
+    }
+}
