@@ -311,8 +311,8 @@ impl Tile {
         (x >= 0.0) & (x <= cx) & (y >= 0.0) & (y <= cy) & (z >= low) & (z <= high)
     }
 
-    /// A ray from a point in the box along `d` in the half space of sign `q`, and whether it is certain in which
-    /// cell it begins.
+    /// A ray from a point in the box along `d` in the half space of sign `q`, and whether it is certain which facet it
+    /// begins at.
     #[inline(always)]
     pub(super) fn load(&self, [x, y, z]: [f64; 3], d: [f64; 3], q: f64) -> (Ray, bool) {
         let (dx, dy) = (d[0] as f32, d[1] as f32);
@@ -331,7 +331,8 @@ impl Tile {
             cell: [column, row],
             place: 0,
         };
-        (ray, is_sure_x & is_sure_y)
+        let off_diagonal = (u - v).abs() > 2.0 * f64::from(ROUNDING);
+        (ray, is_sure_x & is_sure_y & off_diagonal)
     }
 }
 
