@@ -68,6 +68,15 @@ impl Instructions {
     }
 }
 
+/// Asks for the cache line of an entry of a table, which is about to be read, where the machine can.
+#[inline(always)]
+pub(crate) fn prefetch<T>(table: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    x86::prefetch(table, index);
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (table, index);
+}
+
 impl fmt::Display for Instructions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use crate::accelerators::accelerator::BuildError;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
+use crate::vector::prefetch;
 
 use super::rays::ROUNDING;
 
@@ -126,6 +127,18 @@ impl Bounds {
             &self.heights[i + stride..i + stride + 2],
         );
         [near[0], near[1], far[0], far[1]]
+    }
+
+    /// Asks for what a ray that begins in the cell `[ix, iy]` reads first.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, [ix, iy]: [usize; 2]) {
+        let stride = self.cells[0] + 1;
+        let corner = iy * stride + ix;
+        prefetch(&self.heights, corner);
+        prefetch(&self.heights, corner + stride);
+        for level in 1..=2 {
+            prefetch(&self.nodes, self.node(level, [ix >> level, iy >> level]));
+        }
     }
 
     /// Whether so many cells, `[columns, rows]`, can be bounded.

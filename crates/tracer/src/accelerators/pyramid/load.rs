@@ -1,5 +1,6 @@
 //! Load: brings rays from f64 into the f32 columns of the wide search, block by block.
 
+use super::bounds::Bounds;
 use super::rays::{Rays, Tile};
 use crate::geometry::height_field::Surface;
 use crate::ray::RayColumns;
@@ -11,6 +12,7 @@ const BLOCK: usize = 64;
 /// Loads those of `rays` whose numbers are in `which`, with their places there; those that are doubtful from the start get their answers.
 pub(super) struct Load<'a> {
     pub(super) surface: &'a Surface,
+    pub(super) bounds: &'a Bounds,
     pub(super) rays: RayColumns<'a>,
     pub(super) which: &'a [u32],
     pub(super) into: &'a mut Rays,
@@ -23,8 +25,12 @@ impl Stage for Load<'_> {
         self.into.begin(self.which.len());
         for (k, which) in self.which.chunks(BLOCK).enumerate() {
             let first = k * BLOCK;
+            let from = self.into.len();
             if !load_block(&tile, self.rays, which, first, self.into) {
                 load_one_by_one(&tile, self.rays, which, first, self.into);
+            }
+            for cell in self.into.cells(from) {
+                self.bounds.prefetch(cell);
             }
         }
     }

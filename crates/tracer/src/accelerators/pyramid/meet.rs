@@ -33,6 +33,7 @@ impl Stage for Meet<'_> {
                 match self.answers.get(next) {
                     (place, Answer::Cell(cell)) => {
                         (met[n], places[n]) = ((self.which[place], cell), place);
+                        self.surface.prefetch(cell);
                         n += 1;
                     }
                     (place, Answer::Doubtful) => self.open.push(place),

@@ -105,6 +105,7 @@ impl Accelerator<Surface> for Pyramid {
         let mut lanes = RAYS.take();
         self.instructions.run(Load {
             surface,
+            bounds: &self.bounds,
             rays,
             which,
             into: &mut lanes,

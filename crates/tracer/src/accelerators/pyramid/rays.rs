@@ -185,6 +185,17 @@ impl Rays {
         self.count
     }
 
+    /// Cells in which rays begin, `[column, row]`, from number `first`.
+    #[inline(always)]
+    pub(super) fn cells(&self, first: usize) -> impl Iterator<Item = [usize; 2]> {
+        let range = first..self.count;
+        let (columns, rows) = (&self.cell_x[range.clone()], &self.cell_y[range]);
+        columns
+            .iter()
+            .zip(rows)
+            .map(|(&x, &y)| [x as usize, y as usize])
+    }
+
     /// Ray number `i`.
     pub(super) fn ray(&self, i: usize) -> Ray {
         Ray {

@@ -19,6 +19,7 @@ use self::slope_bounds::SlopeBounds;
 
 use crate::geometry::{Escape, Geometry, Nearby, Outlook};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
+use crate::vector::prefetch;
 
 pub use self::cell::Facet;
 
@@ -171,6 +172,15 @@ impl Surface {
         let heights = self.field.heights();
         let at = |i: usize| heights[i];
         [near + ix, near + right, far + ix, far + right].map(at)
+    }
+
+    /// Asks for the heights of a cell, which are about to be read.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, [ix, iy]: [u32; 2]) {
+        let (heights, [_, columns]) = (self.field.heights(), self.field.shape());
+        let near = iy as usize * columns + ix as usize;
+        prefetch(heights, near);
+        prefetch(heights, near + columns);
     }
 
     /// Heights between which the slopes of a facet lie, in the unit of the field: that of its cell's corner 00, and
