@@ -94,12 +94,15 @@ fn flag(setting: &Setting, command: Command) -> Option<String> {
 /// What a setting is, with its choices and its default.
 fn explanation(setting: &Setting, command: Command) -> String {
     let mut text = setting.help.to_owned();
-    if let Kind::Choice(choices) | Kind::ChoiceOrFile(choices) = setting.kind {
+    let choices = setting.kind.choices();
+    if !choices.is_empty() {
         let names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
         text.push_str(&format!(": {}", names.join(", ")));
-        if matches!(setting.kind, Kind::ChoiceOrFile(_)) {
-            text.push_str(" or a file");
-        }
+        text.push_str(match setting.kind {
+            Kind::ChoiceOrFile(_) => " or a file",
+            Kind::NumberOrChoice(_) => " or a number",
+            _ => "",
+        });
     }
     match (setting.takes_value(), setting.default_of(command)) {
         (true, Some(default)) => text.push_str(&format!(" [default: {default}]")),

@@ -98,7 +98,15 @@ fn bad_numbers_get_a_sentence_and_code_2() {
             vec!["verify", "--smoothness", "3,3", "-o", "out"],
             "same folder",
         ),
-        (trace(&["--roulette", "2"]), "roulette"),
+        (
+            trace(&["--roulette", "2"]),
+            "--roulette 2: must be a number above 0, up to 1, such as 1.4, 2e-3 or 1/1.4, or auto",
+        ),
+        (trace(&["--roulette", "often"]), "or auto"),
+        (
+            trace(&["--branching", "both"]),
+            "--branching both: must be auto, split or pick",
+        ),
         (trace(&["--max-order", "0"]), "order"),
         (trace(&["--max-order", "many"]), "whole number from 1"),
         (trace(&["--max-order", "1e10"]), "4294967295"),

@@ -116,6 +116,49 @@ fn rays_on_one_surface_are_as_many_as_the_target_takes() {
     }
 }
 
+/// What the pilot run chooses is told, and gives the same bytes when it is named.
+#[test]
+fn a_long_run_chooses_its_branches_and_says_so() {
+    let keep = tempfile::tempdir().unwrap();
+    let folder = keep.path();
+    let rough = "verify --smoothness 1 --tau 4 --size 32 --theta 60 --models none --no-plots";
+    let run = |out: &str, paths: &str| {
+        let line = format!("{rough} --target-error 6e-3 -o {out}{paths}");
+        let text = succeed(folder, &words(&line));
+        let read = |name: &str| fs::read_to_string(folder.join(out).join(name)).unwrap();
+        (text, json(&read("summary.json")), read("histogram.csv"))
+    };
+    let (text, summary, bins) = run("free", "");
+    let settings = &summary["config"]["verify"]["run"];
+    assert_eq!([&settings["branching"], &settings["roulette"]], ["auto"; 2]);
+    let chosen = &summary["stopping"]["paths"];
+    assert_eq!(chosen["tried"].as_array().unwrap().len(), 4, "{text}");
+    for key in ["branching", "roulette"] {
+        assert_eq!(summary["work"][key], chosen[key]);
+    }
+    assert_eq!(chosen["branching"], "pick");
+    let said = "branching: pick, roulette 0.01 (chosen by the pilot run:";
+    assert!(text.contains(said), "{text}");
+    let (text, _, named) = run("named", " --branching pick --roulette 0.01");
+    assert!(text.contains("branching: pick") && !text.contains("chosen by"));
+    assert!(named == bins, "other numbers");
+}
+
+#[test]
+fn without_a_target_both_branches_are_followed() {
+    let (_keep, folder) = with_surface();
+    let energy = |paths: &str| {
+        let line = format!("trace h.exr --theta 60 --rays 1000 --json{paths}");
+        json(&succeed(&folder, &words(&line)))["energy"].clone()
+    };
+    let auto = energy("");
+    assert_eq!(auto, energy(" --branching split --roulette 0.01"));
+    assert_eq!(auto, energy(" --branching auto --roulette auto"));
+    for other in [" --branching pick", " --roulette 0.3"] {
+        assert_ne!(auto, energy(other), "{other}");
+    }
+}
+
 #[test]
 fn bad_targets_and_times_get_a_sentence() {
     let (_keep, folder) = with_surface();

@@ -36,11 +36,13 @@ pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder,
 pub use input::limits::{
     check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes, traced_bytes,
 };
+pub use input::path_choice::PathChoice;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};
 pub use methods::method::ControlVariateMean;
 pub use observer::{Deadline, Observer, Silent};
+pub use output::chosen_paths::{ChosenPaths, TriedPaths};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;
 pub use output::stopping::{PilotFigures, Stopping};

@@ -7,7 +7,7 @@
 //! was not ended. A store must keep runs of other cases and settings apart.
 
 use asperity_tally::{SavedStatistics, TallySpec};
-use asperity_tracer::Work;
+use asperity_tracer::{PathSettings, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::errors::refinement::MeshShifts;
@@ -45,7 +45,9 @@ pub struct SurfaceKey {
 pub enum Stage {
     /// Surfaces of the pilot run, from which the effort is planned.
     Pilot,
-    /// The same surfaces at twice their spacing.
+    /// The same surfaces, on whose light other paths are tried.
+    PathTrial,
+    /// The surfaces of the pilot run at twice their spacing.
     CoarsePilot,
     /// The result.
     Result,
@@ -63,6 +65,7 @@ pub struct SavedSurface {
 /// What one surface did with the light of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SavedCase {
+    paths: PathSettings,
     tally: SavedStatistics,
     /// What differs between its meshes, where it has several.
     shifts: Vec<SavedStatistics>,
@@ -72,6 +75,7 @@ struct SavedCase {
 impl SavedSurface {
     pub(crate) fn new(cases: &[CaseOnSurface], seconds: Seconds, used: Used) -> Self {
         let save = |case: &CaseOnSurface| SavedCase {
+            paths: case.paths,
             tally: SavedStatistics::from(&case.tally),
             shifts: case.shifts.as_ref().map_or_else(Vec::new, MeshShifts::save),
             work: case.work,
@@ -92,6 +96,7 @@ impl SavedSurface {
                 Some(MeshShifts::restore(case.shifts, spec)?)
             };
             Some(CaseOnSurface {
+                paths: case.paths,
                 tally: case.tally.restore(spec)?,
                 shifts,
                 work: case.work,

@@ -1,6 +1,11 @@
 //! How light paths are followed and ended.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
+
+/// Lowest roulette threshold.
+const MIN_ROULETTE: f64 = 1e-6;
 
 /// What happens where light is partly reflected and partly transmitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -13,8 +18,17 @@ pub enum Branching {
     Pick,
 }
 
+impl fmt::Display for Branching {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Split => "split",
+            Self::Pick => "pick",
+        })
+    }
+}
+
 /// How paths are followed and ended.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSettings {
     pub(crate) branching: Branching,
     pub(crate) roulette_below: f64,
@@ -55,7 +69,7 @@ impl PathSettings {
         roulette_below: f64,
         max_order: u32,
     ) -> Result<Self, PathSettingsError> {
-        if !(1e-6..=1.0).contains(&roulette_below) {
+        if !(MIN_ROULETTE..=1.0).contains(&roulette_below) {
             return Err(PathSettingsError::BadRoulette(roulette_below));
         }
         if max_order == 0 {
@@ -66,6 +80,28 @@ impl PathSettings {
             roulette_below,
             max_order,
         })
+    }
+
+    /// What happens where light is partly reflected and partly transmitted.
+    #[must_use]
+    pub const fn branching(&self) -> Branching {
+        self.branching
+    }
+
+    /// Flux below which Russian roulette decides.
+    #[must_use]
+    pub const fn roulette(&self) -> f64 {
+        self.roulette_below
+    }
+
+    /// The same with another branching and another roulette threshold, moved into its range.
+    #[must_use]
+    pub const fn with(self, branching: Branching, roulette_below: f64) -> Self {
+        Self {
+            branching,
+            roulette_below: roulette_below.clamp(MIN_ROULETTE, 1.0),
+            ..self
+        }
     }
 }
 

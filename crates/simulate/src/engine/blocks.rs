@@ -152,7 +152,9 @@ mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_surface::HeightField;
     use asperity_tally::TallyResult;
-    use asperity_tracer::{AcceleratorKind, BuildAccelerator, HalfSpace, Starts, Surface};
+    use asperity_tracer::{
+        AcceleratorKind, BuildAccelerator, HalfSpace, PathSettings, Starts, Surface,
+    };
 
     use super::*;
     use crate::output::stopped_by::StoppedBy;
@@ -191,7 +193,7 @@ mod tests {
                 &*accelerator,
                 Material::Mirror,
                 HalfSpace::Above,
-                settings.paths,
+                settings.paths.without_pilot(),
             ),
             light: Illumination {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
@@ -212,7 +214,7 @@ mod tests {
                 asked: AtomicU64::new(0),
                 advanced: AtomicU64::new(0),
             };
-            let mut found = CaseOnSurface::new(settings.tally, 1);
+            let mut found = CaseOnSurface::new(PathSettings::default(), settings.tally, 1);
             let meshes = std::slice::from_ref(&mesh);
             run_blocks(meshes, &settings, 0, blocks, &progress, |block| {
                 found.push(&block.tallies, block.work);

@@ -148,13 +148,12 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
                 geometry,
                 accelerator,
             } = top;
-            let mut tracer =
-                Tracer::new(geometry, accelerator, material, light.from, settings.paths);
+            let method: &'a Method = method_of(i);
+            let mut tracer = Tracer::new(geometry, accelerator, material, light.from, method.paths);
             if let Some(layer) = &case.layer {
                 let bottom = self.bottom.as_ref().map(|bottom| bottom.get(i));
                 tracer = tracer.over(layer.traced(top, bottom, settings.max_scatterings)?);
             }
-            let method: &'a Method = method_of(i);
             let control_variate: Option<&'a ControlVariate> = method.control_variate();
             Ok(LitMesh {
                 tracer,

@@ -127,7 +127,8 @@ impl GivenGroup {
                     top: Meshes::of_one(top),
                     bottom: bottom.map(Meshes::of_one),
                 };
-                let plain = |_: &MeshSurface, _: &Case, _: &Settings| Ok(Method::PLAIN);
+                let plain =
+                    |_: &MeshSurface, _: &Case, settings: &Settings| Ok(Method::plain(settings));
                 Box::new(self.build_on(meshes, plain, clock)?)
             }
         };
@@ -156,6 +157,7 @@ impl GivenGroup {
                 number,
                 case,
                 methods,
+                tried: Vec::new(),
                 rays: settings.effort.total_rays(),
             })
         };

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_tracer::BuildAccelerator;
+use asperity_tracer::{BuildAccelerator, PathSettings};
 
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::BuiltSurface;
 use super::context::Context;
 use super::draft::Draft;
-use super::pilot;
+use super::path_trial::{best, is_worth, report};
+use super::pilot::{self, cost_of_ray_ns};
 use super::ray_blocks::{MARGIN, MAX_RAYS, RayBlocks};
 use super::ready_group::ReadyGroup;
 use super::rounds::{Batches, Rounds, run_rounds};
@@ -19,6 +20,7 @@ use crate::input::case::Case;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 use crate::observer::Observer;
+use crate::output::chosen_paths::{ChosenPaths, TriedPaths};
 use crate::output::stopping::Stopping;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds};
 
@@ -39,13 +41,47 @@ pub(crate) struct GivenRun<G: BuildAccelerator> {
 }
 
 /// A case on a given surface.
+#[derive(Clone)]
 pub(crate) struct GivenCase {
     pub(crate) number: usize,
     pub(crate) case: Case,
     /// How it is estimated on each mesh of the surface.
     pub(crate) methods: Vec<Arc<Method>>,
+    /// Paths that were tried; none where there was no trial.
+    pub(crate) tried: Vec<TriedPaths>,
     /// Rays planned.
     pub(crate) rays: u64,
+}
+
+impl GivenCase {
+    /// The paths that are followed on all meshes.
+    fn paths(&self) -> PathSettings {
+        self.methods[0].paths
+    }
+
+    /// The same on other paths.
+    fn on(&self, paths: PathSettings) -> Self {
+        let methods = self.methods.iter().map(|method| method.on(paths));
+        Self {
+            methods: methods.map(Arc::new).collect(),
+            ..self.clone()
+        }
+    }
+}
+
+/// What a pilot run found of a case on some paths.
+struct GivenPilot {
+    case: GivenCase,
+    error_over_target: f64,
+    /// Counted cost of a ray.
+    cost_of_ray_ns: f64,
+}
+
+impl GivenPilot {
+    /// Cost of the run that reaches the target, over that of a pilot run: cost x variance.
+    fn cost(&self) -> f64 {
+        self.error_over_target.powi(2) * self.cost_of_ray_ns
+    }
 }
 
 impl<G: BuildAccelerator> GivenRun<G> {
@@ -68,7 +104,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         let method_of = |i: usize| &*case.methods[i];
         let lit = self.built.lit(&case.case, method_of, &self.settings)?;
         Ok(RayBlocks {
-            found: CaseOnSurface::new(self.settings.tally, lit.len()),
+            found: CaseOnSurface::new(case.paths(), self.settings.tally, lit.len()),
             settings: &self.settings,
             number: case.number,
             method: &case.methods[0],
@@ -82,21 +118,56 @@ impl<G: BuildAccelerator> GivenRun<G> {
         })
     }
 
-    /// The rays that reach the target, by the scatter of a pilot run. Its rays are none of those of the result.
-    fn rays_by_pilot(
+    /// Traces a pilot run of a case, whose rays are none of those of the result.
+    fn run_pilot(
         &self,
-        case: &GivenCase,
+        case: GivenCase,
         observer: &dyn Observer,
-    ) -> Result<u64, SimulateError> {
+    ) -> Result<GivenPilot, SimulateError> {
         let blocks = self.pilot_blocks();
         let mut pilot = RayBlocks {
             realisation: pilot::FIRST,
-            ..self.ray_blocks(case, blocks)?
+            ..self.ray_blocks(&case, blocks)?
         };
         pilot.trace_first(blocks.count, Context::without_store(observer));
-        let ratio = pilot.error_over_target().unwrap_or(0.0);
-        let needed = MARGIN * blocks.rays() as f64 * ratio * ratio;
-        Ok(needed.clamp(MIN_RAYS, MAX_RAYS).ceil() as u64)
+        Ok(GivenPilot {
+            error_over_target: pilot.error_over_target().unwrap_or(0.0),
+            cost_of_ray_ns: cost_of_ray_ns(&pilot.found.work),
+            case,
+        })
+    }
+
+    /// A case on the paths and with the rays that reach the target at the least cost, by pilot runs.
+    fn planned(
+        &self,
+        case: GivenCase,
+        observer: &dyn Observer,
+    ) -> Result<GivenCase, SimulateError> {
+        let others = self.settings.paths.alternatives(case.case.material);
+        let first = self.run_pilot(case, observer)?;
+        let mut pilots = vec![first];
+        if is_worth(
+            pilots[0].cost_of_ray_ns * others.len() as f64,
+            pilots[0].cost(),
+        ) {
+            for paths in others {
+                let other = pilots[0].case.on(paths);
+                pilots.push(self.run_pilot(other, observer)?);
+            }
+        }
+        // A trial that was stopped says nothing.
+        if observer.stop().is_some() {
+            pilots.truncate(1);
+        }
+        let costs: Vec<f64> = pilots.iter().map(GivenPilot::cost).collect();
+        let paths: Vec<_> = pilots.iter().map(|pilot| pilot.case.paths()).collect();
+        let chosen = pilots.swap_remove(best(&costs));
+        let needed = self.pilot_blocks().rays() as f64 * chosen.error_over_target.powi(2);
+        Ok(GivenCase {
+            tried: report(&paths, &costs),
+            rays: (MARGIN * needed).clamp(MIN_RAYS, MAX_RAYS).ceil() as u64,
+            ..chosen.case
+        })
     }
 
     /// Traces one case.
@@ -104,7 +175,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         let planned = self.blocks(case);
         let mut blocks = self.ray_blocks(case, planned)?;
         let rounds = run_rounds(&mut blocks, planned.count, context)?;
-        let stopping = self.stopping(planned, rounds, blocks.error());
+        let stopping = self.stopping(case, rounds, blocks.error());
         let seconds = Seconds {
             build: self.build_seconds,
             ..blocks.seconds()
@@ -120,16 +191,18 @@ impl<G: BuildAccelerator> GivenRun<G> {
         })
     }
 
-    fn stopping(&self, planned: Blocks, rounds: Rounds, error: Option<f64>) -> Stopping {
+    fn stopping(&self, case: &GivenCase, rounds: Rounds, error: Option<f64>) -> Stopping {
         let target = self.settings.target();
+        let paths = || ChosenPaths::new(case.paths(), &case.tried);
         Stopping {
             target_error: target.map(|target| target.error()),
             of: target.map(|target| target.of()),
             error,
             mesh_error: None,
             pilot: None,
+            paths: target.is_some().then(paths),
             realisations: 1,
-            rays_per_surface: planned.rays(),
+            rays_per_surface: self.blocks(case).rays(),
             size: None,
             spacing: None,
             rounds: rounds.added,
@@ -149,7 +222,7 @@ impl<G: BuildAccelerator> ReadyGroup for GivenRun<G> {
             return Ok(());
         }
         for i in 0..self.cases.len() {
-            self.cases[i].rays = self.rays_by_pilot(&self.cases[i], context.observer)?;
+            self.cases[i] = self.planned(self.cases[i].clone(), context.observer)?;
         }
         Ok(())
     }

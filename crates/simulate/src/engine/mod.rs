@@ -3,8 +3,9 @@
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
 //! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
-//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes; [`watch`] shows how
-//! near the run has come. [`draft`] turns what was found of a case into its outcome.
+//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`path_trial`] and
+//! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
+//! its outcome.
 
 pub(crate) mod blocks;
 pub(crate) mod built_surface;
@@ -13,8 +14,10 @@ pub(crate) mod draft;
 pub(crate) mod given;
 pub(crate) mod given_run;
 pub(crate) mod group;
+pub(crate) mod path_trial;
 pub(crate) mod pilot;
 pub(crate) mod random;
+pub(crate) mod random_paths;
 pub(crate) mod random_plan;
 pub(crate) mod random_rounds;
 pub(crate) mod ray_blocks;

@@ -12,6 +12,7 @@
 
 use asperity_surface::Synthesis;
 use asperity_tally::{ControlVariate, Entry, TallySpec};
+use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
 use super::tallies::CaseTallies;
@@ -139,7 +140,6 @@ impl Figures {
         let norm = target.of().norm((square - scatter / n).max(0.5 * square));
         let of_surfaces = (scatter - of_rays).max(LEAST_OF_SURFACES * scatter);
         let work = &fine.work;
-        let per_ray = |count: u64| count as f64 / work.rays as f64;
         let relative = |square: f64| ratio(square, norm * norm);
         Self {
             figures: PilotFigures {
@@ -148,9 +148,7 @@ impl Figures {
                 variance_of_surfaces: relative(of_surfaces),
                 variance_of_rays: relative(of_rays * rays),
                 cost_of_surface_ns: CELL_NS * cells as f64 + SURFACE_NS,
-                cost_of_ray_ns: RAY_NS
-                    + SEGMENT_NS * per_ray(work.segments)
-                    + SKIPPED_NS * per_ray(work.segments_skipped),
+                cost_of_ray_ns: cost_of_ray_ns(work),
                 mesh_difference: coarse
                     .map(|coarse| ratio(difference(&entries, fine, coarse), norm)),
             },
@@ -160,7 +158,7 @@ impl Figures {
 
     /// The effort that brings the error of a case to `error` in the least time. `surface_cost`: how much
     /// more a surface costs than in the pilot run; `most`: surfaces that results have room for.
-    fn effort(&self, error: f64, surface_cost: f64, most: u64) -> PlannedEffort {
+    pub(crate) fn effort(&self, error: f64, surface_cost: f64, most: u64) -> PlannedEffort {
         let PilotFigures {
             variance_of_surfaces: v_s,
             variance_of_rays: v_r,
@@ -202,6 +200,19 @@ impl Figures {
         let difference = self.figures.mesh_difference?;
         Some(MESH_ORDER * difference * scale * scale)
     }
+}
+
+/// Counted cost of a ray with the paths that begin with it, on average over this work, in nanoseconds.
+pub(crate) fn cost_of_ray_ns(work: &Work) -> f64 {
+    let per_ray = |count: u64| count as f64 / work.rays as f64;
+    RAY_NS + SEGMENT_NS * per_ray(work.segments) + SKIPPED_NS * per_ray(work.segments_skipped)
+}
+
+/// Counted cost of cases that share these surfaces, at the spacing of the pilot run, in nanoseconds.
+pub(crate) fn cost_of_all(cases: &[Figures], surfaces: u64, rays_per_surface: u64) -> f64 {
+    let of_surface = cases.first().map_or(0.0, |c| c.figures.cost_of_surface_ns);
+    let of_ray: f64 = cases.iter().map(|c| c.figures.cost_of_ray_ns).sum();
+    surfaces as f64 * (of_surface + rays_per_surface as f64 * of_ray)
 }
 
 /// The effort that serves all cases that share surfaces: for the rays of the most demanding one, as many
@@ -305,10 +316,10 @@ pub(crate) fn entries_with_least_error(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn figures(v_s: f64, v_r: f64, mesh: Option<f64>) -> Figures {
+    pub(crate) fn figures(v_s: f64, v_r: f64, mesh: Option<f64>) -> Figures {
         Figures {
             figures: PilotFigures {
                 realisations: 16,

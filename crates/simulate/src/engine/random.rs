@@ -20,6 +20,7 @@ use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::analytic::AnalyticResult;
 use crate::methods::method::Method;
+use crate::output::chosen_paths::{ChosenPaths, TriedPaths};
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
 use crate::slopes::slopes;
@@ -52,6 +53,8 @@ struct AnalyticCase {
 pub(super) struct PilotOutcome {
     /// By traced case.
     pub(super) figures: Vec<Figures>,
+    /// Paths that were tried, by traced case; none where there was no trial.
+    pub(super) tried: Vec<Vec<TriedPaths>>,
     /// The spacing chosen, over that given.
     pub(super) scale: f64,
     /// What the mesh adds to each error, by traced case.
@@ -104,18 +107,20 @@ impl RandomGroup {
             surfaces: settings.effort.surfaces(),
             rays: settings.effort.total_rays(),
         };
+        let pilot = PilotOutcome {
+            figures: Vec::new(),
+            tried: vec![Vec::new(); traced.len()],
+            scale: 1.0,
+            mesh_errors: Vec::new(),
+            warnings: Vec::new(),
+        };
         Ok(Self {
             synthesis,
             settings: *settings,
             analytic,
             traced,
             plan,
-            pilot: PilotOutcome {
-                figures: Vec::new(),
-                scale: 1.0,
-                mesh_errors: Vec::new(),
-                warnings: Vec::new(),
-            },
+            pilot,
         })
     }
 
@@ -134,7 +139,7 @@ impl RandomGroup {
     pub(super) fn group(&self, stage: Stage) -> SurfaceGroup<'_> {
         let (settings, plan) = match stage {
             Stage::Result => (self.settings, self.plan),
-            Stage::Pilot | Stage::CoarsePilot => (
+            Stage::Pilot | Stage::PathTrial | Stage::CoarsePilot => (
                 Settings {
                     refine: false,
                     ..self.settings
@@ -164,6 +169,7 @@ impl RandomGroup {
             error: None,
             mesh_error: None,
             pilot: None,
+            paths: None,
             realisations: self.plan.surfaces,
             rays_per_surface: self.group(Stage::Result).blocks().rays(),
             size: Some([nx, ny]),
@@ -276,6 +282,9 @@ impl ReadyGroup for RandomGroup {
                 error: end.error,
                 mesh_error: end.mesh_error,
                 pilot: self.pilot.figures.get(i).map(|figures| figures.figures),
+                paths: common
+                    .target_error
+                    .map(|_| ChosenPaths::new(traced.method.paths, &self.pilot.tried[i])),
                 stopped_by: match end.reached {
                     Some(reached) if !common.is_cut_short() => reached,
                     _ => common.stopped_by,

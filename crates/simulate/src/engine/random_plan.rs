@@ -1,30 +1,32 @@
-//! The plan of cases that share random surfaces: surfaces, rays and spacing that reach a target, by a pilot run.
+//! The plan of cases that share random surfaces: paths, surfaces, rays and spacing that reach a target, by a pilot run.
 
 use super::context::Context;
 use super::pilot::{self, Figures, PilotRun};
 use super::random::RandomGroup;
-use super::surfaces::surface_bytes;
+use super::surfaces::{SurfaceGroup, surface_bytes};
 use super::tallies::CaseTallies;
+use super::traced_case::TracedCase;
 use crate::error::SimulateError;
 use crate::input::limits::{check_memory, most_realisations};
 use crate::store::Stage;
 use crate::text::error_in_short;
 
 impl RandomGroup {
-    /// Plans surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
+    /// Plans paths, surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
     pub(super) fn plan_by_pilot(
         &mut self,
         all_cases: usize,
         context: Context<'_>,
     ) -> Result<(), SimulateError> {
-        if self.settings.target().is_none() || self.traced.is_empty() {
-            return Ok(());
-        }
-        let Some(fine) = self.run_pilot(Stage::Pilot, context)? else {
+        let Some(target) = self.settings.target().filter(|_| !self.traced.is_empty()) else {
             return Ok(());
         };
+        let Some(mut fine) = self.run_pilot(Stage::Pilot, &self.traced, context)? else {
+            return Ok(());
+        };
+        self.choose_paths(target, &mut fine, all_cases, context)?;
         let coarse = if self.has_coarser() {
-            self.run_pilot(Stage::CoarsePilot, context)?
+            self.run_pilot(Stage::CoarsePilot, &self.traced, context)?
         } else {
             None
         };
@@ -39,40 +41,51 @@ impl RandomGroup {
         self.synthesis.shape().iter().all(|n| n % 2 == 0 && *n >= 4)
     }
 
-    /// The pilot run; `None` if it was stopped.
-    fn run_pilot(
+    /// A pilot run of `cases`; `None` if it was stopped.
+    pub(super) fn run_pilot(
         &self,
         stage: Stage,
+        cases: &[TracedCase],
         context: Context<'_>,
     ) -> Result<Option<Vec<CaseTallies>>, SimulateError> {
         let surfaces = pilot::FIRST..pilot::FIRST + pilot::SURFACES;
-        let found = self.group(stage).run(surfaces, context)?;
+        let group = SurfaceGroup {
+            cases,
+            ..self.group(stage)
+        };
+        let found = group.run(surfaces, context)?;
         let first = found.first();
         let complete = first.is_some_and(|t| t.surfaces.len() as u64 == pilot::SURFACES);
         Ok(complete.then_some(found))
     }
 
     /// What the pilot run tells of each traced case.
-    fn figures(&self, fine: &[CaseTallies], coarse: Option<&[CaseTallies]>) -> Vec<Figures> {
-        let Some(target) = self.settings.target() else {
-            return Vec::new();
-        };
+    pub(super) fn figures(
+        &self,
+        fine: &[CaseTallies],
+        coarse: Option<&[CaseTallies]>,
+    ) -> Vec<Figures> {
+        let of_case = |(i, fine)| self.figures_of(i, fine, coarse.map(|coarse| &coarse[i]));
+        fine.iter().enumerate().flat_map(of_case).collect()
+    }
+
+    /// What the pilot run tells of traced case `i`; `None` without a target.
+    pub(super) fn figures_of(
+        &self,
+        i: usize,
+        fine: &CaseTallies,
+        coarse: Option<&CaseTallies>,
+    ) -> Option<Figures> {
+        let target = self.settings.target()?;
         let tally = &self.settings.tally;
-        let cells = self.synthesis.shape().iter().product();
-        let of_case = |i: usize, fine: &CaseTallies| {
-            let control_variate = self.traced[i].method.control_variate();
-            let run = PilotRun {
-                fine,
-                coarse: coarse.map(|coarse| &coarse[i]),
-                cells,
-                counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
-            };
-            Figures::new(target, tally, &run)
+        let control_variate = self.traced[i].method.control_variate();
+        let run = PilotRun {
+            fine,
+            coarse,
+            cells: self.synthesis.shape().iter().product(),
+            counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
         };
-        fine.iter()
-            .enumerate()
-            .map(|(i, fine)| of_case(i, fine))
-            .collect()
+        Some(Figures::new(target, tally, &run))
     }
 
     /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.

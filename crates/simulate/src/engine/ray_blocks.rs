@@ -90,9 +90,9 @@ impl<G: Geometry> RayBlocks<'_, G> {
             return;
         };
         let (blocks, traced) = (found.tally.batches(), self.found.tally.batches());
-        // A run that was stopped while it was planned may have divided its rays in another way.
+        // A run that was stopped while it was planned may have divided its rays in another way, on other paths.
         let same_blocks = found.work.rays == blocks * self.rays_of_block();
-        if same_blocks && (traced..=count).contains(&blocks) {
+        if same_blocks && found.paths == self.method.paths && (traced..=count).contains(&blocks) {
             let rays = (blocks - traced) * self.rays_of_block();
             context.observer.advance(rays);
             self.seconds_before = saved.seconds.trace;

@@ -193,8 +193,11 @@ impl SurfaceGroup<'_> {
         };
         let rays = self.blocks().rays();
         let is_complete = |found: &SurfaceTallies| {
+            let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
+                found.work.rays == rays && found.paths == case.method.paths
+            };
             let all_there = found.cases.len() == self.cases.len();
-            all_there && found.cases.iter().all(|case| case.work.rays == rays)
+            all_there && found.cases.iter().zip(self.cases).all(same)
         };
         let saved = store.and_then(|store| store.load(key));
         let saved = saved.and_then(|saved| saved.restore(self.settings.tally));
@@ -279,7 +282,7 @@ impl SurfaceGroup<'_> {
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
             let lit = built.lit(case, |_| method, &self.settings)?;
-            let mut found = CaseOnSurface::new(self.settings.tally, lit.len());
+            let mut found = CaseOnSurface::new(method.paths, self.settings.tally, lit.len());
             run_blocks(
                 &lit,
                 &self.settings,
@@ -327,20 +330,17 @@ mod tests {
             random_azimuth: true,
         };
         let glass = Material::Dielectric { eta: 1.5 };
+        let settings = Settings {
+            paths: PathSettings::default()
+                .with(Branching::Pick, PathSettings::DEFAULT_ROULETTE)
+                .into(),
+            ..Settings::default()
+        };
         let cases = [TracedCase {
             number: 0,
             case: Case::new(SurfaceSource::Random(synthesis.clone()), glass, light),
-            method: Arc::new(Method::PLAIN),
+            method: Arc::new(Method::plain(&settings)),
         }];
-        let settings = Settings {
-            paths: PathSettings::new(
-                Branching::Pick,
-                PathSettings::DEFAULT_ROULETTE,
-                PathSettings::DEFAULT_MAX_ORDER,
-            )
-            .unwrap(),
-            ..Settings::default()
-        };
         let group = SurfaceGroup {
             synthesis: &synthesis,
             cases: &cases,

@@ -75,6 +75,7 @@ impl CaseTallies {
             tally,
             shifts,
             work,
+            ..
         } = case;
         self.surfaces.push(tally.means().clone());
         self.ray_squares += &tally.error_squares();

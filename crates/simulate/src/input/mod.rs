@@ -4,6 +4,7 @@ pub(crate) mod case;
 pub(crate) mod estimator;
 pub(crate) mod layer;
 pub(crate) mod limits;
+pub(crate) mod path_choice;
 pub(crate) mod settings;
 pub(crate) mod surface_source;
 pub(crate) mod target;

@@ -4,9 +4,10 @@
 //! shard traces. Since surfaces are reduced in the order of their number, shards merge to the bytes of the whole.
 
 use asperity_tally::TallySpec;
-use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, PathSettings, Sampling};
+use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, Sampling};
 
 use super::estimator::Estimator;
+use super::path_choice::PathChoice;
 use super::target::Target;
 
 /// How cases are simulated: what is recorded, how paths are followed, and how much is traced.
@@ -26,8 +27,8 @@ use super::target::Target;
 pub struct Settings {
     /// What is recorded of the light that leaves.
     pub tally: TallySpec,
-    /// How paths are followed.
-    pub paths: PathSettings,
+    /// How paths branch and end.
+    pub paths: PathChoice,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
     /// How paths become results.
@@ -53,7 +54,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             tally: TallySpec::default(),
-            paths: PathSettings::default(),
+            paths: PathChoice::default(),
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Auto,
             sampling: Sampling::Stratified,

@@ -74,7 +74,7 @@ impl AnalyticResult {
         Ok(Some(Self {
             method: Method {
                 control_variate: Some((control_variate, ControlVariateMean::GaussianSlopes)),
-                ..Method::PLAIN
+                ..Method::plain(settings)
             },
             statistics: TallyStatistics::analytic(fluxes, errors),
             bound,

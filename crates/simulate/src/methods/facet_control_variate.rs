@@ -37,20 +37,20 @@ impl Method {
     ) -> Result<Self, SimulateError> {
         // No control variate knows of a layer, and that of one surface is of light from one azimuth.
         if case.layer.is_some() || case.light.random_azimuth {
-            return Ok(Self::PLAIN);
+            return Ok(Self::plain(settings));
         }
         let estimator = settings.estimator;
         let open = surface.border() == Border::Open;
         let few_rays = (settings.effort.total_rays() as usize) < surface.facet_count();
         let pointless = open || few_rays || surface.is_flat();
         if estimator == Estimator::Plain || estimator == Estimator::Auto && pointless {
-            return Ok(Self::PLAIN);
+            return Ok(Self::plain(settings));
         }
         if open {
             return Err(SimulateError::OpenControl);
         }
         let Some(slopes) = slopes(surface.field()) else {
-            return Ok(Self::PLAIN);
+            return Ok(Self::plain(settings));
         };
         // The side that is not recorded has its control variate too.
         let (tally, incidence) = (settings.tally, case.light.incidence);
@@ -58,7 +58,7 @@ impl Method {
         let fractions = match visible_fractions(&slopes, case.material, incidence, &tally) {
             Ok(fractions) => fractions,
             Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => {
-                return Ok(Self::PLAIN);
+                return Ok(Self::plain(settings));
             }
             Err(error) => return Err(error.into()),
         };
@@ -66,7 +66,7 @@ impl Method {
         let control_variate = ControlVariate::new(tally, fractions, &unshadowed_fluxes(&sum));
         let mean = ControlVariateMean::FacetsOfSurface;
         Ok(Self::with_control_variate(
-            estimator,
+            settings,
             control_variate,
             mean,
             &slopes,

@@ -1,10 +1,10 @@
-//! How a case is estimated: where its paths start, and what is subtracted from them.
+//! How a case is estimated: where its paths start, how they branch, and what is subtracted from them.
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::Incidence;
 use asperity_surface::Synthesis;
 use asperity_tally::{ControlVariate, TallyResult, TallyStatistics};
-use asperity_tracer::{Illumination, Sampling, Starts};
+use asperity_tracer::{Illumination, PathSettings, Sampling, Starts};
 use serde::Serialize;
 
 use crate::error::SimulateError;
@@ -13,10 +13,11 @@ use crate::input::estimator::Estimator;
 use crate::input::settings::{Effort, Settings};
 use crate::slopes::slopes;
 
-/// Where paths start, and the control variate of what they give, if there is one.
+/// Where paths start, how they branch and end, and the control variate of what they give, if there is one.
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
+    pub(crate) paths: PathSettings,
     pub(crate) control_variate: Option<(ControlVariate, ControlVariateMean)>,
 }
 
@@ -39,11 +40,22 @@ const MOST_WEIGHT_VARIANCE: f64 = 0.25;
 const HALVINGS: i32 = 6;
 
 impl Method {
-    /// Rays from above, and nothing else.
-    pub(crate) const PLAIN: Self = Self {
-        starts: Starts::FromAbove,
-        control_variate: None,
-    };
+    /// Rays from above, and nothing else, on paths that no pilot run has chosen.
+    pub(crate) const fn plain(settings: &Settings) -> Self {
+        Self {
+            starts: Starts::FromAbove,
+            paths: settings.paths.without_pilot(),
+            control_variate: None,
+        }
+    }
+
+    /// The same on other paths.
+    pub(crate) fn on(&self, paths: PathSettings) -> Self {
+        Self {
+            paths,
+            ..self.clone()
+        }
+    }
 
     /// The method for a case of random surfaces.
     ///
@@ -55,12 +67,12 @@ impl Method {
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let one_surface = matches!(settings.effort, Effort::Rays { surfaces: 1, .. });
-        let estimator = match settings.estimator {
-            Estimator::Auto if one_surface => Estimator::Plain,
-            chosen => chosen,
+        let is_plain = match settings.estimator {
+            Estimator::Auto => one_surface,
+            named => named == Estimator::Plain,
         };
-        if estimator == Estimator::Plain || case.layer.is_some() {
-            return Ok(Self::PLAIN);
+        if is_plain || case.layer.is_some() {
+            return Ok(Self::plain(settings));
         }
         let slopes = slopes(synthesis.psd())?;
         let incidence = case.light.incidence;
@@ -68,7 +80,7 @@ impl Method {
             Ok(control_variate) => {
                 let mean = ControlVariateMean::GaussianSlopes;
                 Ok(Self::with_control_variate(
-                    estimator,
+                    settings,
                     control_variate,
                     mean,
                     &slopes,
@@ -76,14 +88,16 @@ impl Method {
                 ))
             }
             // Light that goes straight on through equal indices has no density to integrate.
-            Err(ModelError::MatchedIndices(_)) if estimator == Estimator::Auto => Ok(Self::PLAIN),
+            Err(ModelError::MatchedIndices(_)) if settings.estimator == Estimator::Auto => {
+                Ok(Self::plain(settings))
+            }
             Err(error) => Err(error.into()),
         }
     }
 
     /// The method that makes best use of a control variate, or of none if the choice is free and none pays.
     pub(crate) fn with_control_variate(
-        estimator: Estimator,
+        settings: &Settings,
         control_variate: ControlVariate,
         mean: ControlVariateMean,
         slopes: &SlopeCovariance,
@@ -91,8 +105,8 @@ impl Method {
     ) -> Self {
         let seen: f64 = control_variate.expected().budget().total();
         let worth = Worth::new(seen, Beckmann::new(*slopes).lambda(incidence.wi()));
-        if seen == 0.0 || estimator == Estimator::Auto && worth.time >= 1.0 {
-            return Self::PLAIN;
+        if seen == 0.0 || settings.estimator == Estimator::Auto && worth.time >= 1.0 {
+            return Self::plain(settings);
         }
         let wi = incidence.wi();
         let [x, y] = [wi.x / wi.z, wi.y / wi.z];
@@ -103,6 +117,7 @@ impl Method {
             } else {
                 Starts::FromAbove
             },
+            paths: settings.paths.without_pilot(),
             control_variate: Some((
                 control_variate
                     .weakened(worth.weight)

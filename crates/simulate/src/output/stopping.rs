@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::input::target::Quantity;
+use crate::output::chosen_paths::ChosenPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::text::error_in_short;
 
@@ -40,6 +41,8 @@ pub struct Stopping {
     pub mesh_error: Option<f64>,
     /// What the pilot run found.
     pub pilot: Option<PilotFigures>,
+    /// The paths that are followed: with a target.
+    pub paths: Option<ChosenPaths>,
     /// Surfaces planned at first.
     pub realisations: u64,
     /// Rays of each surface.
@@ -119,8 +122,10 @@ impl Stopping {
         let mesh = self.mesh_error.map_or_else(String::new, |e| {
             format!("; the mesh adds {}", error_in_short(e))
         });
+        let paths = self.paths.as_ref();
+        let paths = paths.map_or_else(String::new, |paths| format!("; {paths}"));
         Some(format!(
-            "{got}; planned {} x {} rays{spacing}{rounds}{mesh}",
+            "{got}; planned {} x {} rays{spacing}{rounds}{mesh}{paths}",
             self.realisations, self.rays_per_surface
         ))
     }

@@ -1,7 +1,7 @@
 //! What one surface did with the light of the cases that share it.
 
 use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
-use asperity_tracer::Work;
+use asperity_tracer::{PathSettings, Work};
 use serde::{Deserialize, Serialize};
 
 use super::work::Used;
@@ -19,6 +19,8 @@ pub(crate) struct SurfaceTallies {
 /// What one surface did with the light of one case, block of rays by block of rays.
 #[derive(Clone, Debug)]
 pub(crate) struct CaseOnSurface {
+    /// The paths that were followed.
+    pub(crate) paths: PathSettings,
     /// Flux fractions; a batch is a block of rays.
     pub(crate) tally: TallyStatistics,
     /// What differs between its meshes, where it has several.
@@ -28,8 +30,9 @@ pub(crate) struct CaseOnSurface {
 
 impl CaseOnSurface {
     /// No blocks yet, for a surface that is traced on `meshes` meshes.
-    pub(crate) fn new(spec: TallySpec, meshes: usize) -> Self {
+    pub(crate) fn new(paths: PathSettings, spec: TallySpec, meshes: usize) -> Self {
         Self {
+            paths,
             tally: TallyStatistics::new(spec),
             shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
             work: Work::default(),

@@ -1,6 +1,6 @@
 //! What a run did, and how long it took.
 
-use asperity_tracer::{Accelerator, AcceleratorKind, Geometry, Sampling, Starts, Work};
+use asperity_tracer::{Accelerator, AcceleratorKind, Branching, Geometry, Sampling, Starts, Work};
 use serde::{Deserialize, Serialize};
 
 use crate::input::estimator::Estimator;
@@ -35,6 +35,10 @@ pub struct SummaryWork {
     pub estimator: Estimator,
     /// Where the mean of its control variate comes from; `None` without one.
     pub control_variate: Option<ControlVariateMean>,
+    /// Which branches its paths follow.
+    pub branching: Branching,
+    /// Flux below which Russian roulette decides.
+    pub roulette: f64,
     /// Where its paths start.
     pub starts: Starts,
     /// How they are spread.
@@ -92,6 +96,8 @@ impl SummaryWork {
             instructions: used.instructions,
             estimator: method.estimator(),
             control_variate: method.control_variate_mean(),
+            branching: method.paths.branching(),
+            roulette: method.paths.roulette(),
             starts: method.starts,
             sampling,
             generate_seconds: 0.0,

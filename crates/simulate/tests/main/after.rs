@@ -1,6 +1,6 @@
-//! An observer that interrupts a run after a given number of rays.
+//! Observers that end a run after a given number of rays, or once it is planned.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use asperity_simulate::{Observer, StoppedBy};
 
@@ -31,5 +31,20 @@ impl Observer for After {
     fn end(&self) {}
     fn stop(&self) -> Option<StoppedBy> {
         (self.traced.load(Ordering::Relaxed) >= self.rays).then_some(StoppedBy::Interrupt)
+    }
+}
+
+/// Stops a run once it is planned: it traces two blocks of rays on the first surface.
+#[derive(Default)]
+pub(crate) struct OncePlanned(AtomicBool);
+
+impl Observer for OncePlanned {
+    fn begin(&self, stage: &str, _total: u64) {
+        self.0.store(stage == "tracing", Ordering::Relaxed);
+    }
+    fn advance(&self, _steps: u64) {}
+    fn end(&self) {}
+    fn stop(&self) -> Option<StoppedBy> {
+        self.0.load(Ordering::Relaxed).then_some(StoppedBy::Time)
     }
 }

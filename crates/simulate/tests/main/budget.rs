@@ -94,7 +94,9 @@ fn on_flat_surfaces_rays_explain_all() {
         PathSettings::DEFAULT_MAX_ORDER,
     );
     let settings = Settings {
-        paths: PathSettings::new(Branching::Pick, roulette, order).unwrap(),
+        paths: PathSettings::new(Branching::Pick, roulette, order)
+            .unwrap()
+            .into(),
         estimator: Estimator::Plain,
         ..Settings::default()
     };

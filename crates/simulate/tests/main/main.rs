@@ -9,6 +9,7 @@
 mod after;
 mod budget;
 mod mesh_error;
+mod paths;
 mod resuming;
 mod sharing;
 mod stopping;

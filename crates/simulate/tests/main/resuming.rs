@@ -5,14 +5,16 @@ use std::sync::Mutex;
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, Effort, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent, Simulation,
-    SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
+    Case, Effort, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent,
+    SimulateError, Simulation, Stage, SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
 };
 use asperity_surface::{Psd, Synthesis};
 use asperity_tally::TallyResult;
+use asperity_tracer::{Branching, PathSettings};
 
-use crate::after::After;
+use crate::after::{After, OncePlanned};
 use crate::sharing::{Drawings, cases, settings};
+use crate::support::{Rough, glass, target};
 
 /// Keeps finished parts as text.
 #[derive(Default)]
@@ -113,5 +115,56 @@ fn a_given_surface_resumes_round_by_round_to_the_same_numbers() {
             }
             assert!(runs < 20);
         }
+    }
+}
+
+/// A run is ended in its pilot run, in the trial of paths and in the coarse pilot run.
+#[test]
+fn a_run_that_tries_paths_resumes_to_the_same_numbers() {
+    let settings = Settings {
+        effort: target(1e-3, Quantity::Bins),
+        mesh_quadrature: false,
+        ..Settings::default()
+    };
+    let case = [Rough::smooth(1.0, 4.0, 32).case(glass(), 60.0)];
+    let whole = simulate(&case, &settings, &OncePlanned::default()).unwrap();
+    assert_eq!(whole[0].stopping.paths.as_ref().unwrap().tried.len(), 4);
+    let keeper = Keeper::default();
+    let of_pilot = 16 << 11;
+    // One pilot run, three of the trial and a coarse one.
+    for (rays, tries) in [(of_pilot / 2, 0), (2 * of_pilot, 1), (9 * of_pilot / 2, 2)] {
+        let simulation = Simulation::new(&case, &settings).unwrap();
+        let ended = simulation.resume(&keeper, &After::rays(rays));
+        assert_eq!(ended.err(), Some(SimulateError::Interrupted));
+        let kept = keeper.0.lock().unwrap();
+        let of_stage = |stage: Stage| kept.keys().filter(|key| key.stage == stage).count();
+        assert_eq!(of_stage(Stage::PathTrial) > 0, tries > 0);
+        assert_eq!(of_stage(Stage::CoarsePilot) > 0, tries > 1);
+    }
+    let resumed = resume(&case, &settings, &keeper, &OncePlanned::default());
+    assert!(numbers(&resumed) == numbers(&whole), "other numbers");
+}
+
+/// A run that was stopped before its trial of paths leaves what it found on others.
+#[test]
+fn what_was_found_on_other_paths_is_not_resumed() {
+    let random = vec![Rough::smooth(1.0, 4.0, 32).case(glass(), 60.0)];
+    for cases in [random, given()] {
+        let on = |branching| Settings {
+            effort: Effort::Rays {
+                total: 4000,
+                surfaces: 2,
+            },
+            paths: PathSettings::default().with(branching, 0.01).into(),
+            mesh_quadrature: false,
+            ..Settings::default()
+        };
+        let pick = on(Branching::Pick);
+        let whole = simulate(&cases, &pick, &Silent).unwrap();
+        let keeper = Keeper::default();
+        resume(&cases, &on(Branching::Split), &keeper, &Silent);
+        assert!(!keeper.0.lock().unwrap().is_empty());
+        let resumed = resume(&cases, &pick, &keeper, &Silent);
+        assert!(numbers(&resumed) == numbers(&whole), "other numbers");
     }
 }

@@ -13,15 +13,15 @@ pub(crate) mod values;
 
 use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
-use asperity_simulate::{Effort, Estimator, Quantity, Settings, Target};
+use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_surface::Psd;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
-use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, PathSettings, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
 use crate::config::medium::{BottomKind, MediumConfig};
-use crate::config::values::{Count, Number, OneOrMany, PerAxis, Seconds};
+use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 use crate::settings::{Command, Document, defaults};
 
 /// `[surface]`: the random surfaces.
@@ -203,9 +203,9 @@ pub struct RunConfig {
     /// The sides whose light is recorded.
     pub side: Sides,
     /// Both branches, or one picked.
-    pub branching: Branching,
+    pub branching: OrAuto<Branching>,
     /// Flux below which roulette decides.
-    pub roulette: Number,
+    pub roulette: OrAuto<Number>,
     /// Interactions after which a path is truncated.
     pub max_order: u32,
     /// How hits are found.
@@ -244,7 +244,11 @@ impl RunConfig {
         Ok(Settings {
             tally: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
                 .with_sides(self.side),
-            paths: PathSettings::new(self.branching, self.roulette.0, self.max_order)?,
+            paths: PathChoice::new(
+                self.branching.named(),
+                self.roulette.named().map(|threshold| threshold.0),
+                self.max_order,
+            )?,
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,

@@ -29,6 +29,34 @@ impl Seconds {
     }
 }
 
+/// A value, or `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum OrAuto<T> {
+    /// Chosen by the program.
+    Auto(Auto),
+    /// A value.
+    Named(T),
+}
+
+/// The name `auto`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Auto {
+    /// The only one.
+    Auto,
+}
+
+impl<T: Copy> OrAuto<T> {
+    /// The value; `None` where the program chooses.
+    pub(crate) const fn named(self) -> Option<T> {
+        match self {
+            Self::Auto(_) => None,
+            Self::Named(value) => Some(value),
+        }
+    }
+}
+
 /// One value, or a list of values that are expanded into cases.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]

@@ -13,6 +13,8 @@ pub enum Kind {
     Switch,
     /// A number, or a quotient of two such as `1/1.4`.
     Number,
+    /// Such a number, or one of several names.
+    NumberOrChoice(&'static [Choice]),
     /// A whole number of one or more, also written as `1e6`.
     Count,
     /// A count up to 4294967295.
@@ -61,11 +63,28 @@ pub(super) const fn choice(name: &'static str, help: &'static str) -> Choice {
 }
 
 impl Kind {
+    /// The names that it allows.
+    #[must_use]
+    pub const fn choices(self) -> &'static [Choice] {
+        match self {
+            Self::Choice(choices) | Self::ChoiceOrFile(choices) | Self::NumberOrChoice(choices) => {
+                choices
+            }
+            _ => &[],
+        }
+    }
+
     /// Whether a file writes it as text in quotes, never as a bare number.
     pub(super) const fn is_text(self) -> bool {
         !matches!(
             self,
-            Self::Switch | Self::Number | Self::Count | Self::Order | Self::Seed | Self::Duration
+            Self::Switch
+                | Self::Number
+                | Self::NumberOrChoice(_)
+                | Self::Count
+                | Self::Order
+                | Self::Seed
+                | Self::Duration
         )
     }
 
@@ -77,6 +96,9 @@ impl Kind {
                 let number = parse_number(text).ok()?;
                 range.contains(number).then(|| Value::from(number))
             }
+            Self::NumberOrChoice(choices) => Self::Choice(choices)
+                .parse(text, range)
+                .or_else(|| Self::Number.parse(text, range)),
             Self::Count => count(text)
                 .filter(|count| range.contains(*count as f64))
                 .map(Value::from),
@@ -111,6 +133,13 @@ impl Kind {
             Self::Switch => "true or false".to_owned(),
             Self::Number if range == Range::Any => "a number such as 1.4, 2e-3 or 1/1.4".to_owned(),
             Self::Number => format!("a number {range}, such as 1.4, 2e-3 or 1/1.4"),
+            Self::NumberOrChoice(choices) => {
+                format!(
+                    "{}, or {}",
+                    Self::Number.expected(range),
+                    one_of(choices, None)
+                )
+            }
             Self::Count if range != Range::Any => format!("a whole number {range}"),
             Self::Count => {
                 format!("a whole number of 1 or more, up to {MOST_COUNT:e}, such as 1000 or 1e6")

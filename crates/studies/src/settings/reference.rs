@@ -166,9 +166,10 @@ fn commands(commands: Commands) -> String {
 
 /// What it is, with the meaning of its choices.
 fn meaning(setting: &Setting) -> String {
-    let (Kind::Choice(choices) | Kind::ChoiceOrFile(choices)) = setting.kind else {
+    let choices = setting.kind.choices();
+    if choices.is_empty() {
         return setting.help.to_owned();
-    };
+    }
     let choices: Vec<String> = choices
         .iter()
         .map(|choice| format!("{}: {}", choice.name, choice.help))

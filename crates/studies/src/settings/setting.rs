@@ -236,7 +236,7 @@ impl Setting {
         let one = match (self.value_name, self.kind, self.unit) {
             ("", Kind::Number, "degrees") => "DEGREES",
             ("", Kind::Number, "length units") => "LENGTH",
-            ("", Kind::Number, _) => "NUMBER",
+            ("", Kind::Number | Kind::NumberOrChoice(_), _) => "NUMBER",
             ("", Kind::Count | Kind::Order, _) => "COUNT",
             ("", Kind::Seed, _) => "SEED",
             ("", Kind::Choice(_), _) => "NAME",

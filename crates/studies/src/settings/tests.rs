@@ -121,11 +121,11 @@ fn keys_and_flags_are_unique_in_each_command() {
 #[test]
 fn patterns_name_settings() {
     for setting in all() {
-        let choices = match setting.kind {
-            Kind::Choice(choices) | Kind::ChoiceOrFile(choices) => choices,
-            _ => &[],
-        };
-        let by_choice = choices.iter().flat_map(|choice| choice.clears);
+        let by_choice = setting
+            .kind
+            .choices()
+            .iter()
+            .flat_map(|choice| choice.clears);
         for pattern in setting
             .excludes
             .iter()
@@ -161,7 +161,9 @@ fn refusal(command: Command, file: &str, flags: &[(String, Vec<String>)]) -> Str
 
 #[test]
 fn every_range_is_kept_and_named_with_the_flag_and_the_key() {
-    for setting in all().filter(|setting| setting.kind == Kind::Number) {
+    let is_number =
+        |setting: &&Setting| matches!(setting.kind, Kind::Number | Kind::NumberOrChoice(_));
+    for setting in all().filter(is_number) {
         let bad = match setting.range {
             Range::Any => "one",
             Range::Above(least) | Range::Between(least, _) | Range::AboveTo(least, _) => {

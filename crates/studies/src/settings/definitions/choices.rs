@@ -92,9 +92,18 @@ pub(super) const SIDE: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const BRANCHING: Kind = Kind::Choice(&[
+    choice(
+        "auto",
+        "with a target error what the pilot run finds best, else split",
+    ),
     choice("split", "follow the reflected and the transmitted branch"),
     choice("pick", "pick one at random"),
 ]);
+
+pub(super) const ROULETTE: Kind = Kind::NumberOrChoice(&[choice(
+    "auto",
+    "with a target error what the pilot run finds best, else 0.01",
+)]);
 
 pub(super) const ACCELERATOR: Kind = Kind::Choice(&[
     choice("auto", "flat or pyramid for height maps, mesh for meshes"),

@@ -1,6 +1,8 @@
 //! `[run]`: how much is traced, and how.
 
-use super::choices::{ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, SAMPLING, SIDE, VISIBILITY};
+use super::choices::{
+    ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, ROULETTE, SAMPLING, SIDE, VISIBILITY,
+};
 use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
@@ -112,16 +114,16 @@ pub(super) const SETTINGS: &[Setting] = &[
         TRACING,
         "Branches followed at an interface",
     )
-    .default("split"),
+    .default("auto"),
     setting(
         SECTION,
         "roulette",
-        Kind::Number,
+        ROULETTE,
         TRACING,
         "Throughput below which Russian roulette ends paths",
     )
     .range(Range::AboveTo(0.0, 1.0))
-    .default("0.01"),
+    .default("auto"),
     setting(
         SECTION,
         "max_order",

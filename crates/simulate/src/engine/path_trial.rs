@@ -1,0 +1,120 @@
+//! Path trial: which way of following paths reaches a target at the least cost.
+//!
+//! A pilot run follows paths in several ways, with the same rays on the same surfaces. Each way is judged by
+//! cost x variance of the target quantity, with the surfaces and rays that would be planned for it. The variance
+//! between surfaces does not depend on how paths are followed; that of the way whose rays scatter least, where it
+//! shows best, stands for all. Costs are counted, not timed.
+
+use asperity_tracer::PathSettings;
+
+use super::pilot::{Figures, cost_of_all};
+use crate::input::target::{Target, ratio};
+use crate::output::chosen_paths::TriedPaths;
+
+/// What a trial may cost, of the run that it is to shorten.
+const MOST_OF_RUN: f64 = 0.05;
+
+/// Whether a trial of cost `trial` is worth it for a run of cost `run`.
+pub(crate) fn is_worth(trial: f64, run: f64) -> bool {
+    trial <= MOST_OF_RUN * run
+}
+
+/// Cost x variance of each way on random surfaces. `most`: surfaces that results have room for.
+pub(crate) fn cost_times_variance(ways: &[Figures], target: Target, most: u64) -> Vec<f64> {
+    let figures = ways.iter().map(|way| way.figures);
+    let clearest = figures.min_by(|a, b| a.variance_of_rays.total_cmp(&b.variance_of_rays));
+    let of_surfaces = clearest.map_or(0.0, |figures| figures.variance_of_surfaces);
+    let of_way = |way: &Figures| {
+        let effort = way.effort(target.error(), 1.0, most);
+        let of_rays = way.figures.variance_of_rays / effort.rays_per_surface as f64;
+        let variance = (of_surfaces + of_rays) / effort.surfaces as f64;
+        variance * cost_of_all(&[*way], effort.surfaces, effort.rays_per_surface)
+    };
+    ways.iter().map(of_way).collect()
+}
+
+/// Number of the best way, the first of equals.
+pub(crate) fn best(costs: &[f64]) -> usize {
+    let mut best = 0;
+    for (i, cost) in costs.iter().enumerate() {
+        if *cost < costs[best] {
+            best = i;
+        }
+    }
+    best
+}
+
+/// What is reported of ways with these costs: nothing of one alone.
+pub(crate) fn report(ways: &[PathSettings], costs: &[f64]) -> Vec<TriedPaths> {
+    if ways.len() == 1 {
+        return Vec::new();
+    }
+    let of_way = |(paths, cost): (&PathSettings, &f64)| TriedPaths {
+        branching: paths.branching(),
+        roulette: paths.roulette(),
+        relative_cost: ratio(*cost, costs[0]),
+    };
+    ways.iter().zip(costs).map(of_way).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::pilot::tests::figures;
+    use crate::input::target::Quantity;
+
+    fn way(v_s: f64, v_r: f64, cost_of_ray_ns: f64) -> Figures {
+        let mut way = figures(v_s, v_r, None);
+        way.figures.cost_of_ray_ns = cost_of_ray_ns;
+        way
+    }
+
+    fn costs(ways: &[Figures]) -> Vec<f64> {
+        let target = Target::new(1e-3, Quantity::default()).unwrap();
+        cost_times_variance(ways, target, 1 << 40)
+    }
+
+    /// Of `(v_s + v_r / n) (c_s + n c_r)` at its least, `(sqrt(v_s c_s) + sqrt(v_r c_r))^2`.
+    #[test]
+    fn ways_are_judged_by_variance_and_cost_at_the_best_mix() {
+        let v_s = 1e-4;
+        let found = costs(&[way(v_s, 1.0, 1000.0), way(v_s, 1.2, 400.0)]);
+        let least = |v_r: f64, c_r: f64| ((v_s * 1e6).sqrt() + (v_r * c_r).sqrt()).powi(2);
+        let expected = least(1.2, 400.0) / least(1.0, 1000.0);
+        // Surfaces and rays are whole numbers, of 4e3 and more.
+        assert!((found[1] / found[0] / expected - 1.0).abs() < 1e-3);
+        assert_eq!(best(&found), 1);
+        // A total, of which rays that pick a branch scatter more than they cost less.
+        let total = costs(&[way(v_s, 1.0, 1000.0), way(v_s, 286.0, 400.0)]);
+        assert_eq!(best(&total), 0);
+    }
+
+    /// What noise of rays adds to the variance between surfaces that a way shows is none of it.
+    #[test]
+    fn the_variance_between_surfaces_is_that_of_the_clearest_way() {
+        let [v_s, shown] = [1e-4, 3e-4];
+        let found = costs(&[way(v_s, 1.0, 1000.0), way(shown, 2.0, 400.0)]);
+        // The rays planned for it are those of the variance that it shows.
+        let n = (2.0 * 1e6 / (shown * 400.0_f64)).sqrt();
+        let judged = |v_s: f64| (v_s + 2.0 / n) * (1e6 + 400.0 * n);
+        assert!((found[1] / judged(v_s) - 1.0).abs() < 1e-3, "{found:?}");
+        assert!(judged(v_s) < found[0] && found[0] < judged(shown));
+        assert_eq!(best(&found), 1);
+    }
+
+    #[test]
+    fn equals_are_left_as_they_are_and_nothing_has_no_ratio() {
+        assert_eq!(best(&costs(&[way(1.0, 1.0, 1.0); 3])), 0);
+        let none = costs(&[way(0.0, 0.0, 1.0); 2]);
+        assert_eq!((best(&none), &none[..]), (0, &[0.0, 0.0][..]));
+        let paths = [PathSettings::default(); 2];
+        assert_eq!(report(&paths, &none)[1].relative_cost, 0.0);
+        assert_eq!(report(&paths, &[2.0, 1.0])[1].relative_cost, 0.5);
+        assert_eq!(report(&paths[..1], &[2.0]), []);
+    }
+
+    #[test]
+    fn a_trial_may_take_a_small_part_of_the_run() {
+        assert!(is_worth(1.0, 1.0 / MOST_OF_RUN) && !is_worth(1.0, 0.9 / MOST_OF_RUN));
+    }
+}
