@@ -89,12 +89,12 @@ pub(crate) fn slope_moments(field: &HeightField) -> SlopeMoments {
 /// The first of the steepest facets, row by row.
 fn steepest(field: &HeightField) -> SteepestFacet {
     let best_of_row = |iy: usize| {
-        let mut best = (f64::NEG_INFINITY, 0, Triangle::Lower);
+        let mut best = (f64::NEG_INFINITY, 0, Triangle::Lower, [0.0; 2]);
         for (ix, facets) in row_slopes(field, iy).enumerate() {
             for ([sx, sy], triangle) in facets.into_iter().zip([Triangle::Lower, Triangle::Upper]) {
-                let slope = sx.hypot(sy);
-                if slope > best.0 {
-                    best = (slope, ix, triangle);
+                let square = sx * sx + sy * sy;
+                if square > best.0 {
+                    best = (square, ix, triangle, [sx, sy]);
                 }
             }
         }
@@ -110,7 +110,8 @@ fn steepest(field: &HeightField) -> SteepestFacet {
             best = (row, iy);
         }
     }
-    let ((slope, ix, triangle), iy) = best;
+    let ((_, ix, triangle, [sx, sy]), iy) = best;
+    let slope = sx.hypot(sy);
     SteepestFacet {
         ix,
         iy,
