@@ -28,6 +28,27 @@ pub(super) struct Interactions {
     pub(super) transmitting: Vec<u32>,
 }
 
+/// Memory for the search of single segments.
+pub(super) struct SingleSearch<F> {
+    /// Those that are searched; empty between searches, as are the hits.
+    pub(super) singles: Vec<SingleSegment<F>>,
+    pub(super) rays: RayBatch,
+    /// Those at one interface.
+    pub(super) which: Vec<u32>,
+    pub(super) hits: Vec<Option<Hit<F>>>,
+}
+
+impl<F> Default for SingleSearch<F> {
+    fn default() -> Self {
+        Self {
+            singles: Vec::new(),
+            rays: RayBatch::default(),
+            which: Vec::new(),
+            hits: Vec::new(),
+        }
+    }
+}
+
 /// The state of one batch.
 pub(super) struct Batch<'r, F> {
     pub(super) tally: Tally<'r>,
@@ -59,7 +80,7 @@ pub(super) struct Batch<'r, F> {
     pub(super) elsewhere: Vec<u32>,
     /// Whether each of the segments elsewhere escapes.
     pub(super) escape: Vec<bool>,
-    pub(super) single_rays: RayBatch,
+    pub(super) single_search: SingleSearch<F>,
     pub(super) interactions: Interactions,
 }
 
@@ -92,7 +113,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             escaped: Vec::new(),
             elsewhere: Vec::new(),
             escape: Vec::new(),
-            single_rays: RayBatch::default(),
+            single_search: SingleSearch::default(),
             interactions: Interactions::default(),
         }
     }

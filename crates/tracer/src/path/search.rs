@@ -2,7 +2,7 @@
 
 use super::Tracer;
 use super::arrivals::Take;
-use super::batch::Batch;
+use super::batch::{Batch, SingleSearch};
 use super::segments::Segments;
 use super::state::{Arrival, Departure, RayKind, Region, SingleSegment};
 use crate::geometry::Geometry;
@@ -147,35 +147,44 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// Searches the segments that are kept one by one, at either interface.
     fn search_singles(&self, batch: &mut Batch<'_, G::Facet>) {
-        let singles = std::mem::take(&mut batch.singles);
-        let mut hits = Vec::with_capacity(singles.len());
+        let SingleSearch {
+            mut singles,
+            mut rays,
+            mut which,
+            mut hits,
+        } = std::mem::take(&mut batch.single_search);
+        std::mem::swap(&mut singles, &mut batch.singles);
         hits.resize(singles.len(), None);
         for interface in [Interface::Top, Interface::Bottom] {
             let Some((geometry, accelerator)) = self.surface(interface) else {
                 continue;
             };
-            batch.single_rays.clear();
-            let here = |single: &&SingleSegment<G::Facet>| single.interface == interface;
-            let mut which = Vec::new();
+            rays.clear();
+            which.clear();
             for (k, single) in (0..).zip(&singles) {
                 // Rows of the other interface stay, not searched, so that numbers are those of the singles.
-                batch.single_rays.push(&single.query);
-                if here(&single) {
+                rays.push(&single.query);
+                if single.interface == interface {
                     which.push(k);
                 }
             }
             if which.is_empty() {
                 continue;
             }
-            let rays = batch.single_rays.columns();
-            accelerator.closest_hits(geometry, rays, &which, &mut batch.hits);
-            for (k, hit) in which.into_iter().zip(&batch.hits) {
+            accelerator.closest_hits(geometry, rays.columns(), &which, &mut batch.hits);
+            for (&k, hit) in which.iter().zip(&batch.hits) {
                 hits[k as usize] = *hit;
             }
         }
-        for (single, hit) in singles.into_iter().zip(hits) {
+        for (single, hit) in singles.drain(..).zip(hits.drain(..)) {
             self.advance(single, hit, batch);
         }
+        batch.single_search = SingleSearch {
+            singles,
+            rays,
+            which,
+            hits,
+        };
     }
 
     /// Continues a single segment after the search in its current tile.
