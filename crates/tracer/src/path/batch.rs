@@ -7,6 +7,7 @@ use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
 use super::segments::Segments;
 use super::state::{LayerRay, SingleSegment};
+use super::visibility::Sightlines;
 use super::work::Work;
 use crate::geometry::Outlook;
 use crate::random::PathStream;
@@ -63,6 +64,8 @@ pub(super) struct Batch<'r, F> {
     pub(super) searched: Vec<u32>,
     /// All other segments that are searched.
     pub(super) singles: Vec<SingleSegment<F>>,
+    /// Lines of sight of this round from starts on the surface.
+    pub(super) sightlines: Sightlines<F>,
     /// Starts of this round.
     pub(super) starts: Vec<[f64; 3]>,
     /// Facets that light has arrived at.
@@ -103,6 +106,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             segments: Segments::new(is_turned),
             searched: Vec::new(),
             singles: Vec::new(),
+            sightlines: Sightlines::new(is_turned),
             starts: Vec::new(),
             arrivals: Arrivals::new(is_turned),
             inside: Vec::new(),
@@ -120,6 +124,9 @@ impl<'r, F: Copy> Batch<'r, F> {
 
     /// Whether any segment is left.
     pub(super) fn is_finished(&self) -> bool {
-        self.searched.is_empty() && self.singles.is_empty() && self.arrivals.is_empty()
+        self.searched.is_empty()
+            && self.singles.is_empty()
+            && self.sightlines.is_empty()
+            && self.arrivals.is_empty()
     }
 }

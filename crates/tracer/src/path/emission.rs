@@ -95,6 +95,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 self.emit(beam, starts, [u, v], turn, batch);
                 batch.work.rays += 1;
             }
+            self.begin_sightlines(batch);
         }
         batch.starts = drawn;
     }
@@ -167,7 +168,7 @@ impl<G: Geometry> Tracer<'_, G> {
                         heading,
                         facet,
                     };
-                    self.trace_visibility(at, state(flux), batch);
+                    batch.sightlines.push(&at, &state(flux));
                 }
             }
         }

@@ -13,10 +13,10 @@ use crate::periodic::begin;
 use crate::vector::Stage;
 
 /// Finds what is known of all segments before they are searched.
-struct FindOutlooks<'a, G: Geometry> {
-    geometry: &'a G,
-    segments: &'a Segments,
-    outlooks: &'a mut Vec<Outlook>,
+pub(super) struct FindOutlooks<'a, G: Geometry> {
+    pub(super) geometry: &'a G,
+    pub(super) segments: &'a Segments,
+    pub(super) outlooks: &'a mut Vec<Outlook>,
 }
 
 impl<G: Geometry> Stage for FindOutlooks<'_, G> {

@@ -33,6 +33,7 @@ mod search;
 mod segments;
 mod state;
 mod traversal;
+mod visibility;
 mod work;
 
 use std::f64::consts::PI;

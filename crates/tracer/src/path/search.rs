@@ -12,11 +12,11 @@ use crate::ray::Hit;
 use crate::vector::Stage;
 
 /// Finds which of the segments that meet nothing in their tile escape: see [`leaves_heights_in_tile`].
-struct FindEscapes<'a, G: Geometry> {
-    geometry: &'a G,
-    segments: &'a Segments,
-    which: &'a [u32],
-    escape: &'a mut Vec<bool>,
+pub(super) struct FindEscapes<'a, G: Geometry> {
+    pub(super) geometry: &'a G,
+    pub(super) segments: &'a Segments,
+    pub(super) which: &'a [u32],
+    pub(super) escape: &'a mut Vec<bool>,
 }
 
 impl<G: Geometry> Stage for FindEscapes<'_, G> {
@@ -35,6 +35,9 @@ impl<G: Geometry> Tracer<'_, G> {
     /// the tally.
     pub(super) fn search(&self, batch: &mut Batch<'_, G::Facet>) {
         self.search_segments(batch);
+        if !batch.sightlines.is_empty() {
+            self.search_sightlines(batch);
+        }
         if !batch.singles.is_empty() {
             self.search_singles(batch);
         }
@@ -126,7 +129,7 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Continues a single segment that has met nothing in its current tile.
-    fn step(
+    pub(super) fn step(
         &self,
         geometry: &G,
         mut single: SingleSegment<G::Facet>,

@@ -1,0 +1,164 @@
+//! Visibility: lines of sight from points of the surface towards the light, which tell where paths start that begin
+//! on the surface.
+
+use super::Tracer;
+use super::batch::Batch;
+use super::escape::FindOutlooks;
+use super::search::FindEscapes;
+use super::segments::Segments;
+use super::state::{Arrival, PathState, RayKind, Region, SingleSegment};
+use crate::geometry::{Geometry, Outlook};
+use crate::interaction::layer::Interface;
+use crate::periodic::{Heading, Traversal};
+
+/// Lines of sight of one round, field by field.
+pub(super) struct Sightlines<F> {
+    /// Rays towards the light, with what the paths carry that start where these begin.
+    rays: Segments,
+    /// The facets there.
+    facets: Vec<F>,
+    outlooks: Vec<Outlook>,
+    /// Those that have to be searched.
+    searched: Vec<u32>,
+}
+
+impl<F> Default for Sightlines<F> {
+    fn default() -> Self {
+        Self::new(false)
+    }
+}
+
+impl<F> Sightlines<F> {
+    pub(super) fn new(is_turned: bool) -> Self {
+        Self {
+            rays: Segments::new(is_turned),
+            facets: Vec::new(),
+            outlooks: Vec::new(),
+            searched: Vec::new(),
+        }
+    }
+
+    /// Whether none has to be searched.
+    pub(super) fn is_empty(&self) -> bool {
+        self.searched.is_empty()
+    }
+
+    fn clear(&mut self) {
+        self.rays.len = 0;
+        self.facets.clear();
+        self.searched.clear();
+    }
+}
+
+impl<F: Copy> Sightlines<F> {
+    /// Adds the one from light that is at its facet, `state` being what it carries.
+    pub(super) fn push(&mut self, at: &Arrival<F>, state: &PathState) {
+        let towards_light = turned_round(&at.heading);
+        self.rays.push(&towards_light, at.region.half_space, state);
+        self.facets.push(at.facet);
+    }
+
+    /// The light at the facet where number `i` begins.
+    fn arrival(&self, i: usize) -> (Arrival<F>, PathState) {
+        let at = Arrival {
+            region: Region::top(self.rays.half_space(i)),
+            heading: turned_round(&self.rays.heading(i)),
+            facet: self.facets[i],
+        };
+        (at, self.rays.state(i))
+    }
+}
+
+/// The other way.
+fn turned_round(heading: &Heading) -> Heading {
+    Heading {
+        direction: -heading.direction,
+        ..*heading
+    }
+}
+
+impl<G: Geometry> Tracer<'_, G> {
+    /// Starts the paths whose lines of sight need no search, and has the others searched.
+    pub(super) fn begin_sightlines(&self, batch: &mut Batch<'_, G::Facet>) {
+        let mut lines = std::mem::take(&mut batch.sightlines);
+        batch.instructions.run(FindOutlooks {
+            geometry: self.geometry,
+            segments: &lines.rays,
+            outlooks: &mut lines.outlooks,
+        });
+        for (i, outlook) in (0..).zip(&lines.outlooks) {
+            if *outlook == Outlook::Unknown {
+                lines.searched.push(i);
+                continue;
+            }
+            let (at, state) = lines.arrival(i as usize);
+            if *outlook == Outlook::Elsewhere {
+                self.trace_visibility(at, state, batch);
+            } else {
+                batch.work.segments_skipped += 1;
+                let is_near = *outlook == Outlook::SteeperThanNear;
+                batch.work.segments_skipped_nearby += u64::from(is_near);
+                batch.arrivals.push(&at, &state);
+            }
+        }
+        if lines.is_empty() {
+            lines.clear();
+        }
+        batch.sightlines = lines;
+    }
+
+    /// Searches lines of sight in their first tile: what is shadowed is tallied, and the other paths start.
+    pub(super) fn search_sightlines(&self, batch: &mut Batch<'_, G::Facet>) {
+        let mut lines = std::mem::take(&mut batch.sightlines);
+        let rays = lines.rays.rays(self.geometry.aspect());
+        self.accelerator
+            .closest_hits(self.geometry, rays, &lines.searched, &mut batch.hits);
+        batch.elsewhere.clear();
+        for (k, &i) in lines.searched.iter().enumerate() {
+            if batch.hits[k].is_some() {
+                let (at, state) = lines.arrival(i as usize);
+                batch.work.segments += 1;
+                self.tally_shadowed(&at, &state, batch);
+            } else {
+                batch.elsewhere.push(i);
+            }
+        }
+        batch.instructions.run(FindEscapes {
+            geometry: self.geometry,
+            segments: &lines.rays,
+            which: &batch.elsewhere,
+            escape: &mut batch.escape,
+        });
+        for k in 0..batch.elsewhere.len() {
+            let i = batch.elsewhere[k] as usize;
+            let (at, state) = lines.arrival(i);
+            if batch.escape[k] {
+                batch.work.segments += 1;
+                batch.arrivals.push(&at, &state);
+            } else {
+                self.follow_sightline(&lines.rays.heading(i), at, state, batch);
+            }
+        }
+        lines.clear();
+        batch.sightlines = lines;
+    }
+
+    /// Continues a line of sight in the tile after its first.
+    fn follow_sightline(
+        &self,
+        towards_light: &Heading,
+        at: Arrival<G::Facet>,
+        state: PathState,
+        batch: &mut Batch<'_, G::Facet>,
+    ) {
+        let single = SingleSegment {
+            interface: Interface::Top,
+            query: towards_light.query(self.geometry, self.incident),
+            traversal: Traversal::begin(towards_light),
+            state,
+            kind: RayKind::Visibility(Box::new(at)),
+            flight: f64::INFINITY,
+        };
+        self.step(self.geometry, single, batch);
+    }
+}
