@@ -158,7 +158,7 @@ class Tracer {
 
     void search(const Path *paths, size_t lanes, RTCIntersectContext &context, Hit *hits) {
         alignas(32) int valid[LANES];
-        RTCRayHit8 query;
+        RTCRayHit8 query{};
         for (size_t i = 0; i < LANES; ++i) {
             const Path &path = paths[i < lanes ? i : 0];
             valid[i] = i < lanes ? -1 : 0;

@@ -79,7 +79,7 @@ const TRACER: [(&str, &[&str]); 12] = [
     ("vector", &[]),
     ("random", &[]),
     ("sampling", &["random", "vector"]),
-    ("geometry", &["ray"]),
+    ("geometry", &["ray", "vector"]),
     ("accelerators", &["ray", "geometry", "vector"]),
     ("periodic", &["ray", "geometry", "accelerators"]),
     (

@@ -9,7 +9,7 @@ use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::BuiltSurface;
 use super::context::Context;
 use super::draft::Draft;
-use super::path_trial::{best, is_worth, report};
+use super::path_trial::{best, is_worth, report, without_blind};
 use super::pilot::{self, cost_of_ray_ns};
 use super::ray_blocks::{MARGIN, MAX_RAYS, RayBlocks};
 use super::ready_group::ReadyGroup;
@@ -159,7 +159,8 @@ impl<G: BuildAccelerator> GivenRun<G> {
         if observer.stop().is_some() {
             pilots.truncate(1);
         }
-        let costs: Vec<f64> = pilots.iter().map(GivenPilot::cost).collect();
+        let costs = pilots.iter().map(GivenPilot::cost).collect();
+        let costs = without_blind(costs, pilots.iter().map(|pilot| pilot.error_over_target));
         let paths: Vec<_> = pilots.iter().map(|pilot| pilot.case.paths()).collect();
         let chosen = pilots.swap_remove(best(&costs));
         let needed = self.pilot_blocks().rays() as f64 * chosen.error_over_target.powi(2);

@@ -22,7 +22,8 @@ pub(crate) fn is_worth(trial: f64, run: f64) -> bool {
 /// Cost x variance of each way on random surfaces. `most`: surfaces that results have room for.
 pub(crate) fn cost_times_variance(ways: &[Figures], target: Target, most: u64) -> Vec<f64> {
     let figures = ways.iter().map(|way| way.figures);
-    let clearest = figures.min_by(|a, b| a.variance_of_rays.total_cmp(&b.variance_of_rays));
+    let seeing = figures.filter(|figures| figures.variance_of_rays > 0.0);
+    let clearest = seeing.min_by(|a, b| a.variance_of_rays.total_cmp(&b.variance_of_rays));
     let of_surfaces = clearest.map_or(0.0, |figures| figures.variance_of_surfaces);
     let of_way = |way: &Figures| {
         let effort = way.effort(target.error(), 1.0, most);
@@ -30,7 +31,23 @@ pub(crate) fn cost_times_variance(ways: &[Figures], target: Target, most: u64) -
         let variance = (of_surfaces + of_rays) / effort.surfaces as f64;
         variance * cost_of_all(&[*way], effort.surfaces, effort.rays_per_surface)
     };
-    ways.iter().map(of_way).collect()
+    let errors = ways.iter().map(|way| way.figures.variance_of_rays);
+    without_blind(ways.iter().map(of_way).collect(), errors)
+}
+
+/// The costs, made infinite for ways whose pilot run has met none of the light aimed at, and so has no error, where the
+/// first one has.
+pub(crate) fn without_blind(
+    mut costs: Vec<f64>,
+    mut errors: impl Iterator<Item = f64>,
+) -> Vec<f64> {
+    let sees = errors.next().is_some_and(|error| error > 0.0);
+    for (cost, error) in costs.iter_mut().skip(1).zip(errors) {
+        if sees && error <= 0.0 {
+            *cost = f64::INFINITY;
+        }
+    }
+    costs
 }
 
 /// Number of the best way, the first of equals.
@@ -100,6 +117,15 @@ mod tests {
         assert!((found[1] / judged(v_s) - 1.0).abs() < 1e-3, "{found:?}");
         assert!(judged(v_s) < found[0] && found[0] < judged(shown));
         assert_eq!(best(&found), 1);
+    }
+
+    /// Rays that pick a branch may meet none of little light.
+    #[test]
+    fn a_way_that_has_met_no_light_is_not_taken() {
+        let found = costs(&[way(1e-4, 1.0, 1000.0), way(0.0, 0.0, 400.0)]);
+        let alone = costs(&[way(1e-4, 1.0, 1000.0)]);
+        assert_eq!((best(&found), found[0]), (0, alone[0]));
+        assert_eq!(found[1], f64::INFINITY);
     }
 
     #[test]

@@ -6,8 +6,8 @@ use super::arrivals::Arrivals;
 use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
 use super::segments::Segments;
+use super::sightlines::Sightlines;
 use super::state::{LayerRay, SingleSegment};
-use super::visibility::Sightlines;
 use super::work::Work;
 use crate::geometry::Outlook;
 use crate::random::PathStream;
@@ -77,7 +77,7 @@ pub(super) struct Batch<'r, F> {
     /// Memory that stages use again and again.
     pub(super) outlooks: Vec<Outlook>,
     pub(super) hits: Vec<Option<Hit<F>>>,
-    /// Numbers of segments: that have met a facet, that escape, that begin outside of the tile.
+    /// Numbers of segments: that have met a facet, that escape, that begin outside of the tile or meet nothing in it.
     pub(super) met: Vec<u32>,
     pub(super) escaped: Vec<u32>,
     pub(super) elsewhere: Vec<u32>,
@@ -126,7 +126,7 @@ impl<'r, F: Copy> Batch<'r, F> {
     pub(super) fn is_finished(&self) -> bool {
         self.searched.is_empty()
             && self.singles.is_empty()
-            && self.sightlines.is_empty()
+            && self.sightlines.need_no_search()
             && self.arrivals.is_empty()
     }
 }

@@ -5,10 +5,11 @@ use asperity_tally::Loss;
 
 use super::Tracer;
 use super::batch::Batch;
+use super::sightlines::turned_round;
 use super::state::{Arrival, Departure, PathRay, PathState, RayKind, SingleSegment};
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
-use crate::periodic::{Heading, Traversal, TraversalEnd, begin};
+use crate::periodic::{Traversal, TraversalEnd, begin};
 use crate::random::Use;
 
 impl<G: Geometry> Tracer<'_, G> {
@@ -20,10 +21,7 @@ impl<G: Geometry> Tracer<'_, G> {
         state: PathState,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        let mut towards_light = Heading {
-            direction: -at.heading.direction,
-            ..at.heading
-        };
+        let mut towards_light = turned_round(&at.heading);
         // Most facets see the light without a search, and need not be kept.
         match begin(self.geometry, &mut towards_light, self.incident) {
             Some(end) => {

@@ -31,6 +31,7 @@ mod roulette;
 mod scatter;
 mod search;
 mod segments;
+mod sightlines;
 mod state;
 mod traversal;
 mod visibility;

@@ -35,7 +35,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// the tally.
     pub(super) fn search(&self, batch: &mut Batch<'_, G::Facet>) {
         self.search_segments(batch);
-        if !batch.sightlines.is_empty() {
+        if !batch.sightlines.need_no_search() {
             self.search_sightlines(batch);
         }
         if !batch.singles.is_empty() {

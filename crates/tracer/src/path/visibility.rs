@@ -5,77 +5,10 @@ use super::Tracer;
 use super::batch::Batch;
 use super::escape::FindOutlooks;
 use super::search::FindEscapes;
-use super::segments::Segments;
-use super::state::{Arrival, PathState, RayKind, Region, SingleSegment};
+use super::state::{Arrival, PathState, RayKind, SingleSegment};
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
 use crate::periodic::{Heading, Traversal};
-
-/// Lines of sight of one round, field by field.
-pub(super) struct Sightlines<F> {
-    /// Rays towards the light, with what the paths carry that start where these begin.
-    rays: Segments,
-    /// The facets there.
-    facets: Vec<F>,
-    outlooks: Vec<Outlook>,
-    /// Those that have to be searched.
-    searched: Vec<u32>,
-}
-
-impl<F> Default for Sightlines<F> {
-    fn default() -> Self {
-        Self::new(false)
-    }
-}
-
-impl<F> Sightlines<F> {
-    pub(super) fn new(is_turned: bool) -> Self {
-        Self {
-            rays: Segments::new(is_turned),
-            facets: Vec::new(),
-            outlooks: Vec::new(),
-            searched: Vec::new(),
-        }
-    }
-
-    /// Whether none has to be searched.
-    pub(super) fn is_empty(&self) -> bool {
-        self.searched.is_empty()
-    }
-
-    fn clear(&mut self) {
-        self.rays.len = 0;
-        self.facets.clear();
-        self.searched.clear();
-    }
-}
-
-impl<F: Copy> Sightlines<F> {
-    /// Adds the one from light that is at its facet, `state` being what it carries.
-    pub(super) fn push(&mut self, at: &Arrival<F>, state: &PathState) {
-        let towards_light = turned_round(&at.heading);
-        self.rays.push(&towards_light, at.region.half_space, state);
-        self.facets.push(at.facet);
-    }
-
-    /// The light at the facet where number `i` begins.
-    fn arrival(&self, i: usize) -> (Arrival<F>, PathState) {
-        let at = Arrival {
-            region: Region::top(self.rays.half_space(i)),
-            heading: turned_round(&self.rays.heading(i)),
-            facet: self.facets[i],
-        };
-        (at, self.rays.state(i))
-    }
-}
-
-/// The other way.
-fn turned_round(heading: &Heading) -> Heading {
-    Heading {
-        direction: -heading.direction,
-        ..*heading
-    }
-}
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Starts the paths whose lines of sight need no search, and has the others searched.
@@ -101,7 +34,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 batch.arrivals.push(&at, &state);
             }
         }
-        if lines.is_empty() {
+        if lines.need_no_search() {
             lines.clear();
         }
         batch.sightlines = lines;

@@ -69,6 +69,8 @@ pub(crate) trait Lanes: Copy {
     fn gather_i(self, table: &[u32], index: Self::I) -> Self::I;
     /// `table[index]` and `table[index + 1]`; an index beyond the last pair reads the last pair.
     fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2];
+    /// `table[index & 15]`.
+    fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
     /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.
     ///
     /// `source` must hold at least [`Lanes::COUNT`] entries.

@@ -183,6 +183,10 @@ impl<L: Lanes> Lanes for Twice<L> {
         [Both(a, c), Both(b, d)]
     }
     #[inline(always)]
+    fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I {
+        index.map(|index| self.0.lookup(table, index))
+    }
+    #[inline(always)]
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F {
         let first = mask.0.bits().count_ones() as usize;
         Both(

@@ -233,6 +233,20 @@ impl Lanes for Avx2 {
         }
     }
     #[inline(always)]
+    fn lookup(self, table: &[i32; 16], index: I8) -> I8 {
+        // SAFETY: as above; `table` holds sixteen entries, and the permutations take an index's
+        // low three bits; the fourth, moved to the sign, chooses between them.
+        unsafe {
+            let low = _mm256_loadu_si256(table.as_ptr().cast());
+            let high = _mm256_loadu_si256(table.as_ptr().add(8).cast());
+            let low = _mm256_permutevar8x32_epi32(low, index.0);
+            let high = _mm256_permutevar8x32_epi32(high, index.0);
+            let fourth = _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index.0));
+            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+            I8(_mm256_castps_si256(_mm256_blendv_ps(low, high, fourth)))
+        }
+    }
+    #[inline(always)]
     fn refill(self, mask: M8, source: &[f32], old: F8) -> F8 {
         assert!(source.len() >= Self::COUNT);
         // SAFETY: as above; `source` holds eight entries at least.
@@ -550,6 +564,15 @@ impl Lanes for Avx512 {
                 F16(_mm512_permutex2var_ps(first, even, second)),
                 F16(_mm512_permutex2var_ps(first, odd, second)),
             ]
+        }
+    }
+    #[inline(always)]
+    fn lookup(self, table: &[i32; 16], index: I16) -> I16 {
+        // SAFETY: as above; `table` holds sixteen entries, and the permutation takes an index's
+        // low four bits.
+        unsafe {
+            let table = _mm512_loadu_epi32(table.as_ptr());
+            I16(_mm512_permutexvar_epi32(index.0, table))
         }
     }
     #[inline(always)]

@@ -9,11 +9,8 @@ use crate::vector::prefetch;
 
 use super::rays::ROUNDING;
 
-/// Levels of nodes above the cells, at most.
-const MAX_LEVELS: usize = 15;
-
-/// Nodes that there may be in addition to one for every cell: so small a tile may have all levels whatever its shape.
-const SMALL: usize = 1 << 20;
+/// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
+pub(super) const MAX_LEVELS: usize = 15;
 
 /// Cells that one pyramid can hold.
 const MAX_CELLS: usize = 1 << 30;
@@ -36,10 +33,10 @@ pub(super) struct Bounds {
     pub(super) cells: [usize; 2],
     /// Highest level; level 0 is a cell, and has no node.
     pub(super) top: usize,
-    /// Columns of cells, and cells, once either side is rounded up to a multiple of `2^top`: the nodes of level `l` begin
-    /// at `area / 4^l`, and there are `width / 2^l` in a row.
-    pub(super) width: i32,
-    pub(super) area: u32,
+    /// First node of a level.
+    pub(super) first: [i32; MAX_LEVELS + 1],
+    /// Nodes in a row of a level.
+    pub(super) width: [i32; MAX_LEVELS + 1],
     /// Largest magnitude of any height.
     pub(super) reach: f32,
     /// How far heights may be from where they should be at the start of a ray: 2^-20 of the reach, which covers the
@@ -67,19 +64,27 @@ impl Bounds {
                 most: 2 * MAX_CELLS,
             });
         }
-        let (top, [width, height]) = levels([cx, cy]);
-        let area = width * height;
+        let top = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MAX_LEVELS);
+        let shape = |level: usize| [cx, cy].map(|n| n.div_ceil(1 << level));
+        let (mut first, mut width) = ([0; MAX_LEVELS + 1], [0; MAX_LEVELS + 1]);
+        let mut count = 0;
+        for level in 1..=top {
+            let [nx, ny] = shape(level);
+            first[level] = count as i32;
+            width[level] = nx as i32;
+            count += nx * ny;
+        }
         let [_, reach] = surface.z_range();
         let reach = reach as f32 * (1.0 + f32::EPSILON);
         let steepest = surface.steepest() as f32 * (1.0 + f32::EPSILON);
         let slack = 4.0 * steepest * ROUNDING;
         let mut bounds = Self {
             heights: heights(surface),
-            nodes: vec![0; area / 2],
+            nodes: vec![0; count],
             cells: [cx, cy],
             top,
-            width: width as i32,
-            area: area as u32,
+            first,
+            width,
             reach,
             margin: reach * 2_f32.powi(-20) + 2.0 * slack + f32::MIN_POSITIVE,
             slack,
@@ -90,7 +95,7 @@ impl Bounds {
         };
         bounds.bound_pairs();
         for level in 2..=top {
-            bounds.bound_level(level);
+            bounds.bound_level(level, shape(level - 1));
         }
         Ok(bounds)
     }
@@ -101,14 +106,9 @@ impl Bounds {
         ROUNDING * (2.0 + cx + cy)
     }
 
-    /// Nodes of a level along x and y, as far as they cover cells of the tile.
-    fn shape(&self, level: usize) -> [usize; 2] {
-        self.cells.map(|n| n.div_ceil(1 << level))
-    }
-
     /// Number of the node `[nx, ny]` of a level above 0.
     fn node(&self, level: usize, [nx, ny]: [usize; 2]) -> usize {
-        (self.area as usize >> (2 * level)) + ny * (self.width as usize >> level) + nx
+        self.first[level] as usize + ny * self.width[level] as usize + nx
     }
 
     /// The bound of node `[nx, ny]` of a level above 0 for rays above, or `below`.
@@ -158,10 +158,9 @@ impl Bounds {
         let per_step = 1.0 / self.step;
         // Rounded up, and two steps more: for the margin, far below one, and for rounding here.
         let shift = self.reach * per_step + 3.0;
-        let (first, width) = (self.node(1, [0, 0]), self.width as usize / 2);
-        let [columns, rows] = self.shape(1);
+        let width = self.width[1] as usize;
         let heights = &self.heights;
-        let nodes = self.nodes[first..first + width * rows].par_chunks_mut(width);
+        let nodes = self.nodes[..width * cy.div_ceil(2)].par_chunks_mut(width);
         nodes.enumerate().for_each(|(row, nodes)| {
             let [a, b, c] = [0, 1, 2].map(|i| {
                 let start = (2 * row + i).min(cy) * points;
@@ -173,7 +172,7 @@ impl Bounds {
                 [high, low]
             };
             let mut first = extremes(0);
-            for (column, node) in nodes[..columns].iter_mut().enumerate() {
+            for (column, node) in nodes.iter_mut().enumerate() {
                 let second = extremes(2 * column + 1);
                 let third = extremes((2 * column + 2).min(cx));
                 let [above, below] = [0, 1].map(|side| {
@@ -186,43 +185,27 @@ impl Bounds {
         });
     }
 
-    /// A level above 1, from the nodes of the level below it.
-    fn bound_level(&mut self, level: usize) {
-        let ([nx, ny], [columns, rows]) = (self.shape(level - 1), self.shape(level));
-        let width = self.width as usize >> level;
-        let (start, below) = (self.node(level, [0, 0]), self.node(level - 1, [0, 0]));
-        // Coarser levels come first.
-        let (coarser, finer) = self.nodes.split_at_mut(below);
-        for row in 0..rows {
+    /// A level above 1, from the nodes of the level below it, `[nx, ny]` of them.
+    fn bound_level(&mut self, level: usize, [nx, ny]: [usize; 2]) {
+        let width = self.width[level] as usize;
+        let (finer, coarser) = self.nodes.split_at_mut(self.first[level] as usize);
+        let finer = &finer[self.first[level - 1] as usize..];
+        for row in 0..ny.div_ceil(2) {
             let line = |i: usize| {
-                let start = (2 * row + i).min(ny - 1) * 2 * width;
+                let start = (2 * row + i).min(ny - 1) * nx;
                 &finer[start..start + nx]
             };
             let (a, b) = (line(0), line(1));
-            let out = &mut coarser[start + row * width..][..columns];
+            let out = &mut coarser[row * width..(row + 1) * width];
             let pairs = a.chunks_exact(2).zip(b.chunks_exact(2));
             for (bound, (a, b)) in out.iter_mut().zip(pairs) {
                 *bound = higher(higher(a[0], a[1]), higher(b[0], b[1]));
             }
             if !nx.is_multiple_of(2) {
-                out[columns - 1] = higher(a[nx - 1], b[nx - 1]);
+                out[width - 1] = higher(a[nx - 1], b[nx - 1]);
             }
         }
     }
-}
-
-/// The highest level for a tile, and its sides rounded up to whole nodes of that level, as far as that does not take
-/// much more memory.
-fn levels(cells: [usize; 2]) -> (usize, [usize; 2]) {
-    let [cx, cy] = cells;
-    let sides = |top: usize| cells.map(|n| n.next_multiple_of(1 << top));
-    let most = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MAX_LEVELS);
-    let fits = |&top: &usize| {
-        let [width, height] = sides(top);
-        width * height <= 2 * cx * cy + SMALL
-    };
-    let top = (2..=most).rev().find(fits).unwrap_or(1);
-    (top, sides(top))
 }
 
 /// One comparison, where `f32::max` takes care of a NaN.

@@ -9,7 +9,8 @@ use crate::vector::Stage;
 /// Rays of a block.
 const BLOCK: usize = 64;
 
-/// Loads those of `rays` whose numbers are in `which`, with their places there; those that are doubtful from the start get their answers.
+/// Loads the `rays` whose numbers are in `which`; the place of a ray is its index there. Rays that are doubtful from the
+/// start get their answers at once.
 pub(super) struct Load<'a> {
     pub(super) surface: &'a Surface,
     pub(super) bounds: &'a Bounds,

@@ -68,9 +68,6 @@ fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
             }
             Test::Clear(_) | Test::Unknown => return [DOUBTFUL, 0],
         };
-        if ray.dz > 0.0 && exit.z > bounds.reach + bounds.margin {
-            return [NOTHING, 0];
-        }
         // The coordinate along the edge says which cell comes next.
         let behind = |axis: usize, rate: f32| (exit.ahead[axis] << level) - i32::from(rate < 0.0);
         let (start, rate) = if exit.across_x {
@@ -81,6 +78,9 @@ fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
         let whole = floor(start + exit.t * rate);
         if (whole as f32) * rate < 0.0 {
             return [DOUBTFUL, 0];
+        }
+        if ray.dz > 0.0 && exit.z > bounds.reach + bounds.margin {
+            return [NOTHING, 0];
         }
         cell = if exit.across_x {
             [behind(0, ray.dx), ray.cell[1] + whole]

@@ -5,7 +5,7 @@
 //! whose rays have ended get new ones. In f32, with bounds on what rounding may do: a ray that comes
 //! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
 
-use super::bounds::Bounds;
+use super::bounds::{Bounds, MAX_LEVELS};
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
 use crate::vector::twice::Twice;
@@ -27,6 +27,9 @@ impl Task for SearchAll<'_> {
 struct Search<'b, L: Lanes> {
     lanes: L,
     bounds: &'b Bounds,
+    /// First node and row length by level, as tables of sixteen.
+    first: [i32; 16],
+    width: [i32; 16],
     zero: L::F,
     none: L::I,
     one: L::I,
@@ -103,9 +106,14 @@ struct Cells<L: Lanes> {
 impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn new(lanes: L, bounds: &'b Bounds) -> Self {
+        let mut tables = [[0; 16]; 2];
+        tables[0][..=MAX_LEVELS].copy_from_slice(&bounds.first);
+        tables[1][..=MAX_LEVELS].copy_from_slice(&bounds.width);
         Self {
             lanes,
             bounds,
+            first: tables[0],
+            width: tables[1],
             zero: lanes.splat(0.0),
             none: lanes.splat_i(0),
             one: lanes.splat_i(1),
@@ -269,10 +277,8 @@ impl<'b, L: Lanes> Search<'b, L> {
     fn gap_over_nodes(&self, state: &State<L>, exit: &Exit<L>) -> L::F {
         let (lanes, bounds, level) = (self.lanes, self.bounds, state.level);
         let [column, row] = exit.node;
-        let first = lanes
-            .splat_i(bounds.area as i32)
-            .shifted_right(level + level);
-        let width = lanes.splat_i(bounds.width).shifted_right(level);
+        let first = lanes.lookup(&self.first, level);
+        let width = lanes.lookup(&self.width, level);
         let word = lanes.gather_i(&bounds.nodes, first + width.times(row) + column);
         let steps = word.shifted_right(state.half).and(lanes.splat_i(0xffff));
         let (step, lowest) = (lanes.splat(bounds.step), lanes.splat(bounds.lowest));
