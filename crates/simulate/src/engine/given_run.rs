@@ -118,7 +118,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         })
     }
 
-    /// Traces a pilot run of a case, whose rays are none of those of the result.
+    /// Traces a pilot run of a case. Its rays are not used again for the result.
     fn run_pilot(
         &self,
         case: GivenCase,

@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(best(&total), 0);
     }
 
-    /// What noise of rays adds to the variance between surfaces that a way shows is none of it.
+    /// Ray noise inflates the variance between surfaces that a pilot run estimates; the inflated part must not count.
     #[test]
     fn the_variance_between_surfaces_is_that_of_the_clearest_way() {
         let [v_s, shown] = [1e-4, 3e-4];
