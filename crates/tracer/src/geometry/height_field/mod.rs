@@ -161,17 +161,22 @@ impl Surface {
         }
     }
 
-    /// Heights at the corners 00, 10, 01 and 11 of a cell, in the unit of the field.
+    /// Indices of the heights at the corners 00, 10, 01 and 11 of a cell.
     #[inline(always)]
-    fn corner_heights(&self, [ix, iy]: [u32; 2]) -> [f64; 4] {
+    fn corner_indices(&self, [ix, iy]: [u32; 2]) -> [usize; 4] {
         let [rows, columns] = self.field.shape();
         let (ix, iy) = (ix as usize, iy as usize);
         let right = if ix + 1 < columns { ix + 1 } else { 0 };
         let far = columns * if iy + 1 < rows { iy + 1 } else { 0 };
         let near = columns * iy;
+        [near + ix, near + right, far + ix, far + right]
+    }
+
+    /// Heights at the corners 00, 10, 01 and 11 of a cell, in the unit of the field.
+    #[inline(always)]
+    fn corner_heights(&self, cell: [u32; 2]) -> [f64; 4] {
         let heights = self.field.heights();
-        let at = |i: usize| heights[i];
-        [near + ix, near + right, far + ix, far + right].map(at)
+        self.corner_indices(cell).map(|i| heights[i])
     }
 
     /// Asks for the heights of a cell, which are about to be read.
@@ -187,20 +192,16 @@ impl Surface {
     /// the ends of its rise along a column and along a row, `[to, from]`.
     #[inline(always)]
     fn slope_heights(&self, Facet { ix, iy, triangle }: Facet) -> (f64, [f64; 2], [f64; 2]) {
-        let [rows, columns] = self.field.shape();
-        let (ix, iy) = (ix as usize, iy as usize);
-        let right = if ix + 1 < columns { ix + 1 } else { 0 };
-        let far = columns * if iy + 1 < rows { iy + 1 } else { 0 };
-        let near = columns * iy;
+        let [i00, i10, i01, i11] = self.corner_indices([ix, iy]);
         let heights = self.field.heights();
-        let (h00, h11) = (heights[near + ix], heights[far + right]);
+        let (h00, h11) = (heights[i00], heights[i11]);
         match triangle {
             Triangle::Lower => {
-                let h10 = heights[near + right];
+                let h10 = heights[i10];
                 (h00, [h10, h00], [h11, h10])
             }
             Triangle::Upper => {
-                let h01 = heights[far + ix];
+                let h01 = heights[i01];
                 (h00, [h11, h01], [h01, h00])
             }
         }
