@@ -246,10 +246,7 @@ impl HeightField {
     /// along each axis otherwise.
     #[must_use]
     pub const fn cells(&self) -> [usize; 2] {
-        match self.border {
-            Border::Periodic => [self.shape[1], self.shape[0]],
-            Border::Mirrored | Border::Open => [self.shape[1] - 1, self.shape[0] - 1],
-        }
+        self.border.cells([self.shape[1], self.shape[0]])
     }
 
     /// Extent `[x, y]` of one tile in length units.

@@ -20,6 +20,16 @@ pub enum Border {
     Open,
 }
 
+impl Border {
+    /// Number of cells `[columns, rows]` between `[nx, ny]` samples.
+    pub(crate) const fn cells(self, [nx, ny]: [usize; 2]) -> [usize; 2] {
+        match self {
+            Self::Periodic => [nx, ny],
+            Self::Mirrored | Self::Open => [nx - 1, ny - 1],
+        }
+    }
+}
+
 impl fmt::Display for Border {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {

@@ -1,4 +1,5 @@
 //! All integration tests of the crate, in one binary.
 
 mod roughness;
+mod spline;
 mod synthesis;
