@@ -4,7 +4,8 @@
 //! unit, and what lies beyond its border. [`Synthesis`] draws random ones from a [`Psd`],
 //! [`Roughness`] measures any, [`Form`] removes mean, plane or parabola, and [`RawHeightMap`] with
 //! its [`MissingPolicy`] fills or refuses points that an instrument did not see. The same surface on
-//! a finer grid is [`HeightField::refined`]. A [`SplineSurface`] passes through the samples smoothly.
+//! a finer grid is [`HeightField::refined`]. A [`SplineSurface`] passes through the samples
+//! smoothly; [`SplineSynthesis`] draws random ones.
 //!
 //! # Conventions
 //! Autocorrelation `C(r) = sigma^2 exp(-r^2 / tau^2)`; `tau` is the 1/e length. The other habit,
@@ -49,6 +50,7 @@ pub use psd::{GaussianPsd, Provenance, Psd, PsdError};
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};
 pub use spline::SplineSurface;
+pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
     SynthesisError,

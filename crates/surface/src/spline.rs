@@ -66,8 +66,8 @@ impl SplineSurface {
     }
 
     /// The spline with one coefficient per grid point, row-major with shape `[ny, nx]`, as for the samples
-    /// of a [`HeightField`], in arbitrary units.
-    fn of_coefficients(
+    /// of a [`HeightField`], in arbitrary units. Their memory is used if it has room for the padding.
+    pub(crate) fn of_coefficients(
         coefficients: Vec<f64>,
         shape: [usize; 2],
         spacing: [f64; 2],
@@ -92,7 +92,7 @@ impl SplineSurface {
     }
 
     /// The same surface with a record of how it was generated.
-    fn with_provenance(mut self, provenance: Option<Provenance>) -> Self {
+    pub(crate) fn with_provenance(mut self, provenance: Option<Provenance>) -> Self {
         self.provenance = provenance;
         self
     }

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use realfft::{ComplexToReal, RealFftPlanner};
 use rustfft::{Fft, FftPlanner};
 
-use self::filter::Filter;
+use self::filter::{Filter, Numbers};
 use self::noise::Noise;
 use crate::height_field::check_grid;
 use crate::{HeightField, HeightFieldError, Provenance, Psd};
@@ -30,6 +30,7 @@ mod facets;
 mod filter;
 mod noise;
 mod spectrum;
+pub(crate) mod splines;
 mod transform;
 
 /// Fewest spacings a correlation length must span along each axis.
@@ -163,19 +164,32 @@ impl Synthesis {
         spacing: [f64; 2],
         insist: bool,
     ) -> Result<Self, SynthesisError> {
+        let fewest = (!insist).then_some(MIN_SPACINGS_PER_CORRELATION_LENGTH);
+        Self::planned(psd, shape, spacing, Numbers::Heights, fewest)
+    }
+
+    /// A generator of heights or coefficients. `fewest`: spacings that a correlation length must span;
+    /// if none, nothing that the grid cannot resolve or hold is refused.
+    fn planned(
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        numbers: Numbers,
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
         check_grid(shape, spacing)?;
         let [ny, nx] = shape;
         if nx * ny > MAX_SAMPLES {
             return Err(SynthesisError::TooManySamples { nx, ny });
         }
-        if !insist {
-            check_resolution(&psd, shape, spacing)?;
+        if let Some(fewest) = fewest {
+            check_resolution(&psd, shape, spacing, fewest)?;
         }
         Ok(Self {
             psd,
             shape,
             spacing,
-            filter: Filter::new(&psd, shape, spacing),
+            filter: Filter::new(&psd, shape, spacing, numbers),
             row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
             column_inverse: FftPlanner::new().plan_fft_inverse(ny),
         })
@@ -257,48 +271,56 @@ impl Synthesis {
         room: Vec<f64>,
     ) -> Result<HeightField, SynthesisError> {
         let [ny, nx] = self.shape;
-        let mut heights = room;
-        if heights.capacity() < ny * nx {
-            drop(heights);
-            heights = zeroed(0.0, ny * nx)?;
-        }
-        heights.resize(ny * nx, 0.0);
+        let mut heights = self.room_for(ny * nx, room)?;
         let allowed = self.fill(&Noise::new(seed, realisation), &mut heights)?;
         let field = if allowed {
             HeightField::of_checked(heights, self.shape, self.spacing)
         } else {
             HeightField::new(heights, self.shape, self.spacing)?
         };
-        Ok(self.with_provenance(field, seed, realisation))
+        Ok(field.with_provenance(Some(self.provenance(seed, realisation))))
     }
 
-    /// The surface with its provenance.
-    fn with_provenance(&self, field: HeightField, seed: u64, realisation: u64) -> HeightField {
-        field.with_provenance(Some(Provenance {
+    /// `room` with place for `len` numbers in all, whose first are one per grid point.
+    fn room_for(&self, len: usize, room: Vec<f64>) -> Result<Vec<f64>, SynthesisError> {
+        let [ny, nx] = self.shape;
+        let mut numbers = room;
+        if numbers.capacity() < len {
+            drop(numbers);
+            numbers = zeroed(0.0, len)?;
+        }
+        numbers.resize(ny * nx, 0.0);
+        Ok(numbers)
+    }
+
+    /// The record of a surface.
+    const fn provenance(&self, seed: u64, realisation: u64) -> Provenance {
+        Provenance {
             psd: self.psd,
             seed,
             realisation,
-        }))
+        }
     }
 }
 
-/// Refuses what the grid cannot resolve or hold.
+/// Refuses what the grid cannot resolve, with `fewest` spacings per correlation length, or hold.
 fn check_resolution(
     psd: &Psd,
     [ny, nx]: [usize; 2],
     spacing: [f64; 2],
+    fewest: f64,
 ) -> Result<(), SynthesisError> {
     let lengths = psd.axis_correlation_lengths();
     let extents = psd.correlation_extents();
     for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
         let (spacing, length) = (spacing[i], lengths[i]);
-        if length < MIN_SPACINGS_PER_CORRELATION_LENGTH * spacing {
+        if length < fewest * spacing {
             return Err(SynthesisError::Unresolved {
                 axis,
                 length,
                 spacing,
                 per_spacing: length / spacing,
-                largest_spacing: length / MIN_SPACINGS_PER_CORRELATION_LENGTH,
+                largest_spacing: length / fewest,
             });
         }
         let (side, length) = (n as f64 * spacing, extents[i]);

@@ -52,7 +52,7 @@ impl Synthesis {
             }
         }
         let field = HeightField::new(heights, self.shape, self.spacing)?;
-        Ok(self.with_provenance(field, seed, realisation))
+        Ok(field.with_provenance(Some(self.provenance(seed, realisation))))
     }
 
     /// The wave of column `ix` of the half spectrum and row `iy`; none if it is the mean, or if the

@@ -11,6 +11,29 @@ use crate::psd::PreparedDensity;
 /// of what one height is rounded to.
 const NEGLIGIBLE: f64 = 1e-34;
 
+/// What the numbers that are drawn mean.
+#[derive(Clone, Copy)]
+pub(super) enum Numbers {
+    /// Heights at the grid points.
+    Heights,
+    /// Coefficients of a bicubic B-spline.
+    SplineCoefficients,
+}
+
+impl Numbers {
+    /// Amplitude of the numbers, along one axis, for a wave of unit height that turns by `angle` radians
+    /// per spacing.
+    ///
+    /// The cubic B-spline is the box of one spacing, convolved four times with itself, so the spline
+    /// holds the wave of its coefficients `sinc^4` times; dividing by that leaves the wave as it is.
+    fn gain(self, angle: f64) -> f64 {
+        match self {
+            Self::SplineCoefficients if angle != 0.0 => (0.5 * angle / (0.5 * angle).sin()).powi(4),
+            Self::SplineCoefficients | Self::Heights => 1.0,
+        }
+    }
+}
+
 /// A power spectral density on the FFT grid of a tile.
 #[derive(Clone)]
 pub(super) struct Filter {
@@ -19,13 +42,19 @@ pub(super) struct Filter {
     spacing: [f64; 2],
     /// Number of columns, from `kx = 0`, beyond which all waves are empty.
     columns: usize,
+    /// [`Numbers::gain`] of the columns, and of the rows by `|ky|`, up to the Nyquist wave numbers.
+    gains: [Vec<f64>; 2],
     /// Amplitudes of the columns and factors of the rows, if they are products of the two.
     factors: Option<[Vec<f64>; 2]>,
 }
 
 impl Filter {
-    pub(super) fn new(psd: &Psd, shape: [usize; 2], spacing: [f64; 2]) -> Self {
+    pub(super) fn new(psd: &Psd, shape: [usize; 2], spacing: [f64; 2], numbers: Numbers) -> Self {
         let [ny, nx] = shape;
+        let gains = [nx, ny].map(|n| {
+            let angle = |i: usize| TAU * i as f64 / n as f64;
+            (0..=n / 2).map(|i| numbers.gain(angle(i))).collect()
+        });
         let reach = psd.reach(NEGLIGIBLE)[0];
         let columns = (0..=nx / 2)
             .take_while(|&ix| wave_number(ix, nx, spacing[0]) <= reach)
@@ -35,13 +64,16 @@ impl Filter {
             shape,
             spacing,
             columns,
+            gains,
             factors: None,
         };
         if filter.density.is_separable() {
             let along_x = (0..columns).map(|ix| filter.amplitude(ix, 0)).collect();
             let along_y = (0..=ny / 2)
-                .map(|iy| wave_number(iy, ny, spacing[1]))
-                .map(|ky| filter.density.factor_along_y(ky).sqrt())
+                .map(|iy| {
+                    let ky = wave_number(iy, ny, spacing[1]);
+                    filter.density.factor_along_y(ky).sqrt() * filter.gains[1][iy]
+                })
                 .collect();
             filter.factors = Some([along_x, along_y]);
         }
@@ -85,11 +117,13 @@ impl Filter {
         }
     }
 
-    /// `sqrt(W dk^2)`.
+    /// `sqrt(W dk^2)`, times the gains, of a column of the half spectrum.
     pub(super) fn amplitude(&self, ix: usize, iy: usize) -> f64 {
         let [ny, nx] = self.shape;
         let [dx, dy] = self.spacing;
-        TAU * (self.density(ix, iy) / ((nx as f64 * dx) * (ny as f64 * dy))).sqrt()
+        let [along_x, along_y] = &self.gains;
+        let of_height = TAU * (self.density(ix, iy) / ((nx as f64 * dx) * (ny as f64 * dy))).sqrt();
+        of_height * along_x[ix] * along_y[iy.min(ny - iy)]
     }
 
     /// `W` at one wave vector of the FFT grid. The Nyquist index of an even size stands for `+k` and
