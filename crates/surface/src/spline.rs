@@ -1,8 +1,10 @@
 //! Spline surface: a height field whose cells are bicubic and join smoothly.
 
+mod bounds;
 mod interpolation;
 mod padding;
 mod patch;
+mod tessellation;
 
 use crate::{Border, HeightField, LengthUnit, Provenance};
 

@@ -48,13 +48,13 @@ impl SplineSurface {
 }
 
 /// Sum of four values by their weights.
-fn dot(values: &[f64], weights: [f64; 4]) -> f64 {
+pub(super) fn dot(values: &[f64], weights: [f64; 4]) -> f64 {
     values.iter().zip(weights).map(|(v, w)| v * w).sum()
 }
 
 /// A place along one axis.
-struct Place {
-    cell: usize,
+pub(super) struct Place {
+    pub(super) cell: usize,
     /// From 0 to 1 within the cell.
     u: f64,
 }
@@ -67,8 +67,15 @@ impl Place {
         Self { cell, u }
     }
 
+    /// Grid point `i` of a grid `per_cell` times as fine.
+    pub(super) fn of_fine_grid(i: usize, per_cell: usize, cells: usize) -> Self {
+        let cell = (i / per_cell).min(cells - 1);
+        let u = (i - cell * per_cell) as f64 / per_cell as f64;
+        Self { cell, u }
+    }
+
     /// Values of the four basis functions, which sum to 1.
-    fn weights(&self) -> [f64; 4] {
+    pub(super) fn weights(&self) -> [f64; 4] {
         let (u, w) = (self.u, 1.0 - self.u);
         let inner = |u: f64| (4.0 + 3.0 * u * u * (u - 2.0)) / 6.0;
         [w * w * w / 6.0, inner(u), inner(w), u * u * u / 6.0]
