@@ -60,23 +60,29 @@ impl SplineSurface {
         for coefficient in rows.into_iter().flatten() {
             bounds.scale = bounds.scale.max(coefficient.abs());
         }
+        // Four bounds side by side, so that comparisons need not wait for each other
+        let (mut low, mut high) = ([bounds.low; 4], [bounds.high; 4]);
         for patch in columns.windows(4) {
-            let points = [0, 1, 2, 3].map(|j| bezier([0, 1, 2, 3].map(|i| patch[i][j])));
-            for point in points.into_iter().flatten() {
-                bounds.low = bounds.low.min(point);
-                bounds.high = bounds.high.max(point);
+            for (j, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
+                for point in bezier([0, 1, 2, 3].map(|i| patch[i][j])) {
+                    *low = low.min(point);
+                    *high = high.max(point);
+                }
             }
         }
+        bounds.low = low.into_iter().fold(bounds.low, f64::min);
+        bounds.high = high.into_iter().fold(bounds.high, f64::max);
         bounds
     }
 }
 
 /// Bezier points of a cubic from its four uniform B-spline coefficients.
 fn bezier([a, b, c, d]: [f64; 4]) -> [f64; 4] {
+    const SIXTH: f64 = 1.0 / 6.0;
     [
-        (a + 4.0 * b + c) / 6.0,
-        (2.0 * b + c) / 3.0,
-        (b + 2.0 * c) / 3.0,
-        (b + 4.0 * c + d) / 6.0,
+        SIXTH * (a + 4.0 * b + c),
+        SIXTH * (4.0 * b + 2.0 * c),
+        SIXTH * (2.0 * b + 4.0 * c),
+        SIXTH * (b + 4.0 * c + d),
     ]
 }
