@@ -31,8 +31,8 @@ use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
 use asperity_surface::HeightField;
 use asperity_tracer::{
-    BuildAccelerator, FlightSearch, Geometry, MeshSurface, PathIntegrator, Surface, can_traverse,
-    tiles_crossed,
+    BuildAccelerator, FlightSearch, Geometry, MeshSurface, PathIntegrator, Surface, Triangles,
+    can_traverse, tiles_crossed,
 };
 
 pub use error::RenderError;
@@ -127,7 +127,7 @@ struct Matter<'a> {
     layer: Option<&'a Layer>,
 }
 
-fn render_on<G: BuildAccelerator>(
+fn render_on<G: BuildAccelerator + Triangles>(
     build: impl FnOnce() -> Geometries<G>,
     matter: Matter<'_>,
     settings: &RenderSettings,
@@ -171,7 +171,7 @@ fn render_on<G: BuildAccelerator>(
 }
 
 /// The scene of a picture: camera, lights and matter.
-fn scene<'a, G: BuildAccelerator>(
+fn scene<'a, G: BuildAccelerator + Triangles>(
     top: SearchedSurface<'a, G>,
     bottom: Option<SearchedSurface<'a, G>>,
     matter: Matter<'_>,

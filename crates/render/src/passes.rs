@@ -4,7 +4,7 @@ use asperity_io::Picture;
 use asperity_optics::Material;
 use asperity_simulate::{Observer, StoppedBy, picture_stream};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{Geometry, LightBeams};
+use asperity_tracer::{LightBeams, Triangles};
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -97,7 +97,7 @@ impl Film {
 }
 
 /// Makes passes until the plan is complete, or the run is to stop.
-pub(crate) fn expose<G: Geometry>(
+pub(crate) fn expose<G: Triangles>(
     scene: &Scene<'_, G>,
     sunlight: Option<SunlightInMedium<'_, G>>,
     plan: PassPlan,
@@ -135,7 +135,7 @@ pub(crate) fn expose<G: Geometry>(
 }
 
 /// Sunlight inside a medium: light beams from one direction of the sun's disc per pass.
-pub(crate) struct SunlightInMedium<'a, G: Geometry> {
+pub(crate) struct SunlightInMedium<'a, G: Triangles> {
     geometry: &'a G,
     material: Material,
     sun: Sun,
@@ -143,7 +143,7 @@ pub(crate) struct SunlightInMedium<'a, G: Geometry> {
     beams: Option<LightBeams<G>>,
 }
 
-impl<'a, G: Geometry> SunlightInMedium<'a, G> {
+impl<'a, G: Triangles> SunlightInMedium<'a, G> {
     pub(crate) fn new(
         geometry: &'a G,
         material: Material,

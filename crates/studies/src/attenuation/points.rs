@@ -3,7 +3,7 @@
 use asperity_optics::Incidence;
 use asperity_simulate::point_stream;
 use asperity_surface::{Border, Triangle};
-use asperity_tracer::{Facet, Geometry, Surface, VisibilityRay};
+use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
 use rand::{Rng, RngExt};
 
 /// Facets whose points share a random stream and are surveyed together, with the samples of their cells.

@@ -3,7 +3,7 @@
 use asperity_analysis::fnv1a;
 use asperity_simulate::Shape;
 use asperity_surface::HeightField;
-use asperity_tracer::{Geometry, MeshSurface};
+use asperity_tracer::{Geometry, MeshSurface, Triangles};
 use serde_json::{Value, json};
 
 /// Of the heights of a field.

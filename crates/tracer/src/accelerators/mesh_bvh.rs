@@ -1,4 +1,4 @@
-//! A bounding volume hierarchy over all triangles, by obvhs: for any geometry.
+//! A bounding volume hierarchy over all facets, by obvhs: for any geometry.
 
 use std::time::Duration;
 
@@ -18,7 +18,7 @@ use crate::ray::{Hit, Query};
 /// Facets that one hierarchy can hold.
 const MAX_FACETS: usize = 1 << 31;
 
-/// Eight-wide compressed hierarchy over the triangles of one tile.
+/// Eight-wide compressed hierarchy over the facets of one tile.
 pub struct MeshBvh {
     bvh: CwBvh,
     handover: Handover,
@@ -56,11 +56,8 @@ impl MeshBvh {
         let margin = handover.margin();
         let boxes: Vec<FacetBox> = (0..facets)
             .map(|index| {
-                let corners = geometry.corners(geometry.facet(index));
-                let mut aabb = Aabb::from_points(&corners.map(|p| p.as_vec3a()));
-                aabb.min -= margin;
-                aabb.max += margin;
-                FacetBox(aabb)
+                let [min, max] = geometry.bounds(geometry.facet(index)).map(|p| p.as_vec3a());
+                FacetBox(Aabb::new(min - margin, max + margin))
             })
             .collect();
         let bvh = build_cwbvh(

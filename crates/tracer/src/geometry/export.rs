@@ -71,7 +71,7 @@ impl TriangleMesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Geometry;
+    use crate::{Geometry, Triangles};
     use asperity_surface::{Border, HeightField};
 
     #[test]

@@ -1,6 +1,7 @@
-//! Geometry: the triangles that rays meet, in one tile of a surface that continues as its border says.
+//! Geometry: the facets that rays meet, in one tile of a surface that continues as its border says.
 //!
-//! `height_field` is a grid of heights, `mesh` any triangles, and `export.rs` writes either as a list of triangles.
+//! `height_field` is a grid of heights as triangles, `smooth` a grid of curved cells, `mesh` any triangles, and
+//! `export.rs` writes a list of triangles.
 
 pub(crate) mod export;
 pub(crate) mod height_field;
@@ -13,13 +14,13 @@ use glam::DVec3;
 
 use crate::ray::{HalfSpace, Hit, Query, RayColumns, TileRay};
 
-/// Triangles that light meets.
+/// Facets that light meets: triangles, or curved pieces of a smooth surface.
 ///
 /// All coordinates are *tile coordinates*: the tile covers `[0, extent]` in x and y, z is measured
 /// from the middle between the lowest and the highest point, and lengths along x and z share one
 /// unit; y differs from it by [`Geometry::aspect`].
 pub trait Geometry: Sized + Send + Sync {
-    /// Names one triangle; equal distances along a ray are decided by the order of names.
+    /// Names one facet; equal distances along a ray are decided by the order of names.
     type Facet: Copy + Debug + Ord + Send + Sync;
 
     /// What lies beyond the border of the tile.
@@ -40,17 +41,17 @@ pub trait Geometry: Sized + Send + Sync {
     /// z of the mean plane.
     fn mean_plane(&self) -> f64;
 
-    /// Number of triangles in the tile.
+    /// Number of facets in the tile.
     fn facet_count(&self) -> usize;
 
-    /// The triangle of number `index`, in the order of names.
+    /// The facet of number `index`, in the order of names.
     fn facet(&self, index: usize) -> Self::Facet;
 
-    /// The three corners of a facet, counter-clockwise seen from above.
-    fn corners(&self, facet: Self::Facet) -> [DVec3; 3];
+    /// A box around a facet: its lowest and its highest coordinates.
+    fn bounds(&self, facet: Self::Facet) -> [DVec3; 2];
 
-    /// Unit normal of a facet, upwards, in physical lengths.
-    fn normal(&self, facet: Self::Facet) -> DVec3;
+    /// Unit normal of a facet at its point `p`, upwards, in physical lengths.
+    fn normal_at(&self, facet: Self::Facet, p: DVec3) -> DVec3;
 
     /// The point of a facet nearest to `p`, which lies on it but for rounding.
     fn snap(&self, facet: Self::Facet, p: DVec3) -> DVec3;
@@ -126,7 +127,8 @@ pub trait Geometry: Sized + Send + Sync {
                 direction[2][i],
             );
             let o = DVec3::new(origin[0][i], origin[1][i], origin[2][i]);
-            let (p, m) = (self.snap(facet, o + t * d), self.normal(facet));
+            let p = self.snap(facet, o + t * d);
+            let m = self.normal_at(facet, p);
             for axis in 0..3 {
                 origin[axis][i] = p[axis];
                 normal[axis][i] = m[axis];
@@ -140,6 +142,20 @@ pub trait Geometry: Sized + Send + Sync {
         let ([cx, cy], [low, high]) = (self.extent(), self.z_range());
         (0.0 <= p.x) & (p.x < cx) & (0.0 <= p.y) & (p.y < cy) & (low <= p.z) & (p.z <= high)
     }
+}
+
+/// Geometry whose facets are triangles.
+pub trait Triangles: Geometry {
+    /// The three corners of a facet, counter-clockwise seen from above.
+    fn corners(&self, facet: Self::Facet) -> [DVec3; 3];
+
+    /// Unit normal of a facet, upwards, in physical lengths.
+    fn normal(&self, facet: Self::Facet) -> DVec3;
+}
+
+/// The box around the corners of a triangle.
+pub(crate) fn bounds_of([a, b, c]: [DVec3; 3]) -> [DVec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
 }
 
 /// What is known of a ray before it is searched.

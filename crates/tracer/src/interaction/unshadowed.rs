@@ -11,7 +11,7 @@ use asperity_tally::{
 };
 use glam::DVec3;
 
-use crate::geometry::Geometry;
+use crate::geometry::Triangles;
 use crate::interaction::facet::scatter;
 use crate::ray::HalfSpace;
 
@@ -20,7 +20,7 @@ use crate::ray::HalfSpace;
 ///
 /// Sums over parts of the facets add up to that over all; [`unshadowed_fluxes`] reads the sum.
 #[must_use]
-pub fn sum_over_facets<G: Geometry>(
+pub fn sum_over_facets<G: Triangles>(
     geometry: &G,
     material: Material,
     incidence: Incidence,

@@ -104,7 +104,7 @@ impl Beam {
             },
         );
         let (facet, origin) = surface.over(heading.origin.x, heading.origin.y)?;
-        let m = self.incident.sign() * surface.normal(facet);
+        let m = self.incident.sign() * surface.normal_at(facet, origin);
         let facing = -heading.direction.dot(m);
         let flux = facing / (m.z * self.wi.z);
         (facing > 0.0).then_some((Heading { origin, ..heading }, facet, flux))

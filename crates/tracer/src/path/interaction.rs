@@ -229,7 +229,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             return;
         }
         let half_space = at.region.half_space;
-        let m = half_space.sign() * geometry.normal(at.facet);
+        let m = half_space.sign() * geometry.normal_at(at.facet, at.heading.origin);
         let wi = -at.heading.direction;
         let mut diffuse = batch.stream.draws(state.ray, state.step(), Use::Diffuse);
         let scattered = scatter_at_bottom(bottom, half_space, wi, m, &mut diffuse);
@@ -276,7 +276,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// What a facet of the surface does with light that has arrived at it.
     pub(super) fn scattered(&self, at: &Arrival<G::Facet>) -> Scattered {
         let half_space = at.region.half_space;
-        let m = half_space.sign() * self.geometry.normal(at.facet);
+        let m = half_space.sign() * self.geometry.normal_at(at.facet, at.heading.origin);
         let wi = -at.heading.direction;
         scatter(self.material, half_space == self.incident, wi, m)
     }

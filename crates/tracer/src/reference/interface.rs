@@ -46,8 +46,9 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             Interface::Bottom => space == Space::Inside,
         };
         let side = if is_above { 1.0 } else { -1.0 };
-        hit.at
-            .map_or(DVec3::Z, |(facet, _)| side * geometry.normal(facet))
+        hit.at.map_or(DVec3::Z, |(facet, heading)| {
+            side * geometry.normal_at(facet, heading.origin)
+        })
     }
 
     /// What an interface does with light from `wi` that comes through `space`, at a place of normal `m`.

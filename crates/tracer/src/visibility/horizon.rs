@@ -8,8 +8,8 @@
 use asperity_surface::{Border, Triangle};
 use glam::{DVec2, DVec3};
 
-use crate::geometry::Geometry;
 use crate::geometry::height_field::{Facet, Surface};
+use crate::geometry::{Geometry, Triangles};
 
 /// What rises before a point along an azimuth; rises are heights over horizontal distances, in one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]

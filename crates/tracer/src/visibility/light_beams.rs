@@ -11,7 +11,7 @@ use asperity_optics::Material;
 use asperity_surface::Border;
 use glam::DVec3;
 
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Triangles};
 use crate::interaction::facet::scatter;
 use crate::periodic::can_traverse;
 use crate::sampling::morton::morton_code;
@@ -25,6 +25,8 @@ const LONGEST: f64 = 16.0;
 
 /// The beams of light from one direction below all facets of a tile.
 pub struct LightBeams<G: Geometry> {
+    /// Corners of a facet, which is a triangle.
+    corners: fn(&G, G::Facet) -> [DVec3; 3],
     material: Material,
     towards: DVec3,
     /// Facets in an order in which neighbours are near.
@@ -67,7 +69,10 @@ struct Bounds {
 impl<G: Geometry> LightBeams<G> {
     /// For light that falls on `geometry`, of a dielectric `material`, from the direction `towards`.
     #[must_use]
-    pub fn new(geometry: &G, material: Material, towards: DVec3) -> Self {
+    pub fn new(geometry: &G, material: Material, towards: DVec3) -> Self
+    where
+        G: Triangles,
+    {
         let [cx, cy] = geometry.extent();
         let scale = DVec3::new(65_535.0 / cx, 65_535.0 / cy, 0.0);
         let mut keyed: Vec<(u64, G::Facet)> = (0..geometry.facet_count())
@@ -82,6 +87,7 @@ impl<G: Geometry> LightBeams<G> {
         let facets: Vec<G::Facet> = keyed.into_iter().map(|(_, facet)| facet).collect();
         let leaves = facets.len().div_ceil(LEAF).next_power_of_two();
         let mut beams = Self {
+            corners: G::corners,
             material,
             towards,
             facets,
@@ -109,7 +115,7 @@ impl<G: Geometry> LightBeams<G> {
                 if let Some((direction, _)) = self.refracted(geometry, facet) {
                     let aspect = DVec3::new(1.0, geometry.aspect(), 1.0);
                     node.direction.add(direction * aspect);
-                    for corner in geometry.corners(facet) {
+                    for corner in (self.corners)(geometry, facet) {
                         node.place.add(corner);
                     }
                 }
@@ -203,7 +209,7 @@ impl<G: Geometry> LightBeams<G> {
     fn beam(&self, geometry: &G, facet: G::Facet, x: DVec3, reach: f64) -> Option<Beam<G::Facet>> {
         let (direction, fraction) = self.refracted(geometry, facet)?;
         let along = direction * DVec3::new(1.0, geometry.aspect(), 1.0);
-        let [a, b, c] = geometry.corners(facet);
+        let [a, b, c] = (self.corners)(geometry, facet);
         let normal = (b - a).cross(c - a);
         let t = normal.dot(x - a) / normal.dot(along);
         if !(t > 0.0 && t <= reach) {
@@ -227,7 +233,8 @@ impl<G: Geometry> LightBeams<G> {
     /// `cos(alpha) / (eta^2 cos(beta))`.
     fn refracted(&self, geometry: &G, facet: G::Facet) -> Option<(DVec3, f64)> {
         let eta = self.material.transmitting_index()?;
-        let m = geometry.normal(facet);
+        let [a, ..] = (self.corners)(geometry, facet);
+        let m = geometry.normal_at(facet, a);
         let cos_theta_i = self.towards.dot(m);
         if cos_theta_i <= 0.0 || !self.is_up {
             return None;

@@ -4,7 +4,7 @@ use crate::common::{rugged, waves};
 use asperity_surface::{Border, HeightField, Triangle};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, BuildError, Facet, Geometry,
-    HalfSpace, Hit, Instructions, Pyramid, Query, Surface, TileRay,
+    HalfSpace, Hit, Instructions, Pyramid, Query, Surface, TileRay, Triangles,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

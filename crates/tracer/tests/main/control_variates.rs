@@ -13,7 +13,7 @@ use asperity_tally::{
 };
 use asperity_tracer::{
     AcceleratorKind, Branching, BuildAccelerator, Geometry, HalfSpace, Illumination, PathSettings,
-    PathStream, Starts, Surface, Tracer, sum_over_facets, unshadowed_fluxes,
+    PathStream, Starts, Surface, Tracer, Triangles, sum_over_facets, unshadowed_fluxes,
 };
 
 /// One setting in which estimators are compared.

@@ -9,7 +9,7 @@ use asperity_surface::{Border, HeightField};
 use asperity_tally::{MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics};
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, MeshBvh,
-    MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Work,
+    MeshSurface, MeshSurfaceError, Query, Surface, TileRay, TriangleMesh, Triangles, Work,
 };
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use glam::DVec3;

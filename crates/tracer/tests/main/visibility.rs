@@ -4,7 +4,7 @@
 use asperity_surface::{Border, HeightField, Psd, Synthesis, Triangle};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, Facet, Geometry, Horizon, HorizonError, Horizons, Surface,
-    Visibility, VisibilityRay, trace_visibility,
+    Triangles, Visibility, VisibilityRay, trace_visibility,
 };
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

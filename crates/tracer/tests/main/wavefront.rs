@@ -8,7 +8,7 @@ use asperity_tally::{
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, Escape, Geometry, HalfSpace,
     Illumination, Instructions, Outlook, PathSettings, PathStream, Query, RayBatch, Sampling,
-    Starts, Surface, TileRay, TracedLayer, Tracer, Work,
+    Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};

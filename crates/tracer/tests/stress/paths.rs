@@ -6,7 +6,7 @@ use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
 use asperity_tally::{Event, EventPath};
 use asperity_tracer::{
-    Accelerator, Branching, Facet, Geometry, HalfSpace, PathStream, Surface, TileRay,
+    Accelerator, Branching, Facet, Geometry, HalfSpace, PathStream, Surface, TileRay, Triangles,
 };
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use glam::DVec3;

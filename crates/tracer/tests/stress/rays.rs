@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
 use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, HalfSpace, Query, Surface, TileRay};
+use asperity_tracer::{Facet, Geometry, HalfSpace, Query, Surface, TileRay, Triangles};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;

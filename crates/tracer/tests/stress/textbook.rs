@@ -1,7 +1,7 @@
 //! A second way to find hits, and how far two ways may differ by rounding.
 
 use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, HalfSpace, Hit, Query, Surface};
+use asperity_tracer::{Facet, Geometry, HalfSpace, Hit, Query, Surface, Triangles};
 use glam::DVec3;
 
 use crate::ground::Ground;

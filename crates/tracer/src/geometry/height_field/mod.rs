@@ -17,7 +17,7 @@ use self::cell::{Cell, Size};
 use self::height_bounds::HeightBounds;
 use self::slope_bounds::SlopeBounds;
 
-use crate::geometry::{Escape, Geometry, Nearby, Outlook};
+use crate::geometry::{Escape, Geometry, Nearby, Outlook, Triangles, bounds_of};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
 
@@ -316,25 +316,13 @@ impl Geometry for Surface {
     }
 
     #[inline]
-    fn normal(&self, facet: Facet) -> DVec3 {
-        let cell = self.cell([facet.ix, facet.iy]);
-        let [_, per_column, per_row] = cell.plane(facet.triangle);
-        DVec3::new(-per_column, -per_row * self.aspect(), 1.0).normalize()
+    fn bounds(&self, facet: Facet) -> [DVec3; 2] {
+        bounds_of(self.corners(facet))
     }
 
-    fn corners(&self, facet: Facet) -> [DVec3; 3] {
-        let corner = |i: u32, j: u32| {
-            let (ix, iy) = (facet.ix + i, facet.iy + j);
-            DVec3::new(
-                f64::from(ix),
-                f64::from(iy),
-                self.z(ix as usize, iy as usize),
-            )
-        };
-        match facet.triangle {
-            Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
-            Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
-        }
+    #[inline]
+    fn normal_at(&self, facet: Facet, _p: DVec3) -> DVec3 {
+        self.normal(facet)
     }
 
     /// The point of a facet's plane above or below `(p.x, p.y)`, moved into the facet's cell.
@@ -417,6 +405,30 @@ impl Geometry for Surface {
         normal: [&mut [f64]; 3],
     ) {
         many::arrive(self, facets, ts, origin, direction, normal);
+    }
+}
+
+impl Triangles for Surface {
+    #[inline]
+    fn normal(&self, facet: Facet) -> DVec3 {
+        let cell = self.cell([facet.ix, facet.iy]);
+        let [_, per_column, per_row] = cell.plane(facet.triangle);
+        DVec3::new(-per_column, -per_row * self.aspect(), 1.0).normalize()
+    }
+
+    fn corners(&self, facet: Facet) -> [DVec3; 3] {
+        let corner = |i: u32, j: u32| {
+            let (ix, iy) = (facet.ix + i, facet.iy + j);
+            DVec3::new(
+                f64::from(ix),
+                f64::from(iy),
+                self.z(ix as usize, iy as usize),
+            )
+        };
+        match facet.triangle {
+            Triangle::Lower => [corner(0, 0), corner(1, 0), corner(1, 1)],
+            Triangle::Upper => [corner(0, 0), corner(1, 1), corner(0, 1)],
+        }
     }
 }
 

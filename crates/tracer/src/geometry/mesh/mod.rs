@@ -27,7 +27,7 @@ use self::intake::{
     lies_on_border,
 };
 use self::triangle::{ProjectedTriangle, closest_point};
-use crate::geometry::{Escape, Geometry};
+use crate::geometry::{Escape, Geometry, Triangles, bounds_of};
 use crate::ray::{HalfSpace, TileRay};
 
 /// Longest side of the bounding box, tile coordinates.
@@ -321,12 +321,12 @@ impl Geometry for MeshSurface {
         index as u32
     }
 
-    fn corners(&self, facet: u32) -> [DVec3; 3] {
-        self.triangles[facet as usize].map(|k| self.vertices[k as usize])
+    fn bounds(&self, facet: u32) -> [DVec3; 2] {
+        bounds_of(self.corners(facet))
     }
 
-    fn normal(&self, facet: u32) -> DVec3 {
-        self.normals[facet as usize]
+    fn normal_at(&self, facet: u32, _p: DVec3) -> DVec3 {
+        self.normal(facet)
     }
 
     fn snap(&self, facet: u32, p: DVec3) -> DVec3 {
@@ -365,6 +365,16 @@ impl Geometry for MeshSurface {
         // Only if all facets face upwards: then d . n is positive (below: negative) for every one.
         let steepest = self.steepest?;
         (half_space.sign() * d.z > steepest * d.x.hypot(d.y)).then_some(Escape::SteeperThanAll)
+    }
+}
+
+impl Triangles for MeshSurface {
+    fn corners(&self, facet: u32) -> [DVec3; 3] {
+        self.triangles[facet as usize].map(|k| self.vertices[k as usize])
+    }
+
+    fn normal(&self, facet: u32) -> DVec3 {
+        self.normals[facet as usize]
     }
 }
 

@@ -2,7 +2,7 @@
 
 use asperity_surface::{Border, HeightField};
 use asperity_tracer::{
-    Accelerator, BruteForce, Geometry, HalfSpace, Nearby, Query, Surface, TileRay,
+    Accelerator, BruteForce, Geometry, HalfSpace, Nearby, Query, Surface, TileRay, Triangles,
 };
 use glam::DVec3;
 use rand::{Rng, RngExt, SeedableRng};
