@@ -48,6 +48,7 @@ pub use accelerators::pyramid::Pyramid;
 pub use geometry::export::{MeshError, TriangleMesh};
 pub use geometry::height_field::{Facet, Surface};
 pub use geometry::mesh::{MeshSurface, MeshSurfaceError, Repairs};
+pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{Escape, Geometry, Nearby, Outlook, Triangles};
 pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};

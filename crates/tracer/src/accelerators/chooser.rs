@@ -9,6 +9,7 @@ use super::pyramid::Pyramid;
 use crate::geometry::Geometry;
 use crate::geometry::height_field::Surface;
 use crate::geometry::mesh::MeshSurface;
+use crate::geometry::smooth::SmoothSurface;
 
 /// Geometry over which accelerators can be built by their kind.
 pub trait BuildAccelerator: Geometry {
@@ -29,14 +30,29 @@ impl BuildAccelerator for Surface {
     }
 
     fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
-        let [low, high] = self.z_range();
-        let columns = high - low;
-        if columns.is_nan() || columns > MAX_HEIGHT_RANGE {
-            return Err(BuildError::TooTall { columns });
-        }
+        check_height_range(self)?;
         Ok(match self.resolve(kind) {
             AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
             AcceleratorKind::Flat => Box::new(Flat::build(self)?),
+            AcceleratorKind::Auto | AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
+            AcceleratorKind::BruteForce => Box::new(BruteForce),
+        })
+    }
+}
+
+impl BuildAccelerator for SmoothSurface {
+    fn resolve(&self, kind: AcceleratorKind) -> AcceleratorKind {
+        match kind {
+            AcceleratorKind::Auto => AcceleratorKind::Pyramid,
+            chosen => chosen,
+        }
+    }
+
+    fn accelerator(&self, kind: AcceleratorKind) -> Result<Box<dyn Accelerator<Self>>, BuildError> {
+        check_height_range(self)?;
+        Ok(match self.resolve(kind) {
+            AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
+            AcceleratorKind::Flat => return Err(BuildError::NotFlat),
             AcceleratorKind::Auto | AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })
@@ -58,4 +74,14 @@ impl BuildAccelerator for MeshSurface {
             kind => return Err(BuildError::NeedsHeightField { kind }),
         })
     }
+}
+
+/// Refuses heights out of proportion to the spacing.
+fn check_height_range<G: Geometry>(geometry: &G) -> Result<(), BuildError> {
+    let [low, high] = geometry.z_range();
+    let columns = high - low;
+    if columns.is_nan() || columns > MAX_HEIGHT_RANGE {
+        return Err(BuildError::TooTall { columns });
+    }
+    Ok(())
 }

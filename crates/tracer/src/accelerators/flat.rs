@@ -3,6 +3,7 @@
 use super::brute_force::BruteForce;
 use crate::accelerators::accelerator::{Accelerator, BuildError};
 use crate::accelerators::kind::AcceleratorKind;
+use crate::geometry::grid::Grid;
 use crate::geometry::height_field::{Facet, Surface};
 use crate::ray::{Hit, Query};
 

@@ -4,8 +4,13 @@
 //! `export.rs` writes a list of triangles.
 
 pub(crate) mod export;
+pub(crate) mod grid;
+mod height_bounds;
 pub(crate) mod height_field;
 pub(crate) mod mesh;
+mod nearby;
+mod slope_bounds;
+pub(crate) mod smooth;
 
 use std::fmt::Debug;
 

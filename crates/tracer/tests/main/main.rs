@@ -14,5 +14,6 @@ mod layers_against_reference;
 mod light_beams;
 mod meshes;
 mod physics;
+mod smooth;
 mod visibility;
 mod wavefront;

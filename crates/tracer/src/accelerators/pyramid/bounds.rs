@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 
 use crate::accelerators::accelerator::BuildError;
-use crate::geometry::Geometry;
-use crate::geometry::height_field::Surface;
 use crate::vector::prefetch;
 
+use super::cells::{SearchedGrid, Table};
 use super::rays::ROUNDING;
 
 /// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
@@ -18,15 +17,15 @@ const MAX_CELLS: usize = 1 << 30;
 /// Steps into which the heights are divided for the bounds; two halves of a word, one per half space.
 const STEPS: f32 = 65_000.0;
 
-/// Heights in f32, and bounds of nodes.
+/// What tests of cells read in f32, and bounds of nodes.
 ///
-/// All heights are tile coordinates. The cells have no bounds of their own, since testing the four
-/// heights of a cell says more and costs as much. A bound is kept for either half space: the highest `z` for rays
+/// All heights are tile coordinates. The cells have no bounds of their own, since testing
+/// a cell says more. A bound is kept for either half space: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.
 pub(super) struct Bounds {
-    /// Grid points row by row, with the first column and row repeated behind the last.
-    pub(super) heights: Vec<f32>,
+    /// What tests of cells read.
+    pub(super) table: Table,
     /// Bounds of all nodes, level by level, the smallest first.
     pub(super) nodes: Vec<u32>,
     /// Cells along x and y.
@@ -39,8 +38,9 @@ pub(super) struct Bounds {
     pub(super) width: [i32; MAX_LEVELS + 1],
     /// Largest magnitude of any height.
     pub(super) reach: f32,
-    /// How far heights may be from where they should be at the start of a ray: 2^-20 of the reach, which covers the
-    /// rounding of a height, of a ray's origin and of its rise (a few 2^-24), and the slack of two columns.
+    /// How far heights may be from where they should be at the start of a ray: the rounding of what a test computes
+    /// (for facets 2^-20 of the reach, which covers that of a height, of a ray's origin and of its rise, a few
+    /// 2^-24), and the slack of two columns.
     pub(super) margin: f32,
     /// The same for every column (row) that a ray has come: the place is off by [`ROUNDING`], a plane there by that
     /// times the slope, and if that is the plane of a neighbouring facet, by twice that more; times four covers it.
@@ -56,7 +56,7 @@ impl Bounds {
     /// Level at which rays that come down from far above begin.
     pub(super) const FIRST_LEVEL: i32 = 4;
 
-    pub(super) fn new(surface: &Surface) -> Result<Self, BuildError> {
+    pub(super) fn new<S: SearchedGrid>(surface: &S) -> Result<Self, BuildError> {
         let [cx, cy] = surface.cells();
         if !Self::hold([cx, cy]) {
             return Err(BuildError::TooManyFacets {
@@ -78,22 +78,24 @@ impl Bounds {
         let reach = reach as f32 * (1.0 + f32::EPSILON);
         let steepest = surface.steepest() as f32 * (1.0 + f32::EPSILON);
         let slack = 4.0 * steepest * ROUNDING;
+        let table = surface.table();
+        let largest = table.values.iter().fold(reach, |a, b| greater(a, b.abs()));
         let mut bounds = Self {
-            heights: heights(surface),
+            margin: largest * table.rounding + 2.0 * slack + f32::MIN_POSITIVE,
+            table,
             nodes: vec![0; count],
             cells: [cx, cy],
             top,
             first,
             width,
             reach,
-            margin: reach * 2_f32.powi(-20) + 2.0 * slack + f32::MIN_POSITIVE,
             slack,
             steepest,
             lowest: -reach,
             // Some steps more than the heights span: one for rounding up, one for the margin.
             step: 2.0 * reach / STEPS + f32::MIN_POSITIVE,
         };
-        bounds.bound_pairs();
+        surface.bound_pairs(&mut bounds);
         for level in 2..=top {
             bounds.bound_level(level, shape(level - 1));
         }
@@ -118,24 +120,18 @@ impl Bounds {
         self.lowest + self.step * steps as f32
     }
 
-    /// Heights at the corners 00, 10, 01 and 11 of the cell `[ix, iy]`.
-    pub(super) fn corners(&self, [ix, iy]: [i32; 2]) -> [f32; 4] {
-        let stride = self.cells[0] + 1;
-        let i = iy as usize * stride + ix as usize;
-        let (near, far) = (
-            &self.heights[i..i + 2],
-            &self.heights[i + stride..i + stride + 2],
-        );
-        [near[0], near[1], far[0], far[1]]
-    }
-
     /// Asks for what a ray that begins in the cell `[ix, iy]` reads first.
     #[inline(always)]
     pub(super) fn prefetch(&self, [ix, iy]: [usize; 2]) {
-        let stride = self.cells[0] + 1;
-        let corner = iy * stride + ix;
-        prefetch(&self.heights, corner);
-        prefetch(&self.heights, corner + stride);
+        let Table {
+            values,
+            stride,
+            rows,
+            ..
+        } = &self.table;
+        for row in 0..*rows {
+            prefetch(values, (iy + row) * stride + ix);
+        }
         for level in 1..=2 {
             prefetch(&self.nodes, self.node(level, [ix >> level, iy >> level]));
         }
@@ -148,18 +144,45 @@ impl Bounds {
 
     /// Number of bytes held.
     pub(super) fn bytes(&self) -> usize {
-        4 * (self.heights.len() + self.nodes.len())
+        4 * (self.table.values.len() + self.nodes.len())
     }
 
-    /// Level 1: the points of two by two cells.
-    fn bound_pairs(&mut self) {
+    /// Level 1 from the bounds of cells: `range` is the lowest and the highest point of one.
+    pub(super) fn bound_cells(&mut self, range: impl Fn([u32; 2]) -> [f64; 2] + Sync) {
+        let [cx, cy] = self.cells;
+        let width = self.width[1] as usize;
+        let (per_step, shift) = self.steps();
+        let nodes = self.nodes[..width * cy.div_ceil(2)].par_chunks_mut(width);
+        nodes.enumerate().for_each(|(row, nodes)| {
+            for (column, node) in nodes.iter_mut().enumerate() {
+                let (mut above, mut below) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
+                for iy in 2 * row..(2 * row + 2).min(cy) {
+                    for ix in 2 * column..(2 * column + 2).min(cx) {
+                        let [low, high] = range([ix as u32, iy as u32]);
+                        above = greater(above, high as f32);
+                        below = greater(below, -low as f32);
+                    }
+                }
+                let steps = |bound: f32| (shift + bound * per_step) as i32 as u32;
+                *node = steps(above) | steps(below) << 16;
+            }
+        });
+    }
+
+    /// Steps per height, and what is added to round up: two steps more, for the margin, far below one, and for
+    /// rounding here.
+    fn steps(&self) -> (f32, f32) {
+        let per_step = 1.0 / self.step;
+        (per_step, self.reach * per_step + 3.0)
+    }
+
+    /// Level 1 from a table of heights: the points of two by two cells.
+    pub(super) fn bound_points(&mut self) {
         let [cx, cy] = self.cells;
         let points = cx + 1;
-        let per_step = 1.0 / self.step;
-        // Rounded up, and two steps more: for the margin, far below one, and for rounding here.
-        let shift = self.reach * per_step + 3.0;
+        let (per_step, shift) = self.steps();
         let width = self.width[1] as usize;
-        let heights = &self.heights;
+        let heights = &self.table.values;
         let nodes = self.nodes[..width * cy.div_ceil(2)].par_chunks_mut(width);
         nodes.enumerate().for_each(|(row, nodes)| {
             let [a, b, c] = [0, 1, 2].map(|i| {
@@ -217,15 +240,4 @@ fn greater(a: f32, b: f32) -> f32 {
 fn higher(a: u32, b: u32) -> u32 {
     const HIGH: u32 = 0xffff_0000;
     (a & !HIGH).max(b & !HIGH) | (a & HIGH).max(b & HIGH)
-}
-
-/// The heights in f32, with the first column and row repeated behind the last where cells wrap.
-fn heights(surface: &Surface) -> Vec<f32> {
-    let [cx, cy] = surface.cells();
-    let mut heights = Vec::with_capacity((cx + 1) * (cy + 1));
-    for iy in 0..=cy {
-        heights.extend(surface.row(iy).map(|z| z as f32));
-        heights.push(surface.z(cx, iy) as f32);
-    }
-    heights
 }

@@ -1,6 +1,10 @@
 //! Instructions: searches the pyramid with those of the machine.
 
+#[cfg(target_arch = "x86_64")]
+use std::marker::PhantomData;
+
 use super::bounds::Bounds;
+use super::cells::SearchedGrid;
 use super::rays::Rays;
 use super::scalar;
 #[cfg(target_arch = "x86_64")]
@@ -10,16 +14,24 @@ use crate::vector::Instructions;
 use crate::vector::x86::{Avx2, Avx512};
 
 /// Searches all rays with the given instructions, or portably where the machine lacks them.
-pub(super) fn search(bounds: &Bounds, rays: &mut Rays, instructions: Instructions) {
+pub(super) fn search<S: SearchedGrid>(
+    bounds: &Bounds,
+    rays: &mut Rays,
+    instructions: Instructions,
+) {
     match instructions {
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx512 if let Some(lanes) = Avx512::detect() => {
-            lanes.run(SearchAll { bounds, rays })
-        }
+        Instructions::Avx512 if let Some(lanes) = Avx512::detect() => lanes.run(SearchAll::<S> {
+            bounds,
+            rays,
+            cells: PhantomData,
+        }),
         #[cfg(target_arch = "x86_64")]
-        Instructions::Avx2 if let Some(lanes) = Avx2::detect() => {
-            lanes.run(SearchAll { bounds, rays })
-        }
-        _ => scalar::search(bounds, rays),
+        Instructions::Avx2 if let Some(lanes) = Avx2::detect() => lanes.run(SearchAll::<S> {
+            bounds,
+            rays,
+            cells: PhantomData,
+        }),
+        _ => scalar::search::<S>(bounds, rays),
     }
 }

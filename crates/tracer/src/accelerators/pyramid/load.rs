@@ -2,7 +2,7 @@
 
 use super::bounds::Bounds;
 use super::rays::{Rays, Tile};
-use crate::geometry::height_field::Surface;
+use crate::geometry::grid::Grid;
 use crate::ray::RayColumns;
 use crate::vector::Stage;
 
@@ -11,15 +11,15 @@ const BLOCK: usize = 64;
 
 /// Loads the `rays` whose numbers are in `which`; the place of a ray is its index there. Rays that are doubtful from the
 /// start get their answers at once.
-pub(super) struct Load<'a> {
-    pub(super) surface: &'a Surface,
+pub(super) struct Load<'a, S> {
+    pub(super) surface: &'a S,
     pub(super) bounds: &'a Bounds,
     pub(super) rays: RayColumns<'a>,
     pub(super) which: &'a [u32],
     pub(super) into: &'a mut Rays,
 }
 
-impl Stage for Load<'_> {
+impl<S: Grid> Stage for Load<'_, S> {
     #[inline(always)]
     fn run(self) {
         let tile = Tile::new(self.surface);

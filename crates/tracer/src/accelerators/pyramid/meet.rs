@@ -1,19 +1,19 @@
-//! Meet: where rays pass through the facets of the cells that they meet, in f64.
+//! Meet: where rays pass through the surface in the cells that they meet, in f64.
 
 use super::rays::{Answer, Answers};
-use crate::geometry::height_field::{Facet, Surface};
+use crate::geometry::grid::Grid;
 use crate::ray::{Hit, RayColumns};
 use crate::vector::Stage;
 
 /// Finds the hits of those `answers` that name cells.
-pub(super) struct Meet<'a> {
-    pub(super) surface: &'a Surface,
+pub(super) struct Meet<'a, S: Grid> {
+    pub(super) surface: &'a S,
     pub(super) rays: RayColumns<'a>,
     /// The numbers of those that were searched; answers and hits count these.
     pub(super) which: &'a [u32],
     pub(super) answers: &'a Answers,
     /// Gets the hits that are certain.
-    pub(super) hits: &'a mut [Option<Hit<Facet>>],
+    pub(super) hits: &'a mut [Option<Hit<S::Facet>>],
     /// Gets the other rays, but for those that meet nothing.
     pub(super) open: &'a mut Vec<usize>,
 }
@@ -21,7 +21,7 @@ pub(super) struct Meet<'a> {
 /// Rays of a block.
 const BLOCK: usize = 64;
 
-impl Stage for Meet<'_> {
+impl<S: Grid> Stage for Meet<'_, S> {
     #[inline(always)]
     fn run(self) {
         let mut met = [(0, [0; 2]); BLOCK];

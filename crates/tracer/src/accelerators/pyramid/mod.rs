@@ -13,49 +13,59 @@
 //! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives.
 
 mod bounds;
+mod cells;
+mod facet_cells;
 mod instructions;
 mod load;
 mod meet;
 mod quadtree;
 mod rays;
 mod scalar;
+mod spline_cells;
 #[cfg(target_arch = "x86_64")]
 mod wide;
 
 use std::cell::Cell;
+use std::marker::PhantomData;
 
 use self::bounds::Bounds;
+use self::cells::SearchedGrid;
 use self::load::Load;
 use self::meet::Meet;
 use self::rays::Rays;
 use crate::accelerators::accelerator::{Accelerator, BuildError};
 use crate::accelerators::kind::AcceleratorKind;
-use crate::geometry::height_field::{Facet, Surface};
+use crate::geometry::height_field::Surface;
 use crate::ray::{Hit, Query, RayColumns};
 use crate::vector::Instructions;
 
 /// Height bounds over one tile, and the instructions with which they are searched.
-pub struct Pyramid {
+pub struct Pyramid<S = Surface> {
     bounds: Bounds,
     instructions: Instructions,
+    surface: PhantomData<fn(&S)>,
 }
 
 impl Pyramid {
-    /// Builds the bounds over `surface`, to be searched with the best instructions of this machine.
-    ///
-    /// # Errors
-    /// [`BuildError::TooManyFacets`] if there are more cells than 30 bits can number.
-    pub fn build(surface: &Surface) -> Result<Self, BuildError> {
-        Ok(Self {
-            bounds: Bounds::new(surface)?,
-            instructions: Instructions::best(),
-        })
-    }
-
     /// Whether there is one for so many cells, `[columns, rows]`.
     #[must_use]
     pub const fn holds(cells: [usize; 2]) -> bool {
         Bounds::hold(cells)
+    }
+}
+
+#[expect(private_bounds, reason = "for the surfaces of this crate only")]
+impl<S: SearchedGrid> Pyramid<S> {
+    /// Builds the bounds over `surface`, to be searched with the best instructions of this machine.
+    ///
+    /// # Errors
+    /// [`BuildError::TooManyFacets`] if there are more cells than 30 bits can number.
+    pub fn build(surface: &S) -> Result<Self, BuildError> {
+        Ok(Self {
+            bounds: Bounds::new(surface)?,
+            instructions: Instructions::best(),
+            surface: PhantomData,
+        })
     }
 
     /// The same, searched with the given instructions, or portably where the machine lacks them.
@@ -78,7 +88,7 @@ thread_local! {
     static RAYS: Cell<Rays> = Cell::default();
 }
 
-impl Accelerator<Surface> for Pyramid {
+impl<S: SearchedGrid> Accelerator<S> for Pyramid<S> {
     fn kind(&self) -> AcceleratorKind {
         AcceleratorKind::Pyramid
     }
@@ -91,16 +101,16 @@ impl Accelerator<Surface> for Pyramid {
         Some(self.instructions.to_string())
     }
 
-    fn closest_hit(&self, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+    fn closest_hit(&self, surface: &S, query: &Query) -> Option<Hit<S::Facet>> {
         quadtree::closest_hit(&self.bounds, surface, query)
     }
 
     fn closest_hits(
         &self,
-        surface: &Surface,
+        surface: &S,
         rays: RayColumns<'_>,
         which: &[u32],
-        hits: &mut Vec<Option<Hit<Facet>>>,
+        hits: &mut Vec<Option<Hit<S::Facet>>>,
     ) {
         let mut lanes = RAYS.take();
         self.instructions.run(Load {
@@ -110,7 +120,7 @@ impl Accelerator<Surface> for Pyramid {
             which,
             into: &mut lanes,
         });
-        instructions::search(&self.bounds, &mut lanes, self.instructions);
+        instructions::search::<S>(&self.bounds, &mut lanes, self.instructions);
         hits.clear();
         hits.resize(which.len(), None);
         let mut open = std::mem::take(&mut lanes.open);

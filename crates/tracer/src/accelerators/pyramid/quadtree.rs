@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::bounds::Bounds;
-use crate::geometry::height_field::{Facet, Surface};
+use crate::geometry::grid::Grid;
 use crate::ray::{HalfSpace, Hit, Query};
 
 /// By how much, relative to the size of the tile and to how far a ray comes, footprints are widened:
@@ -15,7 +15,11 @@ const WIDENING: f64 = 1e-10;
 ///
 /// A node is left out if the ray stays on its own side of the node's bound all the way across its
 /// footprint, or gets there only behind the closest hit so far.
-pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> Option<Hit<Facet>> {
+pub(super) fn closest_hit<S: Grid>(
+    bounds: &Bounds,
+    surface: &S,
+    query: &Query,
+) -> Option<Hit<S::Facet>> {
     let Query { ray, half_space } = *query;
     let [cx, cy] = bounds.cells;
     let far = ray.origin.abs().max_element().max(cx.max(cy) as f64);
@@ -28,7 +32,7 @@ pub(super) fn closest_hit(bounds: &Bounds, surface: &Surface, query: &Query) -> 
     };
     let ahead = [ray.direction.x > 0.0, ray.direction.y > 0.0].map(usize::from);
 
-    let mut closest: Option<Hit<Facet>> = None;
+    let mut closest: Option<Hit<S::Facet>> = None;
     let [columns, rows] = bounds.cells.map(|n| n.div_ceil(1 << bounds.top));
     let mut nodes: Vec<_> = (0..rows)
         .flat_map(|ny| (0..columns).map(move |nx| (bounds.top, nx, ny)))

@@ -1,7 +1,6 @@
 //! Rays of the wide search: in f32, each from a cell of its own, field by field.
 
-use crate::geometry::Geometry;
-use crate::geometry::height_field::Surface;
+use crate::geometry::grid::Grid;
 use crate::ray::{Query, TileRay};
 use crate::vector::MAX_LANES;
 
@@ -305,7 +304,7 @@ pub(super) struct Tile {
 }
 
 impl Tile {
-    pub(super) fn new(surface: &Surface) -> Self {
+    pub(super) fn new<S: Grid>(surface: &S) -> Self {
         let [low, high] = surface.z_range();
         let pad = 1e-6 * (1.0 + high - low);
         Self {

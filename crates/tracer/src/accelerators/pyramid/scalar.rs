@@ -7,33 +7,34 @@
 //! a ray that comes nearer to a decision than that is doubtful, and left to `quadtree.rs`.
 
 use super::bounds::Bounds;
+use super::cells::SearchedGrid;
 use super::rays::{DOUBTFUL, NOTHING, Ray, Rays};
 
 /// Searches all rays, one after the other.
-pub(super) fn search(bounds: &Bounds, rays: &mut Rays) {
+pub(super) fn search<S: SearchedGrid>(bounds: &Bounds, rays: &mut Rays) {
     for i in 0..rays.len() {
         let ray = rays.ray(i);
-        let answer = closest_cell(bounds, &ray);
+        let answer = closest_cell::<S>(bounds, &ray);
         rays.answers.push(ray.place, answer);
     }
 }
 
 /// Where a ray leaves the node that it is in.
-struct Exit {
-    t: f32,
+pub(super) struct Exit {
+    pub(super) t: f32,
     /// Height there.
-    z: f32,
+    pub(super) z: f32,
     /// Whether through the edge across x.
     across_x: bool,
     /// Column and row ahead, at the level of the node.
     ahead: [i32; 2],
     /// By how much rounding may have changed heights.
-    margin: f32,
+    pub(super) margin: f32,
 }
 
 /// What a ray finds in a node or cell.
-enum Test {
-    /// A facet of the cell.
+pub(super) enum Test {
+    /// The surface in the cell.
     Met,
     /// It passes over all of it, by so much.
     Clear(f32),
@@ -42,7 +43,7 @@ enum Test {
 }
 
 /// Follows one ray to its answer: the cell `[column, row]` that it meets, or a negative column.
-fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
+fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let high = ray.z > 0.999 * bounds.reach;
     let mut level = if high {
         Bounds::FIRST_LEVEL.min(bounds.top as i32)
@@ -55,7 +56,7 @@ fn closest_cell(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     loop {
         let exit = leave(bounds, ray, cell, level);
         let test = if level == 0 {
-            test_cell(bounds, ray, cell, t, &exit)
+            S::test(bounds, ray, cell, t, &exit)
         } else {
             test_node(bounds, ray, cell.map(|i| i >> level), level, t, &exit)
         };
@@ -150,58 +151,13 @@ fn test_node(bounds: &Bounds, ray: &Ray, node: [i32; 2], level: i32, t: f32, exi
     }
 }
 
-/// Tests the facets of a cell, which the ray enters at `t`.
-fn test_cell(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test {
-    let [h00, h10, h01, h11] = bounds.corners(cell).map(|h| h * ray.side);
-    // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
-    let u = ray.x - (cell[0] - ray.cell[0]) as f32;
-    let v = ray.y - (cell[1] - ray.cell[1]) as f32;
-    let (w, dw) = (u - v, ray.dx - ray.dy);
-    let (lower_in, lower_out) = (w + t * dw > 0.0, w + exit.t * dw > 0.0);
-    let slopes = |lower: bool| {
-        if lower {
-            [h10 - h00, h11 - h10]
-        } else {
-            [h11 - h01, h01 - h00]
-        }
-    };
-    let ([a_in, b_in], [a_out, b_out]) = (slopes(lower_in), slopes(lower_out));
-    // Where it passes from one to the other, or leaves if it does not.
-    let t_diagonal = if lower_in == lower_out {
-        exit.t
-    } else {
-        least(greatest(-w / dw, t), exit.t)
-    };
-    // Heights above the triangles on entry, on the diagonal, and on leaving.
-    let over = ray.z - h00;
-    let rate_in = ray.dz - a_in * ray.dx - b_in * ray.dy;
-    let rate_out = ray.dz - a_out * ray.dx - b_out * ray.dy;
-    let (first_in, first_out) = (over - a_in * u - b_in * v, over - a_out * u - b_out * v);
-    let on_entry = first_in + t * rate_in;
-    let on_diagonal = first_in + t_diagonal * rate_in;
-    let on_leaving = first_out + exit.t * rate_out;
-    // Rays come from above, or start on a facet.
-    let margin = exit.margin;
-    if on_entry + margin <= 0.0 {
-        return Test::Unknown;
-    }
-    let gap = least(on_diagonal, on_leaving) - margin;
-    if on_diagonal + margin < 0.0 || (on_diagonal > margin && on_leaving + margin < 0.0) {
-        Test::Met
-    } else if gap > 0.0 {
-        Test::Clear(gap)
-    } else {
-        Test::Unknown
-    }
-}
-
 /// One comparison, where `f32::min` takes care of a NaN.
-fn least(a: f32, b: f32) -> f32 {
+pub(super) fn least(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// One comparison, where `f32::max` takes care of a NaN.
-fn greatest(a: f32, b: f32) -> f32 {
+pub(super) fn greatest(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 

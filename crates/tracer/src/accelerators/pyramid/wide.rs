@@ -5,51 +5,55 @@
 //! whose rays have ended get new ones. In f32, with bounds on what rounding may do: a ray that comes
 //! nearer to a decision than that is left to `quadtree.rs`, which this search is to agree with.
 
+use std::marker::PhantomData;
+
 use super::bounds::{Bounds, MAX_LEVELS};
+use super::cells::SearchedGrid;
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
 use crate::vector::twice::Twice;
 
 /// The search of all rays, for any lanes.
-pub(super) struct SearchAll<'a> {
+pub(super) struct SearchAll<'a, S> {
     pub(super) bounds: &'a Bounds,
     pub(super) rays: &'a mut Rays,
+    pub(super) cells: PhantomData<S>,
 }
 
-impl Task for SearchAll<'_> {
+impl<S: SearchedGrid> Task for SearchAll<'_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        Search::new(Twice(lanes), self.bounds).run(self.rays);
+        Search::new(Twice(lanes), self.bounds).run::<S>(self.rays);
     }
 }
 
 /// What is the same for all rays.
-struct Search<'b, L: Lanes> {
-    lanes: L,
-    bounds: &'b Bounds,
+pub(super) struct Search<'b, L: Lanes> {
+    pub(super) lanes: L,
+    pub(super) bounds: &'b Bounds,
     /// First node and row length by level, as tables of sixteen.
     first: [i32; 16],
     width: [i32; 16],
-    zero: L::F,
-    none: L::I,
+    pub(super) zero: L::F,
+    pub(super) none: L::I,
     one: L::I,
 }
 
 /// The rays that are in the lanes.
 #[derive(Clone, Copy)]
-struct State<L: Lanes> {
+pub(super) struct State<L: Lanes> {
     /// See [`Rays`] for these.
-    x: L::F,
-    y: L::F,
-    z: L::F,
-    dx: L::F,
-    dy: L::F,
-    dz: L::F,
+    pub(super) x: L::F,
+    pub(super) y: L::F,
+    pub(super) z: L::F,
+    pub(super) dx: L::F,
+    pub(super) dy: L::F,
+    pub(super) dz: L::F,
     inverse_dx: L::F,
     inverse_dy: L::F,
-    side: L::F,
-    first_x: L::I,
-    first_y: L::I,
+    pub(super) side: L::F,
+    pub(super) first_x: L::I,
+    pub(super) first_y: L::I,
     place: L::I,
     /// 1 if x (y) grows along the ray, otherwise 0.
     ahead_x: L::I,
@@ -69,12 +73,12 @@ struct State<L: Lanes> {
     /// What is known of it: the column of the cell that it meets, or a negative word.
     answer: L::I,
     /// How far the ray has come.
-    t: L::F,
+    pub(super) t: L::F,
     /// The cell that it is in there.
-    ix: L::I,
-    iy: L::I,
+    pub(super) ix: L::I,
+    pub(super) iy: L::I,
     /// The level at which it is searched; 0 is the cell itself.
-    level: L::I,
+    pub(super) level: L::I,
     /// Whether the ray continues.
     active: L::M,
     /// Whether there is a ray, or the answer to one.
@@ -82,25 +86,25 @@ struct State<L: Lanes> {
 }
 
 /// Where rays leave the nodes that they are in.
-struct Exit<L: Lanes> {
-    t: L::F,
+pub(super) struct LanesExit<L: Lanes> {
+    pub(super) t: L::F,
     /// Height there.
-    z: L::F,
+    pub(super) z: L::F,
     /// Whether through the edge across x.
     across_x: L::M,
     /// Column and row of the node at its level, and those ahead.
     node: [L::I; 2],
     ahead: [L::I; 2],
     /// By how much rounding may have changed heights.
-    margin: L::F,
+    pub(super) margin: L::F,
 }
 
 /// What rays find in the cells that they are in.
-struct Cells<L: Lanes> {
-    /// Whether a facet of the cell is met.
-    met: L::M,
-    /// By how much the ray passes over both facets, where positive.
-    gap: L::F,
+pub(super) struct CellsMet<L: Lanes> {
+    /// Whether the surface in the cell is met.
+    pub(super) met: L::M,
+    /// By how much the ray passes over it, where positive.
+    pub(super) gap: L::F,
 }
 
 impl<'b, L: Lanes> Search<'b, L> {
@@ -121,14 +125,23 @@ impl<'b, L: Lanes> Search<'b, L> {
     }
 
     #[inline(always)]
-    fn run(&self, rays: &mut Rays) {
+    fn run<S: SearchedGrid>(&self, rays: &mut Rays) {
         let mut state = self.empty();
         let mut next = 0;
         while self.keep_busy(&mut state, rays, &mut next) {
-            // Rays take some nine steps between nodes and three through cells, which cost more.
-            self.step::<false>(&mut state);
-            self.step::<false>(&mut state);
-            self.step::<true>(&mut state);
+            self.step::<S, false>(&mut state);
+            if S::IS_COSTLY {
+                // Until most of the rays are at cells
+                let at_cells = state.active & self.lanes.equal_i(state.level, self.none);
+                let waiting = at_cells.bits().count_ones();
+                if 8 * waiting < 5 * state.active.bits().count_ones() {
+                    continue;
+                }
+            } else {
+                // Rays take some nine steps between nodes and three through cells, which cost more.
+                self.step::<S, false>(&mut state);
+            }
+            self.step::<S, true>(&mut state);
         }
     }
 
@@ -253,7 +266,7 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     /// Where the rays leave the nodes of their levels.
     #[inline(always)]
-    fn exit(&self, state: &State<L>) -> Exit<L> {
+    fn exit(&self, state: &State<L>) -> LanesExit<L> {
         let (lanes, level) = (self.lanes, state.level);
         let node = [state.ix.shifted_right(level), state.iy.shifted_right(level)];
         let ahead = [node[0] + state.ahead_x, node[1] + state.ahead_y];
@@ -262,7 +275,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         let t_x = columns.times_plus(state.inverse_dx, state.corner_x);
         let t_y = rows.times_plus(state.inverse_dy, state.corner_y);
         let t = t_x.min(t_y);
-        Exit {
+        LanesExit {
             t,
             z: t.times_plus(state.dz, state.z),
             across_x: lanes.less(t_x, t_y),
@@ -274,7 +287,7 @@ impl<'b, L: Lanes> Search<'b, L> {
 
     /// By how much rays stay above the bounds of their nodes. Lanes at cells get anything.
     #[inline(always)]
-    fn gap_over_nodes(&self, state: &State<L>, exit: &Exit<L>) -> L::F {
+    fn gap_over_nodes(&self, state: &State<L>, exit: &LanesExit<L>) -> L::F {
         let (lanes, bounds, level) = (self.lanes, self.bounds, state.level);
         let [column, row] = exit.node;
         let first = lanes.lookup(&self.first, level);
@@ -290,7 +303,7 @@ impl<'b, L: Lanes> Search<'b, L> {
     /// A step of all rays: down a level, or on to the next node; if `CELLS`, also of those that are at
     /// cells, which end there or go on to the next cell.
     #[inline(always)]
-    fn step<const CELLS: bool>(&self, state: &mut State<L>) {
+    fn step<S: SearchedGrid, const CELLS: bool>(&self, state: &mut State<L>) {
         let lanes = self.lanes;
         let at_cell = lanes.equal_i(state.level, self.none);
         let exit = self.exit(state);
@@ -301,7 +314,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.level = lanes.select_i(down, state.level - self.one, state.level);
         let (moving, gap, waiting);
         if CELLS {
-            let cells = self.test_cells(state, &exit);
+            let cells = S::test_lanes(self, state, &exit);
             let met = state.active & at_cell & cells.met;
             state.answer = lanes.select_i(met, state.ix, state.answer);
             gap = lanes.select(at_cell, cells.gap, over_nodes);
@@ -319,7 +332,7 @@ impl<'b, L: Lanes> Search<'b, L> {
     /// Moves rays on to the next nodes, and says which of them continue there: not those that have left
     /// the tile, or have risen above it, or do not get any farther.
     #[inline(always)]
-    fn move_on(&self, state: &mut State<L>, moving: L::M, gap: L::F, exit: &Exit<L>) -> L::M {
+    fn move_on(&self, state: &mut State<L>, moving: L::M, gap: L::F, exit: &LanesExit<L>) -> L::M {
         let (lanes, one, level) = (self.lanes, self.one, state.level);
         // The coordinate along the edge says which cell comes next.
         let across_x = exit.across_x;
@@ -351,62 +364,6 @@ impl<'b, L: Lanes> Search<'b, L> {
         let nothing = forward & (risen | left);
         state.answer = lanes.select_i(nothing, lanes.splat_i(NOTHING), state.answer);
         forward & inside & !risen
-    }
-
-    /// Tests rays against the two facets of the cells that they are in. Other lanes get anything.
-    #[inline(always)]
-    fn test_cells(&self, state: &State<L>, exit: &Exit<L>) -> Cells<L> {
-        let (lanes, zero, margin) = (self.lanes, self.zero, exit.margin);
-        let stride = self.bounds.cells[0] as i32 + 1;
-        let cell = state.iy.times(lanes.splat_i(stride)) + state.ix;
-        // Lanes that are not at cells touch no memory of their own.
-        let at_cell = lanes.equal_i(state.level, self.none);
-        let corner = lanes.select_i(at_cell, cell, self.none);
-        let heights = &self.bounds.heights;
-        let [h00, h10] = lanes.gather_pair(heights, corner);
-        let [h01, h11] = lanes.gather_pair(heights, corner + lanes.splat_i(stride));
-        let (h00, h10) = (h00 * state.side, h10 * state.side);
-        let (h01, h11) = (h01 * state.side, h11 * state.side);
-        // Place within the cell at t = 0, and over which triangle the ray enters and leaves.
-        let u = state.x - lanes.to_float(state.ix - state.first_x);
-        let v = state.y - lanes.to_float(state.iy - state.first_y);
-        let (w, dw) = (u - v, state.dx - state.dy);
-        let (w_in, w_out) = (state.t.times_plus(dw, w), exit.t.times_plus(dw, w));
-        let (lower_in, lower_out) = (lanes.less(zero, w_in), lanes.less(zero, w_out));
-        let (lower_a, lower_b, upper_a, upper_b) = (h10 - h00, h11 - h10, h11 - h01, h01 - h00);
-        let a_in = lanes.select(lower_in, lower_a, upper_a);
-        let b_in = lanes.select(lower_in, lower_b, upper_b);
-        let a_out = lanes.select(lower_out, lower_a, upper_a);
-        let b_out = lanes.select(lower_out, lower_b, upper_b);
-        // Where it passes from one to the other, or leaves if it does not.
-        let t_diagonal = (zero - w).over(dw);
-        let t_diagonal = lanes.select(lanes.less(t_diagonal, state.t), state.t, t_diagonal);
-        let t_diagonal = lanes.select(lower_in ^ lower_out, t_diagonal.min(exit.t), exit.t);
-        // Heights above the triangles on entry, on the diagonal, and on leaving.
-        let over = state.z - h00;
-        let first_in = over.minus_times(a_in, u).minus_times(b_in, v);
-        let first_out = over.minus_times(a_out, u).minus_times(b_out, v);
-        let rate_in = state
-            .dz
-            .minus_times(a_in, state.dx)
-            .minus_times(b_in, state.dy);
-        let rate_out = state
-            .dz
-            .minus_times(a_out, state.dx)
-            .minus_times(b_out, state.dy);
-        let on_entry = state.t.times_plus(rate_in, first_in);
-        let on_diagonal = t_diagonal.times_plus(rate_in, first_in);
-        let on_leaving = exit.t.times_plus(rate_out, first_out);
-        // Rays come from above, or start on a facet.
-        let comes = lanes.less(zero, on_entry + margin);
-        let under_diagonal = lanes.less(on_diagonal + margin, zero);
-        let over_diagonal = lanes.less(margin, on_diagonal);
-        let under_leaving = lanes.less(on_leaving + margin, zero);
-        let gap = on_diagonal.min(on_leaving) - margin;
-        Cells {
-            met: comes & (under_diagonal | (over_diagonal & under_leaving)),
-            gap: lanes.select(comes, gap, zero),
-        }
     }
 
     /// Writes down the answers of the rays that have ended.

@@ -5,65 +5,10 @@
 use asperity_surface::Triangle;
 
 use super::{Facet, Scale, Surface};
-use crate::geometry::Outlook;
 use crate::ray::{Hit, RayColumns};
 
 /// Rays of a block: a few loads of lanes.
 const BLOCK: usize = 64;
-
-/// [`crate::Geometry::outlooks`].
-#[inline(always)]
-pub(super) fn outlooks(surface: &Surface, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-    let n = outlooks.len();
-    let [x, y, z] = rays.origin.map(|column| &column[..n]);
-    let [dx, dy, dz] = rays.direction.map(|column| &column[..n]);
-    let (side, aspect) = (&rays.side[..n], rays.aspect);
-    let [cx, cy] = surface.extent;
-    let reach = surface.size.reach;
-    let bounds = &surface.slope_bounds;
-    for first in (0..n).step_by(BLOCK) {
-        let last = (first + BLOCK).min(n);
-        let mut places = [(0, 0); BLOCK];
-        for (place, i) in places.iter_mut().zip(first..last) {
-            let q = side[i];
-            let u = [q * dx[i], q * (dy[i] * aspect)];
-            // Until it is above the highest point (below the lowest one).
-            let t = (reach - q * z[i]) / (q * dz[i]);
-            *place = bounds.place_near([x[i], y[i]], u, t);
-        }
-        let mut rises = [[0.0; 4]; BLOCK];
-        for (rises, (block, sector)) in rises.iter_mut().zip(places) {
-            *rises = bounds.rises(block, sector);
-        }
-        for (outlook, (i, [near_axis, near_diagonal, axis, diagonal])) in outlooks[first..last]
-            .iter_mut()
-            .zip((first..last).zip(rises))
-        {
-            let q = side[i];
-            let (ux, uy) = ((q * dx[i]).abs(), (q * (dy[i] * aspect)).abs());
-            let rise = q * dz[i];
-            let along_axis = (ux - uy).abs();
-            let along_diagonal = if ux < uy { ux } else { uy };
-            let is_below_all = rise > along_axis * axis + along_diagonal * diagonal;
-            let is_below_near = rise > along_axis * near_axis + along_diagonal * near_diagonal;
-            let within = (0.0 <= x[i])
-                & (x[i] < cx)
-                & (0.0 <= y[i])
-                & (y[i] < cy)
-                & (-reach <= z[i])
-                & (z[i] <= reach);
-            let escapes = rise > 0.0;
-            let known = if escapes & is_below_all {
-                Outlook::SteeperThanAll
-            } else if escapes & is_below_near {
-                Outlook::SteeperThanNear
-            } else {
-                Outlook::Unknown
-            };
-            *outlook = if within { known } else { Outlook::Elsewhere };
-        }
-    }
-}
 
 /// [`crate::Geometry::arrive`].
 #[inline(always)]

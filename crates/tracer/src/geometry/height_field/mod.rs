@@ -1,10 +1,7 @@
 //! The meshed surface: facets, their normals, and where a ray meets one of them.
 
 mod cell;
-mod height_bounds;
 mod many;
-mod nearby;
-mod slope_bounds;
 #[cfg(test)]
 mod tests;
 
@@ -14,9 +11,11 @@ use asperity_surface::{Border, HeightField, Triangle};
 use glam::DVec3;
 
 use self::cell::{Cell, Size};
-use self::height_bounds::HeightBounds;
-use self::slope_bounds::SlopeBounds;
 
+use crate::geometry::grid::Grid;
+use crate::geometry::height_bounds::HeightBounds;
+use crate::geometry::nearby::find_nearby;
+use crate::geometry::slope_bounds::{SlopeBounds, escapes_by, find_outlooks};
 use crate::geometry::{Escape, Geometry, Nearby, Outlook, Triangles, bounds_of};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
@@ -76,11 +75,12 @@ impl Surface {
         let half_range = (0.5 * high - 0.5 * low) * scale.per_column;
         // Differences of heights are rounded by a few 2^-53 of their range.
         let margin = 1e-14 * half_range;
-        let slope_bounds = SlopeBounds::new(field.cells(), field.border(), margin, |iy, row| {
-            row.clear();
-            row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
-            row.push(scale.z(field.height(field.cells()[0], iy)));
-        });
+        let slope_bounds =
+            SlopeBounds::of_triangles(field.cells(), field.border(), margin, |iy, row| {
+                row.clear();
+                row.extend(grid_row(&field, iy).iter().map(|&h| scale.z(h)));
+                row.push(scale.z(field.height(field.cells()[0], iy)));
+            });
         let [dx, dy] = field.spacing();
         Self {
             extent: field.cells().map(|n| n as f64),
@@ -125,11 +125,6 @@ impl Surface {
     #[must_use]
     pub fn is_flat(&self) -> bool {
         self.field.is_flat()
-    }
-
-    /// An upper bound of the rise of any facet along a column or a row, tile coordinates.
-    pub(crate) const fn steepest(&self) -> f64 {
-        self.size.steepest
     }
 
     /// z of the grid points of row `iy`, one per cell, tile coordinates; rows wrap.
@@ -179,15 +174,6 @@ impl Surface {
         self.corner_indices(cell).map(|i| heights[i])
     }
 
-    /// Asks for the heights of a cell, which are about to be read.
-    #[inline(always)]
-    pub(crate) fn prefetch(&self, [ix, iy]: [u32; 2]) {
-        let (heights, [_, columns]) = (self.field.heights(), self.field.shape());
-        let near = iy as usize * columns + ix as usize;
-        prefetch(heights, near);
-        prefetch(heights, near + columns);
-    }
-
     /// Heights between which the slopes of a facet lie, in the unit of the field: that of its cell's corner 00, and
     /// the ends of its rise along a column and along a row, `[to, from]`.
     #[inline(always)]
@@ -205,29 +191,6 @@ impl Surface {
                 (h00, [h11, h01], [h01, h00])
             }
         }
-    }
-
-    /// First facet of the cell `[column, row]` that a ray in `half_space` passes through.
-    #[must_use]
-    pub fn intersect_cell(
-        &self,
-        [ix, iy]: [u32; 2],
-        ray: &TileRay,
-        half_space: HalfSpace,
-    ) -> Option<Hit<Facet>> {
-        self.closest_in(&self.cell([ix, iy]), [ix, iy], ray, half_space)
-    }
-
-    /// For rays by number and the cells that they meet: what [`Surface::intersect_cell`] gives, or `None` for rays that
-    /// come near an edge.
-    #[inline(always)]
-    pub(crate) fn pass_cells(
-        &self,
-        rays: RayColumns<'_>,
-        met: &[(u32, [u32; 2])],
-        hits: &mut [Option<Hit<Facet>>],
-    ) {
-        many::pass_cells(self, rays, met, hits);
     }
 
     /// First facet of a cell at hand, `[column, row]`, that a ray in `half_space` passes through.
@@ -357,13 +320,13 @@ impl Geometry for Surface {
     }
 
     fn prepare_nearby(&self) {
-        let height_bounds = || HeightBounds::new(self.cells(), |ix, iy| self.z(ix, iy));
+        let height_bounds = || HeightBounds::new(self.cells(), |cell| self.cell_range(cell));
         self.height_bounds.get_or_init(height_bounds);
     }
 
     #[inline]
     fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<Facet> {
-        self.find_nearby(ray, half_space, reach)
+        find_nearby(self, ray, half_space, reach)
     }
 
     fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {
@@ -373,26 +336,18 @@ impl Geometry for Surface {
 
     #[inline(always)]
     fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
-        let q = half_space.sign();
-        let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
-        if rise <= 0.0 {
-            return None;
-        }
-        if self.slope_bounds.is_below_all(u, rise) {
-            return Some(Escape::SteeperThanAll);
-        }
-        // Until it is above the highest point (below the lowest one).
-        let t = (self.size.reach - q * ray.origin.z) / rise;
-        let place = ray.origin.truncate();
-        let [cx, cy] = self.extent();
-        let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
-        (within && self.slope_bounds.is_below_near(place, u, rise, t))
-            .then_some(Escape::SteeperThanNear)
+        escapes_by(&self.slope_bounds, self, ray, half_space)
     }
 
     #[inline(always)]
     fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
-        many::outlooks(self, rays, outlooks);
+        find_outlooks(
+            &self.slope_bounds,
+            self.extent,
+            self.size.reach,
+            rays,
+            outlooks,
+        );
     }
 
     #[inline(always)]
@@ -405,6 +360,58 @@ impl Geometry for Surface {
         normal: [&mut [f64]; 3],
     ) {
         many::arrive(self, facets, ts, origin, direction, normal);
+    }
+}
+
+impl Grid for Surface {
+    fn cells(&self) -> [usize; 2] {
+        self.field.cells()
+    }
+
+    #[inline]
+    fn cell_range(&self, cell: [u32; 2]) -> [f64; 2] {
+        let Cell { z00, z10, z01, z11 } = self.cell(cell);
+        [
+            z00.min(z10).min(z01.min(z11)),
+            z00.max(z10).max(z01.max(z11)),
+        ]
+    }
+
+    fn steepest(&self) -> f64 {
+        self.size.steepest
+    }
+
+    fn height_bounds(&self) -> Option<&HeightBounds> {
+        self.height_bounds.get()
+    }
+
+    #[inline]
+    fn intersect_cell(
+        &self,
+        cell: [u32; 2],
+        ray: &TileRay,
+        half_space: HalfSpace,
+    ) -> Option<Hit<Facet>> {
+        self.closest_in(&self.cell(cell), cell, ray, half_space)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, [ix, iy]: [u32; 2]) {
+        let (heights, [_, columns]) = (self.field.heights(), self.field.shape());
+        let near = iy as usize * columns + ix as usize;
+        prefetch(heights, near);
+        prefetch(heights, near + columns);
+    }
+
+    /// `None` for rays that come near an edge.
+    #[inline(always)]
+    fn pass_cells(
+        &self,
+        rays: RayColumns<'_>,
+        met: &[(u32, [u32; 2])],
+        hits: &mut [Option<Hit<Facet>>],
+    ) {
+        many::pass_cells(self, rays, met, hits);
     }
 }
 

@@ -27,20 +27,19 @@ struct Level {
 pub(crate) type Cells = [[u32; 2]; 2];
 
 impl HeightBounds {
-    /// Bounds over `[columns, rows]` cells; `z(ix, iy)` are the heights of the grid points, also those one
-    /// beyond the last cells.
-    pub(crate) fn new([cx, cy]: [usize; 2], z: impl Fn(usize, usize) -> f64) -> Self {
+    /// Bounds over `[columns, rows]` cells; `range` is the lowest and the highest point of a cell.
+    pub(crate) fn new([cx, cy]: [usize; 2], range: impl Fn([u32; 2]) -> [f64; 2]) -> Self {
         let (columns, rows) = (cx.div_ceil(SMALLEST), cy.div_ceil(SMALLEST));
         let mut bounds = Vec::with_capacity(columns * rows);
         for row in 0..rows {
-            let points_y = row * SMALLEST..=((row + 1) * SMALLEST).min(cy);
+            let cells_y = row * SMALLEST..((row + 1) * SMALLEST).min(cy);
             for column in 0..columns {
-                let points_x = column * SMALLEST..=((column + 1) * SMALLEST).min(cx);
+                let cells_x = column * SMALLEST..((column + 1) * SMALLEST).min(cx);
                 let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-                for iy in points_y.clone() {
-                    for ix in points_x.clone() {
-                        let z = z(ix, iy);
-                        (low, high) = (low.min(z), high.max(z));
+                for iy in cells_y.clone() {
+                    for ix in cells_x.clone() {
+                        let [lowest, highest] = range([ix as u32, iy as u32]);
+                        (low, high) = (low.min(lowest), high.max(highest));
                     }
                 }
                 bounds.push([low, high]);
@@ -112,7 +111,16 @@ mod tests {
             0.1 * (x * x + y * y) + if (ix, iy) == (13, 9) { 50.0 } else { 0.0 }
         };
         let [cx, cy] = [19, 13];
-        let height_bounds = HeightBounds::new([cx, cy], z);
+        let range = |[ix, iy]: [u32; 2]| {
+            let (ix, iy) = (ix as usize, iy as usize);
+            let corners = [z(ix, iy), z(ix + 1, iy), z(ix, iy + 1), z(ix + 1, iy + 1)];
+            let fold = |first, of: fn(f64, f64) -> f64| corners.into_iter().fold(first, of);
+            [
+                fold(f64::INFINITY, f64::min),
+                fold(f64::NEG_INFINITY, f64::max),
+            ]
+        };
+        let height_bounds = HeightBounds::new([cx, cy], range);
         for y0 in 0..cy {
             for y1 in y0..cy {
                 for x0 in 0..cx {

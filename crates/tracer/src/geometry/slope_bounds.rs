@@ -10,8 +10,11 @@ use rayon::prelude::*;
 
 use asperity_surface::Border;
 
+use super::{Escape, Geometry, Outlook};
+use crate::ray::{HalfSpace, RayColumns, TileRay};
+
 /// Cells along the side of the smallest blocks.
-const SMALLEST: usize = 16;
+pub(crate) const SMALLEST: usize = 16;
 
 /// The directions of the support function, `45 deg` apart from +x: axes and diagonals.
 const DIRECTIONS: usize = 8;
@@ -56,7 +59,7 @@ impl Support {
     }
 
     /// Least and greatest rise along x, along y, along the diagonal and along the other diagonal.
-    fn from_extremes([x, y, diagonal, other]: [[f64; 2]; 4]) -> Self {
+    pub(crate) fn from_extremes([x, y, diagonal, other]: [[f64; 2]; 4]) -> Self {
         // The other diagonal is (1, -1).
         Self([
             x[1],
@@ -93,20 +96,33 @@ struct Span {
 }
 
 impl SlopeBounds {
-    /// Bounds for a tile of `[columns, rows]` cells; `row(i)` are the heights of the grid points of
+    /// Bounds for a tile of `[columns, rows]` cells of two triangles; `row(i)` are the heights of the grid points of
     /// row i, one more than there are columns.
+    pub(crate) fn of_triangles(
+        cells: [usize; 2],
+        border: Border,
+        margin: f64,
+        row: impl Fn(usize, &mut Vec<f64>) + Sync,
+    ) -> Self {
+        let columns = cells[0].div_ceil(SMALLEST);
+        Self::new(cells, border, margin, |rows| {
+            row_of_blocks(columns, rows, &row)
+        })
+    }
+
+    /// Bounds for a tile of `[columns, rows]` cells; `supports(rows)` are those of the blocks of [`SMALLEST`] columns in
+    /// these rows.
     pub(crate) fn new(
         [cx, cy]: [usize; 2],
         border: Border,
         margin: f64,
-        row: impl Fn(usize, &mut Vec<f64>) + Sync,
+        supports: impl Fn(std::ops::Range<usize>) -> Vec<Support> + Sync,
     ) -> Self {
         let columns = cx.div_ceil(SMALLEST);
         let mut blocks: Vec<Support> = (0..cy.div_ceil(SMALLEST))
             .into_par_iter()
             .flat_map_iter(|block_row| {
-                let rows = block_row * SMALLEST..((block_row + 1) * SMALLEST).min(cy);
-                row_of_blocks(columns, rows, &row)
+                supports(block_row * SMALLEST..((block_row + 1) * SMALLEST).min(cy))
             })
             .map(|support| support.raised(margin))
             .collect();
@@ -189,6 +205,91 @@ impl SlopeBounds {
     pub(crate) fn is_below_near(&self, place: DVec2, u: DVec2, rise: f64, t: f64) -> bool {
         let (block, _) = self.place_near([place.x, place.y], [u.x, u.y], t);
         rise > self.around[block as usize].rise(u)
+    }
+}
+
+/// Whether bounds exclude that a ray in `half_space` meets a facet of a height field: see [`Geometry::escapes`].
+#[inline(always)]
+pub(crate) fn escapes_by<G: Geometry>(
+    bounds: &SlopeBounds,
+    geometry: &G,
+    ray: &TileRay,
+    half_space: HalfSpace,
+) -> Option<Escape> {
+    let q = half_space.sign();
+    let (rise, u) = (q * ray.direction.z, q * ray.direction.truncate());
+    if rise <= 0.0 {
+        return None;
+    }
+    if bounds.is_below_all(u, rise) {
+        return Some(Escape::SteeperThanAll);
+    }
+    // Until it is above the highest point (below the lowest one).
+    let [_, reach] = geometry.z_range();
+    let t = (reach - q * ray.origin.z) / rise;
+    let place = ray.origin.truncate();
+    let [cx, cy] = geometry.extent();
+    let within = (0.0..=cx).contains(&place.x) && (0.0..=cy).contains(&place.y);
+    (within && bounds.is_below_near(place, u, rise, t)).then_some(Escape::SteeperThanNear)
+}
+
+/// Rays of a block: a few loads of lanes.
+const BLOCK: usize = 64;
+
+/// [`Geometry::outlooks`] of a height field, whose heights lie within `reach` of zero.
+#[inline(always)]
+pub(crate) fn find_outlooks(
+    bounds: &SlopeBounds,
+    [cx, cy]: [f64; 2],
+    reach: f64,
+    rays: RayColumns<'_>,
+    outlooks: &mut [Outlook],
+) {
+    let n = outlooks.len();
+    let [x, y, z] = rays.origin.map(|column| &column[..n]);
+    let [dx, dy, dz] = rays.direction.map(|column| &column[..n]);
+    let (side, aspect) = (&rays.side[..n], rays.aspect);
+    for first in (0..n).step_by(BLOCK) {
+        let last = (first + BLOCK).min(n);
+        let mut places = [(0, 0); BLOCK];
+        for (place, i) in places.iter_mut().zip(first..last) {
+            let q = side[i];
+            let u = [q * dx[i], q * (dy[i] * aspect)];
+            // Until it is above the highest point (below the lowest one).
+            let t = (reach - q * z[i]) / (q * dz[i]);
+            *place = bounds.place_near([x[i], y[i]], u, t);
+        }
+        let mut rises = [[0.0; 4]; BLOCK];
+        for (rises, (block, sector)) in rises.iter_mut().zip(places) {
+            *rises = bounds.rises(block, sector);
+        }
+        for (outlook, (i, [near_axis, near_diagonal, axis, diagonal])) in outlooks[first..last]
+            .iter_mut()
+            .zip((first..last).zip(rises))
+        {
+            let q = side[i];
+            let (ux, uy) = ((q * dx[i]).abs(), (q * (dy[i] * aspect)).abs());
+            let rise = q * dz[i];
+            let along_axis = (ux - uy).abs();
+            let along_diagonal = if ux < uy { ux } else { uy };
+            let is_below_all = rise > along_axis * axis + along_diagonal * diagonal;
+            let is_below_near = rise > along_axis * near_axis + along_diagonal * near_diagonal;
+            let within = (0.0 <= x[i])
+                & (x[i] < cx)
+                & (0.0 <= y[i])
+                & (y[i] < cy)
+                & (-reach <= z[i])
+                & (z[i] <= reach);
+            let escapes = rise > 0.0;
+            let known = if escapes & is_below_all {
+                Outlook::SteeperThanAll
+            } else if escapes & is_below_near {
+                Outlook::SteeperThanNear
+            } else {
+                Outlook::Unknown
+            };
+            *outlook = if within { known } else { Outlook::Elsewhere };
+        }
     }
 }
 
@@ -381,7 +482,7 @@ mod tests {
     #[test]
     fn the_bound_holds_for_every_facet_and_is_met_in_the_eight_directions() {
         let cells = [37, 50];
-        let slope_bounds = SlopeBounds::new(cells, Border::Periodic, 0.0, row(cells));
+        let slope_bounds = SlopeBounds::of_triangles(cells, Border::Periodic, 0.0, row(cells));
         for k in 0..64 {
             let u = DVec2::from_angle(std::f64::consts::TAU * f64::from(k) / 64.0);
             let steepest = gradients(cells)
@@ -403,7 +504,7 @@ mod tests {
         let borders = [Border::Periodic, Border::Mirrored, Border::Open];
         for (cells, border) in tiles.iter().flat_map(|&c| borders.map(|b| (c, b))) {
             let [nx, ny] = cells.map(|n| n as f64);
-            let slope_bounds = SlopeBounds::new(cells, border, 0.0, row(cells));
+            let slope_bounds = SlopeBounds::of_triangles(cells, border, 0.0, row(cells));
             let all = gradients(cells);
             for i in 0..300 {
                 let i = f64::from(i);

@@ -1,0 +1,44 @@
+//! Cells: what the searches in f32 ask of the kind of cells that a surface consists of, one file for each kind.
+
+use super::bounds::Bounds;
+use super::rays::Ray;
+use super::scalar::{Exit, Test};
+#[cfg(target_arch = "x86_64")]
+use super::wide::{CellsMet, LanesExit, Search, State};
+use crate::geometry::grid::Grid;
+#[cfg(target_arch = "x86_64")]
+use crate::vector::lanes::Lanes;
+
+/// What a test of a cell reads, in f32.
+pub(super) struct Table {
+    /// Row by row; a cell `[ix, iy]` reads from `values[iy * stride + ix]` on.
+    pub(super) values: Vec<f32>,
+    pub(super) stride: usize,
+    /// Rows from there that it reads.
+    pub(super) rows: usize,
+    /// By how much rounding may change a height, in units of the largest value.
+    pub(super) rounding: f32,
+}
+
+/// A grid whose cells can be tested in f32.
+pub(super) trait SearchedGrid: Grid {
+    /// Whether a test costs many times as much as a step from node to node.
+    const IS_COSTLY: bool;
+
+    /// What tests read.
+    fn table(&self) -> Table;
+
+    /// Writes the bounds of level 1: of two by two cells.
+    fn bound_pairs(&self, bounds: &mut Bounds);
+
+    /// Tests the cell that a ray enters at `t`.
+    fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test;
+
+    /// The same for all lanes. Those that are not at cells get anything.
+    #[cfg(target_arch = "x86_64")]
+    fn test_lanes<L: Lanes>(
+        search: &Search<'_, L>,
+        state: &State<L>,
+        exit: &LanesExit<L>,
+    ) -> CellsMet<L>;
+}

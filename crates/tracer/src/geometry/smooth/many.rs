@@ -1,0 +1,178 @@
+//! Many rays at a time: loops over arrays that take vector instructions, with the results of the methods for one ray.
+//!
+//! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
+
+use super::first_root::{Bracket, STEPS, falls_once};
+use super::patch::Patch;
+use super::{ABOVE_ALL, SmoothCell, SmoothSurface, gaps, unit_interval, without_first};
+use crate::ray::{Hit, RayColumns};
+
+/// Rays of a block: a few loads of lanes.
+const BLOCK: usize = 16;
+
+/// Patches of a block, coefficient by coefficient.
+struct Patches([[f64; BLOCK]; 16]);
+
+impl Patches {
+    /// Loads the patches of some cells.
+    #[inline(always)]
+    fn load(surface: &SmoothSurface, cells: impl Iterator<Item = [u32; 2]>) -> Self {
+        let mut patches = [[0.0; BLOCK]; 16];
+        for (k, cell) in cells.enumerate().take(BLOCK) {
+            let Patch(rows) = surface.patch(cell);
+            for (i, z) in rows.as_flattened().iter().enumerate() {
+                patches[i][k] = *z;
+            }
+        }
+        Self(patches)
+    }
+
+    /// The patch of ray `k`.
+    #[inline(always)]
+    fn get(&self, k: usize) -> Patch {
+        let c = &self.0;
+        Patch([
+            [c[0][k], c[1][k], c[2][k], c[3][k]],
+            [c[4][k], c[5][k], c[6][k], c[7][k]],
+            [c[8][k], c[9][k], c[10][k], c[11][k]],
+            [c[12][k], c[13][k], c[14][k], c[15][k]],
+        ])
+    }
+}
+
+/// [`crate::Geometry::arrive`].
+#[inline(always)]
+pub(super) fn arrive(
+    surface: &SmoothSurface,
+    cells: &[SmoothCell],
+    ts: &[f64],
+    [x, y, z]: [&mut [f64]; 3],
+    [dx, dy, _]: [&[f64]; 3],
+    [nx, ny, nz]: [&mut [f64]; 3],
+) {
+    let aspect = surface.aspect;
+    for first in (0..cells.len()).step_by(BLOCK) {
+        let block = first..(first + BLOCK).min(cells.len());
+        let cells = &cells[block.clone()];
+        let patches = Patches::load(surface, cells.iter().map(|cell| [cell.ix, cell.iy]));
+        let mut corners = [[0.0; BLOCK]; 2];
+        for (k, cell) in cells.iter().enumerate().take(BLOCK) {
+            (corners[0][k], corners[1][k]) = (f64::from(cell.ix), f64::from(cell.iy));
+        }
+        let (ts, dx, dy) = (&ts[block.clone()], &dx[block.clone()], &dy[block.clone()]);
+        let [x, y, z] = [&mut *x, &mut *y, &mut *z].map(|column| &mut column[block.clone()]);
+        let [nx, ny, nz] = [&mut *nx, &mut *ny, &mut *nz].map(|column| &mut column[block.clone()]);
+        for k in 0..cells.len().min(BLOCK) {
+            let u = unit_interval(x[k] + ts[k] * dx[k] - corners[0][k]);
+            let v = unit_interval(y[k] + ts[k] * (dy[k] * aspect) - corners[1][k]);
+            let [height, along_x, along_y] = patches.get(k).at([u, v]);
+            x[k] = corners[0][k] + u;
+            y[k] = corners[1][k] + v;
+            z[k] = height;
+            let (mx, my) = (-along_x, -along_y * aspect);
+            let scale = 1.0 / (mx * mx + my * my + 1.0).sqrt();
+            nx[k] = mx * scale;
+            ny[k] = my * scale;
+            nz[k] = scale;
+        }
+    }
+}
+
+/// [`crate::geometry::grid::Grid::pass_cells`]: for rays that pass a patch once, from above it or from a place of it.
+#[inline(always)]
+pub(super) fn pass_cells(
+    surface: &SmoothSurface,
+    rays: RayColumns<'_>,
+    met: &[(u32, [u32; 2])],
+    hits: &mut [Option<Hit<SmoothCell>>],
+) {
+    let slab = surface.reach * (1.0 + ABOVE_ALL) + f64::MIN_POSITIVE;
+    let noise = surface.noise();
+    for (met, hits) in met.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
+        let patches = Patches::load(surface, met.iter().map(|met| met.1));
+        let mut fields = [[0.0; BLOCK]; 9];
+        for (k, &(i, [ix, iy])) in met.iter().enumerate().take(BLOCK) {
+            let i = i as usize;
+            (fields[7][k], fields[8][k]) = (f64::from(ix), f64::from(iy));
+            for axis in 0..3 {
+                fields[axis][k] = rays.origin[axis][i];
+                fields[3 + axis][k] = rays.direction[axis][i];
+            }
+            fields[6][k] = rays.side[i];
+        }
+
+        // The polynomial whose root is wanted, and whether it is certain that there is one
+        let [x, y, z, dx, dy, dz, side, column, row] = &fields;
+        let mut polynomials = [[0.0; BLOCK]; 7];
+        let (mut enters, mut lengths, mut certain) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        for k in 0..BLOCK {
+            let o = [x[k], y[k], z[k]];
+            let d = [dx[k], dy[k] * rays.aspect, dz[k]];
+            let (mut enter, mut leave) = (0.0, f64::INFINITY);
+            let low = [column[k], row[k], -slab];
+            let high = [column[k] + 1.0, row[k] + 1.0, slab];
+            for axis in 0..3 {
+                let (a, b) = (
+                    (low[axis] - o[axis]) / d[axis],
+                    (high[axis] - o[axis]) / d[axis],
+                );
+                let (near, far) = if d[axis] > 0.0 { (a, b) } else { (b, a) };
+                let moves = d[axis] != 0.0;
+                enter = if moves & (near > enter) { near } else { enter };
+                leave = if moves & (far < leave) { far } else { leave };
+            }
+            let from_corner = [o[0] - column[k], o[1] - row[k], o[2]];
+            let gaps = gaps(&patches.get(k), side[k], from_corner, d, [enter, leave]);
+            let comes = gaps[0] > noise;
+            let begins = (gaps[0] >= -noise) & (gaps[1] - gaps[0] > noise);
+            let divided = without_first(&gaps);
+            let mut b = [0.0; 7];
+            for m in 0..7 {
+                b[m] = if comes { gaps[m] } else { divided[m] };
+                polynomials[m][k] = b[m];
+            }
+            let is_certain = (comes | begins) & falls_once(&b, noise) & (enter < leave);
+            certain[k] = if is_certain { 1.0 } else { 0.0 };
+            enters[k] = enter;
+            lengths[k] = leave - enter;
+        }
+        let roots = roots(&polynomials, &mut certain);
+        for (k, (hit, &(_, [ix, iy]))) in hits.iter_mut().zip(met).enumerate() {
+            let t = enters[k] + roots[k] * lengths[k];
+            let facet = SmoothCell { iy, ix };
+            *hit = (certain[k] > 0.0).then_some(Hit { t, facet });
+        }
+    }
+}
+
+/// Roots of polynomials that fall once; those that are not found in a few steps are not `certain`.
+#[inline(always)]
+fn roots(polynomials: &[[f64; BLOCK]; 7], certain: &mut [f64; BLOCK]) -> [f64; BLOCK] {
+    let mut brackets = [Bracket::new(&[0.0; 7]); BLOCK];
+    for k in 0..BLOCK {
+        brackets[k] = Bracket::new(&polynomial(polynomials, k));
+    }
+    for _ in 0..STEPS {
+        for k in 0..BLOCK {
+            brackets[k].narrow(&polynomial(polynomials, k));
+        }
+    }
+    let mut roots = [0.0; BLOCK];
+    for k in 0..BLOCK {
+        roots[k] = brackets[k].s;
+        certain[k] = if brackets[k].is_narrow() {
+            certain[k]
+        } else {
+            0.0
+        };
+    }
+    roots
+}
+
+#[inline(always)]
+fn polynomial(polynomials: &[[f64; BLOCK]; 7], k: usize) -> [f64; 7] {
+    let p = polynomials;
+    [
+        p[0][k], p[1][k], p[2][k], p[3][k], p[4][k], p[5][k], p[6][k],
+    ]
+}

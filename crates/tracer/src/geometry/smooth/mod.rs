@@ -1,0 +1,459 @@
+//! The smooth surface: cells of a bicubic B-spline, where a ray meets one of them, and the normals there.
+//!
+//! Along a ray, the height over a patch is a polynomial of degree six. In Bernstein form, over the stretch of the
+//! ray above the cell, its coefficients are weighted means, so rounding is that of the heights. The first place where
+//! it becomes negative is found without a tolerance (`first_root.rs`); a ray that begins on the surface has a known
+//! root there, which is divided out.
+
+mod extremes;
+mod first_root;
+mod many;
+mod patch;
+
+use std::sync::OnceLock;
+
+use asperity_surface::{Border, SplineSurface};
+use glam::DVec3;
+
+use self::extremes::{cell_ranges, patch_of, supports};
+use self::first_root::first_root;
+use self::patch::Patch;
+use crate::geometry::grid::Grid;
+use crate::geometry::height_bounds::HeightBounds;
+use crate::geometry::nearby::find_nearby;
+use crate::geometry::slope_bounds::{SlopeBounds, escapes_by, find_outlooks};
+use crate::geometry::{Escape, Geometry, Nearby, Outlook};
+use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
+use crate::vector::prefetch;
+
+/// A cell of a smooth surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SmoothCell {
+    /// Row of the cell.
+    pub iy: u32,
+    /// Column of the cell.
+    pub ix: u32,
+}
+
+/// A bicubic B-spline as the curved cells that rays meet, in tile coordinates.
+///
+/// Tile coordinates: x in columns, `[0, cells_x]`; y in rows, `[0, cells_y]`; z in units of the column spacing, measured
+/// from the middle between the lowest and the highest Bezier point.
+#[derive(Clone, Debug)]
+pub struct SmoothSurface {
+    spline: SplineSurface,
+    /// From heights to z: what is taken off, and the factor.
+    offset: f64,
+    per_column: f64,
+    /// Largest magnitude of z.
+    reach: f64,
+    mean: f64,
+    extent: [f64; 2],
+    /// `dx / dy`.
+    aspect: f64,
+    /// Bounds of z in each cell, row by row.
+    ranges: Vec<[f64; 2]>,
+    slope_bounds: SlopeBounds,
+    /// Made for surfaces with a medium below.
+    height_bounds: OnceLock<HeightBounds>,
+}
+
+/// By how much more than the heights the slab is high in which rays are followed, so that a ray that passes the lowest
+/// point is below it in the end.
+const ABOVE_ALL: f64 = 1e-9;
+
+/// Rounding of a height, in units of the largest one: a few products and sums of numbers up to some times as large.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+impl SmoothSurface {
+    /// Takes over a spline.
+    #[must_use]
+    pub fn new(spline: SplineSurface) -> Self {
+        // Heights above one of them, so that an offset common to all loses no digits
+        let first = spline.coefficients()[0];
+        let mut ranges = cell_ranges(&spline, first);
+        let low = ranges.iter().fold(f64::INFINITY, |low, r| low.min(r[0]));
+        let high = ranges
+            .iter()
+            .fold(f64::NEG_INFINITY, |high, r| high.max(r[1]));
+        let [dx, dy] = spline.spacing();
+        let (offset, per_column) = (first + 0.5 * (low + high), 1.0 / dx);
+        let middle = offset - first;
+        let reach = (high - middle).max(middle - low) * per_column * (1.0 + ROUNDING);
+        for [low, high] in &mut ranges {
+            *low = (*low - middle) * per_column - ROUNDING * reach;
+            *high = (*high - middle) * per_column + ROUNDING * reach;
+        }
+        let border = spline.border();
+        let slope_bounds = SlopeBounds::new(spline.cells(), border, ROUNDING * reach, |rows| {
+            supports(&spline, rows, per_column)
+        });
+        Self {
+            extent: spline.cells().map(|n| n as f64),
+            aspect: dx / dy,
+            mean: (mean(&spline) - offset) * per_column,
+            spline,
+            offset,
+            per_column,
+            reach,
+            ranges,
+            slope_bounds,
+            height_bounds: OnceLock::new(),
+        }
+    }
+
+    /// The spline.
+    #[must_use]
+    pub const fn spline(&self) -> &SplineSurface {
+        &self.spline
+    }
+
+    /// The spline back.
+    #[must_use]
+    pub fn into_spline(self) -> SplineSurface {
+        self.spline
+    }
+
+    /// All coefficients, in their order in the spline; tile coordinates.
+    pub(crate) fn coefficients(&self) -> impl Iterator<Item = f64> {
+        let heights = self.spline.coefficients().iter();
+        heights.map(|height| (height - self.offset) * self.per_column)
+    }
+
+    /// The patch of a cell, tile coordinates.
+    #[inline(always)]
+    fn patch(&self, cell: [u32; 2]) -> Patch {
+        let Patch(mut rows) = patch_of(&self.spline, cell);
+        for height in rows.as_flattened_mut() {
+            *height = (*height - self.offset) * self.per_column;
+        }
+        Patch(rows)
+    }
+
+    /// z at a place of a cell, and its rise along x and along y.
+    #[inline]
+    fn at(&self, cell: SmoothCell, p: DVec3) -> ([f64; 2], [f64; 3]) {
+        let u = unit_interval(p.x - f64::from(cell.ix));
+        let v = unit_interval(p.y - f64::from(cell.iy));
+        ([u, v], self.patch([cell.ix, cell.iy]).at([u, v]))
+    }
+
+    /// Rounding of heights.
+    #[inline(always)]
+    fn noise(&self) -> f64 {
+        ROUNDING * self.reach
+    }
+
+    /// The stretch of a ray over a cell, between the lowest and the highest point of the surface.
+    #[inline]
+    fn stretch(&self, cell: SmoothCell, ray: &TileRay) -> Option<Stretch> {
+        let slab = self.reach * (1.0 + ABOVE_ALL) + f64::MIN_POSITIVE;
+        let (x, y) = (f64::from(cell.ix), f64::from(cell.iy));
+        let mut stretch = Stretch {
+            enter: 0.0,
+            leave: f64::INFINITY,
+            rate: f64::INFINITY,
+        };
+        for (axis, [low, high]) in [[x, x + 1.0], [y, y + 1.0], [-slab, slab]]
+            .into_iter()
+            .enumerate()
+        {
+            let (o, d) = (ray.origin[axis], ray.direction[axis]);
+            if d == 0.0 {
+                if o < low || o > high {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = ((low - o) / d, (high - o) / d);
+            let (near, far) = if d > 0.0 { (a, b) } else { (b, a) };
+            if near > stretch.enter {
+                (stretch.enter, stretch.rate) = (near, d.abs());
+            }
+            stretch.leave = stretch.leave.min(far);
+        }
+        (stretch.enter < stretch.leave).then_some(stretch)
+    }
+
+    /// By how much rounding may have put a ray that enters a cell onto the wrong side: its place, by a few 2^-53
+    /// of how far it has come, times how fast it comes nearer to the surface, and that again over its rate across the
+    /// side by which it enters.
+    fn tolerance(&self, ray: &TileRay, stretch: &Stretch) -> f64 {
+        let size = |p: DVec3| p.abs().element_sum();
+        let reach = 1.0 + self.reach + size(ray.origin) + stretch.enter * size(ray.direction);
+        let steepest = self.slope_bounds.steepest();
+        let place = ROUNDING * reach;
+        let travel = ray.direction.x.abs() + ray.direction.y.abs();
+        let falls = ray.direction.z.abs() + steepest * travel;
+        place * (1.0 + steepest + falls / stretch.rate)
+    }
+}
+
+/// The place at parameter `t` of a ray whose origin is counted from the corner of the cell.
+#[inline(always)]
+fn place(o: [f64; 3], d: [f64; 3], t: f64) -> [f64; 2] {
+    [
+        unit_interval(o[0] + t * d[0]),
+        unit_interval(o[1] + t * d[1]),
+    ]
+}
+
+/// Bernstein coefficients of a ray's height above a patch, on its own side, from parameter `enter` to `leave`.
+#[inline(always)]
+fn gaps(patch: &Patch, q: f64, o: [f64; 3], d: [f64; 3], [enter, leave]: [f64; 2]) -> [f64; 7] {
+    let mut gaps = patch.along(place(o, d, enter), place(o, d, leave));
+    let (from, to) = (o[2] + enter * d[2], o[2] + leave * d[2]);
+    for (k, gap) in gaps.iter_mut().enumerate() {
+        let s = k as f64 * (1.0 / 6.0);
+        *gap = q * (from + s * (to - from) - *gap);
+    }
+    gaps
+}
+
+/// A polynomial, less its value at 0, divided by `s`; as one of the same degree.
+#[inline(always)]
+fn without_first(b: &[f64; 7]) -> [f64; 7] {
+    let mut divided = [0.0; 6];
+    for k in 0..6 {
+        divided[k] = 6.0 / (k + 1) as f64 * (b[k + 1] - b[0]);
+    }
+    let mut raised = [divided[0]; 7];
+    for k in 1..6 {
+        let part = k as f64 * (1.0 / 6.0);
+        raised[k] = part * divided[k - 1] + (1.0 - part) * divided[k];
+    }
+    raised[6] = divided[5];
+    raised
+}
+
+/// The nearest number in `[0, 1]`.
+#[inline(always)]
+fn unit_interval(x: f64) -> f64 {
+    let x = if x > 0.0 { x } else { 0.0 };
+    if x < 1.0 { x } else { 1.0 }
+}
+
+/// A stretch of a ray over a cell.
+struct Stretch {
+    enter: f64,
+    leave: f64,
+    /// How fast the ray passes the side by which it enters; infinite if it begins in the cell.
+    rate: f64,
+}
+
+/// The mean of a spline over its tile, by the integrals of the B-splines over cells.
+fn mean(spline: &SplineSurface) -> f64 {
+    const WEIGHTS: [f64; 4] = [1.0 / 24.0, 11.0 / 24.0, 11.0 / 24.0, 1.0 / 24.0];
+    let [cx, cy] = spline.cells();
+    let of_row = |row: &[f64]| -> f64 {
+        let windows = row.windows(4).map(|four| {
+            four.iter()
+                .zip(WEIGHTS)
+                .map(|(c, weight)| (c - row[0]) * weight)
+                .sum::<f64>()
+        });
+        row[0] + windows.sum::<f64>() / cx as f64
+    };
+    let rows: Vec<f64> = spline
+        .coefficients()
+        .chunks_exact(spline.stride())
+        .map(of_row)
+        .collect();
+    let first = rows[0];
+    let above: f64 = rows
+        .windows(4)
+        .map(|four| {
+            four.iter()
+                .zip(WEIGHTS)
+                .map(|(c, w)| (c - first) * w)
+                .sum::<f64>()
+        })
+        .sum();
+    first + above / cy as f64
+}
+
+impl Geometry for SmoothSurface {
+    type Facet = SmoothCell;
+
+    #[inline]
+    fn border(&self) -> Border {
+        self.spline.border()
+    }
+
+    #[inline]
+    fn extent(&self) -> [f64; 2] {
+        self.extent
+    }
+
+    #[inline]
+    fn aspect(&self) -> f64 {
+        self.aspect
+    }
+
+    fn unit(&self) -> f64 {
+        self.spline.spacing()[0]
+    }
+
+    #[inline]
+    fn z_range(&self) -> [f64; 2] {
+        [-self.reach, self.reach]
+    }
+
+    fn mean_plane(&self) -> f64 {
+        self.mean
+    }
+
+    /// One per cell.
+    fn facet_count(&self) -> usize {
+        let [cx, cy] = self.spline.cells();
+        cx * cy
+    }
+
+    fn facet(&self, index: usize) -> SmoothCell {
+        let [cx, _] = self.spline.cells();
+        SmoothCell {
+            iy: (index / cx) as u32,
+            ix: (index % cx) as u32,
+        }
+    }
+
+    fn bounds(&self, cell: SmoothCell) -> [DVec3; 2] {
+        let (x, y) = (f64::from(cell.ix), f64::from(cell.iy));
+        let [low, high] = self.cell_range([cell.ix, cell.iy]);
+        [DVec3::new(x, y, low), DVec3::new(x + 1.0, y + 1.0, high)]
+    }
+
+    #[inline]
+    fn normal_at(&self, cell: SmoothCell, p: DVec3) -> DVec3 {
+        let (_, [_, along_x, along_y]) = self.at(cell, p);
+        DVec3::new(-along_x, -along_y * self.aspect, 1.0).normalize()
+    }
+
+    #[inline]
+    fn snap(&self, cell: SmoothCell, p: DVec3) -> DVec3 {
+        let ([u, v], [z, ..]) = self.at(cell, p);
+        DVec3::new(f64::from(cell.ix) + u, f64::from(cell.iy) + v, z)
+    }
+
+    fn over(&self, x: f64, y: f64) -> Option<(SmoothCell, DVec3)> {
+        let index = |p: f64, count: usize| (p as usize).min(count - 1) as u32;
+        let [cx, cy] = self.spline.cells();
+        let cell = SmoothCell {
+            ix: index(x, cx),
+            iy: index(y, cy),
+        };
+        Some((cell, self.snap(cell, DVec3::new(x, y, 0.0))))
+    }
+
+    /// A ray passes where its signed height above the patch becomes negative. One that enters the cell on the
+    /// surface, but for rounding, passes at once if it falls; if it rises, it leaves what it has begun on or
+    /// touched, and that root is divided out.
+    fn intersect(&self, cell: SmoothCell, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
+        let stretch = self.stretch(cell, ray)?;
+        let Stretch { enter, leave, .. } = stretch;
+        let q = half_space.sign();
+        let o = ray.origin - DVec3::new(f64::from(cell.ix), f64::from(cell.iy), 0.0);
+        let d = ray.direction;
+        let patch = self.patch([cell.ix, cell.iy]);
+        let gaps = gaps(&patch, q, o.to_array(), d.to_array(), [enter, leave]);
+        let noise = self.noise();
+        let s = if gaps[0] > noise {
+            first_root(&gaps, noise)?
+        } else if gaps[0] < -self.tolerance(ray, &stretch) {
+            return None;
+        } else {
+            let [_, along_x, along_y] = patch.at(place(o.to_array(), d.to_array(), enter));
+            if q * (d.z - along_x * d.x - along_y * d.y) < 0.0 {
+                return Some(enter);
+            }
+            first_root(&without_first(&gaps), noise)?
+        };
+        Some(enter + s * (leave - enter))
+    }
+
+    fn prepare_nearby(&self) {
+        let height_bounds = || HeightBounds::new(self.spline.cells(), |cell| self.cell_range(cell));
+        self.height_bounds.get_or_init(height_bounds);
+    }
+
+    #[inline]
+    fn nearby(&self, ray: &TileRay, half_space: HalfSpace, reach: f64) -> Nearby<SmoothCell> {
+        find_nearby(self, ray, half_space, reach)
+    }
+
+    fn is_beyond(&self, p: DVec3, half_space: HalfSpace) -> bool {
+        self.over(p.x, p.y)
+            .is_some_and(|(_, below)| half_space.sign() * (p.z - below.z) < 0.0)
+    }
+
+    #[inline(always)]
+    fn escapes(&self, ray: &TileRay, half_space: HalfSpace) -> Option<Escape> {
+        escapes_by(&self.slope_bounds, self, ray, half_space)
+    }
+
+    #[inline(always)]
+    fn outlooks(&self, rays: RayColumns<'_>, outlooks: &mut [Outlook]) {
+        find_outlooks(&self.slope_bounds, self.extent, self.reach, rays, outlooks);
+    }
+
+    #[inline(always)]
+    fn arrive(
+        &self,
+        cells: &[SmoothCell],
+        ts: &[f64],
+        origin: [&mut [f64]; 3],
+        direction: [&[f64]; 3],
+        normal: [&mut [f64]; 3],
+    ) {
+        many::arrive(self, cells, ts, origin, direction, normal);
+    }
+}
+
+impl Grid for SmoothSurface {
+    fn cells(&self) -> [usize; 2] {
+        self.spline.cells()
+    }
+
+    #[inline]
+    fn cell_range(&self, [ix, iy]: [u32; 2]) -> [f64; 2] {
+        self.ranges[iy as usize * self.spline.cells()[0] + ix as usize]
+    }
+
+    fn steepest(&self) -> f64 {
+        self.slope_bounds.steepest()
+    }
+
+    fn height_bounds(&self) -> Option<&HeightBounds> {
+        self.height_bounds.get()
+    }
+
+    #[inline]
+    fn intersect_cell(
+        &self,
+        [ix, iy]: [u32; 2],
+        ray: &TileRay,
+        half_space: HalfSpace,
+    ) -> Option<Hit<SmoothCell>> {
+        let facet = SmoothCell { iy, ix };
+        let t = self.intersect(facet, ray, half_space)?;
+        Some(Hit { t, facet })
+    }
+    #[inline(always)]
+    fn prefetch(&self, [ix, iy]: [u32; 2]) {
+        let (coefficients, stride) = (self.spline.coefficients(), self.spline.stride());
+        for row in 0..4 {
+            prefetch(coefficients, (iy as usize + row) * stride + ix as usize);
+        }
+    }
+
+    /// `None` where a ray does not pass the patch once, as most do.
+    #[inline(always)]
+    fn pass_cells(
+        &self,
+        rays: RayColumns<'_>,
+        met: &[(u32, [u32; 2])],
+        hits: &mut [Option<Hit<SmoothCell>>],
+    ) {
+        many::pass_cells(self, rays, met, hits);
+    }
+}

@@ -1,0 +1,163 @@
+//! Smooth cells: every accelerator against brute force, and brute force against heights sampled along rays.
+
+use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
+use asperity_tracer::{
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, Hit,
+    Instructions, Pyramid, Query, SmoothCell, SmoothSurface, TileRay,
+};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+/// A random surface of `sigma` and correlation length `tau`, in samples.
+fn random(size: [usize; 2], sigma: f64, tau: f64, spacing: [f64; 2]) -> HeightField {
+    let psd = Psd::gaussian(sigma, tau).unwrap();
+    let synthesis = Synthesis::new(psd, size, spacing, true).unwrap();
+    synthesis.draw(5, 0).unwrap()
+}
+
+/// Surfaces of all borders, gentle and steep, with cells that are not square, with plateaus, and far from zero.
+fn surfaces() -> Vec<(&'static str, SmoothSurface)> {
+    let smooth = |field: &HeightField| SmoothSurface::new(SplineSurface::through(field));
+    let gentle = random([24, 32], 1.0, 4.0, [1.0, 1.0]);
+    let steep = random([32, 32], 6.0, 4.0, [1.0, 1.0]);
+    let heights = |f: &dyn Fn(f64) -> f64| -> HeightField {
+        let heights = steep.heights().iter().map(|h| f(*h)).collect();
+        HeightField::new(heights, steep.shape(), steep.spacing()).unwrap()
+    };
+    vec![
+        ("gentle", smooth(&gentle)),
+        ("steep", smooth(&steep)),
+        (
+            "mirrored",
+            smooth(&gentle.clone().with_border(Border::Mirrored)),
+        ),
+        ("open", smooth(&steep.clone().with_border(Border::Open))),
+        (
+            "not square",
+            smooth(&random([20, 40], 3.0, 6.0, [1.0, 2.5])),
+        ),
+        ("plateaus", smooth(&heights(&|h| h.clamp(-2.0, 2.0)))),
+        ("steps", smooth(&heights(&|h| 3.0 * h.signum()))),
+        ("far from zero", smooth(&heights(&|h| h + 1e6))),
+        ("flat", smooth(&heights(&|_| 0.25))),
+    ]
+}
+
+/// Rays from above and below onto the surface, and from points of it, steep and grazing, along axes and from corners of
+/// cells.
+fn rays(surface: &SmoothSurface, count: usize, seed: u64) -> Vec<Query> {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let [cx, cy] = surface.extent();
+    let [_, high] = surface.z_range();
+    (0..count)
+        .map(|i| {
+            let half_space = if rng.random() {
+                HalfSpace::Above
+            } else {
+                HalfSpace::Below
+            };
+            let q = half_space.sign();
+            let turn = match i % 7 {
+                0 => 0.0,
+                1 => std::f64::consts::FRAC_PI_2,
+                _ => rng.random_range(0.0..std::f64::consts::TAU),
+            };
+            let steepness = 10_f64.powf(rng.random_range(-4.0..1.0));
+            let mut direction = DVec3::new(turn.cos(), turn.sin(), -q * steepness).normalize();
+            if i % 7 == 2 {
+                direction = DVec3::new(0.0, 0.0, -q);
+            }
+            let mut place = [rng.random_range(0.0..cx), rng.random_range(0.0..cy)];
+            if i % 5 == 0 {
+                place = [place[0].floor(), place[1].floor()];
+            }
+            let mut origin = DVec3::new(place[0], place[1], q * high);
+            if i % 2 == 0 {
+                // From a point of the surface, away from it
+                let (cell, p) = surface.over(place[0], place[1]).unwrap();
+                origin = p;
+                if q * direction.dot(surface.normal_at(cell, p)) < 0.0 {
+                    direction = -direction;
+                }
+            }
+            let direction = direction * DVec3::new(1.0, surface.aspect(), 1.0);
+            Query {
+                ray: TileRay { origin, direction },
+                half_space,
+            }
+        })
+        .collect()
+}
+
+#[test]
+fn all_accelerators_find_the_hits_of_brute_force() {
+    for (name, surface) in surfaces() {
+        let queries = rays(&surface, 3000, 1);
+        let expected: Vec<Option<Hit<SmoothCell>>> = queries
+            .iter()
+            .map(|query| BruteForce.closest_hit(&surface, query))
+            .collect();
+        let mut searches: Vec<(String, Box<dyn Accelerator<SmoothSurface>>)> = Vec::new();
+        let mesh = surface.accelerator(AcceleratorKind::Mesh).unwrap();
+        searches.push(("mesh".into(), mesh));
+        for instructions in [
+            Instructions::Portable,
+            Instructions::Avx2,
+            Instructions::Avx512,
+        ] {
+            let pyramid = Pyramid::build(&surface).unwrap();
+            let pyramid = pyramid.with_instructions(instructions);
+            searches.push((format!("{instructions:?}"), Box::new(pyramid)));
+        }
+        let met = expected.iter().flatten().count();
+        assert!(met > 500, "{name}: {met}");
+        for (kind, search) in &searches {
+            let mut found = Vec::new();
+            search.closest_hits_of(&surface, &queries, &mut found);
+            for (i, query) in queries.iter().enumerate() {
+                assert_eq!(found[i], expected[i], "{name}, {kind}, {i}: {query:?}");
+                assert_eq!(search.closest_hit(&surface, query), expected[i]);
+            }
+        }
+    }
+}
+
+/// Heights along a ray at many places: what brute force finds is the first place where the ray is on the other side
+/// for longer than a step, and before it the ray is on its own side.
+#[test]
+fn brute_force_finds_the_first_crossing() {
+    for (name, surface) in surfaces() {
+        if surface.border() != Border::Periodic {
+            continue;
+        }
+        let [cx, cy] = surface.extent();
+        let [_, reach] = surface.z_range();
+        let mut crossings = 0;
+        for query in rays(&surface, 400, 2) {
+            let Query { ray, half_space } = query;
+            let q = half_space.sign();
+            let hit = BruteForce.closest_hit(&surface, &query);
+            let inside = |p: DVec3| 0.0 <= p.x && p.x <= cx && 0.0 <= p.y && p.y <= cy;
+            let gap = |t: f64| {
+                let p = ray.at(t);
+                inside(p).then(|| q * (p.z - surface.over(p.x, p.y).unwrap().1.z))
+            };
+            let end = hit.map_or(30.0, |hit| hit.t);
+            let rounding = 1e-9 * (1.0 + reach);
+            for k in 0..=2000 {
+                let t = end * f64::from(k) / 2000.0;
+                if let Some(gap) = gap(t) {
+                    assert!(gap > -rounding, "{name}: {query:?} at {t} of {end}: {gap}");
+                }
+            }
+            if let Some(hit) = hit {
+                assert!(gap(hit.t).unwrap().abs() < rounding, "{name}: {query:?}");
+                let beyond = (1..=8).filter_map(|k| gap(hit.t + 1e-6 * f64::from(k)));
+                assert!(beyond.into_iter().all(|gap| gap < rounding), "{name}");
+                crossings += 1;
+            }
+        }
+        assert!(crossings > 50, "{name}: {crossings}");
+    }
+}
