@@ -15,5 +15,6 @@ mod light_beams;
 mod meshes;
 mod physics;
 mod smooth;
+mod smooth_paths;
 mod visibility;
 mod wavefront;

@@ -19,8 +19,8 @@ const STEPS: f32 = 65_000.0;
 
 /// What tests of cells read in f32, and bounds of nodes.
 ///
-/// All heights are tile coordinates. The cells have no bounds of their own, since testing
-/// a cell says more. A bound is kept for either half space: the highest `z` for rays
+/// All heights are tile coordinates. Cells of facets have no bounds of their own, since testing
+/// the four heights of a cell says more and costs as much. A bound is kept for either half space: the highest `z` for rays
 /// above, the highest `-z` for rays below, so that one comparison serves both. Both are rounded up to
 /// sixteen bits and share a word, that for rays above in its low half.
 pub(super) struct Bounds {
@@ -30,7 +30,7 @@ pub(super) struct Bounds {
     pub(super) nodes: Vec<u32>,
     /// Cells along x and y.
     pub(super) cells: [usize; 2],
-    /// Highest level; level 0 is a cell, and has no node.
+    /// Highest level; level 0 is a cell, and has a node if [`SearchedGrid::LOWEST_LEVEL`] is 0.
     pub(super) top: usize,
     /// First node of a level.
     pub(super) first: [i32; MAX_LEVELS + 1],
@@ -68,7 +68,7 @@ impl Bounds {
         let shape = |level: usize| [cx, cy].map(|n| n.div_ceil(1 << level));
         let (mut first, mut width) = ([0; MAX_LEVELS + 1], [0; MAX_LEVELS + 1]);
         let mut count = 0;
-        for level in 1..=top {
+        for level in S::LOWEST_LEVEL..=top {
             let [nx, ny] = shape(level);
             first[level] = count as i32;
             width[level] = nx as i32;
@@ -95,8 +95,8 @@ impl Bounds {
             // Some steps more than the heights span: one for rounding up, one for the margin.
             step: 2.0 * reach / STEPS + f32::MIN_POSITIVE,
         };
-        surface.bound_pairs(&mut bounds);
-        for level in 2..=top {
+        surface.bound_lowest(&mut bounds);
+        for level in S::LOWEST_LEVEL + 1..=top {
             bounds.bound_level(level, shape(level - 1));
         }
         Ok(bounds)
@@ -108,12 +108,12 @@ impl Bounds {
         ROUNDING * (2.0 + cx + cy)
     }
 
-    /// Number of the node `[nx, ny]` of a level above 0.
+    /// Number of the node `[nx, ny]` of a level.
     fn node(&self, level: usize, [nx, ny]: [usize; 2]) -> usize {
         self.first[level] as usize + ny * self.width[level] as usize + nx
     }
 
-    /// The bound of node `[nx, ny]` of a level above 0 for rays above, or `below`.
+    /// The bound of node `[nx, ny]` of a level for rays above, or `below`.
     pub(super) fn bound(&self, level: usize, [nx, ny]: [usize; 2], below: bool) -> f32 {
         let word = self.nodes[self.node(level, [nx, ny])];
         let steps = if below { word >> 16 } else { word & 0xffff };
@@ -132,7 +132,7 @@ impl Bounds {
         for row in 0..*rows {
             prefetch(values, (iy + row) * stride + ix);
         }
-        for level in 1..=2 {
+        for level in 1..=2_usize {
             prefetch(&self.nodes, self.node(level, [ix >> level, iy >> level]));
         }
     }
@@ -147,24 +147,16 @@ impl Bounds {
         4 * (self.table.values.len() + self.nodes.len())
     }
 
-    /// Level 1 from the bounds of cells: `range` is the lowest and the highest point of one.
+    /// Level 0: the bounds of the cells, row by row; `range` is the lowest and the highest point of one.
     pub(super) fn bound_cells(&mut self, range: impl Fn([u32; 2]) -> [f64; 2] + Sync) {
         let [cx, cy] = self.cells;
-        let width = self.width[1] as usize;
         let (per_step, shift) = self.steps();
-        let nodes = self.nodes[..width * cy.div_ceil(2)].par_chunks_mut(width);
-        nodes.enumerate().for_each(|(row, nodes)| {
-            for (column, node) in nodes.iter_mut().enumerate() {
-                let (mut above, mut below) = (f32::NEG_INFINITY, f32::NEG_INFINITY);
-                for iy in 2 * row..(2 * row + 2).min(cy) {
-                    for ix in 2 * column..(2 * column + 2).min(cx) {
-                        let [low, high] = range([ix as u32, iy as u32]);
-                        above = greater(above, high as f32);
-                        below = greater(below, -low as f32);
-                    }
-                }
-                let steps = |bound: f32| (shift + bound * per_step) as i32 as u32;
-                *node = steps(above) | steps(below) << 16;
+        let steps = |bound: f64| (shift + bound as f32 * per_step) as i32 as u32;
+        let nodes = self.nodes[..cx * cy].par_chunks_mut(cx);
+        nodes.enumerate().for_each(|(iy, nodes)| {
+            for (ix, node) in (0..).zip(nodes) {
+                let [low, high] = range([ix, iy as u32]);
+                *node = steps(high) | steps(-low) << 16;
             }
         });
     }
@@ -176,7 +168,7 @@ impl Bounds {
         (per_step, self.reach * per_step + 3.0)
     }
 
-    /// Level 1 from a table of heights: the points of two by two cells.
+    /// Level 1, where cells have no bounds, from a table of heights: the points of two by two cells.
     pub(super) fn bound_points(&mut self) {
         let [cx, cy] = self.cells;
         let points = cx + 1;

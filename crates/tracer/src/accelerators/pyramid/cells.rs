@@ -22,14 +22,15 @@ pub(super) struct Table {
 
 /// A grid whose cells can be tested in f32.
 pub(super) trait SearchedGrid: Grid {
-    /// Whether a test costs many times as much as a step from node to node.
-    const IS_COSTLY: bool;
+    /// The lowest level that has bounds. 1 where a test of a cell costs no more than that of a bound; 0 where it costs many
+    /// times as much, so that rays first try the bound of a cell, and wait for others that have to be tested.
+    const LOWEST_LEVEL: usize;
 
     /// What tests read.
     fn table(&self) -> Table;
 
-    /// Writes the bounds of level 1: of two by two cells.
-    fn bound_pairs(&self, bounds: &mut Bounds);
+    /// Writes the bounds of the lowest level.
+    fn bound_lowest(&self, bounds: &mut Bounds);
 
     /// Tests the cell that a ray enters at `t`.
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test;

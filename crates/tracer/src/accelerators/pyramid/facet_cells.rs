@@ -12,7 +12,7 @@ use crate::geometry::height_field::Surface;
 use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for Surface {
-    const IS_COSTLY: bool = false;
+    const LOWEST_LEVEL: usize = 1;
 
     /// Heights of the grid points, with the first column and row repeated behind the last where cells wrap.
     fn table(&self) -> Table {
@@ -30,7 +30,7 @@ impl SearchedGrid for Surface {
         }
     }
 
-    fn bound_pairs(&self, bounds: &mut Bounds) {
+    fn bound_lowest(&self, bounds: &mut Bounds) {
         bounds.bound_points();
     }
 

@@ -53,9 +53,12 @@ fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
     let [cx, cy] = bounds.cells.map(|n| n as i32);
     let mut cell = ray.cell;
     let mut t = 0.0;
+    // A ray that begins on the surface is near to it.
+    let mut is_near = level == 0;
     loop {
         let exit = leave(bounds, ray, cell, level);
-        let test = if level == 0 {
+        let is_tested = level == 0 && (is_near || S::LOWEST_LEVEL > 0);
+        let test = if is_tested {
             S::test(bounds, ray, cell, t, &exit)
         } else {
             test_node(bounds, ray, cell.map(|i| i >> level), level, t, &exit)
@@ -63,8 +66,9 @@ fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
         let gap = match test {
             Test::Met => return cell,
             Test::Clear(gap) if exit.t > t => gap,
-            Test::Unknown if level > 0 => {
-                level -= 1;
+            Test::Unknown if !is_tested => {
+                is_near = level == 0;
+                level = (level - 1).max(0);
                 continue;
             }
             Test::Clear(_) | Test::Unknown => return [DOUBTFUL, 0],
@@ -99,6 +103,7 @@ fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
             level += 1;
         }
         t = exit.t;
+        is_near = false;
     }
 }
 

@@ -17,7 +17,7 @@ use crate::geometry::smooth::SmoothSurface;
 use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for SmoothSurface {
-    const IS_COSTLY: bool = true;
+    const LOWEST_LEVEL: usize = 0;
 
     /// The coefficients.
     fn table(&self) -> Table {
@@ -29,7 +29,7 @@ impl SearchedGrid for SmoothSurface {
         }
     }
 
-    fn bound_pairs(&self, bounds: &mut Bounds) {
+    fn bound_lowest(&self, bounds: &mut Bounds) {
         bounds.bound_cells(|cell| self.cell_range(cell));
     }
 

@@ -79,6 +79,8 @@ pub(super) struct State<L: Lanes> {
     pub(super) iy: L::I,
     /// The level at which it is searched; 0 is the cell itself.
     pub(super) level: L::I,
+    /// Where cells have bounds: whether it has come nearer to its cell than these, and is to be tested.
+    near: L::M,
     /// Whether the ray continues.
     active: L::M,
     /// Whether there is a ray, or the answer to one.
@@ -130,9 +132,9 @@ impl<'b, L: Lanes> Search<'b, L> {
         let mut next = 0;
         while self.keep_busy(&mut state, rays, &mut next) {
             self.step::<S, false>(&mut state);
-            if S::IS_COSTLY {
-                // Until most of the rays are at cells
-                let at_cells = state.active & self.lanes.equal_i(state.level, self.none);
+            if S::LOWEST_LEVEL == 0 {
+                // Until most of the rays have to be tested
+                let at_cells = state.active & self.at_cells::<S>(&state);
                 let waiting = at_cells.bits().count_ones();
                 if 8 * waiting < 5 * state.active.bits().count_ones() {
                     continue;
@@ -176,6 +178,7 @@ impl<'b, L: Lanes> Search<'b, L> {
             ix: none,
             iy: none,
             level: none,
+            near: nowhere,
             active: nowhere,
             occupied: nowhere,
         }
@@ -236,6 +239,8 @@ impl<'b, L: Lanes> Search<'b, L> {
         let first = Bounds::FIRST_LEVEL.min(self.bounds.top as i32);
         let level = lanes.select_i(high, lanes.splat_i(first), self.none);
         state.level = lanes.select_i(mask, level, state.level);
+        // A ray that begins on the surface is near to it.
+        state.near = (state.near & !mask) | (mask & !high);
         state.active = state.active | mask;
         state.occupied = state.active;
         *next += filled.count_ones() as usize;
@@ -305,13 +310,20 @@ impl<'b, L: Lanes> Search<'b, L> {
     #[inline(always)]
     fn step<S: SearchedGrid, const CELLS: bool>(&self, state: &mut State<L>) {
         let lanes = self.lanes;
-        let at_cell = lanes.equal_i(state.level, self.none);
+        let at_cell = self.at_cells::<S>(state);
         let exit = self.exit(state);
         let over_nodes = self.gap_over_nodes(state, &exit);
         let clear_of_nodes = lanes.less(self.zero, over_nodes);
         let above_cells = state.active & !at_cell;
         let down = above_cells & !clear_of_nodes;
-        state.level = lanes.select_i(down, state.level - self.one, state.level);
+        let lower = if S::LOWEST_LEVEL == 0 {
+            let lowest = lanes.equal_i(state.level, self.none);
+            state.near = state.near | (down & lowest);
+            down & !lowest
+        } else {
+            down
+        };
+        state.level = lanes.select_i(lower, state.level - self.one, state.level);
         let (moving, gap, waiting);
         if CELLS {
             let cells = S::test_lanes(self, state, &exit);
@@ -326,7 +338,18 @@ impl<'b, L: Lanes> Search<'b, L> {
             waiting = down | (state.active & at_cell);
         }
         let on = self.move_on(state, moving, gap, &exit);
+        state.near = state.near & !moving;
         state.active = waiting | on;
+    }
+
+    /// Which lanes are at cells that have to be tested.
+    #[inline(always)]
+    fn at_cells<S: SearchedGrid>(&self, state: &State<L>) -> L::M {
+        if S::LOWEST_LEVEL == 0 {
+            state.near
+        } else {
+            self.lanes.equal_i(state.level, self.none)
+        }
     }
 
     /// Moves rays on to the next nodes, and says which of them continue there: not those that have left
