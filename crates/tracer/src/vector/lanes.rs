@@ -69,6 +69,13 @@ pub(crate) trait Lanes: Copy {
     fn gather_i(self, table: &[u32], index: Self::I) -> Self::I;
     /// `table[index]` and `table[index + 1]`; an index beyond the last pair reads the last pair.
     fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2];
+    /// `table[index]` to `table[index + 3]`; an index beyond the last four reads entries near the end.
+    #[inline(always)]
+    fn gather_four(self, table: &[f32], index: Self::I) -> [Self::F; 4] {
+        let [a, b] = self.gather_pair(table, index);
+        let [c, d] = self.gather_pair(table, index + self.splat_i(2));
+        [a, b, c, d]
+    }
     /// `table[index & 15]`.
     fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I;
     /// Lanes in `mask` get the next entries of `source` in order, the others keep `old`.

@@ -183,6 +183,12 @@ impl<L: Lanes> Lanes for Twice<L> {
         [Both(a, c), Both(b, d)]
     }
     #[inline(always)]
+    fn gather_four(self, table: &[f32], index: Self::I) -> [Self::F; 4] {
+        let [a, b, c, d] = self.0.gather_four(table, index.0);
+        let [e, f, g, h] = self.0.gather_four(table, index.1);
+        [Both(a, e), Both(b, f), Both(c, g), Both(d, h)]
+    }
+    #[inline(always)]
     fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I {
         index.map(|index| self.0.lookup(table, index))
     }

@@ -232,6 +232,33 @@ impl Lanes for Avx2 {
             [F8(_mm256_castpd_ps(even)), F8(_mm256_castpd_ps(odd))]
         }
     }
+    /// Eight loads of four entries, turned: faster than gathering them one by one.
+    #[inline(always)]
+    fn gather_four(self, table: &[f32], index: I8) -> [F8; 4] {
+        assert!(table.len() >= 4);
+        let last = last_index(table.len() - 3);
+        let table = table.as_ptr();
+        // SAFETY: as above; every index is at most that of the last but three entries, so that four
+        // entries from there lie within the slice.
+        unsafe {
+            let index = _mm256_min_epu32(index.0, _mm256_set1_epi32(last));
+            let mut at = [0_u32; 8];
+            _mm256_storeu_si256(at.as_mut_ptr().cast(), index);
+            let four = |lane: usize| _mm_loadu_ps(table.add(at[lane] as usize));
+            let a = _mm256_set_m128(four(4), four(0));
+            let b = _mm256_set_m128(four(5), four(1));
+            let c = _mm256_set_m128(four(6), four(2));
+            let d = _mm256_set_m128(four(7), four(3));
+            let (ab_low, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+            let (cd_low, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+            [
+                F8(_mm256_shuffle_ps::<0b01_00_01_00>(ab_low, cd_low)),
+                F8(_mm256_shuffle_ps::<0b11_10_11_10>(ab_low, cd_low)),
+                F8(_mm256_shuffle_ps::<0b01_00_01_00>(ab_high, cd_high)),
+                F8(_mm256_shuffle_ps::<0b11_10_11_10>(ab_high, cd_high)),
+            ]
+        }
+    }
     #[inline(always)]
     fn lookup(self, table: &[i32; 16], index: I8) -> I8 {
         // SAFETY: as above; `table` holds sixteen entries, and the permutations take an index's

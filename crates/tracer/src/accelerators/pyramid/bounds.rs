@@ -2,20 +2,29 @@
 
 use rayon::prelude::*;
 
-use crate::accelerators::accelerator::BuildError;
 use crate::vector::prefetch;
 
-use super::cells::{SearchedGrid, Table};
 use super::rays::ROUNDING;
 
 /// Levels of nodes above the cells, at most: 2^15 cells along an axis, and more in one node.
 pub(super) const MAX_LEVELS: usize = 15;
 
 /// Cells that one pyramid can hold.
-const MAX_CELLS: usize = 1 << 30;
+pub(super) const MAX_CELLS: usize = 1 << 30;
 
 /// Steps into which the heights are divided for the bounds; two halves of a word, one per half space.
-const STEPS: f32 = 65_000.0;
+pub(super) const STEPS: f32 = 65_000.0;
+
+/// What a test of a cell reads, in f32.
+pub(super) struct Table {
+    /// Row by row; a cell `[ix, iy]` reads from `values[iy * stride + ix]` on.
+    pub(super) values: Vec<f32>,
+    pub(super) stride: usize,
+    /// Rows from there that it reads.
+    pub(super) rows: usize,
+    /// By how much rounding may change a height, in units of the largest value.
+    pub(super) rounding: f32,
+}
 
 /// What tests of cells read in f32, and bounds of nodes.
 ///
@@ -55,52 +64,6 @@ pub(super) struct Bounds {
 impl Bounds {
     /// Level at which rays that come down from far above begin.
     pub(super) const FIRST_LEVEL: i32 = 4;
-
-    pub(super) fn new<S: SearchedGrid>(surface: &S) -> Result<Self, BuildError> {
-        let [cx, cy] = surface.cells();
-        if !Self::hold([cx, cy]) {
-            return Err(BuildError::TooManyFacets {
-                facets: 2 * cx * cy,
-                most: 2 * MAX_CELLS,
-            });
-        }
-        let top = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MAX_LEVELS);
-        let shape = |level: usize| [cx, cy].map(|n| n.div_ceil(1 << level));
-        let (mut first, mut width) = ([0; MAX_LEVELS + 1], [0; MAX_LEVELS + 1]);
-        let mut count = 0;
-        for level in S::LOWEST_LEVEL..=top {
-            let [nx, ny] = shape(level);
-            first[level] = count as i32;
-            width[level] = nx as i32;
-            count += nx * ny;
-        }
-        let [_, reach] = surface.z_range();
-        let reach = reach as f32 * (1.0 + f32::EPSILON);
-        let steepest = surface.steepest() as f32 * (1.0 + f32::EPSILON);
-        let slack = 4.0 * steepest * ROUNDING;
-        let table = surface.table();
-        let largest = table.values.iter().fold(reach, |a, b| greater(a, b.abs()));
-        let mut bounds = Self {
-            margin: largest * table.rounding + 2.0 * slack + f32::MIN_POSITIVE,
-            table,
-            nodes: vec![0; count],
-            cells: [cx, cy],
-            top,
-            first,
-            width,
-            reach,
-            slack,
-            steepest,
-            lowest: -reach,
-            // Some steps more than the heights span: one for rounding up, one for the margin.
-            step: 2.0 * reach / STEPS + f32::MIN_POSITIVE,
-        };
-        surface.bound_lowest(&mut bounds);
-        for level in S::LOWEST_LEVEL + 1..=top {
-            bounds.bound_level(level, shape(level - 1));
-        }
-        Ok(bounds)
-    }
 
     /// How far a point of a ray that has come across the whole tile may be from where it should be.
     pub(super) fn rounding_across(&self) -> f32 {
@@ -201,7 +164,7 @@ impl Bounds {
     }
 
     /// A level above 1, from the nodes of the level below it, `[nx, ny]` of them.
-    fn bound_level(&mut self, level: usize, [nx, ny]: [usize; 2]) {
+    pub(super) fn bound_level(&mut self, level: usize, [nx, ny]: [usize; 2]) {
         let width = self.width[level] as usize;
         let (finer, coarser) = self.nodes.split_at_mut(self.first[level] as usize);
         let finer = &finer[self.first[level - 1] as usize..];
@@ -224,7 +187,7 @@ impl Bounds {
 }
 
 /// One comparison, where `f32::max` takes care of a NaN.
-fn greater(a: f32, b: f32) -> f32 {
+pub(super) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 

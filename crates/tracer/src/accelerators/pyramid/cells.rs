@@ -1,24 +1,13 @@
 //! Cells: what the searches in f32 ask of the kind of cells that a surface consists of, one file for each kind.
 
-use super::bounds::Bounds;
-use super::rays::Ray;
-use super::scalar::{Exit, Test};
+use super::bounds::{Bounds, Table};
+use super::exit::{Exit, Test};
 #[cfg(target_arch = "x86_64")]
-use super::wide::{CellsMet, LanesExit, Search, State};
+use super::lane_state::{CellsMet, LanesExit, State};
+use super::rays::Ray;
 use crate::geometry::grid::Grid;
 #[cfg(target_arch = "x86_64")]
 use crate::vector::lanes::Lanes;
-
-/// What a test of a cell reads, in f32.
-pub(super) struct Table {
-    /// Row by row; a cell `[ix, iy]` reads from `values[iy * stride + ix]` on.
-    pub(super) values: Vec<f32>,
-    pub(super) stride: usize,
-    /// Rows from there that it reads.
-    pub(super) rows: usize,
-    /// By how much rounding may change a height, in units of the largest value.
-    pub(super) rounding: f32,
-}
 
 /// A grid whose cells can be tested in f32.
 pub(super) trait SearchedGrid: Grid {
@@ -38,7 +27,8 @@ pub(super) trait SearchedGrid: Grid {
     /// The same for all lanes. Those that are not at cells get anything.
     #[cfg(target_arch = "x86_64")]
     fn test_lanes<L: Lanes>(
-        search: &Search<'_, L>,
+        lanes: L,
+        bounds: &Bounds,
         state: &State<L>,
         exit: &LanesExit<L>,
     ) -> CellsMet<L>;

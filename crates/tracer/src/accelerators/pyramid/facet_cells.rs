@@ -1,11 +1,11 @@
 //! Facet cells: cells of two triangles, tested by their heights above or below a ray.
 
-use super::bounds::Bounds;
-use super::cells::{SearchedGrid, Table};
-use super::rays::Ray;
-use super::scalar::{Exit, Test, greatest, least};
+use super::bounds::{Bounds, Table};
+use super::cells::SearchedGrid;
+use super::exit::{Exit, Test, greatest, least};
 #[cfg(target_arch = "x86_64")]
-use super::wide::{CellsMet, LanesExit, Search, State};
+use super::lane_state::{CellsMet, LanesExit, State};
+use super::rays::Ray;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_field::Surface;
 #[cfg(target_arch = "x86_64")]
@@ -81,17 +81,18 @@ impl SearchedGrid for Surface {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn test_lanes<L: Lanes>(
-        search: &Search<'_, L>,
+        lanes: L,
+        bounds: &Bounds,
         state: &State<L>,
         exit: &LanesExit<L>,
     ) -> CellsMet<L> {
-        let (lanes, zero, margin) = (search.lanes, search.zero, exit.margin);
-        let stride = search.bounds.table.stride as i32;
+        let (zero, none, margin) = (lanes.splat(0.0), lanes.splat_i(0), exit.margin);
+        let stride = bounds.table.stride as i32;
         let cell = state.iy.times(lanes.splat_i(stride)) + state.ix;
         // Lanes that are not at cells touch no memory of their own.
-        let at_cell = lanes.equal_i(state.level, search.none);
-        let corner = lanes.select_i(at_cell, cell, search.none);
-        let heights = &search.bounds.table.values;
+        let at_cell = lanes.equal_i(state.level, none);
+        let corner = lanes.select_i(at_cell, cell, none);
+        let heights = &bounds.table.values;
         let [h00, h10] = lanes.gather_pair(heights, corner);
         let [h01, h11] = lanes.gather_pair(heights, corner + lanes.splat_i(stride));
         let (h00, h10) = (h00 * state.side, h10 * state.side);

@@ -10,12 +10,17 @@
 //! - `wide.rs`, many rays at a time, each lane doing what `scalar.rs` does; on x86-64 only.
 //!
 //! `load.rs` brings rays into f32, and `instructions.rs` chooses between the last two. They name the cell that a ray
-//! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives.
+//! meets; `meet.rs` finds the facet and where, in f64. So all give the hit that brute force gives. What a ray meets in a cell
+//! is told by `facet_cells.rs` for triangles and by `spline_cells.rs` for smooth cells.
 
 mod bounds;
+mod build;
 mod cells;
+mod exit;
 mod facet_cells;
 mod instructions;
+#[cfg(target_arch = "x86_64")]
+mod lane_state;
 mod load;
 mod meet;
 mod quadtree;
@@ -29,6 +34,7 @@ use std::cell::Cell;
 use std::marker::PhantomData;
 
 use self::bounds::Bounds;
+use self::build::build;
 use self::cells::SearchedGrid;
 use self::load::Load;
 use self::meet::Meet;
@@ -62,7 +68,7 @@ impl<S: SearchedGrid> Pyramid<S> {
     /// [`BuildError::TooManyFacets`] if there are more cells than 30 bits can number.
     pub fn build(surface: &S) -> Result<Self, BuildError> {
         Ok(Self {
-            bounds: Bounds::new(surface)?,
+            bounds: build(surface)?,
             instructions: Instructions::best(),
             surface: PhantomData,
         })

@@ -8,6 +8,7 @@
 
 use super::bounds::Bounds;
 use super::cells::SearchedGrid;
+use super::exit::{Exit, Test, least};
 use super::rays::{DOUBTFUL, NOTHING, Ray, Rays};
 
 /// Searches all rays, one after the other.
@@ -17,29 +18,6 @@ pub(super) fn search<S: SearchedGrid>(bounds: &Bounds, rays: &mut Rays) {
         let answer = closest_cell::<S>(bounds, &ray);
         rays.answers.push(ray.place, answer);
     }
-}
-
-/// Where a ray leaves the node that it is in.
-pub(super) struct Exit {
-    pub(super) t: f32,
-    /// Height there.
-    pub(super) z: f32,
-    /// Whether through the edge across x.
-    across_x: bool,
-    /// Column and row ahead, at the level of the node.
-    ahead: [i32; 2],
-    /// By how much rounding may have changed heights.
-    pub(super) margin: f32,
-}
-
-/// What a ray finds in a node or cell.
-pub(super) enum Test {
-    /// The surface in the cell.
-    Met,
-    /// It passes over all of it, by so much.
-    Clear(f32),
-    /// The node has to be looked at more closely.
-    Unknown,
 }
 
 /// Follows one ray to its answer: the cell `[column, row]` that it meets, or a negative column.
@@ -154,16 +132,6 @@ fn test_node(bounds: &Bounds, ray: &Ray, node: [i32; 2], level: i32, t: f32, exi
     } else {
         Test::Unknown
     }
-}
-
-/// One comparison, where `f32::min` takes care of a NaN.
-pub(super) fn least(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// One comparison, where `f32::max` takes care of a NaN.
-pub(super) fn greatest(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// The largest integer that is not larger; for values within the range of i32.

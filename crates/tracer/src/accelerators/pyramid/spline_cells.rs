@@ -5,12 +5,12 @@
 //! the patch if all coefficients are positive, and passes it if they change sign once; one that begins on the
 //! surface has its first coefficient there, which is left out.
 
-use super::bounds::Bounds;
-use super::cells::{SearchedGrid, Table};
-use super::rays::Ray;
-use super::scalar::{Exit, Test, least};
+use super::bounds::{Bounds, Table};
+use super::cells::SearchedGrid;
+use super::exit::{Exit, Test, least};
 #[cfg(target_arch = "x86_64")]
-use super::wide::{CellsMet, LanesExit, Search, State};
+use super::lane_state::{CellsMet, LanesExit, State};
+use super::rays::Ray;
 use crate::geometry::grid::Grid;
 use crate::geometry::smooth::SmoothSurface;
 #[cfg(target_arch = "x86_64")]
@@ -79,16 +79,17 @@ impl SearchedGrid for SmoothSurface {
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn test_lanes<L: Lanes>(
-        search: &Search<'_, L>,
+        lanes: L,
+        bounds: &Bounds,
         state: &State<L>,
         exit: &LanesExit<L>,
     ) -> CellsMet<L> {
-        let (lanes, zero, margin) = (search.lanes, search.zero, exit.margin);
-        let stride = search.bounds.table.stride as i32;
+        let (zero, none, margin) = (lanes.splat(0.0), lanes.splat_i(0), exit.margin);
+        let stride = bounds.table.stride as i32;
         let cell = state.iy.times(lanes.splat_i(stride)) + state.ix;
         // Lanes that are not at cells touch no memory of their own.
-        let at_cell = lanes.equal_i(state.level, search.none);
-        let first = lanes.select_i(at_cell, cell, search.none);
+        let at_cell = lanes.equal_i(state.level, none);
+        let first = lanes.select_i(at_cell, cell, none);
         let u = state.x - lanes.to_float(state.ix - state.first_x);
         let v = state.y - lanes.to_float(state.iy - state.first_y);
         let (t, t_out) = (state.t, exit.t);
@@ -103,12 +104,12 @@ impl SearchedGrid for SmoothSurface {
             t_out.times_plus(state.dy, v),
         );
         // Without closures, which would not be compiled for the instructions of the lanes
-        let values = &search.bounds.table.values;
+        let values = &bounds.table.values;
         let [r0, r1, r2, r3] = [
-            along_x.between(row(lanes, values, first)),
-            along_x.between(row(lanes, values, first + lanes.splat_i(stride))),
-            along_x.between(row(lanes, values, first + lanes.splat_i(2 * stride))),
-            along_x.between(row(lanes, values, first + lanes.splat_i(3 * stride))),
+            along_x.between(lanes.gather_four(values, first)),
+            along_x.between(lanes.gather_four(values, first + lanes.splat_i(stride))),
+            along_x.between(lanes.gather_four(values, first + lanes.splat_i(2 * stride))),
+            along_x.between(lanes.gather_four(values, first + lanes.splat_i(3 * stride))),
         ];
         let columns = [
             along_y.between([r0[0], r1[0], r2[0], r3[0]]),
@@ -239,15 +240,6 @@ impl<F: Floats> LaneWeights<F> {
             mixed(low_b, high_b, b),
         ]
     }
-}
-
-/// The four coefficients from number `first` on.
-#[cfg(target_arch = "x86_64")]
-#[inline(always)]
-fn row<L: Lanes>(lanes: L, values: &[f32], first: L::I) -> [L::F; 4] {
-    let [a, b] = lanes.gather_pair(values, first);
-    let [c, d] = lanes.gather_pair(values, first + lanes.splat_i(2));
-    [a, b, c, d]
 }
 
 /// Bernstein coefficients of degree six, from those along x and y: see `geometry/smooth/patch.rs`.

@@ -9,6 +9,7 @@ use std::marker::PhantomData;
 
 use super::bounds::{Bounds, MAX_LEVELS};
 use super::cells::SearchedGrid;
+use super::lane_state::{LanesExit, State};
 use super::rays::{Answers, DOUBTFUL, NOTHING, Rays};
 use crate::vector::lanes::{Floats, Integers, Lanes, Mask, Task};
 use crate::vector::twice::Twice;
@@ -28,85 +29,15 @@ impl<S: SearchedGrid> Task for SearchAll<'_, S> {
 }
 
 /// What is the same for all rays.
-pub(super) struct Search<'b, L: Lanes> {
-    pub(super) lanes: L,
-    pub(super) bounds: &'b Bounds,
+struct Search<'b, L: Lanes> {
+    lanes: L,
+    bounds: &'b Bounds,
     /// First node and row length by level, as tables of sixteen.
     first: [i32; 16],
     width: [i32; 16],
-    pub(super) zero: L::F,
-    pub(super) none: L::I,
+    zero: L::F,
+    none: L::I,
     one: L::I,
-}
-
-/// The rays that are in the lanes.
-#[derive(Clone, Copy)]
-pub(super) struct State<L: Lanes> {
-    /// See [`Rays`] for these.
-    pub(super) x: L::F,
-    pub(super) y: L::F,
-    pub(super) z: L::F,
-    pub(super) dx: L::F,
-    pub(super) dy: L::F,
-    pub(super) dz: L::F,
-    inverse_dx: L::F,
-    inverse_dy: L::F,
-    pub(super) side: L::F,
-    pub(super) first_x: L::I,
-    pub(super) first_y: L::I,
-    place: L::I,
-    /// 1 if x (y) grows along the ray, otherwise 0.
-    ahead_x: L::I,
-    ahead_y: L::I,
-    /// Where it passes the corner's column and row: `-x / dx` and `-y / dy`.
-    corner_x: L::F,
-    corner_y: L::F,
-    /// By how much heights may be off per unit of `t`: see [`Bounds::slack`].
-    slack: L::F,
-    /// How far it must be clear of the surface where it leaves the tile across x and y.
-    clearance_x: L::F,
-    clearance_y: L::F,
-    /// Height above which it meets nothing any more; a falling ray has none.
-    ceiling: L::F,
-    /// By how many bits the bound of its half space is shifted in a word.
-    half: L::I,
-    /// What is known of it: the column of the cell that it meets, or a negative word.
-    answer: L::I,
-    /// How far the ray has come.
-    pub(super) t: L::F,
-    /// The cell that it is in there.
-    pub(super) ix: L::I,
-    pub(super) iy: L::I,
-    /// The level at which it is searched; 0 is the cell itself.
-    pub(super) level: L::I,
-    /// Where cells have bounds: whether it has come nearer to its cell than these, and is to be tested.
-    near: L::M,
-    /// Whether the ray continues.
-    active: L::M,
-    /// Whether there is a ray, or the answer to one.
-    occupied: L::M,
-}
-
-/// Where rays leave the nodes that they are in.
-pub(super) struct LanesExit<L: Lanes> {
-    pub(super) t: L::F,
-    /// Height there.
-    pub(super) z: L::F,
-    /// Whether through the edge across x.
-    across_x: L::M,
-    /// Column and row of the node at its level, and those ahead.
-    node: [L::I; 2],
-    ahead: [L::I; 2],
-    /// By how much rounding may have changed heights.
-    pub(super) margin: L::F,
-}
-
-/// What rays find in the cells that they are in.
-pub(super) struct CellsMet<L: Lanes> {
-    /// Whether the surface in the cell is met.
-    pub(super) met: L::M,
-    /// By how much the ray passes over it, where positive.
-    pub(super) gap: L::F,
 }
 
 impl<'b, L: Lanes> Search<'b, L> {
@@ -326,7 +257,7 @@ impl<'b, L: Lanes> Search<'b, L> {
         state.level = lanes.select_i(lower, state.level - self.one, state.level);
         let (moving, gap, waiting);
         if CELLS {
-            let cells = S::test_lanes(self, state, &exit);
+            let cells = S::test_lanes(self.lanes, self.bounds, state, &exit);
             let met = state.active & at_cell & cells.met;
             state.answer = lanes.select_i(met, state.ix, state.answer);
             gap = lanes.select(at_cell, cells.gap, over_nodes);

@@ -81,8 +81,8 @@ pub(super) fn falls_once(b: &[f64; 7], noise: f64) -> bool {
 /// The two halves of a polynomial, by de Casteljau's algorithm.
 fn halved(b: &[f64; 7]) -> [[f64; 7]; 2] {
     let (mut low, mut high) = ([0.0; 7], *b);
-    for k in 0..7 {
-        low[k] = high[0];
+    for (k, low) in low.iter_mut().enumerate() {
+        *low = high[0];
         for i in 0..6 - k {
             high[i] = 0.5 * (high[i] + high[i + 1]);
         }

@@ -149,22 +149,18 @@ pub(super) fn pass_cells(
 #[inline(always)]
 fn roots(polynomials: &[[f64; BLOCK]; 7], certain: &mut [f64; BLOCK]) -> [f64; BLOCK] {
     let mut brackets = [Bracket::new(&[0.0; 7]); BLOCK];
-    for k in 0..BLOCK {
-        brackets[k] = Bracket::new(&polynomial(polynomials, k));
+    for (k, bracket) in brackets.iter_mut().enumerate() {
+        *bracket = Bracket::new(&polynomial(polynomials, k));
     }
     for _ in 0..STEPS {
-        for k in 0..BLOCK {
-            brackets[k].narrow(&polynomial(polynomials, k));
+        for (k, bracket) in brackets.iter_mut().enumerate() {
+            bracket.narrow(&polynomial(polynomials, k));
         }
     }
     let mut roots = [0.0; BLOCK];
-    for k in 0..BLOCK {
-        roots[k] = brackets[k].s;
-        certain[k] = if brackets[k].is_narrow() {
-            certain[k]
-        } else {
-            0.0
-        };
+    for (k, bracket) in brackets.iter().enumerate() {
+        roots[k] = bracket.s;
+        certain[k] = if bracket.is_narrow() { certain[k] } else { 0.0 };
     }
     roots
 }
