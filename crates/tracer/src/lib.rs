@@ -1,8 +1,8 @@
 //! Light paths on explicit surfaces.
 //!
 //! A [`Surface`] is a height field seen as the triangles that are traced: cell `(ix, iy)` split
-//! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`; a [`MeshSurface`] is any
-//! triangles, also with overhangs. An [`Accelerator`] finds where a ray meets one tile of it, [`traverse`] takes
+//! along the diagonal from its corner `(ix, iy)` to `(ix + 1, iy + 1)`; a [`SmoothSurface`] is a bicubic B-spline, whose curved
+//! cells are traced as they are; a [`MeshSurface`] is any triangles, also with overhangs. An [`Accelerator`] finds where a ray meets one tile of it, [`traverse`] takes
 //! rays across periodic, mirrored and open borders without copying geometry, and a [`Tracer`] follows light from
 //! interaction to interaction and hands what leaves to a tally.
 //!
@@ -23,7 +23,8 @@
 //! intersection test checks just that: the signed height above the facet falls along the ray and
 //! is negative where the ray leaves the facet's footprint. The facet that was just left is never
 //! hit again, and since neighbouring facets share the heights of their common edge, no ray slips
-//! between them.
+//! between them. Over a curved cell the signed height is a polynomial of degree six, and its first change of
+//! sign counts; the root at which a ray begins is divided out.
 
 mod accelerators;
 mod geometry;

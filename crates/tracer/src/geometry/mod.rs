@@ -9,6 +9,7 @@ mod height_bounds;
 pub(crate) mod height_field;
 pub(crate) mod mesh;
 mod nearby;
+mod outlooks;
 mod slope_bounds;
 pub(crate) mod smooth;
 

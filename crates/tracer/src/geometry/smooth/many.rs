@@ -3,8 +3,9 @@
 //! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
 
 use super::first_root::{Bracket, STEPS, falls_once};
+use super::gaps::{gaps, unit_interval, without_first};
 use super::patch::Patch;
-use super::{ABOVE_ALL, SmoothCell, SmoothSurface, gaps, unit_interval, without_first};
+use super::{ABOVE_ALL, SmoothCell, SmoothSurface};
 use crate::ray::{Hit, RayColumns};
 
 /// Rays of a block: a few loads of lanes.

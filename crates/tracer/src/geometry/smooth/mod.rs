@@ -7,6 +7,7 @@
 
 mod extremes;
 mod first_root;
+mod gaps;
 mod many;
 mod patch;
 
@@ -17,11 +18,13 @@ use glam::DVec3;
 
 use self::extremes::{cell_ranges, patch_of, supports};
 use self::first_root::first_root;
+use self::gaps::{gaps, place, unit_interval, without_first};
 use self::patch::Patch;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::nearby::find_nearby;
-use crate::geometry::slope_bounds::{SlopeBounds, escapes_by, find_outlooks};
+use crate::geometry::outlooks::{escapes_by, find_outlooks};
+use crate::geometry::slope_bounds::SlopeBounds;
 use crate::geometry::{Escape, Geometry, Nearby, Outlook};
 use crate::ray::{HalfSpace, Hit, RayColumns, TileRay};
 use crate::vector::prefetch;
@@ -187,50 +190,6 @@ impl SmoothSurface {
         let falls = ray.direction.z.abs() + steepest * travel;
         place * (1.0 + steepest + falls / stretch.rate)
     }
-}
-
-/// The place at parameter `t` of a ray whose origin is counted from the corner of the cell.
-#[inline(always)]
-fn place(o: [f64; 3], d: [f64; 3], t: f64) -> [f64; 2] {
-    [
-        unit_interval(o[0] + t * d[0]),
-        unit_interval(o[1] + t * d[1]),
-    ]
-}
-
-/// Bernstein coefficients of a ray's height above a patch, on its own side, from parameter `enter` to `leave`.
-#[inline(always)]
-fn gaps(patch: &Patch, q: f64, o: [f64; 3], d: [f64; 3], [enter, leave]: [f64; 2]) -> [f64; 7] {
-    let mut gaps = patch.along(place(o, d, enter), place(o, d, leave));
-    let (from, to) = (o[2] + enter * d[2], o[2] + leave * d[2]);
-    for (k, gap) in gaps.iter_mut().enumerate() {
-        let s = k as f64 * (1.0 / 6.0);
-        *gap = q * (from + s * (to - from) - *gap);
-    }
-    gaps
-}
-
-/// A polynomial, less its value at 0, divided by `s`; as one of the same degree.
-#[inline(always)]
-fn without_first(b: &[f64; 7]) -> [f64; 7] {
-    let mut divided = [0.0; 6];
-    for k in 0..6 {
-        divided[k] = 6.0 / (k + 1) as f64 * (b[k + 1] - b[0]);
-    }
-    let mut raised = [divided[0]; 7];
-    for k in 1..6 {
-        let part = k as f64 * (1.0 / 6.0);
-        raised[k] = part * divided[k - 1] + (1.0 - part) * divided[k];
-    }
-    raised[6] = divided[5];
-    raised
-}
-
-/// The nearest number in `[0, 1]`.
-#[inline(always)]
-fn unit_interval(x: f64) -> f64 {
-    let x = if x > 0.0 { x } else { 0.0 };
-    if x < 1.0 { x } else { 1.0 }
 }
 
 /// A stretch of a ray over a cell.
