@@ -35,6 +35,7 @@ examples! {
     one_light_path: "../../examples/one_light_path.rs",
     overhang: "../../examples/overhang.rs",
     profile_against_model: "../../examples/profile_against_model.rs",
+    smooth_cells: "../../examples/smooth_cells.rs",
     target_error: "../../examples/target_error.rs",
     trace_a_bump: "../../examples/trace_a_bump.rs",
 }

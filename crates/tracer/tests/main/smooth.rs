@@ -161,3 +161,27 @@ fn brute_force_finds_the_first_crossing() {
         assert!(crossings > 50, "{name}: {crossings}");
     }
 }
+
+/// Tile coordinates have no unit: where rays meet a surface in other units is the same to the last bit.
+#[test]
+fn powers_of_two_of_scale_change_nothing() {
+    let field = random([24, 32], 4.0, 4.0, [1.0, 1.5]);
+    let plain = SmoothSurface::new(SplineSurface::through(&field));
+    let search = plain.accelerator(AcceleratorKind::Auto).unwrap();
+    for exponent in [-30, 30] {
+        let scale = 2_f64.powi(exponent);
+        let heights = field.heights().iter().map(|h| h * scale).collect();
+        let spacing = field.spacing().map(|d| d * scale);
+        let scaled = HeightField::new(heights, field.shape(), spacing).unwrap();
+        let scaled = SmoothSurface::new(SplineSurface::through(&scaled));
+        let other = scaled.accelerator(AcceleratorKind::Auto).unwrap();
+        assert_eq!(plain.z_range(), scaled.z_range());
+        let mut met = 0;
+        for query in rays(&plain, 2000, 3) {
+            let hit = search.closest_hit(&plain, &query);
+            assert_eq!(other.closest_hit(&scaled, &query), hit);
+            met += usize::from(hit.is_some());
+        }
+        assert!(met > 500, "{met}");
+    }
+}
