@@ -22,7 +22,7 @@ pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     let synthesis = Synthesis::new(Psd::gaussian(sigma, tau)?, [256, 256], [1.0, 1.0], false)?;
     let model = closed_form("smith", SlopeCovariance::isotropic(tau / sigma)?, gold)?;
 
-    let surfaces = SurfaceSource::Random(synthesis);
+    let surfaces = SurfaceSource::random(synthesis);
     let case = Case::new(surfaces, gold, Light::from_above(incidence));
     let (total, surfaces) = (200_000, 16);
     let settings = Settings {

@@ -19,7 +19,7 @@ use asperity_tally::{Component, Side, TallyResult};
 pub(crate) fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Correlation length 8 and smoothness tau / sigma = 2, in units of the spacing.
     let psd = Psd::gaussian(4.0, 8.0)?;
-    let surfaces = SurfaceSource::Random(Synthesis::new(psd, [128, 128], [1.0, 1.0], false)?);
+    let surfaces = SurfaceSource::random(Synthesis::new(psd, [128, 128], [1.0, 1.0], false)?);
     let glass = Material::dielectric(1.5)?;
     let mut cases = Vec::new();
     for theta_deg in [20.0, 60.0] {

@@ -9,7 +9,7 @@ use crate::common::{Common, Results};
 use crate::completion::{Cases, say_completion};
 use crate::failure::Failure;
 use crate::given::given_surface;
-use crate::input::{refuse_config, refuse_verification};
+use crate::input::{refuse_config, refuse_simulation, refuse_verification};
 use crate::interrupt;
 use crate::output::result_folder;
 use crate::progress::Bar;
@@ -19,7 +19,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let config: GonioConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let sample = given_surface(&config.measured, common)?
-        .map(|surface| Sample::of(surface, config.measured.remove));
+        .map(|surface| Sample::of(surface, config.measured.remove, config.surface.cells))
+        .transpose()
+        .map_err(refuse_simulation)?;
     let sample = sample.as_ref();
     // Everything is checked before a ray is traced.
     config

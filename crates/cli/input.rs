@@ -209,7 +209,7 @@ pub(crate) fn refuse_surface(error: SynthesisError) -> Failure {
 pub(crate) fn refuse_simulation(error: SimulateError) -> Failure {
     match error {
         SimulateError::Synthesis(error) => refuse_surface(error),
-        SimulateError::Refinement(RefinementError::Open) => {
+        SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement => {
             Failure::usage(format!("--refine: {error}"))
         }
         error if error.is_usage() => Failure::usage(error),

@@ -68,6 +68,19 @@ pub enum SimulateError {
         "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
     )]
     MeshControl,
+    /// A control variate for light on one surface of smooth cells.
+    #[error(
+        "the controlled estimator of one surface is a sum over flat facets; these cells are smooth, so take auto or plain, or flat cells"
+    )]
+    SmoothControl,
+    /// Smooth cells that are to be refined.
+    #[error(
+        "only flat cells can be refined; with smooth cells give a finer spacing and compare the results"
+    )]
+    SmoothRefinement,
+    /// Smooth cells of a triangle mesh.
+    #[error("smooth cells are for height maps; this is a triangle mesh, so take flat cells")]
+    SmoothMesh,
     /// A layer whose bottom would have to be drawn, below a surface that is not.
     #[error(
         "an independent bottom is drawn like a random surface, but this surface is given; take a flat bottom, the same, or one from a file"
@@ -106,6 +119,9 @@ impl SimulateError {
             | Self::OpenControl
             | Self::AzimuthControl
             | Self::MeshControl
+            | Self::SmoothControl
+            | Self::SmoothRefinement
+            | Self::SmoothMesh
             | Self::IndependentBottom => true,
             Self::Slopes(_)
             | Self::Coarsening(_)

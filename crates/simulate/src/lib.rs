@@ -31,12 +31,14 @@ pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
 pub use input::case::{Case, Light};
+pub use input::cells::Cells;
 pub use input::estimator::Estimator;
 pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder, layer_name};
 pub use input::limits::{
     check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
+pub use input::random_surfaces::RandomSurfaces;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};

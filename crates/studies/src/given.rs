@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use asperity_simulate::Shape;
+use asperity_simulate::{Cells, Shape, SimulateError};
 use asperity_surface::{Border, Form, HeightField, Roughness};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
@@ -32,12 +32,16 @@ pub enum GivenShape {
 }
 
 impl GivenShape {
-    /// The same as it is simulated.
-    #[must_use]
-    pub fn simulated(self) -> Shape {
-        match self {
-            Self::Field(field) => Shape::height_field(field),
-            Self::Mesh(mesh) => Shape::triangle_mesh(mesh),
+    /// The same as it is simulated, with these `cells` between heights.
+    ///
+    /// # Errors
+    /// [`SimulateError::SmoothMesh`], and [`SimulateError::NotEnoughMemory`] for smooth cells.
+    pub fn simulated(self, cells: Cells) -> Result<Shape, SimulateError> {
+        match (self, cells) {
+            (Self::Field(field), Cells::Flat) => Ok(Shape::height_field(field)),
+            (Self::Field(field), Cells::Smooth) => Shape::smooth(&field),
+            (Self::Mesh(mesh), Cells::Flat) => Ok(Shape::triangle_mesh(mesh)),
+            (Self::Mesh(_), Cells::Smooth) => Err(SimulateError::SmoothMesh),
         }
     }
 }

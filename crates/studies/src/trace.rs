@@ -5,7 +5,9 @@ mod files;
 mod text;
 
 use asperity_io::ResultFolder;
-use asperity_simulate::{Deadline, Observer, Outcome, Shape, SimulateError, Simulation, Stopping};
+use asperity_simulate::{
+    Cells, Deadline, Observer, Outcome, Shape, SimulateError, Simulation, Stopping,
+};
 use asperity_tally::TallySpec;
 use serde_json::{Value, json};
 
@@ -69,12 +71,12 @@ impl TracedSurfaces {
     }
 
     /// The surface over the one below it, if there is one.
-    fn shape(self) -> Result<Shape, TraceError> {
-        let top = self.surface.shape.simulated();
+    fn shape(self, cells: Cells) -> Result<Shape, TraceError> {
+        let top = self.surface.shape.simulated(cells)?;
         match self.bottom {
             None => Ok(top),
             Some(bottom) => top
-                .over(bottom.shape.simulated())
+                .over(bottom.shape.simulated(cells)?)
                 .ok_or(TraceError::OtherBottom),
         }
     }
@@ -129,7 +131,7 @@ impl PlannedTrace {
         let name = surfaces.surface.name.clone();
         let warnings = surfaces.surface.warnings();
         let description = description::Surfaces::of(&surfaces, config);
-        let shape = surfaces.shape()?;
+        let shape = surfaces.shape(config.surface.cells)?;
         let case = config.case(shape.clone())?;
         let described = description.config(config, &case);
         Ok(Self {

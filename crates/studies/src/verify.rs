@@ -8,10 +8,10 @@ use std::time::Instant;
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Deadline, LayerBelow, Light, Observer, Outcome, SimulateError, Simulation, StoppedBy,
-    Stopping, SurfaceSource,
+    Case, Deadline, LayerBelow, Light, Observer, Outcome, RandomSurfaces, SimulateError,
+    Simulation, StoppedBy, Stopping, SurfaceSource,
 };
-use asperity_surface::{HeightField, Synthesis};
+use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::json;
@@ -117,33 +117,34 @@ impl VerifyConfig {
 
     /// The first surface of a case, drawn again.
     pub(crate) fn first_surface(&self, case: &SweepCase) -> Result<HeightField, VerifyError> {
-        let field = self.recipe(case)?.draw(self.run.seed, 0);
+        let field = self.recipe(case)?.samples(self.run.seed, 0);
         Ok(field.map_err(SimulateError::from)?)
     }
 
-    fn recipe(&self, case: &SweepCase) -> Result<Synthesis, VerifyError> {
-        let spacing = self.surface.spacing.xy().map(|s| s.0);
-        let synthesis = Synthesis::new(case.psd, self.shape()?, spacing, self.surface.insist);
-        Ok(synthesis.map_err(SimulateError::from)?)
+    fn recipe(&self, case: &SweepCase) -> Result<RandomSurfaces, VerifyError> {
+        let (shape, surface) = (self.shape()?, &self.surface);
+        let spacing = surface.spacing.xy().map(|s| s.0);
+        let surfaces = RandomSurfaces::new(surface.cells, case.psd, shape, spacing, surface.insist);
+        Ok(surfaces.map_err(SimulateError::from)?)
     }
 
     /// The cases as they are simulated.
     fn simulated(&self, cases: &[SweepCase]) -> Result<Vec<Case>, VerifyError> {
         let mut simulated: Vec<Case> = Vec::new();
-        let mut last: Option<(&SweepCase, Synthesis)> = None;
+        let mut last: Option<(&SweepCase, RandomSurfaces)> = None;
         for case in cases {
             // A recipe takes time to plan, so that neighbours of equal surfaces share it.
-            let synthesis = match last.take() {
-                Some((same, synthesis)) if same.psd == case.psd => synthesis,
+            let surfaces = match last.take() {
+                Some((same, surfaces)) if same.psd == case.psd => surfaces,
                 _ => self.recipe(case)?,
             };
-            last = Some((case, synthesis.clone()));
+            last = Some((case, surfaces.clone()));
             let bottom = self
                 .medium
                 .as_ref()
                 .map(|medium| medium.bottom_surface.named());
             simulated.push(Case {
-                surface: SurfaceSource::Random(synthesis),
+                surface: SurfaceSource::Random(surfaces),
                 material: case.material,
                 layer: case.layer.map(|layer| LayerBelow {
                     layer,

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use asperity_surface::HeightField;
 use asperity_tally::ControlVariate;
 use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface, Tracer};
 
@@ -49,11 +48,6 @@ impl Meshes<Surface> {
         let mut surfaces = vec![Arc::new(Surface::new(finer)), given];
         surfaces.extend(coarser.map(|field| Arc::new(Surface::new(field))));
         Ok(Self { surfaces })
-    }
-
-    /// The same of a field that was just drawn.
-    pub(crate) fn of_field(field: HeightField, refine: bool) -> Result<Self, SimulateError> {
-        Self::new(Arc::new(Surface::new(field)), refine)
     }
 }
 
@@ -163,12 +157,9 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
         };
         (0..self.top.accelerators.len()).map(mesh).collect()
     }
-}
 
-impl BuiltSurface<Surface> {
-    /// The memory of the heights, for the next surface.
-    pub(crate) fn into_memory(self) -> Vec<f64> {
-        let given = Arc::into_inner(self.top.meshes.into_given());
-        given.map_or_else(Vec::new, |surface| surface.into_field().into_heights())
+    /// The given mesh back, if nothing else holds it.
+    pub(crate) fn into_given(self) -> Option<G> {
+        Arc::into_inner(self.top.meshes.into_given())
     }
 }

@@ -9,6 +9,7 @@ use crate::errors::budget::{ErrorBudget, TracedRays};
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
 use crate::input::case::Case;
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::method::Method;
@@ -97,8 +98,11 @@ impl Draft {
         let refinement =
             spacing.and_then(|given| Refinement::of_surfaces(given, &self.tallies.shifts));
         match &self.case.surface {
-            SurfaceSource::Random(synthesis) => {
+            SurfaceSource::Random(RandomSurfaces::Flat(synthesis)) => {
                 MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
+            }
+            SurfaceSource::Random(RandomSurfaces::Smooth(_)) => {
+                MeshErrors::of_random_smooth(&self.method, settings.tally)
             }
             SurfaceSource::Given(shape) => MeshErrors::of_given(shape, settings.tally, refinement),
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_surface::{Border, HeightField, RefinementError};
-use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface};
+use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface, SmoothSurface};
 
 use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
 use super::given_run::{GivenCase, GivenRun};
@@ -16,6 +16,7 @@ use crate::input::estimator::Estimator;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{
     check_grazing, check_memory, check_results, hierarchy_bytes, meshes_bytes,
+    smooth_accelerator_bytes,
 };
 use crate::input::settings::Settings;
 use crate::input::surface_source::Shape;
@@ -50,6 +51,9 @@ impl GivenGroup {
             Shape::HeightField { top, bottom } => {
                 group.check_height_field(top.field(), 1 + usize::from(bottom.is_some()))?;
             }
+            Shape::Smooth { top, bottom } => {
+                group.check_smooth(top, 1 + usize::from(bottom.is_some()))?;
+            }
             Shape::TriangleMesh { top, .. } => group.check_triangle_mesh(top)?,
         }
         check_results(&settings.tally, 1, group.cases.len(), settings.refine)?;
@@ -78,6 +82,19 @@ impl GivenGroup {
         );
         let more = surfaces.saturating_mul(bytes) - surfaces * size_of_val(field.heights());
         check_memory("tracing this surface", more)
+    }
+
+    /// `surfaces`: this one, and the bottom if there is one.
+    fn check_smooth(&self, surface: &SmoothSurface, surfaces: usize) -> Result<(), SimulateError> {
+        if self.settings.refine {
+            return Err(SimulateError::SmoothRefinement);
+        }
+        if self.settings.estimator == Estimator::Controlled {
+            return Err(SimulateError::SmoothControl);
+        }
+        let shape = surface.spline().shape();
+        let bytes = smooth_accelerator_bytes(shape, self.settings.accelerator);
+        check_memory("tracing this surface", surfaces.saturating_mul(bytes))
     }
 
     fn check_triangle_mesh(&self, mesh: &MeshSurface) -> Result<(), SimulateError> {
@@ -122,18 +139,26 @@ impl GivenGroup {
                 };
                 Box::new(self.build_on(meshes, Method::of_surface, clock)?)
             }
-            Shape::TriangleMesh { top, bottom } => {
-                let meshes = SurfaceMeshes {
-                    top: Meshes::of_one(top),
-                    bottom: bottom.map(Meshes::of_one),
-                };
-                let plain =
-                    |_: &MeshSurface, _: &Case, settings: &Settings| Ok(Method::plain(settings));
-                Box::new(self.build_on(meshes, plain, clock)?)
-            }
+            Shape::Smooth { top, bottom } => Box::new(self.build_plain(top, bottom, clock)?),
+            Shape::TriangleMesh { top, bottom } => Box::new(self.build_plain(top, bottom, clock)?),
         };
         observer.end();
         Ok(run)
+    }
+
+    /// Builds on one mesh, whose light no control variate foresees.
+    fn build_plain<G: BuildAccelerator>(
+        self,
+        top: Arc<G>,
+        bottom: Option<Arc<G>>,
+        clock: Instant,
+    ) -> Result<GivenRun<G>, SimulateError> {
+        let meshes = SurfaceMeshes {
+            top: Meshes::of_one(top),
+            bottom: bottom.map(Meshes::of_one),
+        };
+        let plain = |_: &G, _: &Case, settings: &Settings| Ok(Method::plain(settings));
+        self.build_on(meshes, plain, clock)
     }
 
     /// Builds on these meshes; `clock` began before they were made.

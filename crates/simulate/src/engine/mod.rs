@@ -1,7 +1,7 @@
 //! How rays are divided, traced and added until an error is reached.
 //!
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
-//! surfaces, [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
+//! surfaces, which recipes [`draw`], [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
 //! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
@@ -11,6 +11,7 @@ pub(crate) mod blocks;
 pub(crate) mod built_surface;
 pub(crate) mod context;
 pub(crate) mod draft;
+pub(crate) mod draw;
 pub(crate) mod given;
 pub(crate) mod given_run;
 pub(crate) mod group;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use asperity_surface::Synthesis;
 use rayon::prelude::*;
 
 use super::context::Context;
@@ -16,6 +15,8 @@ use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
 use crate::error::SimulateError;
 use crate::input::case::Case;
+use crate::input::cells::Cells;
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
 use crate::methods::analytic::AnalyticResult;
@@ -32,7 +33,7 @@ pub const MESH_ALLOWANCE: f64 = 1.055;
 /// Cases that share random surfaces, and the effort that they take.
 #[derive(Clone)]
 pub(crate) struct RandomGroup {
-    pub(super) synthesis: Synthesis,
+    pub(super) surfaces: RandomSurfaces,
     pub(super) settings: Settings,
     analytic: Vec<AnalyticCase>,
     pub(super) traced: Vec<TracedCase>,
@@ -71,30 +72,34 @@ struct CaseEnd {
 }
 
 impl RandomGroup {
-    /// The cases, each with its number, on surfaces that `synthesis` draws.
+    /// The cases, each with its number, on these surfaces.
     pub(crate) fn new(
-        synthesis: Synthesis,
+        surfaces: RandomSurfaces,
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
+        if settings.refine && surfaces.cells() == Cells::Smooth {
+            return Err(SimulateError::SmoothRefinement);
+        }
+        let psd = surfaces.psd();
         // Refused whatever the estimator.
-        slopes(synthesis.psd())?;
+        slopes(psd)?;
         let prepared = cases
             .into_par_iter()
-            .map(|NumberedCase { number, case }| {
-                match AnalyticResult::of(&case, &synthesis, settings)? {
+            .map(
+                |NumberedCase { number, case }| match AnalyticResult::of(&case, psd, settings)? {
                     Some(result) => Ok(Prepared::Analytic(AnalyticCase {
                         number,
                         case,
                         result: Arc::new(result),
                     })),
                     None => Ok(Prepared::Traced(TracedCase {
-                        method: Arc::new(Method::of_random(&case, &synthesis, settings)?),
+                        method: Arc::new(Method::of_random(&case, psd, settings)?),
                         number,
                         case,
                     })),
-                }
-            })
+                },
+            )
             .collect::<Result<Vec<_>, SimulateError>>()?;
         let (mut analytic, mut traced) = (Vec::new(), Vec::new());
         for case in prepared {
@@ -115,7 +120,7 @@ impl RandomGroup {
             warnings: Vec::new(),
         };
         Ok(Self {
-            synthesis,
+            surfaces,
             settings: *settings,
             analytic,
             traced,
@@ -151,7 +156,7 @@ impl RandomGroup {
             ),
         };
         SurfaceGroup {
-            synthesis: &self.synthesis,
+            surfaces: &self.surfaces,
             cases: &self.traced,
             settings,
             plan,
@@ -162,7 +167,7 @@ impl RandomGroup {
     /// What the stopping of all cases has in common.
     fn stopping(&self, rounds: Rounds) -> Stopping {
         let target = self.settings.target();
-        let [ny, nx] = self.synthesis.shape();
+        let [ny, nx] = self.surfaces.shape();
         Stopping {
             target_error: target.map(|target| target.error()),
             of: target.map(|target| target.of()),
@@ -173,7 +178,7 @@ impl RandomGroup {
             realisations: self.plan.surfaces,
             rays_per_surface: self.group(Stage::Result).blocks().rays(),
             size: Some([nx, ny]),
-            spacing: Some(self.synthesis.spacing()),
+            spacing: Some(self.surfaces.spacing()),
             rounds: rounds.added,
             stopped_by: rounds.stopped_by,
             warnings: self.pilot.warnings.clone(),
@@ -183,7 +188,7 @@ impl RandomGroup {
     /// The case on the surfaces that were traced, whose spacing the pilot run may have changed.
     fn as_traced(&self, case: &Case) -> Case {
         Case {
-            surface: SurfaceSource::Random(self.synthesis.clone()),
+            surface: SurfaceSource::Random(self.surfaces.clone()),
             ..case.clone()
         }
     }
@@ -314,7 +319,7 @@ enum Prepared {
 #[cfg(test)]
 mod tests {
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::Psd;
+    use asperity_surface::{Psd, Synthesis};
     use asperity_tracer::HalfSpace;
 
     use super::*;
@@ -330,6 +335,7 @@ mod tests {
         for (seed, rounds) in [(2, 1), (3, 2)] {
             let psd = Psd::gaussian(4.0, 8.0).unwrap();
             let synthesis = Synthesis::new(psd, [128, 128], [1.0, 1.0], false).unwrap();
+            let surfaces = RandomSurfaces::from(synthesis);
             let light = Light {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
                 from: HalfSpace::Above,
@@ -338,7 +344,7 @@ mod tests {
             let glass = Material::Dielectric { eta: 1.5 };
             let case = NumberedCase {
                 number: 0,
-                case: Case::new(SurfaceSource::Random(synthesis.clone()), glass, light),
+                case: Case::new(SurfaceSource::Random(surfaces.clone()), glass, light),
             };
             let target = Target::new(0.02, Quantity::Rings).unwrap();
             let settings = Settings {
@@ -347,7 +353,7 @@ mod tests {
                 effort: Effort::TargetError(target),
                 ..Settings::default()
             };
-            let mut group = RandomGroup::new(synthesis, vec![case], &settings).unwrap();
+            let mut group = RandomGroup::new(surfaces, vec![case], &settings).unwrap();
             group.plan = SurfacePlan {
                 surfaces: 3,
                 rays: 3 * 128,

@@ -7,7 +7,9 @@ use super::surfaces::{SurfaceGroup, surface_bytes};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use crate::error::SimulateError;
+use crate::input::cells::Cells;
 use crate::input::limits::{check_memory, most_realisations};
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::store::Stage;
 use crate::text::error_in_short;
 
@@ -36,9 +38,10 @@ impl RandomGroup {
         Ok(())
     }
 
-    /// Whether every second sample makes a surface.
+    /// Whether every second sample makes a surface; of a spline none does.
     pub(super) fn has_coarser(&self) -> bool {
-        self.synthesis.shape().iter().all(|n| n % 2 == 0 && *n >= 4)
+        let is_even = self.surfaces.shape().iter().all(|n| n % 2 == 0 && *n >= 4);
+        is_even && self.surfaces.cells() == Cells::Flat
     }
 
     /// A pilot run of `cases`; `None` if it was stopped.
@@ -82,23 +85,28 @@ impl RandomGroup {
         let run = PilotRun {
             fine,
             coarse,
-            cells: self.synthesis.shape().iter().product(),
+            cells: self.surfaces.shape().iter().product(),
             counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
         };
         Some(Figures::new(target, tally, &run))
     }
 
-    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
+    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it; that of smooth
+    /// cells stays.
     fn choose_spacing(&mut self) {
-        let Some(target) = self.settings.target() else {
+        let (Some(target), RandomSurfaces::Flat(synthesis)) =
+            (self.settings.target(), &self.surfaces)
+        else {
             return;
         };
         let mut recipes = Vec::new();
         for scale in [2.0, 0.5] {
-            if let Some(synthesis) = pilot::respaced(&self.synthesis, scale)
-                && check_memory("", surface_bytes(&synthesis, &self.traced, &self.settings)).is_ok()
-            {
-                recipes.push((scale, synthesis));
+            if let Some(synthesis) = pilot::respaced(synthesis, scale) {
+                let surfaces = RandomSurfaces::from(synthesis);
+                let bytes = surface_bytes(&surfaces, &self.traced, &self.settings);
+                if check_memory("", bytes).is_ok() {
+                    recipes.push((scale, surfaces));
+                }
             }
         }
         let mut scales: Vec<f64> = recipes.iter().map(|(scale, _)| *scale).collect();
@@ -107,12 +115,12 @@ impl RandomGroup {
         let chosen = pilot::spacing(&self.pilot.figures, target, &scales);
         let figures = self.pilot.figures.iter();
         self.pilot.mesh_errors = figures.map(|f| f.mesh_error(chosen.scale)).collect();
-        if let Some((_, synthesis)) = recipes.into_iter().find(|(s, _)| *s == chosen.scale) {
-            self.synthesis = synthesis;
+        if let Some((_, surfaces)) = recipes.into_iter().find(|(s, _)| *s == chosen.scale) {
+            self.surfaces = surfaces;
         }
         self.pilot.scale = chosen.scale;
         if let (Some(error), false) = (chosen.mesh_error, chosen.fine_enough) {
-            let spacing = self.synthesis.spacing()[0];
+            let spacing = self.surfaces.spacing()[0];
             self.pilot.warnings.push(format!(
                 "at the spacing {spacing} the mesh adds an error of up to {}, above a third of the target: give a finer spacing",
                 error_in_short(error)

@@ -33,7 +33,7 @@ use crate::store::SurfaceStore;
 /// use asperity_tally::{Component, Side, TallyResult};
 ///
 /// let psd = Psd::gaussian(2.0, 8.0)?; // sigma, tau
-/// let surface = SurfaceSource::Random(Synthesis::new(psd, [64, 64], [1.0, 1.0], false)?);
+/// let surface = SurfaceSource::random(Synthesis::new(psd, [64, 64], [1.0, 1.0], false)?);
 /// let light = Light::from_above(Incidence::from_degrees(30.0, 0.0)?);
 /// let case = Case::new(surface, Material::dielectric(1.5)?, light);
 /// let effort = Effort::Rays { total: 4000, surfaces: 4 };

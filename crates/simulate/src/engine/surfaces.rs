@@ -5,19 +5,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
-use asperity_surface::{HeightField, Synthesis};
-use asperity_tracer::Surface;
 use rayon::prelude::*;
 
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE, run_blocks};
-use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
+use super::built_surface::{BuiltSurface, SurfaceMeshes};
 use super::context::Context;
+use super::draw::{Draw, EverySecondSample};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::layer::BottomSurface;
-use crate::input::limits::{check_memory, meshes_bytes};
+use crate::input::limits::{check_memory, meshes_bytes, smooth_accelerator_bytes, smooth_bytes};
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
 use crate::output::stopped_by::StoppedBy;
@@ -46,7 +46,7 @@ pub(crate) struct SurfacePlan {
 /// Cases that share their surfaces, and how they are traced.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfaceGroup<'a> {
-    pub(crate) synthesis: &'a Synthesis,
+    pub(crate) surfaces: &'a RandomSurfaces,
     pub(crate) cases: &'a [TracedCase],
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
@@ -63,18 +63,19 @@ struct Numbered {
 
 /// Memory that one surface takes at its peak.
 pub(crate) fn surface_bytes(
-    synthesis: &Synthesis,
+    surfaces: &RandomSurfaces,
     cases: &[TracedCase],
     settings: &Settings,
 ) -> usize {
-    // A surface that is drawn is not flat.
-    let traced = meshes_bytes(
-        synthesis.shape(),
-        settings.accelerator,
-        false,
-        settings.refine,
-    );
-    let one = synthesis.peak_bytes().max(traced);
+    let (shape, accelerator) = (surfaces.shape(), settings.accelerator);
+    let traced = match surfaces {
+        // A surface that is drawn is not flat.
+        RandomSurfaces::Flat(_) => meshes_bytes(shape, accelerator, false, settings.refine),
+        RandomSurfaces::Smooth(_) => {
+            smooth_bytes(shape).saturating_add(smooth_accelerator_bytes(shape, accelerator))
+        }
+    };
+    let one = surfaces.peak_bytes().max(traced);
     if have_independent_bottom(cases) {
         // A bottom of its own is drawn while the surface above is held.
         traced.saturating_add(one)
@@ -112,7 +113,7 @@ impl SurfaceGroup<'_> {
         surfaces: Range<u64>,
         context: Context<'_>,
     ) -> Result<Vec<CaseTallies>, SimulateError> {
-        let bytes = surface_bytes(self.synthesis, self.cases, &self.settings);
+        let bytes = surface_bytes(self.surfaces, self.cases, &self.settings);
         check_memory("tracing one surface", bytes)?;
         let available = available_memory().unwrap_or(MEMORY_BUDGET);
         let fit = MEMORY_BUDGET.min(available) / bytes as u64;
@@ -222,36 +223,24 @@ impl SurfaceGroup<'_> {
         }
     }
 
-    /// Draws the surface of that number in the memory given.
-    fn draw(
-        &self,
-        number: u64,
-        memory: Vec<f64>,
-        observer: &dyn Observer,
-    ) -> Result<HeightField, SimulateError> {
-        observer.surface_drawn(number);
-        let seed = self.settings.seed;
-        let field = self.synthesis.draw_into(seed, number, memory)?;
-        Ok(if self.stage == Stage::CoarsePilot {
-            field.coarsened()?
-        } else {
-            field
-        })
-    }
-
     /// Draws the surface of that number, in `memory`, and the bottom below it if that is drawn, and builds their
     /// accelerators.
-    fn build(
+    fn build<D: Draw>(
         &self,
+        recipe: &D,
         number: u64,
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
-    ) -> Result<(BuiltSurface<Surface>, Seconds), SimulateError> {
+    ) -> Result<(BuiltSurface<D::Surface>, Seconds), SimulateError> {
+        let draw = |number, memory| {
+            observer.surface_drawn(number);
+            recipe.draw_into(self.settings.seed, number, memory)
+        };
         let mut seconds = Seconds::default();
         let clock = Instant::now();
-        let field = self.draw(number, std::mem::take(memory), observer)?;
+        let top = draw(number, std::mem::take(memory))?;
         let bottom = if have_independent_bottom(self.cases) {
-            Some(self.draw(FIRST_BOTTOM + number, Vec::new(), observer)?)
+            Some(draw(FIRST_BOTTOM + number, Vec::new())?)
         } else {
             None
         };
@@ -259,10 +248,9 @@ impl SurfaceGroup<'_> {
 
         let clock = Instant::now();
         let refine = self.settings.refine;
-        let top = Meshes::of_field(field, refine)?;
-        let bottom = bottom.map(|field| Meshes::of_field(field, refine));
+        let bottom = bottom.map(|bottom| D::meshes(bottom, refine));
         let meshes = SurfaceMeshes {
-            top,
+            top: D::meshes(top, refine)?,
             bottom: bottom.transpose()?,
         };
         let built = BuiltSurface::build(meshes, self.settings.accelerator)?;
@@ -277,7 +265,24 @@ impl SurfaceGroup<'_> {
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
-        let (built, mut seconds) = self.build(number, memory, observer)?;
+        match (self.surfaces, self.stage) {
+            (RandomSurfaces::Flat(recipe), Stage::CoarsePilot) => {
+                self.trace_on(&EverySecondSample(recipe), number, memory, observer)
+            }
+            (RandomSurfaces::Flat(recipe), _) => self.trace_on(recipe, number, memory, observer),
+            (RandomSurfaces::Smooth(recipe), _) => self.trace_on(recipe, number, memory, observer),
+        }
+    }
+
+    /// The same on a surface that `recipe` draws.
+    fn trace_on<D: Draw>(
+        &self,
+        recipe: &D,
+        number: u64,
+        memory: &mut Vec<f64>,
+        observer: &dyn Observer,
+    ) -> Result<SurfaceTallies, SimulateError> {
+        let (built, mut seconds) = self.build(recipe, number, memory, observer)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
@@ -295,7 +300,7 @@ impl SurfaceGroup<'_> {
         }
         seconds.trace = clock.elapsed().as_secs_f64();
         let used = built.used();
-        *memory = built.into_memory();
+        *memory = built.into_given().map_or_else(Vec::new, D::into_memory);
         Ok(SurfaceTallies {
             cases,
             seconds,
@@ -309,7 +314,7 @@ mod tests {
     use std::sync::Arc;
 
     use asperity_optics::{Incidence, Material};
-    use asperity_surface::Psd;
+    use asperity_surface::{Psd, Synthesis};
     use asperity_tally::TallySpec;
     use asperity_tracer::{Branching, HalfSpace, PathSettings};
 
@@ -324,6 +329,7 @@ mod tests {
     fn run(observer: &dyn Observer) -> (Blocks, CaseTallies) {
         let psd = Psd::gaussian(1e-9, 4.0).unwrap();
         let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], false).unwrap();
+        let surfaces = RandomSurfaces::from(synthesis);
         let light = Light {
             incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
             from: HalfSpace::Above,
@@ -338,11 +344,11 @@ mod tests {
         };
         let cases = [TracedCase {
             number: 0,
-            case: Case::new(SurfaceSource::Random(synthesis.clone()), glass, light),
+            case: Case::new(SurfaceSource::Random(surfaces.clone()), glass, light),
             method: Arc::new(Method::plain(&settings)),
         }];
         let group = SurfaceGroup {
-            synthesis: &synthesis,
+            surfaces: &surfaces,
             cases: &cases,
             settings,
             plan: SurfacePlan {

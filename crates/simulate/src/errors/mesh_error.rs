@@ -17,6 +17,10 @@ const NOT_REQUESTED: &str = "not estimated: --refine traces a finer mesh";
 /// Why the mesh error of a surface is not known.
 const OPEN: &str = "not estimated: a surface with an open border cannot be refined";
 const TRIANGLES: &str = "none: the triangles given are the surface";
+const SMOOTH: &str = "not estimated for smooth cells";
+
+/// Said of what a control variate removes where cells are smooth.
+const SAME_SLOPES: &str = "none: smooth cells have the slopes of the continuous surface";
 
 /// Said of a mesh error, wherever it comes from.
 const SIGN: &str = "what the mesh adds to the result, so less it is that of the continuous surface";
@@ -72,15 +76,27 @@ impl MeshErrors {
         if let Some(refinement) = refinement {
             return Self::of_refined(refinement);
         }
-        match shape.field() {
-            None => Self::unknown(spec, TRIANGLES),
-            Some(field) if field.is_flat() => Self {
+        match shape {
+            Shape::TriangleMesh { .. } => Self::unknown(spec, TRIANGLES),
+            Shape::Smooth { .. } => Self::unknown(spec, SMOOTH),
+            Shape::HeightField { top, .. } if top.is_flat() => Self {
                 remaining: ByEntry::filled(spec, Some(0.0)),
                 ..Self::unknown(spec, "0: any mesh shows a flat surface as it is")
             },
-            Some(field) if field.border() == Border::Open => Self::unknown(spec, OPEN),
-            Some(_) => Self::unknown(spec, NOT_REQUESTED),
+            Shape::HeightField { top, .. } if top.field().border() == Border::Open => {
+                Self::unknown(spec, OPEN)
+            }
+            Shape::HeightField { .. } => Self::unknown(spec, NOT_REQUESTED),
         }
+    }
+
+    /// Of random surfaces of smooth cells, estimated by `method`.
+    pub(crate) fn of_random_smooth(method: &Method, spec: TallySpec) -> Self {
+        let mut errors = Self::unknown(spec, SMOOTH);
+        if method.control_variate().is_some() {
+            errors.explanation.removed = SAME_SLOPES.to_owned();
+        }
+        errors
     }
 
     /// Of one surface that was refined.
@@ -93,7 +109,7 @@ impl MeshErrors {
         }
     }
 
-    /// Of a case whose surfaces `synthesis` draws.
+    /// Of a case whose surfaces `synthesis` draws, of flat cells.
     pub(crate) fn of_random(
         case: &Case,
         synthesis: &Synthesis,

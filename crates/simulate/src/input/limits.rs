@@ -30,6 +30,9 @@ pub fn check_memory(what: &'static str, bytes: usize) -> Result<(), SimulateErro
     }
 }
 
+/// Bytes of a pyramid per cell: numbers in single precision, and a word for every node.
+const PYRAMID: usize = 6;
+
 /// Bytes that a height field of `[ny, nx]` samples takes while it is traced with an accelerator, at the
 /// peak, which is that of building it.
 pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
@@ -38,8 +41,7 @@ pub fn traced_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize
     let of_accelerator = match accelerator {
         // Two facets, each with its box while the hierarchy is built, and its part of the nodes.
         AcceleratorKind::Mesh => 541,
-        // Heights in single precision, and a word for every node.
-        AcceleratorKind::Pyramid | AcceleratorKind::Auto => 6,
+        AcceleratorKind::Pyramid | AcceleratorKind::Auto => PYRAMID,
         _ => 0,
     };
     nx.saturating_mul(ny)
@@ -63,6 +65,26 @@ pub fn meshes_bytes(
     let finer = of_mesh([ny.saturating_mul(2), nx.saturating_mul(2)]);
     let coarser = of_mesh([ny.div_ceil(2), nx.div_ceil(2)]);
     given.saturating_add(finer).saturating_add(coarser)
+}
+
+/// Bytes that a smooth surface of `[ny, nx]` samples takes, without an accelerator.
+pub(crate) const fn smooth_bytes([ny, nx]: [usize; 2]) -> usize {
+    // Per cell: a coefficient, its bounds of heights, and 1 for the bounds of slopes.
+    const PER_CELL: usize = 8 + 16 + 1;
+    nx.saturating_mul(ny).saturating_mul(PER_CELL)
+}
+
+/// Bytes that the accelerator of a smooth surface of `[ny, nx]` samples takes.
+pub(crate) const fn smooth_accelerator_bytes(
+    [ny, nx]: [usize; 2],
+    accelerator: AcceleratorKind,
+) -> usize {
+    let cells = nx.saturating_mul(ny);
+    match accelerator {
+        AcceleratorKind::Mesh => hierarchy_bytes(cells),
+        AcceleratorKind::Pyramid | AcceleratorKind::Auto => cells.saturating_mul(PYRAMID),
+        _ => 0,
+    }
 }
 
 /// Bytes that the hierarchy over the triangles of a mesh takes in addition to the mesh: as over those of a cell,

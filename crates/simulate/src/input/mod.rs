@@ -1,10 +1,12 @@
 //! What is simulated, and how: the input of a run.
 
 pub(crate) mod case;
+pub(crate) mod cells;
 pub(crate) mod estimator;
 pub(crate) mod layer;
 pub(crate) mod limits;
 pub(crate) mod path_choice;
+pub(crate) mod random_surfaces;
 pub(crate) mod settings;
 pub(crate) mod surface_source;
 pub(crate) mod target;

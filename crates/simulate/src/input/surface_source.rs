@@ -1,22 +1,35 @@
 //! Where the surface of a case comes from.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
-use asperity_surface::{HeightField, Synthesis};
-use asperity_tracer::{MeshSurface, Surface};
+use asperity_surface::{HeightField, SplineSurface};
+use asperity_tracer::{MeshSurface, SmoothSurface, Surface};
+
+use super::cells::Cells;
+use super::limits::{check_memory, smooth_bytes};
+use super::random_surfaces::RandomSurfaces;
+use crate::error::SimulateError;
 
 /// Where the surface of a case comes from.
 ///
 /// Cases whose sources are equal share their surfaces: each surface is drawn, or prepared, once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
-    Random(Synthesis),
+    Random(RandomSurfaces),
     /// One surface. The result is that of this surface alone.
     Given(Shape),
 }
 
 impl SurfaceSource {
+    /// Random surfaces of a [`Synthesis`](asperity_surface::Synthesis), of flat cells, or of a
+    /// [`SplineSynthesis`](asperity_surface::SplineSynthesis), of smooth ones.
+    #[must_use]
+    pub fn random(surfaces: impl Into<RandomSurfaces>) -> Self {
+        Self::Random(surfaces.into())
+    }
+
     /// A surface given by its heights.
     #[must_use]
     pub fn height_field(field: HeightField) -> Self {
@@ -29,12 +42,24 @@ impl SurfaceSource {
         Self::Given(Shape::triangle_mesh(mesh))
     }
 
+    /// What lies between heights; `None` for a triangle mesh.
+    #[must_use]
+    pub const fn cells(&self) -> Option<Cells> {
+        match self {
+            Self::Random(surfaces) => Some(surfaces.cells()),
+            Self::Given(Shape::HeightField { .. }) => Some(Cells::Flat),
+            Self::Given(Shape::Smooth { .. }) => Some(Cells::Smooth),
+            Self::Given(Shape::TriangleMesh { .. }) => None,
+        }
+    }
+
     /// The heights of a given surface; `None` for random surfaces and for a triangle mesh.
     #[must_use]
-    pub fn field(&self) -> Option<&HeightField> {
+    pub fn heights(&self) -> Option<Cow<'_, HeightField>> {
         match self {
-            Self::Random(_) => None,
-            Self::Given(shape) => shape.field(),
+            Self::Random(_) | Self::Given(Shape::TriangleMesh { .. }) => None,
+            Self::Given(Shape::HeightField { top, .. }) => Some(Cow::Borrowed(top.field())),
+            Self::Given(Shape::Smooth { top, .. }) => Some(Cow::Owned(top.spline().samples())),
         }
     }
 
@@ -42,8 +67,10 @@ impl SurfaceSource {
     #[must_use]
     pub fn size(&self) -> Option<[usize; 2]> {
         let [ny, nx] = match self {
-            Self::Random(synthesis) => synthesis.shape(),
-            Self::Given(shape) => shape.field()?.shape(),
+            Self::Random(surfaces) => surfaces.shape(),
+            Self::Given(Shape::HeightField { top, .. }) => top.field().shape(),
+            Self::Given(Shape::Smooth { top, .. }) => top.spline().shape(),
+            Self::Given(Shape::TriangleMesh { .. }) => return None,
         };
         Some([nx, ny])
     }
@@ -52,21 +79,10 @@ impl SurfaceSource {
     #[must_use]
     pub fn spacing(&self) -> Option<[f64; 2]> {
         match self {
-            Self::Random(synthesis) => Some(synthesis.spacing()),
-            Self::Given(shape) => Some(shape.field()?.spacing()),
-        }
-    }
-}
-
-/// Two recipes are equal if they draw the same surfaces.
-impl PartialEq for SurfaceSource {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Random(a), Self::Random(b)) => {
-                a.psd() == b.psd() && a.shape() == b.shape() && a.spacing() == b.spacing()
-            }
-            (Self::Given(a), Self::Given(b)) => a == b,
-            _ => false,
+            Self::Random(surfaces) => Some(surfaces.spacing()),
+            Self::Given(Shape::HeightField { top, .. }) => Some(top.field().spacing()),
+            Self::Given(Shape::Smooth { top, .. }) => Some(top.spline().spacing()),
+            Self::Given(Shape::TriangleMesh { .. }) => None,
         }
     }
 }
@@ -76,12 +92,19 @@ impl PartialEq for SurfaceSource {
 /// A clone shares the memory of the original. Shapes are equal if they are one in memory.
 #[derive(Clone, Debug)]
 pub enum Shape {
-    /// Heights on a grid.
+    /// Heights on a grid, two triangles per cell.
     HeightField {
         /// The surface.
         top: Arc<Surface>,
         /// The bottom of the layer.
         bottom: Option<Arc<Surface>>,
+    },
+    /// A bicubic B-spline.
+    Smooth {
+        /// The surface.
+        top: Arc<SmoothSurface>,
+        /// The bottom of the layer.
+        bottom: Option<Arc<SmoothSurface>>,
     },
     /// Triangles, also with overhangs.
     TriangleMesh {
@@ -93,13 +116,29 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Heights on a grid.
+    /// Heights on a grid, two triangles per cell.
     #[must_use]
     pub fn height_field(field: HeightField) -> Self {
         Self::HeightField {
             top: Arc::new(Surface::new(field)),
             bottom: None,
         }
+    }
+
+    /// Heights on a grid, and the bicubic B-spline through them.
+    ///
+    /// # Errors
+    /// [`SimulateError::NotEnoughMemory`].
+    pub fn smooth(field: &HeightField) -> Result<Self, SimulateError> {
+        check_memory(
+            "a smooth surface of these heights",
+            smooth_bytes(field.shape()),
+        )?;
+        let spline = SplineSurface::through(field);
+        Ok(Self::Smooth {
+            top: Arc::new(SmoothSurface::new(spline)),
+            bottom: None,
+        })
     }
 
     /// Triangles.
@@ -111,8 +150,7 @@ impl Shape {
         }
     }
 
-    /// The same with `bottom` as the shape of the bottom of a layer; `None` if one is a height field and the
-    /// other a triangle mesh.
+    /// The same with `bottom` as the shape of the bottom of a layer; `None` if they are not of one kind.
     #[must_use]
     pub fn over(self, bottom: Self) -> Option<Self> {
         match (self, bottom) {
@@ -120,20 +158,15 @@ impl Shape {
                 let bottom = Some(bottom);
                 Some(Self::HeightField { top, bottom })
             }
+            (Self::Smooth { top, .. }, Self::Smooth { top: bottom, .. }) => {
+                let bottom = Some(bottom);
+                Some(Self::Smooth { top, bottom })
+            }
             (Self::TriangleMesh { top, .. }, Self::TriangleMesh { top: bottom, .. }) => {
                 let bottom = Some(bottom);
                 Some(Self::TriangleMesh { top, bottom })
             }
             _ => None,
-        }
-    }
-
-    /// The heights of the surface; `None` for a triangle mesh.
-    #[must_use]
-    pub fn field(&self) -> Option<&HeightField> {
-        match self {
-            Self::HeightField { top, .. } => Some(top.field()),
-            Self::TriangleMesh { .. } => None,
         }
     }
 }
@@ -152,6 +185,9 @@ impl PartialEq for Shape {
         }
         match (self, other) {
             (Self::HeightField { top: a, bottom: c }, Self::HeightField { top: b, bottom: d }) => {
+                same(a, b) && same_bottom(c.as_ref(), d.as_ref())
+            }
+            (Self::Smooth { top: a, bottom: c }, Self::Smooth { top: b, bottom: d }) => {
                 same(a, b) && same_bottom(c.as_ref(), d.as_ref())
             }
             (

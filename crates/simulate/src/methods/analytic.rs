@@ -3,7 +3,7 @@
 
 use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
-use asperity_surface::Synthesis;
+use asperity_surface::Psd;
 use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
 
 use crate::error::SimulateError;
@@ -29,7 +29,7 @@ impl AnalyticResult {
     /// estimator never gives anything else than traced rays.
     pub(crate) fn of(
         case: &Case,
-        synthesis: &Synthesis,
+        psd: &Psd,
         settings: &Settings,
     ) -> Result<Option<Self>, SimulateError> {
         let Some(target) = settings.target() else {
@@ -38,7 +38,7 @@ impl AnalyticResult {
         if settings.estimator == Estimator::Plain || case.layer.is_some() {
             return Ok(None);
         }
-        let slopes = slopes(synthesis.psd())?;
+        let slopes = slopes(psd)?;
         let incidence = case.light.incidence;
         let bound = deviation_bound(&slopes, case.material, incidence);
         // No norm of fluxes is above one.

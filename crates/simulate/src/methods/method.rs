@@ -2,7 +2,7 @@
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::Incidence;
-use asperity_surface::Synthesis;
+use asperity_surface::Psd;
 use asperity_tally::{ControlVariate, TallyResult, TallyStatistics};
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts};
 use serde::Serialize;
@@ -63,7 +63,7 @@ impl Method {
     /// mean of others, unless the estimator is named.
     pub(crate) fn of_random(
         case: &Case,
-        synthesis: &Synthesis,
+        psd: &Psd,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let one_surface = matches!(settings.effort, Effort::Rays { surfaces: 1, .. });
@@ -74,7 +74,7 @@ impl Method {
         if is_plain || case.layer.is_some() {
             return Ok(Self::plain(settings));
         }
-        let slopes = slopes(synthesis.psd())?;
+        let slopes = slopes(psd)?;
         let incidence = case.light.incidence;
         match control_variate(&slopes, case.material, incidence, &settings.tally) {
             Ok(control_variate) => {

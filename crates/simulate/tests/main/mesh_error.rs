@@ -19,7 +19,7 @@ fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
         from: HalfSpace::Above,
         random_azimuth: true,
     };
-    let case = Case::new(SurfaceSource::Random(synthesis), Material::Mirror, light);
+    let case = Case::new(SurfaceSource::random(synthesis), Material::Mirror, light);
     let settings = Settings {
         tally: TallySpec::new("6x1".parse().unwrap(), 5.0_f64.to_radians()).unwrap(),
         estimator: Estimator::Plain,

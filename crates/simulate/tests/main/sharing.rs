@@ -26,7 +26,7 @@ pub(crate) fn cases() -> Vec<Case> {
         let synthesis = Synthesis::new(psd, [32; 2], [1.0; 2], false).unwrap();
         let light = Light::from_above(Incidence::from_degrees(theta, 0.0).unwrap());
         let glass = Material::dielectric(1.5).unwrap();
-        Case::new(SurfaceSource::Random(synthesis), glass, light)
+        Case::new(SurfaceSource::random(synthesis), glass, light)
     };
     vec![
         case(1.0, 0.0),

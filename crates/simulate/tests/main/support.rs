@@ -47,7 +47,7 @@ impl Rough {
             from: HalfSpace::Above,
             random_azimuth: true,
         };
-        Case::new(SurfaceSource::Random(synthesis), material, light)
+        Case::new(SurfaceSource::random(synthesis), material, light)
     }
 }
 

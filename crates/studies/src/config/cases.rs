@@ -1,6 +1,6 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
-use asperity_simulate::{Estimator, short};
+use asperity_simulate::{Cells, Estimator, SimulateError, short};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
@@ -94,6 +94,10 @@ impl VerifyConfig {
             return contradiction(
                 "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto",
             );
+        }
+        if self.run.refine && self.surface.cells == Cells::Smooth {
+            let error = SimulateError::SmoothRefinement;
+            return Err(ConfigError::Contradiction(format!("refine: {error}")));
         }
         let mut models = BTreeSet::new();
         for name in &self.compare.models {

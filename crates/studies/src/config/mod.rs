@@ -13,7 +13,7 @@ pub(crate) mod values;
 
 use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
-use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
+use asperity_simulate::{Cells, Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_surface::Psd;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
@@ -44,6 +44,9 @@ pub struct SurfaceConfig {
     pub size: PerAxis<Count>,
     /// Length units per sample along x and y.
     pub spacing: PerAxis<Number>,
+    /// What lies between the heights of the grid.
+    #[serde(default)]
+    pub cells: Cells,
     /// Draw surfaces that the grid cannot resolve or hold.
     pub insist: bool,
 }

@@ -1,7 +1,9 @@
 //! The configuration of `asperity trace`: one given surface, one material, one direction.
 
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
+use asperity_simulate::{
+    BottomSurface, Case, Cells, LayerBelow, Light, Settings, Shape, SurfaceSource,
+};
 use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
@@ -11,9 +13,18 @@ use crate::config::medium::MediumConfig;
 use crate::config::{Azimuth, LightConfig, MaterialConfig, OutputConfig, RunConfig};
 use crate::settings::{Command, Document};
 
+/// `[surface]`, of which a given surface has the cells alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CellsConfig {
+    /// What lies between the heights of the grid.
+    pub cells: Cells,
+}
+
 /// Light on one given surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TraceConfig {
+    /// What lies between the heights of the surface.
+    pub surface: CellsConfig,
     /// The surface.
     pub measured: MeasuredConfig,
     /// What it is made of.

@@ -318,7 +318,7 @@ fn prepare(
         from: plan.incident,
         random_azimuth: plan.any_azimuth,
     };
-    let simulated = Case::new(SurfaceSource::Random(synthesis), case.material, light);
+    let simulated = Case::new(SurfaceSource::random(synthesis), case.material, light);
     let settings = Settings {
         tally: plan.spec,
         accelerator: method.accelerator,

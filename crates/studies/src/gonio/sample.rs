@@ -1,6 +1,6 @@
 //! A given surface as a measurement takes it.
 
-use asperity_simulate::Shape;
+use asperity_simulate::{Cells, Shape, SimulateError};
 use asperity_surface::{Form, HeightField};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
@@ -29,9 +29,11 @@ pub struct AboutSample {
 }
 
 impl Sample {
-    /// A surface from which `form` was removed when it was read.
-    #[must_use]
-    pub fn of(surface: GivenSurface, form: Form) -> Self {
+    /// A surface from which `form` was removed when it was read, with these `cells` between heights.
+    ///
+    /// # Errors
+    /// As [`GivenShape::simulated`].
+    pub fn of(surface: GivenSurface, form: Form, cells: Cells) -> Result<Self, SimulateError> {
         let warnings = match surface.file {
             Some(_) => surface.warnings(),
             None => Vec::new(),
@@ -49,14 +51,14 @@ impl Sample {
             }
             GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name),
         };
-        Self {
-            shape: surface.shape.simulated(),
+        Ok(Self {
+            shape: surface.shape.simulated(cells)?,
             about: AboutSample {
                 name: surface.name,
                 description,
                 warnings,
             },
-        }
+        })
     }
 }
 

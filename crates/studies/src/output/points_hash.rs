@@ -2,7 +2,7 @@
 
 use asperity_analysis::fnv1a;
 use asperity_simulate::Shape;
-use asperity_surface::HeightField;
+use asperity_surface::{HeightField, SplineSurface};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 use serde_json::{Value, json};
 
@@ -34,10 +34,22 @@ pub(crate) fn shape_hash(shape: &Shape) -> Value {
             "corners": corners_hash(mesh),
         })
     };
+    let of_spline = |spline: &SplineSurface| {
+        json!({
+            "shape": spline.shape(),
+            "spacing": spline.spacing(),
+            "border": spline.border(),
+            "coefficients": text(spline.coefficients().iter().copied()),
+        })
+    };
     match shape {
         Shape::HeightField { top, bottom } => json!({
             "top": of_field(top.field()),
             "bottom": bottom.as_ref().map(|bottom| of_field(bottom.field())),
+        }),
+        Shape::Smooth { top, bottom } => json!({
+            "top": of_spline(top.spline()),
+            "bottom": bottom.as_ref().map(|bottom| of_spline(bottom.spline())),
         }),
         Shape::TriangleMesh { top, bottom } => json!({
             "top": of_mesh(top),

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::fmt::Write;
 
 use asperity_analysis::{Comparison, SignFlipTest};
-use asperity_simulate::{Stopping, counted, short};
+use asperity_simulate::{Cells, Stopping, counted, short};
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
@@ -75,12 +75,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         let _ = writeln!(out, "{orders} only; further paths are truncated");
     }
     if case.outcome.deviation_bound.is_none() {
-        let config = outcome.config.on_grid(case.size(), case.spacing());
-        let _ = writeln!(
-            out,
-            "the slope variance of the mesh is {:.2} % below that of the continuous surface",
-            100.0 * config.mesh_slope_deficit(),
-        );
+        let _ = writeln!(out, "{}", cells_line(outcome, case));
     }
     out.push('\n');
 
@@ -103,6 +98,22 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         let _ = writeln!(out, "\n{}", conclusion(&outcome.spec, case));
     }
     out
+}
+
+/// What the cells of the surfaces make of their slopes.
+fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
+    match outcome.config.surface.cells {
+        Cells::Flat => {
+            let config = outcome.config.on_grid(case.size(), case.spacing());
+            format!(
+                "the slope variance of the mesh is {:.2} % below that of the continuous surface",
+                100.0 * config.mesh_slope_deficit(),
+            )
+        }
+        Cells::Smooth => {
+            "cells are smooth, with the slope variance of the continuous surface".to_owned()
+        }
+    }
 }
 
 /// A row of the table of fluxes.

@@ -42,7 +42,7 @@ const fn section(name: &'static str, title: &'static str, settings: &'static [Se
 
 /// All sections, in the order of the help.
 pub static SECTIONS: &[Section] = &[
-    section("surface", "Random surfaces", surface::SETTINGS),
+    section("surface", "Random surfaces, cells", surface::SETTINGS),
     section("generate", "Height map", generate::SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
     section("material", "Material", material::SETTINGS),

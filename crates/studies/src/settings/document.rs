@@ -288,7 +288,7 @@ impl Document {
     fn has_given_surface(&self, flags: &[&str]) -> bool {
         let random = |flag: &&str| {
             let of_flag = settings_of(self.command).find(|setting| has_flag(setting, flag));
-            of_flag.is_some_and(|s| s.section == "surface" && s.key != "spacing")
+            of_flag.is_some_and(|s| s.excludes.contains(&"measured.*"))
         };
         let by_flag = flags.iter().any(|flag| ["surface", "flat"].contains(flag));
         let by_file = self.is_given("measured.file") || self.is_given("measured.flat");

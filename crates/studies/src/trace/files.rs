@@ -75,8 +75,8 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
         max_order: outcome.config.run.max_order,
         case: None,
     };
-    let map = || match case.surface.field() {
-        Some(field) => figures::height_map(&[place], field, &outcome.name),
+    let map = || match case.surface.heights() {
+        Some(field) => figures::height_map(&[place], &field, &outcome.name),
         None => Ok(()),
     };
     let statistics = &outcome.outcome.statistics;

@@ -8,6 +8,16 @@ use crate::height_field::check_grid;
 use crate::{Border, HeightField, HeightFieldError};
 
 impl SplineSurface {
+    /// Grid points `[rows, columns]`: those of [`SplineSurface::samples`].
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        let [cx, cy] = self.cells();
+        match self.border() {
+            Border::Periodic => [cy, cx],
+            Border::Mirrored | Border::Open => [cy + 1, cx + 1],
+        }
+    }
+
     /// Heights at the grid points: shape `[cy, cx]` if the border is periodic, `[cy + 1, cx + 1]` otherwise.
     ///
     /// Spacing, unit, border and provenance stay. [`SplineSurface::through`] these samples is this surface

@@ -13,6 +13,14 @@ pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
     choice("open", "rays that leave the patch sideways escape"),
 ]);
 
+pub(super) const CELLS: Kind = Kind::Choice(&[
+    choice("flat", "two triangles per cell"),
+    choice(
+        "smooth",
+        "bicubic B-splines, continuous in slope and curvature",
+    ),
+]);
+
 pub(super) const UNIT: Kind = Kind::Choice(&[
     choice("1", "arbitrary"),
     choice("m", "metre"),

@@ -1,7 +1,7 @@
-//! `[surface]`: random surfaces.
+//! `[surface]`: random surfaces, and the cells of any.
 
-use super::choices::DRAWN_BORDER;
-use super::{ATTENUATION, DEGREES, GENERATE, LENGTH, MODEL, RANDOM, SWEEPS};
+use super::choices::{CELLS, DRAWN_BORDER};
+use super::{ATTENUATION, DEGREES, GENERATE, LENGTH, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, setting};
@@ -115,6 +115,14 @@ pub(super) const SETTINGS: &[Setting] = &[
     .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05"))]),
+    setting(
+        SECTION,
+        "cells",
+        CELLS,
+        TRACING,
+        "What lies between the heights of the grid",
+    )
+    .default("flat"),
     setting(
         SECTION,
         "border",

@@ -1,0 +1,25 @@
+//! Cells: what lies between the heights of a grid.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// What the cells of a grid of heights are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Cells {
+    /// Two triangles per cell.
+    #[default]
+    Flat,
+    /// Bicubic B-splines, which join smoothly.
+    Smooth,
+}
+
+impl fmt::Display for Cells {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Flat => "flat",
+            Self::Smooth => "smooth",
+        })
+    }
+}

@@ -1,0 +1,111 @@
+//! Random surfaces: the recipe that draws them, by the cells that they consist of.
+
+use asperity_surface::{HeightField, Psd, SplineSynthesis, Synthesis, SynthesisError};
+
+use super::cells::Cells;
+
+/// Random surfaces, by the cells that they consist of.
+#[derive(Clone, Debug)]
+pub enum RandomSurfaces {
+    /// Heights on a grid, two triangles per cell.
+    Flat(Synthesis),
+    /// Bicubic B-splines.
+    Smooth(SplineSynthesis),
+}
+
+impl RandomSurfaces {
+    /// Plans surfaces of the power spectral density `psd`; the other parameters are those of [`Synthesis::new`].
+    ///
+    /// # Errors
+    /// As [`Synthesis::new`] or [`SplineSynthesis::new`].
+    pub fn new(
+        cells: Cells,
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        insist: bool,
+    ) -> Result<Self, SynthesisError> {
+        Ok(match cells {
+            Cells::Flat => Self::Flat(Synthesis::new(psd, shape, spacing, insist)?),
+            Cells::Smooth => Self::Smooth(SplineSynthesis::new(psd, shape, spacing, insist)?),
+        })
+    }
+
+    /// What their cells are.
+    #[must_use]
+    pub const fn cells(&self) -> Cells {
+        match self {
+            Self::Flat(_) => Cells::Flat,
+            Self::Smooth(_) => Cells::Smooth,
+        }
+    }
+
+    /// The requested power spectral density.
+    #[must_use]
+    pub const fn psd(&self) -> &Psd {
+        match self {
+            Self::Flat(synthesis) => synthesis.psd(),
+            Self::Smooth(synthesis) => synthesis.psd(),
+        }
+    }
+
+    /// Cells `[rows, columns]`; as many as samples, since the surfaces are periodic.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        match self {
+            Self::Flat(synthesis) => synthesis.shape(),
+            Self::Smooth(synthesis) => synthesis.shape(),
+        }
+    }
+
+    /// `[dx, dy]`, length units per cell.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        match self {
+            Self::Flat(synthesis) => synthesis.spacing(),
+            Self::Smooth(synthesis) => synthesis.spacing(),
+        }
+    }
+
+    /// Bytes that a program holds at the peak of drawing one of them.
+    #[must_use]
+    pub fn peak_bytes(&self) -> usize {
+        match self {
+            Self::Flat(synthesis) => synthesis.peak_bytes(),
+            Self::Smooth(synthesis) => synthesis.peak_bytes(),
+        }
+    }
+
+    /// Heights of one surface at the grid points.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn samples(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+        match self {
+            Self::Flat(synthesis) => synthesis.draw(seed, realisation),
+            Self::Smooth(synthesis) => Ok(synthesis.draw(seed, realisation)?.samples()),
+        }
+    }
+}
+
+/// Two recipes are equal if they draw the same surfaces.
+impl PartialEq for RandomSurfaces {
+    fn eq(&self, other: &Self) -> bool {
+        self.cells() == other.cells()
+            && self.psd() == other.psd()
+            && self.shape() == other.shape()
+            && self.spacing() == other.spacing()
+    }
+}
+
+impl From<Synthesis> for RandomSurfaces {
+    fn from(synthesis: Synthesis) -> Self {
+        Self::Flat(synthesis)
+    }
+}
+
+impl From<SplineSynthesis> for RandomSurfaces {
+    fn from(synthesis: SplineSynthesis) -> Self {
+        Self::Smooth(synthesis)
+    }
+}
