@@ -7,6 +7,7 @@
 )]
 
 mod attenuation;
+mod cells;
 mod commands;
 mod converge;
 mod estimators;

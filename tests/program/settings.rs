@@ -64,7 +64,7 @@ fn trace_reads_a_configuration_and_flags_override_it() {
     fs::write(folder.join("bad.toml"), "[surface]\ntau = 3\n").unwrap();
     let said = refused(&folder, &words("trace bad.toml"), 2);
     assert!(
-        said.contains("bad.toml: line 1: unknown section `surface`"),
+        said.contains("bad.toml: line 2: surface.tau is for"),
         "{said}"
     );
     // The example is for another command, which is named.

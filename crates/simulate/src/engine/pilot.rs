@@ -16,6 +16,8 @@ use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
 use super::tallies::CaseTallies;
+use crate::input::cells::Cells;
+use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::target::{Quantity, Target, ratio};
 use crate::output::stopping::PilotFigures;
 
@@ -32,6 +34,10 @@ pub(crate) const RAYS: u64 = SURFACES << 11;
 /// a machine with AVX-512, for surfaces of 512 x 512. What counts is its ratio to those below, which were
 /// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
 const CELL_NS: f64 = 8.0;
+
+/// The same of a smooth cell, whose bounds take longer, over how much longer a search among smooth cells takes: only
+/// the ratio to what follows counts.
+const SMOOTH_CELL_NS: f64 = 100.0;
 
 /// Nanoseconds of overhead per surface and case: streams, tallies, their sums.
 const SURFACE_NS: f64 = 50_000.0;
@@ -100,8 +106,8 @@ impl PlannedEffort {
 pub(crate) struct PilotRun<'a> {
     pub(crate) fine: &'a CaseTallies,
     pub(crate) coarse: Option<&'a CaseTallies>,
-    /// Cells of a surface.
-    pub(crate) cells: usize,
+    /// Counted cost of drawing and building a surface, in nanoseconds.
+    pub(crate) cost_of_surface_ns: f64,
     /// Entries that have an error of at least one ray.
     pub(crate) counted: usize,
 }
@@ -123,7 +129,7 @@ impl Figures {
         let PilotRun {
             fine,
             coarse,
-            cells,
+            cost_of_surface_ns,
             counted,
         } = *run;
         let entries = target.of().entries(spec);
@@ -147,7 +153,7 @@ impl Figures {
                 rays: work.rays,
                 variance_of_surfaces: relative(of_surfaces),
                 variance_of_rays: relative(of_rays * rays),
-                cost_of_surface_ns: CELL_NS * cells as f64 + SURFACE_NS,
+                cost_of_surface_ns,
                 cost_of_ray_ns: cost_of_ray_ns(work),
                 mesh_difference: coarse
                     .map(|coarse| ratio(difference(&entries, fine, coarse), norm)),
@@ -200,6 +206,16 @@ impl Figures {
         let difference = self.figures.mesh_difference?;
         Some(MESH_ORDER * difference * scale * scale)
     }
+}
+
+/// Counted cost of drawing and building one of these surfaces, in nanoseconds.
+pub(crate) fn cost_of_surface_ns(surfaces: &RandomSurfaces) -> f64 {
+    let of_cell = match surfaces.cells() {
+        Cells::Flat => CELL_NS,
+        Cells::Smooth => SMOOTH_CELL_NS,
+    };
+    let cells: usize = surfaces.shape().iter().product();
+    of_cell * cells as f64 + SURFACE_NS
 }
 
 /// Counted cost of a ray with the paths that begin with it, on average over this work, in nanoseconds.

@@ -85,7 +85,7 @@ impl RandomGroup {
         let run = PilotRun {
             fine,
             coarse,
-            cells: self.surfaces.shape().iter().product(),
+            cost_of_surface_ns: pilot::cost_of_surface_ns(&self.surfaces),
             counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
         };
         Some(Figures::new(target, tally, &run))

@@ -12,5 +12,6 @@ mod mesh_error;
 mod paths;
 mod resuming;
 mod sharing;
+mod smooth;
 mod stopping;
 mod support;

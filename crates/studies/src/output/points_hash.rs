@@ -1,7 +1,7 @@
 //! Points hash: tells given surfaces apart by their points, so that no run resumes on another surface.
 
 use asperity_analysis::fnv1a;
-use asperity_simulate::Shape;
+use asperity_simulate::{Cells, Shape};
 use asperity_surface::{HeightField, SplineSurface};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 use serde_json::{Value, json};
@@ -44,10 +44,12 @@ pub(crate) fn shape_hash(shape: &Shape) -> Value {
     };
     match shape {
         Shape::HeightField { top, bottom } => json!({
+            "cells": Cells::Flat,
             "top": of_field(top.field()),
             "bottom": bottom.as_ref().map(|bottom| of_field(bottom.field())),
         }),
         Shape::Smooth { top, bottom } => json!({
+            "cells": Cells::Smooth,
             "top": of_spline(top.spline()),
             "bottom": bottom.as_ref().map(|bottom| of_spline(bottom.spline())),
         }),

@@ -256,6 +256,8 @@ fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
     assert_eq!(spacing("", &[two(), flag("surface", "h.npy")]), of_given);
     let file = "[measured]\nfile = \"h.npy\"";
     assert_eq!(spacing(file, &[two()]), of_given);
+    // Cells are those of any surface.
+    assert_eq!(spacing(file, &[two(), flag("cells", "smooth")]), of_given);
     assert_eq!(spacing(file, &[two(), flag("tau", "9")]), [random, given]);
 }
 

@@ -22,7 +22,18 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .flag(Flag::Named("surface"))
     .value_name("FILE")
-    .excludes(&["measured.flat", "surface.*", "run.realisations"])
+    .excludes(&[
+        "measured.flat",
+        "surface.tau",
+        "surface.tau_y",
+        "surface.smoothness",
+        "surface.sigma",
+        "surface.azimuth",
+        "surface.size",
+        "surface.spacing",
+        "surface.insist",
+        "run.realisations",
+    ])
     .clears(&["measured.*"]),
     setting(
         SECTION,
@@ -39,7 +50,14 @@ pub(super) const SETTINGS: &[Setting] = &[
         "measured.unit",
         "measured.missing",
         "measured.remove",
-        "surface.*",
+        "surface.tau",
+        "surface.tau_y",
+        "surface.smoothness",
+        "surface.sigma",
+        "surface.azimuth",
+        "surface.size",
+        "surface.spacing",
+        "surface.insist",
         "run.realisations",
         "run.refine",
     ])

@@ -1,0 +1,127 @@
+//! Random surfaces of smooth cells.
+
+use asperity_optics::{Incidence, Material};
+use asperity_simulate::{
+    Case, Cells, Effort, Estimator, Light, Outcome, Quantity, RandomSurfaces, Settings,
+    SimulateError, Simulation, SurfaceSource,
+};
+use asperity_surface::Psd;
+use asperity_tally::{Component, Side, TallyResult};
+use asperity_tracer::HalfSpace;
+
+use crate::support::{glass, run, target};
+
+/// Light at `theta` on surfaces of `size` cells per side, four to a correlation length.
+fn case(cells: Cells, smoothness: f64, size: usize, material: Material, theta: f64) -> Case {
+    let psd = Psd::gaussian(4.0 / smoothness, 4.0).unwrap();
+    let surfaces = RandomSurfaces::new(cells, psd, [size; 2], [1.0; 2], false).unwrap();
+    let light = Light {
+        incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
+        from: HalfSpace::Above,
+        random_azimuth: true,
+    };
+    Case::new(SurfaceSource::random(surfaces), material, light)
+}
+
+fn settings(surfaces: u64, rays: u64) -> Settings {
+    Settings {
+        effort: Effort::Rays {
+            total: rays,
+            surfaces,
+        },
+        ..Settings::default()
+    }
+}
+
+fn reflected(outcome: &Outcome) -> [f64; 2] {
+    let flux = outcome.statistics.flux(Side::Reflected, Component::All);
+    [flux.mean, flux.se.unwrap()]
+}
+
+/// Vertical light that leaves glass, s = 1: the turn from facet to facet keeps light inside that would leave. The limit
+/// is that of 400 surfaces of 256 x 256 smooth cells, eight per correlation length, within 0.0003.
+#[test]
+fn smooth_cells_at_four_per_correlation_length_have_the_reflectance_of_fine_meshes() {
+    const LIMIT: f64 = 0.4782;
+    let leaving = Material::dielectric(1.0 / 1.5).unwrap();
+    let off = |cells: Cells| {
+        let case = case(cells, 1.0, 64, leaving, 0.0);
+        let [mean, se] = reflected(&run(case, &settings(96, 400_000)));
+        println!("{cells}: {mean:.5} +- {se:.5}");
+        (mean - LIMIT) / se
+    };
+    assert!(off(Cells::Smooth).abs() < 4.0);
+    assert!(off(Cells::Flat) > 8.0);
+}
+
+/// Where light of the first order is all but everything, the control variate must be that of these surfaces.
+#[test]
+fn controlled_and_plain_means_agree_on_smooth_cells() {
+    for (smoothness, theta) in [(6.0, 30.0), (3.0, 0.0), (2.0, 60.0)] {
+        let found = [Estimator::Plain, Estimator::Controlled].map(|estimator| {
+            let settings = Settings {
+                estimator,
+                ..settings(64, 200_000)
+            };
+            run(
+                case(Cells::Smooth, smoothness, 32, glass(), theta),
+                &settings,
+            )
+        });
+        let [[plain, plain_se], [controlled, se]] = found.each_ref().map(reflected);
+        let z = (plain - controlled) / plain_se.hypot(se);
+        println!("s = {smoothness}: {plain:.6} +- {plain_se:.6}, {controlled:.6} +- {se:.6}");
+        assert!(z.abs() < 4.0, "{z}");
+        assert!(smoothness < 3.0 || se < plain_se);
+    }
+}
+
+#[test]
+fn a_target_error_leaves_the_spacing_of_smooth_cells_as_it_is() {
+    let outcome = |cells: Cells| {
+        let settings = Settings {
+            effort: target(0.05, Quantity::Bins),
+            ..Settings::default()
+        };
+        run(case(cells, 3.0, 64, glass(), 30.0), &settings)
+    };
+    let smooth = outcome(Cells::Smooth);
+    assert_eq!(smooth.case.surface.spacing(), Some([1.0; 2]));
+    assert_eq!(smooth.case.surface.cells(), Some(Cells::Smooth));
+    assert_eq!(smooth.stopping.pilot.unwrap().mesh_difference, None);
+    assert!(
+        outcome(Cells::Flat)
+            .stopping
+            .pilot
+            .unwrap()
+            .mesh_difference
+            .is_some()
+    );
+}
+
+#[test]
+fn smooth_cells_are_not_refined() {
+    let settings = Settings {
+        refine: true,
+        ..Settings::default()
+    };
+    let cases = [case(Cells::Smooth, 3.0, 32, glass(), 30.0)];
+    let refused = Simulation::new(&cases, &settings).err();
+    assert_eq!(refused, Some(SimulateError::SmoothRefinement));
+}
+
+/// Flat and smooth cells of equal spectrum and grid are other surfaces.
+#[test]
+fn flat_and_smooth_cells_do_not_share_surfaces() {
+    let [flat, smooth] =
+        [Cells::Flat, Cells::Smooth].map(|cells| case(cells, 1.0, 32, glass(), 30.0));
+    assert_ne!(flat.surface, smooth.surface);
+    assert_eq!(smooth.surface, smooth.surface.clone());
+    let together = asperity_simulate::simulate(
+        &[flat, smooth.clone()],
+        &settings(4, 4000),
+        &asperity_simulate::Silent,
+    );
+    let alone = run(smooth, &settings(4, 4000));
+    assert_eq!(together.unwrap()[1].surfaces, alone.surfaces);
+}

@@ -1,0 +1,221 @@
+//! Surfaces of smooth cells.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{asperity, files, json, refused, succeed, with_surface, words};
+
+const VERIFY: &str = "verify --tau 4 --size 32 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
+const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";
+
+/// The contents of all tables of a folder.
+fn tables(folder: &Path) -> Vec<(String, String)> {
+    let names = files(folder).into_iter();
+    let names = names.filter(|name| name.ends_with(".csv"));
+    let read = |name: String| {
+        let text = fs::read_to_string(folder.join(&name)).unwrap();
+        (name, text)
+    };
+    names.map(read).collect()
+}
+
+/// Runs a command line with one thread and with two, and returns its summary.
+fn run_with_threads(folder: &Path, line: &str) -> serde_json::Value {
+    for threads in [1, 2] {
+        let out = format!("{line} --threads {threads} -o out{threads}");
+        succeed(folder, &words(&out));
+    }
+    let [one, two] = [1, 2].map(|threads| tables(&folder.join(format!("out{threads}"))));
+    assert!(!one.is_empty() && one == two, "{line}: other bytes");
+    json(&fs::read_to_string(folder.join("out1/summary.json")).unwrap())
+}
+
+#[test]
+fn smooth_cells_are_traced_with_all_energy_and_the_same_bytes_on_any_number_of_threads() {
+    let (_keep, folder) = with_surface();
+    for (line, config) in [
+        (VERIFY, "/config/verify/surface/cells"),
+        (TRACE, "/config/cells"),
+    ] {
+        let rays = if line == TRACE { " --rays 5e4" } else { "" };
+        let flat = run_with_threads(&folder, &format!("{line}{rays} --cells flat"));
+        let smooth = run_with_threads(&folder, &format!("{line}{rays} --cells smooth"));
+        assert_eq!(flat.pointer(config).unwrap(), "flat");
+        assert_eq!(smooth.pointer(config).unwrap(), "smooth");
+        assert_ne!(flat["energy"], smooth["energy"]);
+        let energy = |name: &str| smooth["energy"][name]["mean"].as_f64().unwrap();
+        let sum: f64 = ["reflected", "transmitted", "absorbed", "truncated", "lost"]
+            .map(energy)
+            .iter()
+            .sum();
+        assert!((sum - 1.0).abs() < 1e-12, "{line}: {sum}");
+        assert_eq!(energy("lost"), 0.0);
+        assert!(energy("reflected") > 0.0 && energy("transmitted") > 0.0);
+        let said = serde_json::to_string(&smooth["error_budget"]).unwrap();
+        assert!(said.contains("not estimated for smooth cells"), "{said}");
+        let map = fs::metadata(folder.join("out1/height_map.png")).unwrap();
+        assert!(map.len() > 1000);
+        for threads in [1, 2] {
+            fs::remove_dir_all(folder.join(format!("out{threads}"))).unwrap();
+        }
+    }
+}
+
+#[test]
+fn reports_say_that_cells_are_smooth() {
+    let (_keep, folder) = with_surface();
+    let verify = succeed(&folder, &words(&format!("{VERIFY} --cells smooth -o out")));
+    assert!(verify.contains("cells are smooth"), "{verify}");
+    assert!(!verify.contains("mesh is 3"), "{verify}");
+    let trace = succeed(
+        &folder,
+        &words(&format!("{TRACE} --rays 1e4 --cells smooth")),
+    );
+    assert!(trace.contains("not estimated for smooth cells"), "{trace}");
+}
+
+#[test]
+fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones() {
+    let (_keep, folder) = with_surface();
+    let long = VERIFY.replace(
+        "--realisations 4 --rays 2e4",
+        "--realisations 400 --rays 8e5",
+    );
+    for line in [format!("{TRACE} --rays 4e6"), long] {
+        let line = format!("{line} --no-plots --cells smooth");
+        succeed(&folder, &words(&format!("{line} -o whole")));
+        let stopped = asperity(&folder, &words(&format!("{line} --max-time 0.05 -o part")));
+        assert!(stopped.status.success());
+        assert!(folder.join("part/checkpoints").exists(), "{line}");
+        let flat = line.replace("--cells smooth", "--cells flat");
+        let said = refused(&folder, &words(&format!("{flat} -o part")), 1);
+        assert!(
+            said.contains("cells \"smooth\" in place of \"flat\""),
+            "{said}"
+        );
+        let resumed = asperity(&folder, &words(&format!("{line} -o part")));
+        let errors = String::from_utf8(resumed.stderr).unwrap();
+        assert!(errors.starts_with("resumed"), "{errors}");
+        assert!(
+            tables(&folder.join("part")) == tables(&folder.join("whole")),
+            "{line}"
+        );
+        for out in ["part", "whole"] {
+            fs::remove_dir_all(folder.join(out)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
+    let (_keep, folder) = with_surface();
+    let small = "--tau 4 --size 32 --smoothness 1 --realisations 2 --rays 2e3 --theta 20";
+    let given = "--surface h.exr --rays 2e3 --theta 20 --phi 0,90";
+    for (line, table) in [
+        (format!("map {small} --models smith"), "map.csv"),
+        (format!("gonio {small}"), "gonio.csv"),
+        (format!("gonio {given}"), "gonio.csv"),
+    ] {
+        let reflected = |cells: &str| {
+            succeed(
+                &folder,
+                &words(&format!(
+                    "{line} --bins 6x4 --no-plots --cells {cells} -o {cells}"
+                )),
+            );
+            let text = fs::read_to_string(folder.join(cells).join(table)).unwrap();
+            fs::remove_dir_all(folder.join(cells)).unwrap();
+            text
+        };
+        assert_ne!(reflected("flat"), reflected("smooth"), "{line}");
+    }
+}
+
+#[test]
+fn smooth_cells_take_coarser_grids_than_flat_ones() {
+    let keep = tempfile::tempdir().unwrap();
+    let verify = VERIFY.replace("--tau 4", "--tau 2.5");
+    let said = refused(keep.path(), &words(&format!("{verify} -o out")), 2);
+    assert!(said.contains("2.50 spacings"), "{said}");
+    succeed(
+        keep.path(),
+        &words(&format!("{verify} --cells smooth -o out")),
+    );
+    let verify = verify.replace("--tau 2.5", "--tau 2.4");
+    let said = refused(
+        keep.path(),
+        &words(&format!("{verify} --cells smooth -o no")),
+        2,
+    );
+    assert!(said.contains("2.40 spacings"), "{said}");
+}
+
+#[test]
+fn what_smooth_cells_cannot_do_is_refused() {
+    let (_keep, folder) = with_surface();
+    succeed(&folder, &words("mesh h.exr -o h.ply"));
+    fs::write(folder.join("c.toml"), "[surface]\ncells = \"smooth\"\n").unwrap();
+    fs::write(folder.join("bad.toml"), "[surface]\ncells = \"round\"\n").unwrap();
+    for (line, expected) in [
+        (
+            "trace h.exr --refine",
+            "--refine: only flat cells can be refined",
+        ),
+        (
+            "verify --refine -o out",
+            "refine: only flat cells can be refined",
+        ),
+        (
+            "map --refine --models smith -o out",
+            "refine: only flat cells can be refined",
+        ),
+        (
+            "trace h.exr --estimator controlled",
+            "these cells are smooth, so take auto or plain",
+        ),
+        ("trace h.ply", "this is a triangle mesh, so take flat cells"),
+        (
+            "gonio --surface h.ply -o out",
+            "this is a triangle mesh, so take flat cells",
+        ),
+        (
+            "trace h.exr --accelerator flat",
+            "the accelerator flat is for flat surfaces",
+        ),
+        (
+            "verify --accelerator flat -o out",
+            "the accelerator flat is for flat surfaces",
+        ),
+        (
+            "render h.exr -o out.png",
+            "--cells is for trace, verify, map and gonio",
+        ),
+        (
+            "mesh h.exr -o out.ply",
+            "--cells is for trace, verify, map and gonio",
+        ),
+        (
+            "generate -o out.exr",
+            "--cells is for trace, verify, map and gonio",
+        ),
+        (
+            "attenuation -o out",
+            "--cells is for trace, verify, map and gonio",
+        ),
+        (
+            "converge -o out",
+            "--cells is for trace, verify, map and gonio",
+        ),
+    ] {
+        let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
+        assert!(said.contains(expected), "{line}: {said}");
+    }
+    let said = refused(&folder, &words("converge c.toml -o out"), 2);
+    assert!(
+        said.contains("surface.cells is for trace, verify, map and gonio"),
+        "{said}"
+    );
+    let said = refused(&folder, &words("trace bad.toml"), 2);
+    assert!(said.contains("flat") && said.contains("smooth"), "{said}");
+    assert!(!folder.join("out").exists() && !folder.join("out.ply").exists());
+}
