@@ -144,7 +144,7 @@ impl VerifyConfig {
                 .as_ref()
                 .map(|medium| medium.bottom_surface.named());
             simulated.push(Case {
-                surface: SurfaceSource::Random(surfaces),
+                surface: SurfaceSource::random(surfaces),
                 material: case.material,
                 layer: case.layer.map(|layer| LayerBelow {
                     layer,

@@ -98,12 +98,14 @@ impl Draft {
         let refinement =
             spacing.and_then(|given| Refinement::of_surfaces(given, &self.tallies.shifts));
         match &self.case.surface {
-            SurfaceSource::Random(RandomSurfaces::Flat(synthesis)) => {
-                MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
-            }
-            SurfaceSource::Random(RandomSurfaces::Smooth(_)) => {
-                MeshErrors::of_random_smooth(&self.method, settings.tally)
-            }
+            SurfaceSource::Random(surfaces) => match &**surfaces {
+                RandomSurfaces::Flat(synthesis) => {
+                    MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
+                }
+                RandomSurfaces::Smooth(_) => {
+                    MeshErrors::of_random_smooth(&self.method, settings.tally)
+                }
+            },
             SurfaceSource::Given(shape) => MeshErrors::of_given(shape, settings.tally, refinement),
         }
     }

@@ -40,7 +40,7 @@ impl Group {
             }
         }
         let checked = |(source, cases)| match source {
-            SurfaceSource::Random(surfaces) => RandomGroup::new(surfaces, cases, settings)
+            SurfaceSource::Random(surfaces) => RandomGroup::new(*surfaces, cases, settings)
                 .map(|group| Self::Random(Box::new(group))),
             SurfaceSource::Given(shape) => GivenGroup::new(shape, cases, settings).map(Self::Given),
         };

@@ -188,7 +188,7 @@ impl RandomGroup {
     /// The case on the surfaces that were traced, whose spacing the pilot run may have changed.
     fn as_traced(&self, case: &Case) -> Case {
         Case {
-            surface: SurfaceSource::Random(self.surfaces.clone()),
+            surface: SurfaceSource::random(self.surfaces.clone()),
             ..case.clone()
         }
     }
@@ -344,7 +344,7 @@ mod tests {
             let glass = Material::Dielectric { eta: 1.5 };
             let case = NumberedCase {
                 number: 0,
-                case: Case::new(SurfaceSource::Random(surfaces.clone()), glass, light),
+                case: Case::new(SurfaceSource::random(surfaces.clone()), glass, light),
             };
             let target = Target::new(0.02, Quantity::Rings).unwrap();
             let settings = Settings {

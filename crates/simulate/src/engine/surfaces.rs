@@ -344,7 +344,7 @@ mod tests {
         };
         let cases = [TracedCase {
             number: 0,
-            case: Case::new(SurfaceSource::Random(surfaces.clone()), glass, light),
+            case: Case::new(SurfaceSource::random(surfaces.clone()), glass, light),
             method: Arc::new(Method::plain(&settings)),
         }];
         let group = SurfaceGroup {

@@ -17,7 +17,7 @@ use crate::error::SimulateError;
 #[derive(Clone, Debug, PartialEq)]
 pub enum SurfaceSource {
     /// Random surfaces, drawn by a recipe. The result is a mean over them.
-    Random(RandomSurfaces),
+    Random(Box<RandomSurfaces>),
     /// One surface. The result is that of this surface alone.
     Given(Shape),
 }
@@ -27,7 +27,7 @@ impl SurfaceSource {
     /// [`SplineSynthesis`](asperity_surface::SplineSynthesis), of smooth ones.
     #[must_use]
     pub fn random(surfaces: impl Into<RandomSurfaces>) -> Self {
-        Self::Random(surfaces.into())
+        Self::Random(Box::new(surfaces.into()))
     }
 
     /// A surface given by its heights.
