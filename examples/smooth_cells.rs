@@ -91,6 +91,9 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let all = arguments.first().is_some_and(|first| first == "all");
     let surfaces: u64 = arguments.get(1).map_or(Ok(8), |n| n.parse())?;
+    if surfaces < 2 {
+        return Err("errors take two surfaces at least".into());
+    }
     let mut cases = vec![(1.0, 1.0 / 1.5, 0.0)];
     if all {
         cases.clear();

@@ -2,8 +2,8 @@
 
 use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Geometry, HalfSpace, Hit,
-    Instructions, Pyramid, Query, SmoothCell, SmoothSurface, TileRay,
+    Accelerator, AcceleratorKind, BruteForce, BuildAccelerator, Escape, Geometry, HalfSpace, Hit,
+    Instructions, Nearby, Outlook, Pyramid, Query, RayBatch, SmoothCell, SmoothSurface, TileRay,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -128,9 +128,6 @@ fn all_accelerators_find_the_hits_of_brute_force() {
 #[test]
 fn brute_force_finds_the_first_crossing() {
     for (name, surface) in surfaces() {
-        if surface.border() != Border::Periodic {
-            continue;
-        }
         let [cx, cy] = surface.extent();
         let [_, reach] = surface.z_range();
         let mut crossings = 0;
@@ -183,5 +180,97 @@ fn powers_of_two_of_scale_change_nothing() {
             met += usize::from(hit.is_some());
         }
         assert!(met > 500, "{met}");
+    }
+}
+
+/// What slopes tell of a ray is true, and the same for many rays as for one.
+#[test]
+fn rays_that_escape_by_slopes_meet_nothing() {
+    for (name, surface) in surfaces() {
+        let queries = rays(&surface, 3000, 4);
+        let batch: RayBatch = queries.iter().collect();
+        let mut outlooks = vec![Outlook::Unknown; queries.len()];
+        surface.outlooks(batch.columns(), &mut outlooks);
+        let mut escaped = 0;
+        for (query, outlook) in queries.iter().zip(&outlooks) {
+            let escape = surface.escapes(&query.ray, query.half_space);
+            if escape.is_some() {
+                let hit = BruteForce.closest_hit(&surface, query);
+                assert_eq!(hit, None, "{name}: {query:?}");
+                escaped += 1;
+            }
+            let expected = match escape {
+                None => Outlook::Unknown,
+                Some(Escape::SteeperThanAll) => Outlook::SteeperThanAll,
+                Some(Escape::SteeperThanNear) => Outlook::SteeperThanNear,
+            };
+            if *outlook != Outlook::Elsewhere {
+                assert_eq!(*outlook, expected, "{name}: {query:?}");
+            }
+        }
+        assert!(escaped > 100, "{name}: {escaped}");
+    }
+}
+
+/// What heights nearby tell of a short stretch is what brute force finds on it.
+#[test]
+fn what_is_told_of_a_short_stretch_is_true() {
+    for (name, surface) in surfaces() {
+        surface.prepare_nearby();
+        let mut rng = ChaCha8Rng::seed_from_u64(6);
+        let (mut clear, mut met) = (0, 0);
+        for query in rays(&surface, 3000, 5) {
+            let reach = rng.random_range(0.01..6.0);
+            let hit = BruteForce.closest_hit(&surface, &query);
+            let within = hit.filter(|hit| hit.t <= reach);
+            match surface.nearby(&query.ray, query.half_space, reach) {
+                Nearby::Clear => {
+                    assert_eq!(within, None, "{name}: {query:?} {reach}");
+                    clear += 1;
+                }
+                Nearby::Met(found) => {
+                    // A ray along an edge meets two cells at once, and either is told.
+                    let expected = within.map(|hit| hit.t);
+                    assert_eq!(Some(found.t), expected, "{name}: {query:?} {reach}");
+                    met += 1;
+                }
+                Nearby::Unknown => {}
+            }
+        }
+        assert!(clear > 200, "{name}: {clear}");
+        assert!(met > 20 || surface.z_range()[1] < 0.5, "{name}: {met}");
+    }
+}
+
+/// From far above, rounding of the ray's height is large compared with the surface.
+#[test]
+fn a_nearly_flat_surface_is_met_from_far_above() {
+    for height in [0.0, 1e-17, 1e-9] {
+        let heights = (0..256).map(|i| height * f64::from(i % 3)).collect();
+        let field = HeightField::new(heights, [16, 16], [1.0, 1.0]).unwrap();
+        let surface = SmoothSurface::new(SplineSurface::through(&field));
+        for kind in [
+            AcceleratorKind::BruteForce,
+            AcceleratorKind::Mesh,
+            AcceleratorKind::Pyramid,
+        ] {
+            let search = surface.accelerator(kind).unwrap();
+            for z in [1e-3, 1.0, 1e3] {
+                for direction in [DVec3::NEG_Z, DVec3::new(0.01, 0.02, -1.0)] {
+                    let origin = DVec3::new(5.3, 8.1, 0.0) - z / -direction.z * direction;
+                    let query = Query {
+                        ray: TileRay { origin, direction },
+                        half_space: HalfSpace::Above,
+                    };
+                    let hit = search.closest_hit(&surface, &query);
+                    let hit = hit.unwrap_or_else(|| panic!("{height} {kind} {z} {direction}"));
+                    assert_eq!(hit.facet, SmoothCell { ix: 5, iy: 8 });
+                    assert!(
+                        (hit.t / z - 1.0).abs() < 1e-5,
+                        "{height} {kind} {z}: {hit:?}"
+                    );
+                }
+            }
+        }
     }
 }

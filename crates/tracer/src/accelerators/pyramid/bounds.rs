@@ -39,8 +39,10 @@ pub(super) struct Bounds {
     pub(super) nodes: Vec<u32>,
     /// Cells along x and y.
     pub(super) cells: [usize; 2],
-    /// Highest level; level 0 is a cell, and has a node if [`SearchedGrid::LOWEST_LEVEL`] is 0.
+    /// Highest level; level 0 is a cell, and may have no node.
     pub(super) top: usize,
+    /// Lowest level that has bounds: see [`super::cells::SearchedGrid::LOWEST_LEVEL`].
+    pub(super) lowest_level: usize,
     /// First node of a level.
     pub(super) first: [i32; MAX_LEVELS + 1],
     /// Nodes in a row of a level.
@@ -95,7 +97,7 @@ impl Bounds {
         for row in 0..*rows {
             prefetch(values, (iy + row) * stride + ix);
         }
-        for level in 1..=2_usize {
+        for level in self.lowest_level..=2 {
             prefetch(&self.nodes, self.node(level, [ix >> level, iy >> level]));
         }
     }

@@ -13,8 +13,8 @@ pub(super) fn build<S: SearchedGrid>(surface: &S) -> Result<Bounds, BuildError> 
     let [cx, cy] = surface.cells();
     if !Bounds::hold([cx, cy]) {
         return Err(BuildError::TooManyFacets {
-            facets: 2 * cx * cy,
-            most: 2 * MAX_CELLS,
+            facets: surface.facet_count(),
+            most: MAX_CELLS * (surface.facet_count() / (cx * cy)),
         });
     }
     let top = (cx.max(cy).next_power_of_two().ilog2() as usize).clamp(1, MAX_LEVELS);
@@ -39,6 +39,7 @@ pub(super) fn build<S: SearchedGrid>(surface: &S) -> Result<Bounds, BuildError> 
         nodes: vec![0; count],
         cells: [cx, cy],
         top,
+        lowest_level: S::LOWEST_LEVEL,
         first,
         width,
         reach,

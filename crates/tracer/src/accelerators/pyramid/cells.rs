@@ -15,6 +15,9 @@ pub(super) trait SearchedGrid: Grid {
     /// times as much, so that rays first try the bound of a cell, and wait for others that have to be tested.
     const LOWEST_LEVEL: usize;
 
+    /// Whether cells are divided along the diagonal, so that a ray that begins near it is near two facets.
+    const HAS_DIAGONAL: bool;
+
     /// What tests read.
     fn table(&self) -> Table;
 
@@ -24,7 +27,7 @@ pub(super) trait SearchedGrid: Grid {
     /// Tests the cell that a ray enters at `t`.
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test;
 
-    /// The same for all lanes. Those that are not at cells get anything.
+    /// The same for all lanes. Lanes that are not at cells return unspecified values.
     #[cfg(target_arch = "x86_64")]
     fn test_lanes<L: Lanes>(
         lanes: L,

@@ -13,6 +13,7 @@ use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for Surface {
     const LOWEST_LEVEL: usize = 1;
+    const HAS_DIAGONAL: bool = true;
 
     /// Heights of the grid points, with the first column and row repeated behind the last where cells wrap.
     fn table(&self) -> Table {

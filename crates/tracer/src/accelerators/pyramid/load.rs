@@ -1,8 +1,8 @@
 //! Load: brings rays from f64 into the f32 columns of the wide search, block by block.
 
 use super::bounds::Bounds;
+use super::cells::SearchedGrid;
 use super::rays::{Rays, Tile};
-use crate::geometry::grid::Grid;
 use crate::ray::RayColumns;
 use crate::vector::Stage;
 
@@ -19,7 +19,7 @@ pub(super) struct Load<'a, S> {
     pub(super) into: &'a mut Rays,
 }
 
-impl<S: Grid> Stage for Load<'_, S> {
+impl<S: SearchedGrid> Stage for Load<'_, S> {
     #[inline(always)]
     fn run(self) {
         let tile = Tile::new(self.surface);

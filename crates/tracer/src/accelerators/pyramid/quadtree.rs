@@ -44,6 +44,15 @@ pub(super) fn closest_hit<S: Grid>(
         if closest.is_some_and(|hit| hit.t < enter) {
             continue;
         }
+        // The lowest signed height that the ray has over the footprint.
+        let q = half_space.sign();
+        let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
+        let lowest = z + rise * if rise < 0.0 { leave } else { enter };
+        if level >= bounds.lowest_level
+            && lowest > f64::from(bounds.bound(level, [nx, ny], half_space == HalfSpace::Below))
+        {
+            continue;
+        }
         if level == 0 {
             let cell = [nx as u32, ny as u32];
             if let Some(hit) = surface.intersect_cell(cell, &ray, half_space)
@@ -51,13 +60,6 @@ pub(super) fn closest_hit<S: Grid>(
             {
                 closest = Some(hit);
             }
-            continue;
-        }
-        // The lowest signed height that the ray has over the footprint.
-        let q = half_space.sign();
-        let (rise, z) = (q * ray.direction.z, q * ray.origin.z);
-        let lowest = z + rise * if rise < 0.0 { leave } else { enter };
-        if lowest > f64::from(bounds.bound(level, [nx, ny], half_space == HalfSpace::Below)) {
             continue;
         }
         // The nearest child last, since the last one is taken first.

@@ -1,6 +1,6 @@
 //! Rays of the wide search: in f32, each from a cell of its own, field by field.
 
-use crate::geometry::grid::Grid;
+use super::cells::SearchedGrid;
 use crate::ray::{Query, TileRay};
 use crate::vector::MAX_LANES;
 
@@ -299,16 +299,18 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 pub(super) struct Tile {
     /// Columns and rows.
     pub(super) cells: [i32; 2],
+    has_diagonal: bool,
     /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
     pub(super) z_range: [f64; 2],
 }
 
 impl Tile {
-    pub(super) fn new<S: Grid>(surface: &S) -> Self {
+    pub(super) fn new<S: SearchedGrid>(surface: &S) -> Self {
         let [low, high] = surface.z_range();
         let pad = 1e-6 * (1.0 + high - low);
         Self {
             cells: surface.cells().map(|n| n as i32),
+            has_diagonal: S::HAS_DIAGONAL,
             z_range: [low - pad, high + pad],
         }
     }
@@ -341,7 +343,7 @@ impl Tile {
             cell: [column, row],
             place: 0,
         };
-        let off_diagonal = (u - v).abs() > 2.0 * f64::from(ROUNDING);
+        let off_diagonal = !self.has_diagonal | ((u - v).abs() > 2.0 * f64::from(ROUNDING));
         (ray, is_sure_x & is_sure_y & off_diagonal)
     }
 }

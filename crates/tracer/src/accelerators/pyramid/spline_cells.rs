@@ -1,9 +1,9 @@
 //! Spline cells: cells of a smooth surface, tested by the Bernstein coefficients of a ray's height above the patch.
 //!
-//! Along a ray these are weighted means, so rounding is that of the heights: each blossom of two times three mixtures, its
-//! products and the coefficients themselves are some twenty roundings of 2^-24, and 2^-19 covers them. A ray is clear of
-//! the patch if all coefficients are positive, and passes it if they change sign once; one that begins on the
-//! surface has its first coefficient there, which is left out.
+//! Along a ray these are weighted means of the sixteen coefficients, so rounding is that of the coefficients: over the six mixtures,
+//! the products and the ray's own height some 62 roundings of 2^-24 of the largest one, which 2^-18 covers. A ray is clear
+//! of the patch if all are positive, and passes it if they change sign once; one that begins on the surface has its
+//! first coefficient there, which is left out.
 
 use super::bounds::{Bounds, Table};
 use super::cells::SearchedGrid;
@@ -18,6 +18,7 @@ use crate::vector::lanes::{Floats, Integers, Lanes};
 
 impl SearchedGrid for SmoothSurface {
     const LOWEST_LEVEL: usize = 0;
+    const HAS_DIAGONAL: bool = false;
 
     /// The coefficients.
     fn table(&self) -> Table {

@@ -1,4 +1,4 @@
-//! First root: where a polynomial in Bernstein form first falls below zero, without a tolerance.
+//! First root: where a polynomial in Bernstein form first falls below zero.
 //!
 //! A polynomial has no more roots in [0, 1] than its Bernstein coefficients have changes of sign, and as many but for
 //! an even number (Descartes' rule). No change: none. One: exactly one, found by Newton's method within brackets. More:
@@ -6,13 +6,13 @@
 //!
 //! All polynomials are of degree six. What many of them take at once (`many.rs`) is written without branches.
 
-/// Halvings before what is left is narrower than any root can be told.
+/// Halvings after which an interval is as narrow as rounding.
 const MAX_HALVINGS: u32 = 50;
 
 /// The smallest `s` in [0, 1] at which the polynomial with the Bernstein coefficients `b`, positive before,
 /// becomes negative; `None` if it does not.
 ///
-/// Coefficients within `noise` of zero are taken as zero: they say nothing. A polynomial that only touches zero
+/// Coefficients within `noise` of zero are taken as zero. A polynomial that only touches zero
 /// does not become negative.
 pub(super) fn first_root(b: &[f64; 7], noise: f64) -> Option<f64> {
     match (changes_of_sign(b, noise), first_sign(b, noise)) {

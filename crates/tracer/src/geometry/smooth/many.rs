@@ -5,7 +5,8 @@
 use super::first_root::{Bracket, STEPS, falls_once};
 use super::gaps::{gaps, unit_interval, without_first};
 use super::patch::Patch;
-use super::{ABOVE_ALL, SmoothCell, SmoothSurface};
+use super::stretch::Stretch;
+use super::{DIVIDED, SmoothCell, SmoothSurface};
 use crate::ray::{Hit, RayColumns};
 
 /// Rays of a block: a few loads of lanes.
@@ -79,7 +80,7 @@ pub(super) fn arrive(
     }
 }
 
-/// [`crate::geometry::grid::Grid::pass_cells`]: for rays that pass a patch once, from above it or from a place of it.
+/// [`crate::geometry::grid::Grid::pass_cells`]: for rays that pass a patch once, coming from above or beginning on it.
 #[inline(always)]
 pub(super) fn pass_cells(
     surface: &SmoothSurface,
@@ -87,7 +88,6 @@ pub(super) fn pass_cells(
     met: &[(u32, [u32; 2])],
     hits: &mut [Option<Hit<SmoothCell>>],
 ) {
-    let slab = surface.reach * (1.0 + ABOVE_ALL) + f64::MIN_POSITIVE;
     let noise = surface.noise();
     for (met, hits) in met.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
         let patches = Patches::load(surface, met.iter().map(|met| met.1));
@@ -109,30 +109,20 @@ pub(super) fn pass_cells(
         for k in 0..BLOCK {
             let o = [x[k], y[k], z[k]];
             let d = [dx[k], dy[k] * rays.aspect, dz[k]];
-            let (mut enter, mut leave) = (0.0, f64::INFINITY);
-            let low = [column[k], row[k], -slab];
-            let high = [column[k] + 1.0, row[k] + 1.0, slab];
-            for axis in 0..3 {
-                let (a, b) = (
-                    (low[axis] - o[axis]) / d[axis],
-                    (high[axis] - o[axis]) / d[axis],
-                );
-                let (near, far) = if d[axis] > 0.0 { (a, b) } else { (b, a) };
-                let moves = d[axis] != 0.0;
-                enter = if moves & (near > enter) { near } else { enter };
-                leave = if moves & (far < leave) { far } else { leave };
-            }
+            let stretch = Stretch::over([column[k], row[k]], surface.reach, o, d);
+            let Stretch { enter, leave, .. } = stretch;
             let from_corner = [o[0] - column[k], o[1] - row[k], o[2]];
             let gaps = gaps(&patches.get(k), side[k], from_corner, d, [enter, leave]);
             let comes = gaps[0] > noise;
             let begins = (gaps[0] >= -noise) & (gaps[1] - gaps[0] > noise);
             let divided = without_first(&gaps);
+            let least = if comes { noise } else { DIVIDED * noise };
             let mut b = [0.0; 7];
             for m in 0..7 {
                 b[m] = if comes { gaps[m] } else { divided[m] };
                 polynomials[m][k] = b[m];
             }
-            let is_certain = (comes | begins) & falls_once(&b, noise) & (enter < leave);
+            let is_certain = (comes | begins) & falls_once(&b, least) & (enter < leave);
             certain[k] = if is_certain { 1.0 } else { 0.0 };
             enters[k] = enter;
             lengths[k] = leave - enter;
@@ -172,4 +162,104 @@ fn polynomial(polynomials: &[[f64; BLOCK]; 7], k: usize) -> [f64; 7] {
     [
         p[0][k], p[1][k], p[2][k], p[3][k], p[4][k], p[5][k], p[6][k],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_surface::{Psd, SplineSurface, Synthesis};
+    use glam::DVec3;
+
+    use super::*;
+    use crate::geometry::Geometry;
+    use crate::geometry::grid::Grid;
+    use crate::ray::{HalfSpace, Query, RayBatch, TileRay};
+
+    /// Rays that pass cells, from above and from places of the surface: nearly all are told at once, with the same bytes.
+    #[test]
+    fn many_rays_are_told_what_one_is() {
+        let psd = Psd::gaussian(4.0, 4.0).unwrap();
+        let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.25], true).unwrap();
+        let field = synthesis.draw(1, 0).unwrap();
+        let surface = SmoothSurface::new(SplineSurface::through(&field));
+        let (mut queries, mut met) = (Vec::new(), Vec::new());
+        for i in 0..20_000_u32 {
+            let part = |step: f64| (f64::from(i) * step).fract();
+            let turn = std::f64::consts::TAU * part(0.618_034);
+            let mut direction = DVec3::new(turn.cos(), turn.sin(), 2.0 * part(0.754_878) - 1.5);
+            let place = [32.0 * part(0.569_840), 32.0 * part(0.438_579)];
+            let (cell, on) = surface.over(place[0], place[1]).unwrap();
+            let lifted = on + DVec3::Z * if i % 2 == 0 { 0.0 } else { part(0.2718) };
+            if i % 2 == 0 && direction.dot(surface.normal_at(cell, on)) < 0.0 {
+                direction = -direction;
+            }
+            let ray = TileRay {
+                origin: lifted,
+                direction,
+            };
+            let query = Query {
+                ray,
+                half_space: HalfSpace::Above,
+            };
+            let cell = [cell.ix, cell.iy];
+            if surface
+                .intersect_cell(cell, &ray, HalfSpace::Above)
+                .is_some()
+            {
+                met.push((queries.len() as u32, cell));
+                queries.push(query);
+            }
+        }
+        let rays: RayBatch = queries.iter().collect();
+        let mut hits = vec![None; met.len()];
+        surface.pass_cells(rays.columns(), &met, &mut hits);
+        let mut told = 0;
+        for (hit, &(i, cell)) in hits.iter().zip(&met) {
+            if hit.is_some() {
+                let Query { ray, half_space } = queries[i as usize];
+                assert_eq!(*hit, surface.intersect_cell(cell, &ray, half_space));
+                told += 1;
+            }
+        }
+        // Starts that fall pass at once, which is left to one ray at a time.
+        assert!(
+            told * 2 > met.len() && met.len() > 1000,
+            "{told} of {}",
+            met.len()
+        );
+
+        let (cells, ts): (Vec<SmoothCell>, Vec<f64>) =
+            hits.iter().flatten().map(|hit| (hit.facet, hit.t)).unzip();
+        let queries: Vec<Query> = hits
+            .iter()
+            .zip(&queries)
+            .filter_map(|(hit, query)| hit.map(|_| *query))
+            .collect();
+        let column = |of: fn(&Query) -> f64| queries.iter().map(of).collect::<Vec<f64>>();
+        let mut origin = [
+            column(|q| q.ray.origin.x),
+            column(|q| q.ray.origin.y),
+            column(|q| q.ray.origin.z),
+        ];
+        let direction = [
+            column(|q| q.ray.direction.x),
+            column(|q| q.ray.direction.y),
+            column(|q| q.ray.direction.z),
+        ];
+        let mut normal = origin.clone();
+        let scaled: Vec<f64> = direction[1].iter().map(|d| d / surface.aspect()).collect();
+        surface.arrive(
+            &cells,
+            &ts,
+            origin.each_mut().map(|column| &mut column[..]),
+            [&direction[0], &scaled, &direction[2]],
+            normal.each_mut().map(|column| &mut column[..]),
+        );
+        for (i, query) in queries.iter().enumerate() {
+            let p = surface.snap(cells[i], query.ray.at(ts[i]));
+            let found = DVec3::new(origin[0][i], origin[1][i], origin[2][i]);
+            let m = DVec3::new(normal[0][i], normal[1][i], normal[2][i]);
+            assert!((found - p).length() < 1e-13, "{i}");
+            assert!((m - surface.normal_at(cells[i], p)).length() < 1e-13, "{i}");
+        }
+    }
 }

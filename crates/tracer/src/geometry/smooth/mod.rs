@@ -2,14 +2,15 @@
 //!
 //! Along a ray, the height over a patch is a polynomial of degree six. In Bernstein form, over the stretch of the
 //! ray above the cell, its coefficients are weighted means, so rounding is that of the heights. The first place where
-//! it becomes negative is found without a tolerance (`first_root.rs`); a ray that begins on the surface has a known
-//! root there, which is divided out.
+//! it becomes negative is found by changes of sign (`first_root.rs`), with no epsilon but the rounding of heights; a ray that
+//! begins on the surface has a known root there, which is divided out.
 
 mod extremes;
 mod first_root;
 mod gaps;
 mod many;
 mod patch;
+mod stretch;
 
 use std::sync::OnceLock;
 
@@ -20,6 +21,7 @@ use self::extremes::{cell_ranges, patch_of, supports};
 use self::first_root::first_root;
 use self::gaps::{gaps, place, unit_interval, without_first};
 use self::patch::Patch;
+use self::stretch::Stretch;
 use crate::geometry::grid::Grid;
 use crate::geometry::height_bounds::HeightBounds;
 use crate::geometry::nearby::find_nearby;
@@ -61,11 +63,11 @@ pub struct SmoothSurface {
     height_bounds: OnceLock<HeightBounds>,
 }
 
-/// By how much more than the heights the slab is high in which rays are followed, so that a ray that passes the lowest
-/// point is below it in the end.
-const ABOVE_ALL: f64 = 1e-9;
+/// By what the division by a known root may multiply rounding: 6 times the difference of two heights.
+const DIVIDED: f64 = 12.0;
 
-/// Rounding of a height, in units of the largest one: a few products and sums of numbers up to some times as large.
+/// Rounding of a height above a patch, in units of the largest height. Coefficients may be nine times as large, and a
+/// height is a weighted mean of them; 6 roundings of 2^-52 were the most seen on the worst of patches.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl SmoothSurface {
@@ -111,7 +113,7 @@ impl SmoothSurface {
         &self.spline
     }
 
-    /// The spline back.
+    /// Gives the spline back.
     #[must_use]
     pub fn into_spline(self) -> SplineSurface {
         self.spline
@@ -147,37 +149,6 @@ impl SmoothSurface {
         ROUNDING * self.reach
     }
 
-    /// The stretch of a ray over a cell, between the lowest and the highest point of the surface.
-    #[inline]
-    fn stretch(&self, cell: SmoothCell, ray: &TileRay) -> Option<Stretch> {
-        let slab = self.reach * (1.0 + ABOVE_ALL) + f64::MIN_POSITIVE;
-        let (x, y) = (f64::from(cell.ix), f64::from(cell.iy));
-        let mut stretch = Stretch {
-            enter: 0.0,
-            leave: f64::INFINITY,
-            rate: f64::INFINITY,
-        };
-        for (axis, [low, high]) in [[x, x + 1.0], [y, y + 1.0], [-slab, slab]]
-            .into_iter()
-            .enumerate()
-        {
-            let (o, d) = (ray.origin[axis], ray.direction[axis]);
-            if d == 0.0 {
-                if o < low || o > high {
-                    return None;
-                }
-                continue;
-            }
-            let (a, b) = ((low - o) / d, (high - o) / d);
-            let (near, far) = if d > 0.0 { (a, b) } else { (b, a) };
-            if near > stretch.enter {
-                (stretch.enter, stretch.rate) = (near, d.abs());
-            }
-            stretch.leave = stretch.leave.min(far);
-        }
-        (stretch.enter < stretch.leave).then_some(stretch)
-    }
-
     /// By how much rounding may have put a ray that enters a cell onto the wrong side: its place, by a few 2^-53
     /// of how far it has come, times how fast it comes nearer to the surface, and that again over its rate across the
     /// side by which it enters.
@@ -190,14 +161,6 @@ impl SmoothSurface {
         let falls = ray.direction.z.abs() + steepest * travel;
         place * (1.0 + steepest + falls / stretch.rate)
     }
-}
-
-/// A stretch of a ray over a cell.
-struct Stretch {
-    enter: f64,
-    leave: f64,
-    /// How fast the ray passes the side by which it enters; infinite if it begins in the cell.
-    rate: f64,
 }
 
 /// The mean of a spline over its tile, by the integrals of the B-splines over cells.
@@ -308,24 +271,27 @@ impl Geometry for SmoothSurface {
     /// surface, but for rounding, passes at once if it falls; if it rises, it leaves what it has begun on or
     /// touched, and that root is divided out.
     fn intersect(&self, cell: SmoothCell, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
-        let stretch = self.stretch(cell, ray)?;
+        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
+        let stretch = Stretch::over([f64::from(cell.ix), f64::from(cell.iy)], self.reach, o, d);
         let Stretch { enter, leave, .. } = stretch;
+        if enter >= leave {
+            return None;
+        }
         let q = half_space.sign();
-        let o = ray.origin - DVec3::new(f64::from(cell.ix), f64::from(cell.iy), 0.0);
-        let d = ray.direction;
+        let o = [o[0] - f64::from(cell.ix), o[1] - f64::from(cell.iy), o[2]];
         let patch = self.patch([cell.ix, cell.iy]);
-        let gaps = gaps(&patch, q, o.to_array(), d.to_array(), [enter, leave]);
+        let gaps = gaps(&patch, q, o, d, [enter, leave]);
         let noise = self.noise();
         let s = if gaps[0] > noise {
             first_root(&gaps, noise)?
         } else if gaps[0] < -self.tolerance(ray, &stretch) {
             return None;
         } else {
-            let [_, along_x, along_y] = patch.at(place(o.to_array(), d.to_array(), enter));
-            if q * (d.z - along_x * d.x - along_y * d.y) < 0.0 {
+            let [_, along_x, along_y] = patch.at(place(o, d, enter));
+            if q * (d[2] - along_x * d[0] - along_y * d[1]) < 0.0 {
                 return Some(enter);
             }
-            first_root(&without_first(&gaps), noise)?
+            first_root(&without_first(&gaps), DIVIDED * noise)?
         };
         Some(enter + s * (leave - enter))
     }
