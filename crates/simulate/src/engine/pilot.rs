@@ -35,7 +35,7 @@ pub(crate) const RAYS: u64 = SURFACES << 11;
 /// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
 const CELL_NS: f64 = 8.0;
 
-/// The same of a smooth cell, whose bounds take longer: as its ratio to the time of rays among smooth cells requires, 180
+/// The same of a smooth cell, whose bounds take longer: as its ratio to the time of rays among smooth cells requires, 190
 /// at `s = 1` and 220 at `s = 3`.
 const SMOOTH_CELL_NS: f64 = 200.0;
 

@@ -82,7 +82,8 @@ pub(crate) const fn smooth_accelerator_bytes(
     let cells = nx.saturating_mul(ny);
     match accelerator {
         AcceleratorKind::Mesh => hierarchy_bytes(cells),
-        AcceleratorKind::Pyramid | AcceleratorKind::Auto => cells.saturating_mul(PYRAMID),
+        // A word more for the bounds of each cell.
+        AcceleratorKind::Pyramid | AcceleratorKind::Auto => cells.saturating_mul(PYRAMID + 4),
         _ => 0,
     }
 }
