@@ -2,6 +2,7 @@
 
 mod bounds;
 mod interpolation;
+mod mean;
 mod padding;
 mod patch;
 mod tessellation;

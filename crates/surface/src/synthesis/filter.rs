@@ -24,7 +24,7 @@ impl Numbers {
     /// Amplitude of the numbers, along one axis, for a wave of unit height that turns by `angle` radians
     /// per spacing.
     ///
-    /// The cubic B-spline is the box of one spacing, convolved four times with itself, so the spline
+    /// The cubic B-spline is the convolution of four boxes of one spacing, so the spline
     /// holds the wave of its coefficients `sinc^4` times; dividing by that leaves the wave as it is.
     fn gain(self, angle: f64) -> f64 {
         match self {

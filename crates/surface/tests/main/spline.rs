@@ -269,6 +269,27 @@ fn range_holds_all_heights_and_is_close_to_them() {
     assert!(places.all(|h| (low..=high).contains(&h)));
 }
 
+/// Midpoints of a fine grid integrate the cubic pieces to second order.
+#[test]
+fn mean_is_that_of_the_heights_over_the_tile() {
+    for border in [Border::Periodic, Border::Mirrored, Border::Open] {
+        let spline = SplineSurface::through(&jumble([7, 9], border));
+        let [width, height] = spline.extent();
+        let n = 400;
+        let mean_of = |n: usize| {
+            let at = |k: usize, size: f64| (k as f64 + 0.5) / n as f64 * size;
+            let places = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+            let sum: f64 = places
+                .map(|(i, j)| spline.height(at(i, width), at(j, height)))
+                .sum();
+            sum / (n * n) as f64
+        };
+        // Richardson's value of second order
+        let expected = (4.0 * mean_of(n) - mean_of(n / 2)) / 3.0;
+        assert!((spline.mean() - expected).abs() < 1e-6, "{border}");
+    }
+}
+
 #[test]
 fn tessellation_has_the_heights_of_the_surface() {
     for border in BORDERS {

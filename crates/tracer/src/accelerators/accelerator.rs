@@ -59,7 +59,7 @@ pub(super) const MAX_HEIGHT_RANGE: f64 = 1e5;
 #[non_exhaustive]
 pub enum BuildError {
     /// Too many facets.
-    #[error("a hierarchy over {facets} triangles is too large; {most} is the most")]
+    #[error("a hierarchy over {facets} facets is too large; {most} is the most")]
     TooManyFacets {
         /// Facets of the surface.
         facets: usize,
@@ -77,6 +77,9 @@ pub enum BuildError {
     /// An accelerator for flat surfaces, and another one.
     #[error("the accelerator flat is for flat surfaces; take auto")]
     NotFlat,
+    /// An accelerator for flat surfaces, and smooth cells.
+    #[error("the accelerator flat is for flat cells; take auto")]
+    NeedsFlatCells,
     /// An accelerator for height fields, and a mesh.
     #[error(
         "the accelerator {kind} needs a height field, but this is a triangle mesh; take auto, mesh or brute-force"

@@ -17,7 +17,7 @@ pub trait BuildAccelerator: Geometry {
     #[must_use]
     fn resolve(&self, kind: AcceleratorKind) -> AcceleratorKind;
 
-    /// Builds an accelerator over the triangles of the tile.
+    /// Builds an accelerator over the facets of the tile.
     ///
     /// # Errors
     /// [`BuildError`] if there is none of this kind for this geometry.
@@ -52,7 +52,7 @@ impl BuildAccelerator for SmoothSurface {
         check_height_range(self)?;
         Ok(match self.resolve(kind) {
             AcceleratorKind::Mesh => Box::new(MeshBvh::build(self)?),
-            AcceleratorKind::Flat => return Err(BuildError::NotFlat),
+            AcceleratorKind::Flat => return Err(BuildError::NeedsFlatCells),
             AcceleratorKind::Auto | AcceleratorKind::Pyramid => Box::new(Pyramid::build(self)?),
             AcceleratorKind::BruteForce => Box::new(BruteForce),
         })

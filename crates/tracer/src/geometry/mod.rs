@@ -59,7 +59,8 @@ pub trait Geometry: Sized + Send + Sync {
     /// Unit normal of a facet at its point `p`, upwards, in physical lengths.
     fn normal_at(&self, facet: Self::Facet, p: DVec3) -> DVec3;
 
-    /// The point of a facet nearest to `p`, which lies on it but for rounding.
+    /// The point of a facet at `p`, which lies on it but for rounding: of a triangle of a mesh the nearest one, of a
+    /// height field the one above or below.
     fn snap(&self, facet: Self::Facet, p: DVec3) -> DVec3;
 
     /// The facet over `(x, y)` of the tile, and its point there; `None` where the geometry does not

@@ -96,7 +96,7 @@ impl SmoothSurface {
         Self {
             extent: spline.cells().map(|n| n as f64),
             aspect: dx / dy,
-            mean: (mean(&spline) - offset) * per_column,
+            mean: (spline.mean() - offset) * per_column,
             spline,
             offset,
             per_column,
@@ -161,37 +161,6 @@ impl SmoothSurface {
         let falls = ray.direction.z.abs() + steepest * travel;
         place * (1.0 + steepest + falls / stretch.rate)
     }
-}
-
-/// The mean of a spline over its tile, by the integrals of the B-splines over cells.
-fn mean(spline: &SplineSurface) -> f64 {
-    const WEIGHTS: [f64; 4] = [1.0 / 24.0, 11.0 / 24.0, 11.0 / 24.0, 1.0 / 24.0];
-    let [cx, cy] = spline.cells();
-    let of_row = |row: &[f64]| -> f64 {
-        let windows = row.windows(4).map(|four| {
-            four.iter()
-                .zip(WEIGHTS)
-                .map(|(c, weight)| (c - row[0]) * weight)
-                .sum::<f64>()
-        });
-        row[0] + windows.sum::<f64>() / cx as f64
-    };
-    let rows: Vec<f64> = spline
-        .coefficients()
-        .chunks_exact(spline.stride())
-        .map(of_row)
-        .collect();
-    let first = rows[0];
-    let above: f64 = rows
-        .windows(4)
-        .map(|four| {
-            four.iter()
-                .zip(WEIGHTS)
-                .map(|(c, w)| (c - first) * w)
-                .sum::<f64>()
-        })
-        .sum();
-    first + above / cy as f64
 }
 
 impl Geometry for SmoothSurface {
