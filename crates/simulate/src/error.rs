@@ -111,7 +111,9 @@ impl SimulateError {
             Self::Synthesis(error) => !matches!(error, SynthesisError::OutOfMemory { .. }),
             Self::Build(error) => matches!(
                 error,
-                BuildError::NeedsHeightField { .. } | BuildError::NotFlat
+                BuildError::NeedsHeightField { .. }
+                    | BuildError::NeedsFlatCells
+                    | BuildError::NotFlat
             ),
             Self::Refinement(error) => matches!(error, RefinementError::Open),
             Self::Model(_)

@@ -78,7 +78,7 @@ pub enum BuildError {
     #[error("the accelerator flat is for flat surfaces; take auto")]
     NotFlat,
     /// An accelerator for flat surfaces, and smooth cells.
-    #[error("the accelerator flat is for flat cells; take auto")]
+    #[error("the accelerator flat is for flat surfaces of flat cells; take auto")]
     NeedsFlatCells,
     /// An accelerator for height fields, and a mesh.
     #[error(

@@ -1,6 +1,6 @@
 //! Rays of the wide search: in f32, each from a cell of its own, field by field.
 
-use super::cells::SearchedGrid;
+use crate::geometry::grid::Grid;
 use crate::ray::{Query, TileRay};
 use crate::vector::MAX_LANES;
 
@@ -299,18 +299,19 @@ fn entry(ray: &TileRay, extent: [f64; 2], [low, high]: [f64; 2]) -> Option<f64> 
 pub(super) struct Tile {
     /// Columns and rows.
     pub(super) cells: [i32; 2],
+    /// Whether cells are divided along the diagonal.
     has_diagonal: bool,
     /// Wider than the heights, so that a ray that touches the highest point within rounding begins before it.
     pub(super) z_range: [f64; 2],
 }
 
 impl Tile {
-    pub(super) fn new<S: SearchedGrid>(surface: &S) -> Self {
+    pub(super) fn new<S: Grid>(surface: &S, has_diagonal: bool) -> Self {
         let [low, high] = surface.z_range();
         let pad = 1e-6 * (1.0 + high - low);
         Self {
             cells: surface.cells().map(|n| n as i32),
-            has_diagonal: S::HAS_DIAGONAL,
+            has_diagonal,
             z_range: [low - pad, high + pad],
         }
     }
