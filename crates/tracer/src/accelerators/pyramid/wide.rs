@@ -24,7 +24,12 @@ pub(super) struct SearchAll<'a, S> {
 impl<S: SearchedGrid> Task for SearchAll<'_, S> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        Search::new(Twice(lanes), self.bounds).run::<S>(self.rays);
+        if S::LOWEST_LEVEL == 0 {
+            // A test of twice as many lanes would not fit into registers
+            Search::new(lanes, self.bounds).run::<S>(self.rays);
+        } else {
+            Search::new(Twice(lanes), self.bounds).run::<S>(self.rays);
+        }
     }
 }
 
@@ -64,10 +69,10 @@ impl<'b, L: Lanes> Search<'b, L> {
         while self.keep_busy(&mut state, rays, &mut next) {
             self.step::<S, false>(&mut state);
             if S::LOWEST_LEVEL == 0 {
-                // Until most of the rays have to be tested
+                // Until half of the rays have to be tested
                 let at_cells = state.active & self.at_cells::<S>(&state);
                 let waiting = at_cells.bits().count_ones();
-                if 8 * waiting < 5 * state.active.bits().count_ones() {
+                if 2 * waiting < state.active.bits().count_ones() {
                     continue;
                 }
             } else {
