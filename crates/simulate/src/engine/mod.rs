@@ -1,7 +1,7 @@
 //! How rays are divided, traced and added until an error is reached.
 //!
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
-//! surfaces, which recipes [`draw`], [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
+//! surfaces, drawn by the recipes in [`draw`], and [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
 //! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into

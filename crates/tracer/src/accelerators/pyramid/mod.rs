@@ -53,7 +53,7 @@ pub struct Pyramid<S = Surface> {
 }
 
 impl Pyramid {
-    /// Whether there is one for so many cells, `[columns, rows]`.
+    /// Whether a pyramid can be built over `[columns, rows]` cells.
     #[must_use]
     pub const fn holds(cells: [usize; 2]) -> bool {
         Bounds::hold(cells)
