@@ -2,7 +2,7 @@
 
 use super::bounds::{Bounds, MAX_CELLS, MAX_LEVELS, STEPS, greater};
 use super::cells::SearchedGrid;
-use super::rays::ROUNDING;
+use super::rays::{ROUNDING, Tile};
 use crate::accelerators::accelerator::BuildError;
 
 /// The bounds over a surface.
@@ -32,7 +32,12 @@ pub(super) fn build<S: SearchedGrid>(surface: &S) -> Result<Bounds, BuildError> 
     let steepest = surface.steepest() as f32 * (1.0 + f32::EPSILON);
     let slack = 4.0 * steepest * ROUNDING;
     let table = surface.table();
-    let largest = table.values.iter().fold(reach, |a, b| greater(a, b.abs()));
+    // Rays begin above the heights, by more than these where a surface is nearly flat
+    let [_, above] = Tile::new(surface, S::HAS_DIAGONAL).z_range;
+    let largest = table
+        .values
+        .iter()
+        .fold(above as f32, |a, b| greater(a, b.abs()));
     let mut bounds = Bounds {
         margin: largest * table.rounding + 2.0 * slack + f32::MIN_POSITIVE,
         table,

@@ -22,6 +22,8 @@ mod instructions;
 #[cfg(target_arch = "x86_64")]
 mod lane_state;
 mod load;
+#[cfg(test)]
+mod margin_tests;
 mod meet;
 mod quadtree;
 mod rays;

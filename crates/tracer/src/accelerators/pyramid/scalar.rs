@@ -86,7 +86,7 @@ fn closest_cell<S: SearchedGrid>(bounds: &Bounds, ray: &Ray) -> [i32; 2] {
 }
 
 /// Where a ray leaves the node of `level` that `cell` is in.
-fn leave(bounds: &Bounds, ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
+pub(super) fn leave(bounds: &Bounds, ray: &Ray, cell: [i32; 2], level: i32) -> Exit {
     let ahead = [
         (cell[0] >> level) + i32::from(ray.dx >= 0.0),
         (cell[1] >> level) + i32::from(ray.dy >= 0.0),

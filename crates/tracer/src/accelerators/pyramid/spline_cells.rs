@@ -1,7 +1,8 @@
 //! Spline cells: cells of a smooth surface, tested by the Bernstein coefficients of a ray's height above the patch.
 //!
 //! Along a ray these are weighted means of the sixteen coefficients, so rounding is that of the coefficients: over the six mixtures,
-//! the products and the ray's own height some 62 roundings of 2^-24 of the largest one, which 2^-18 covers. A ray is clear
+//! the products and the ray's own height some 62 roundings of 2^-24 of the largest one, which 2^-18 covers; a hundredth of the
+//! margin is the most seen (`margin_tests.rs`). A ray is clear
 //! of the patch if all are positive, and passes it if they change sign once; one that begins on the surface has its
 //! first coefficient there, which is left out.
 
@@ -35,39 +36,16 @@ impl SearchedGrid for SmoothSurface {
     }
 
     fn test(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> Test {
-        let (u, v) = (
-            ray.x - (cell[0] - ray.cell[0]) as f32,
-            ray.y - (cell[1] - ray.cell[1]) as f32,
-        );
-        let along_x = Weights::new(u + t * ray.dx, u + exit.t * ray.dx);
-        let along_y = Weights::new(v + t * ray.dy, v + exit.t * ray.dy);
-        let Table { values, stride, .. } = &bounds.table;
-        let first = cell[1] as usize * stride + cell[0] as usize;
-        let rows = [0, 1, 2, 3].map(|row| {
-            let start = first + row * stride;
-            along_x.between([0, 1, 2, 3].map(|i| values[start + i] * ray.side))
-        });
-        let columns = [0, 1, 2, 3].map(|k| along_y.between(rows.map(|row| row[k])));
-        let at = |k: usize, l: usize| columns[k][l];
-        let heights = [
-            at(0, 0),
-            0.5 * (at(0, 1) + at(1, 0)),
-            0.2 * (at(0, 2) + at(2, 0)) + 0.6 * at(1, 1),
-            0.05 * (at(0, 3) + at(3, 0)) + 0.45 * (at(1, 2) + at(2, 1)),
-            0.2 * (at(1, 3) + at(3, 1)) + 0.6 * at(2, 2),
-            0.5 * (at(2, 3) + at(3, 2)),
-            at(3, 3),
-        ];
-        let (from, to) = (ray.z + t * ray.dz, exit.z);
-        let sixth = (to - from) * (1.0 / 6.0);
-        let gap = |k: usize| from + k as f32 * sixth - heights[k];
+        let gaps = gaps(bounds, ray, cell, t, exit);
         let margin = exit.margin;
-        if gap(0) + margin <= 0.0 {
+        if gaps[0] + margin <= 0.0 {
             return Test::Unknown;
         }
-        let lowest = (2..7).fold(gap(1), |lowest, k| least(lowest, gap(k)));
-        let changes_once =
-            gap(6) + margin < 0.0 && (1..6).all(|k| gap(k) > margin || gap(k + 1) + margin < 0.0);
+        let lowest = gaps[2..]
+            .iter()
+            .fold(gaps[1], |lowest, gap| least(lowest, *gap));
+        let changes_once = gaps[6] + margin < 0.0
+            && (1..6).all(|k| gaps[k] > margin || gaps[k + 1] + margin < 0.0);
         if changes_once {
             Test::Met
         } else if lowest > margin {
@@ -146,6 +124,36 @@ impl SearchedGrid for SmoothSurface {
             gap: lanes.select(comes, lowest - margin, zero),
         }
     }
+}
+
+/// Bernstein coefficients of the height of a ray above a patch, from `t` to where it leaves the cell.
+pub(super) fn gaps(bounds: &Bounds, ray: &Ray, cell: [i32; 2], t: f32, exit: &Exit) -> [f32; 7] {
+    let (u, v) = (
+        ray.x - (cell[0] - ray.cell[0]) as f32,
+        ray.y - (cell[1] - ray.cell[1]) as f32,
+    );
+    let along_x = Weights::new(u + t * ray.dx, u + exit.t * ray.dx);
+    let along_y = Weights::new(v + t * ray.dy, v + exit.t * ray.dy);
+    let Table { values, stride, .. } = &bounds.table;
+    let first = cell[1] as usize * stride + cell[0] as usize;
+    let rows = [0, 1, 2, 3].map(|row| {
+        let start = first + row * stride;
+        along_x.between([0, 1, 2, 3].map(|i| values[start + i] * ray.side))
+    });
+    let columns = [0, 1, 2, 3].map(|k| along_y.between(rows.map(|row| row[k])));
+    let at = |k: usize, l: usize| columns[k][l];
+    let heights = [
+        at(0, 0),
+        0.5 * (at(0, 1) + at(1, 0)),
+        0.2 * (at(0, 2) + at(2, 0)) + 0.6 * at(1, 1),
+        0.05 * (at(0, 3) + at(3, 0)) + 0.45 * (at(1, 2) + at(2, 1)),
+        0.2 * (at(1, 3) + at(3, 1)) + 0.6 * at(2, 2),
+        0.5 * (at(2, 3) + at(3, 2)),
+        at(3, 3),
+    ];
+    let (from, to) = (ray.z + t * ray.dz, exit.z);
+    let sixth = (to - from) * (1.0 / 6.0);
+    std::array::from_fn(|k| from + k as f32 * sixth - heights[k])
 }
 
 /// How the B-spline coefficients along an axis are mixed into Bernstein coefficients from `a` to `b`: see

@@ -69,10 +69,10 @@ impl<'b, L: Lanes> Search<'b, L> {
         while self.keep_busy(&mut state, rays, &mut next) {
             self.step::<S, false>(&mut state);
             if S::LOWEST_LEVEL == 0 {
-                // Until half of the rays have to be tested
+                // Until most of the rays have to be tested
                 let at_cells = state.active & self.at_cells::<S>(&state);
                 let waiting = at_cells.bits().count_ones();
-                if 2 * waiting < state.active.bits().count_ones() {
+                if 8 * waiting < 5 * state.active.bits().count_ones() {
                     continue;
                 }
             } else {

@@ -1,5 +1,7 @@
 //! Extremes of a smooth surface: between which heights each of its cells lies, and how steep its blocks are, from the
 //! Bezier points of its patches.
+//!
+//! Stages over sixteen neighbouring cells of a row at a time, written out without closures.
 
 use std::ops::Range;
 
@@ -8,6 +10,10 @@ use rayon::prelude::*;
 
 use super::patch::Patch;
 use crate::geometry::slope_bounds::{SMALLEST, Support};
+use crate::vector::{Instructions, Stage};
+
+/// Numbers of neighbouring cells: as many as a block of slope bounds has columns.
+type Cells = [f64; SMALLEST];
 
 /// The patch of a cell, in the unit of the surface.
 #[inline(always)]
@@ -25,69 +31,301 @@ pub(super) fn patch_of(spline: &SplineSurface, [ix, iy]: [u32; 2]) -> Patch {
 /// Bounds of the heights of all cells above `offset`, row by row: `[lowest, highest]`, in the unit of the surface.
 pub(super) fn cell_ranges(spline: &SplineSurface, offset: f64) -> Vec<[f64; 2]> {
     let [cx, cy] = spline.cells();
-    (0..cy as u32)
-        .into_par_iter()
-        .flat_map_iter(|iy| (0..cx as u32).map(move |ix| [ix, iy]))
-        .map(|cell| {
-            let Patch(rows) = patch_of(spline, cell);
-            let above = Patch(rows.map(|row| row.map(|height| height - offset)));
-            extremes(above.bezier().into_iter().flatten())
-        })
-        .collect()
+    let mut ranges = vec![[0.0; 2]; cx * cy];
+    let rows = ranges.par_chunks_exact_mut(cx).enumerate();
+    rows.for_each(|(iy, ranges)| {
+        Instructions::best().run(RangesOfRow {
+            spline,
+            iy,
+            offset,
+            ranges,
+        });
+    });
+    ranges
 }
 
 /// How steep the blocks of some rows of cells are, heights being measured in units of `1 / per_unit`.
 pub(super) fn supports(spline: &SplineSurface, rows: Range<usize>, per_unit: f64) -> Vec<Support> {
     let [cx, _] = spline.cells();
-    let columns = cx.div_ceil(SMALLEST);
-    let block = |column: usize| {
-        let columns = column * SMALLEST..((column + 1) * SMALLEST).min(cx);
-        let mut block = [[f64::INFINITY, f64::NEG_INFINITY]; 4];
-        for iy in rows.clone() {
-            for ix in columns.clone() {
-                let patch = patch_of(spline, [ix as u32, iy as u32]);
-                for (block, cell) in block.iter_mut().zip(rises(&patch)) {
-                    *block = [block[0].min(cell[0]), block[1].max(cell[1])];
+    let mut blocks = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(SMALLEST)];
+    Instructions::best().run(RisesOfRows {
+        spline,
+        rows,
+        blocks: &mut blocks,
+    });
+    let in_units = |ends: [f64; 2]| ends.map(|rise| rise * per_unit);
+    let blocks = blocks.into_iter();
+    blocks
+        .map(|block| Support::from_extremes(block.map(in_units)))
+        .collect()
+}
+
+/// Between which heights above `offset` the cells of a row lie.
+struct RangesOfRow<'a> {
+    spline: &'a SplineSurface,
+    iy: usize,
+    offset: f64,
+    ranges: &'a mut [[f64; 2]],
+}
+
+impl Stage for RangesOfRow<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (block, ranges) in self.ranges.chunks_mut(SMALLEST).enumerate() {
+            let points = bezier_points(self.spline, [block * SMALLEST, self.iy], self.offset);
+            let mut extremes = Extremes::NONE;
+            for along_y in &points {
+                for point in along_y {
+                    extremes.add(point);
+                }
+            }
+            for (cell, range) in ranges.iter_mut().enumerate() {
+                *range = [extremes.low[cell], extremes.high[cell]];
+            }
+        }
+    }
+}
+
+/// Least and greatest rise of blocks of cells along x, along y, along the diagonal and along the other diagonal: between
+/// those of the Bezier points of the derivatives.
+struct RisesOfRows<'a> {
+    spline: &'a SplineSurface,
+    rows: Range<usize>,
+    blocks: &'a mut [[[f64; 2]; 4]],
+}
+
+impl Stage for RisesOfRows<'_> {
+    #[inline(always)]
+    fn run(self) {
+        for (block, rises) in self.blocks.iter_mut().enumerate() {
+            let mut extremes = [Extremes::NONE; 4];
+            for iy in self.rows.start..self.rows.end {
+                let points = bezier_points(self.spline, [block * SMALLEST, iy], 0.0);
+                add_rises(&points, &mut extremes);
+            }
+            for (rise, extremes) in rises.iter_mut().zip(&extremes) {
+                for cell in 0..SMALLEST {
+                    *rise = [
+                        lesser(rise[0], extremes.low[cell]),
+                        greater(rise[1], extremes.high[cell]),
+                    ];
                 }
             }
         }
-        Support::from_extremes(block.map(|ends| ends.map(|rise| rise * per_unit)))
+    }
+}
+
+/// Takes the rises of patches into the extremes; `points[k][l]`: number k along x, l along y.
+#[inline(always)]
+fn add_rises(points: &[[Cells; 4]; 4], [x, y, diagonal, other]: &mut [Extremes; 4]) {
+    // Both derivatives as cubics in x and y, so that they can be added
+    let mut of_x = [[[0.0; SMALLEST]; 4]; 4];
+    for l in 0..4 {
+        let mut steps = [[0.0; SMALLEST]; 3];
+        for k in 0..3 {
+            steps[k] = step(&points[k][l], &points[k + 1][l]);
+            x.add(&steps[k]);
+        }
+        let raised = raised(&steps);
+        for k in 0..4 {
+            of_x[k][l] = raised[k];
+        }
+    }
+    for k in 0..4 {
+        let mut steps = [[0.0; SMALLEST]; 3];
+        for l in 0..3 {
+            steps[l] = step(&points[k][l], &points[k][l + 1]);
+            y.add(&steps[l]);
+        }
+        let raised = raised(&steps);
+        for l in 0..4 {
+            let (mut sum, mut difference) = ([0.0; SMALLEST], [0.0; SMALLEST]);
+            for cell in 0..SMALLEST {
+                sum[cell] = of_x[k][l][cell] + raised[l][cell];
+                difference[cell] = of_x[k][l][cell] - raised[l][cell];
+            }
+            diagonal.add(&sum);
+            other.add(&difference);
+        }
+    }
+}
+
+/// The sixteen Bezier points, less `offset`, of neighbouring cells from that of column `ix` on, number k along x, l along y. Cells
+/// beyond the last column are the last one.
+#[inline(always)]
+fn bezier_points(spline: &SplineSurface, [ix, iy]: [usize; 2], offset: f64) -> [[Cells; 4]; 4] {
+    let (coefficients, stride) = (spline.coefficients(), spline.stride());
+    let last = spline.cells()[0] - 1;
+    // Along y, of the four columns of coefficients of each cell
+    let mut columns = [[[0.0; SMALLEST]; 4]; 4];
+    for (k, column) in columns.iter_mut().enumerate() {
+        let mut rows = [[0.0; SMALLEST]; 4];
+        for (l, row) in rows.iter_mut().enumerate() {
+            let first = (iy + l) * stride + k;
+            if ix + SMALLEST <= last + 1 {
+                row.copy_from_slice(&coefficients[first + ix..first + ix + SMALLEST]);
+            } else {
+                for (cell, coefficient) in row.iter_mut().enumerate() {
+                    *coefficient = coefficients[first + (ix + cell).min(last)];
+                }
+            }
+            for coefficient in row {
+                *coefficient -= offset;
+            }
+        }
+        *column = bezier(&rows);
+    }
+    let mut points = [[[0.0; SMALLEST]; 4]; 4];
+    for l in 0..4 {
+        let along_x = bezier(&[columns[0][l], columns[1][l], columns[2][l], columns[3][l]]);
+        for k in 0..4 {
+            points[k][l] = along_x[k];
+        }
+    }
+    points
+}
+
+/// The four Bezier points of cubics of four B-spline coefficients each.
+#[inline(always)]
+fn bezier([a, b, c, d]: &[Cells; 4]) -> [Cells; 4] {
+    const THIRD: f64 = 1.0 / 3.0;
+    const SIXTH: f64 = 1.0 / 6.0;
+    let mut points = [[0.0; SMALLEST]; 4];
+    for i in 0..SMALLEST {
+        points[0][i] = (a[i] + 4.0 * b[i] + c[i]) * SIXTH;
+        points[1][i] = (2.0 * b[i] + c[i]) * THIRD;
+        points[2][i] = (b[i] + 2.0 * c[i]) * THIRD;
+        points[3][i] = (b[i] + 4.0 * c[i] + d[i]) * SIXTH;
+    }
+    points
+}
+
+/// A Bernstein coefficient of the derivative of a cubic, from two that follow each other.
+#[inline(always)]
+fn step(from: &Cells, to: &Cells) -> Cells {
+    let mut step = [0.0; SMALLEST];
+    for i in 0..SMALLEST {
+        step[i] = 3.0 * (to[i] - from[i]);
+    }
+    step
+}
+
+/// Bernstein coefficients of parabolas as those of cubics.
+#[inline(always)]
+fn raised([a, b, c]: &[Cells; 3]) -> [Cells; 4] {
+    const THIRD: f64 = 1.0 / 3.0;
+    let mut raised = [*a, [0.0; SMALLEST], [0.0; SMALLEST], *c];
+    for i in 0..SMALLEST {
+        raised[1][i] = (a[i] + 2.0 * b[i]) * THIRD;
+        raised[2][i] = (2.0 * b[i] + c[i]) * THIRD;
+    }
+    raised
+}
+
+/// The least and the greatest number of each cell.
+#[derive(Clone, Copy)]
+struct Extremes {
+    low: Cells,
+    high: Cells,
+}
+
+impl Extremes {
+    const NONE: Self = Self {
+        low: [f64::INFINITY; SMALLEST],
+        high: [f64::NEG_INFINITY; SMALLEST],
     };
-    (0..columns).map(block).collect()
+
+    #[inline(always)]
+    fn add(&mut self, values: &Cells) {
+        for (i, value) in values.iter().enumerate() {
+            self.low[i] = lesser(self.low[i], *value);
+            self.high[i] = greater(self.high[i], *value);
+        }
+    }
 }
 
-/// Least and greatest rise of a patch along x, along y, along the diagonal and along the other diagonal: between
-/// those of the Bezier points of the derivatives.
-fn rises(patch: &Patch) -> [[f64; 2]; 4] {
-    // `points[k][l]`: number k along x, l along y
-    let points = patch.bezier();
-    let along_x: [[f64; 4]; 3] =
-        std::array::from_fn(|k| std::array::from_fn(|l| 3.0 * (points[k + 1][l] - points[k][l])));
-    let along_y: [[f64; 3]; 4] =
-        std::array::from_fn(|k| std::array::from_fn(|l| 3.0 * (points[k][l + 1] - points[k][l])));
-    // Both as cubics in x and y, so that they can be added
-    let of_x = |k: usize, l: usize| {
-        let column = [along_x[0][l], along_x[1][l], along_x[2][l]];
-        raised(column)[k]
-    };
-    let of_y = |k: usize, l: usize| raised(along_y[k])[l];
-    let places = || (0..4).flat_map(|k| (0..4).map(move |l| (k, l)));
-    [
-        extremes(along_x.into_iter().flatten()),
-        extremes(along_y.into_iter().flatten()),
-        extremes(places().map(|(k, l)| of_x(k, l) + of_y(k, l))),
-        extremes(places().map(|(k, l)| of_x(k, l) - of_y(k, l))),
-    ]
+/// One comparison, where `f64::min` takes care of a NaN.
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
 }
 
-/// Bernstein coefficients of a parabola as those of a cubic.
-fn raised([a, b, c]: [f64; 3]) -> [f64; 4] {
-    [a, (a + 2.0 * b) / 3.0, (2.0 * b + c) / 3.0, c]
+/// The same for the greater one.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if b > a { b } else { a }
 }
 
-/// The least and the greatest.
-fn extremes(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-        [low.min(x), high.max(x)]
-    })
+#[cfg(test)]
+mod tests {
+    use asperity_surface::{Psd, SplineSynthesis};
+
+    use super::*;
+
+    /// Extremes of a cell by its patch alone.
+    fn of_patch(patch: &Patch) -> ([f64; 2], [[f64; 2]; 4]) {
+        let ends = |values: Vec<f64>| {
+            values
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                    [low.min(*x), high.max(*x)]
+                })
+        };
+        let heights = ends(patch.bezier().into_iter().flatten().collect());
+        // Rises at places of the cell lie between those of the Bezier points.
+        let places = (0..=8).flat_map(|i| (0..=8).map(move |j| [i, j].map(|n| f64::from(n) / 8.0)));
+        let rises: Vec<[f64; 3]> = places.map(|place| patch.at(place)).collect();
+        let of = |rise: fn(&[f64; 3]) -> f64| ends(rises.iter().map(rise).collect());
+        let along = [
+            of(|[_, x, _]| *x),
+            of(|[_, _, y]| *y),
+            of(|[_, x, y]| x + y),
+            of(|[_, x, y]| x - y),
+        ];
+        (heights, along)
+    }
+
+    /// Rows that do not fill the last block, with one and with several blocks.
+    #[test]
+    fn extremes_of_rows_are_those_of_their_patches() {
+        for shape in [[5, 7], [20, 16], [18, 43]] {
+            let psd = Psd::gaussian(2.0, 4.0).unwrap();
+            let synthesis = SplineSynthesis::new(psd, shape, [1.0; 2], true).unwrap();
+            let spline = synthesis.draw(3, 1).unwrap();
+            let [cx, cy] = spline.cells();
+            let ranges = cell_ranges(&spline, 0.25);
+            for iy in 0..cy {
+                let mut steepest = vec![[[f64::INFINITY, f64::NEG_INFINITY]; 4]; cx.div_ceil(16)];
+                RisesOfRows {
+                    spline: &spline,
+                    rows: iy..iy + 1,
+                    blocks: &mut steepest,
+                }
+                .run();
+                for ix in 0..cx {
+                    let patch = patch_of(&spline, [ix as u32, iy as u32]);
+                    let ([low, high], along) = of_patch(&patch);
+                    let [found_low, found_high] = ranges[iy * cx + ix];
+                    assert!((found_low - (low - 0.25)).abs() < 1e-13);
+                    assert!((found_high - (high - 0.25)).abs() < 1e-13);
+                    for (block, cell) in steepest[ix / 16].iter().zip(along) {
+                        assert!(block[0] <= cell[0] + 1e-13 && block[1] >= cell[1] - 1e-13);
+                    }
+                }
+                // They are not wider than those of eight places of the steepest cell by far.
+                for (column, block) in steepest.iter().enumerate() {
+                    let cells = 16 * column..(16 * column + 16).min(cx);
+                    for (direction, ends) in block.iter().enumerate() {
+                        let of_cell = |ix| {
+                            let patch = patch_of(&spline, [ix as u32, iy as u32]);
+                            let [low, high] = of_patch(&patch).1[direction];
+                            high - low
+                        };
+                        let widest = cells.clone().map(of_cell).fold(0.0, f64::max);
+                        assert!(ends[1] - ends[0] < 6.0 * widest.max(1.0));
+                    }
+                }
+            }
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! First root: where a polynomial in Bernstein form first falls below zero.
 //!
 //! A polynomial has no more roots in [0, 1] than its Bernstein coefficients have changes of sign, and as many but for
-//! an even number (Descartes' rule). No change: none. One: exactly one, found by Newton's method within brackets. More:
+//! an even number (Descartes' rule). No change: none. One: exactly one, found by Halley's method within brackets. More:
 //! the interval is halved, and the first half looked at first.
 //!
 //! All polynomials are of degree six. What many of them take at once (`many.rs`) is written without branches.
@@ -90,21 +90,15 @@ fn halved(b: &[f64; 7]) -> [[f64; 7]; 2] {
     [low, high]
 }
 
-/// Steps of [`Bracket::narrow`] after which most roots are known to rounding.
-pub(super) const STEPS: usize = 6;
-
 /// The root of a polynomial that changes from positive to negative once.
 fn single_root(b: &[f64; 7]) -> f64 {
-    let mut bracket = Bracket::new(b);
-    for _ in 0..STEPS {
-        bracket.narrow(b);
-    }
-    // Where Newton's method is slow, halving ends it
+    let mut bracket = Bracket::near_root(b);
+    // Where these steps are not enough, halving ends it
     for _ in 0..200 {
         if bracket.is_narrow() {
             break;
         }
-        bracket.narrow(b);
+        bracket = bracket.narrowed(b);
     }
     bracket.s
 }
@@ -120,9 +114,16 @@ pub(super) struct Bracket {
 }
 
 impl Bracket {
+    /// As it is after the steps with which most roots are known to rounding.
+    #[inline(always)]
+    pub(super) fn near_root(b: &[f64; 7]) -> Self {
+        let bracket = Self::new(b).narrowed(b);
+        bracket.narrowed(b).narrowed(b)
+    }
+
     /// The first guess is where the coefficients, taken as values at even places, change sign.
     #[inline(always)]
-    pub(super) fn new(b: &[f64; 7]) -> Self {
+    fn new(b: &[f64; 7]) -> Self {
         let mut s = 0.5;
         for i in (0..6).rev() {
             let guess = (i as f64 + b[i] / (b[i] - b[i + 1])) * (1.0 / 6.0);
@@ -140,39 +141,46 @@ impl Bracket {
         }
     }
 
-    /// A step of Newton's method, or half the interval where that leaves it.
+    /// After a step of Halley's method, or half the interval where that leaves it.
     #[inline(always)]
-    pub(super) fn narrow(&mut self, b: &[f64; 7]) {
-        let [value, rate] = value_and_rate(b, self.s);
+    fn narrowed(self, b: &[f64; 7]) -> Self {
+        let s = self.s;
+        let [value, rate, half_bend] = value_rate_and_half_bend(b, s);
         let is_before = value > 0.0;
-        self.low = if is_before { self.s } else { self.low };
-        self.high = if is_before { self.high } else { self.s };
-        let newton = self.s - value / rate;
-        let inside = (newton >= self.low) & (newton <= self.high);
-        let middle = 0.5 * (self.low + self.high);
-        let next = if inside { newton } else { middle };
-        self.change = (next - self.s).abs();
-        self.s = next;
+        let low = if is_before { s } else { self.low };
+        let high = if is_before { self.high } else { s };
+        let guess = s - value * rate / (rate * rate - value * half_bend);
+        let inside = (guess >= low) & (guess <= high);
+        let next = if inside { guess } else { 0.5 * (low + high) };
+        Self {
+            low,
+            high,
+            s: next,
+            change: (next - s).abs(),
+        }
     }
 
-    /// Whether the next step would change the guess by rounding only: by the square of the last, about.
+    /// Whether the next step would change the guess by rounding only: by the cube of the last, about.
     #[inline(always)]
     pub(super) fn is_narrow(&self) -> bool {
-        self.change < 1e-9
+        self.change < 1e-7
     }
 }
 
-/// Value and derivative at `s`, by de Casteljau's algorithm.
+/// Value, derivative and half the second derivative at `s`, by de Casteljau's algorithm.
 #[inline(always)]
-fn value_and_rate(b: &[f64; 7], s: f64) -> [f64; 2] {
+fn value_rate_and_half_bend(b: &[f64; 7], s: f64) -> [f64; 3] {
     let r = 1.0 - s;
     let mut c = *b;
-    for last in [6, 5, 4, 3, 2] {
+    for last in [6, 5, 4, 3] {
         for i in 0..last {
             c[i] = r * c[i] + s * c[i + 1];
         }
     }
-    [r * c[0] + s * c[1], 6.0 * (c[1] - c[0])]
+    let (first, second) = (c[1] - c[0], c[2] - c[1]);
+    let rate = r * first + s * second;
+    let value = r * (r * c[0] + s * c[1]) + s * (r * c[1] + s * c[2]);
+    [value, 6.0 * rate, 15.0 * (second - first)]
 }
 
 #[cfg(test)]

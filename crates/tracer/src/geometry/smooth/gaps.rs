@@ -45,9 +45,17 @@ pub(super) fn without_first(b: &[f64; 7]) -> [f64; 7] {
     raised
 }
 
+/// The coordinate of a cell from `corner` that is nearest to `p`, and what it is from the corner, to the last bit: a place that
+/// has been found once is found again.
+#[inline(always)]
+pub(super) fn snapped(corner: f64, p: f64) -> [f64; 2] {
+    let place = corner + unit_interval(p - corner);
+    [place, place - corner]
+}
+
 /// The nearest number in `[0, 1]`.
 #[inline(always)]
-pub(super) fn unit_interval(x: f64) -> f64 {
+fn unit_interval(x: f64) -> f64 {
     let x = if x > 0.0 { x } else { 0.0 };
     if x < 1.0 { x } else { 1.0 }
 }

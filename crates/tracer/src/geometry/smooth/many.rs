@@ -2,8 +2,9 @@
 //!
 //! What lies in memory is loaded ray by ray; everything else is computed in lanes, block by block.
 
-use super::first_root::{Bracket, STEPS, falls_once};
-use super::gaps::{gaps, unit_interval, without_first};
+use super::extremes::patch_of;
+use super::first_root::{Bracket, falls_once};
+use super::gaps::{gaps, snapped, without_first};
 use super::patch::Patch;
 use super::stretch::Stretch;
 use super::{DIVIDED, SmoothCell, SmoothSurface};
@@ -21,10 +22,13 @@ impl Patches {
     fn load(surface: &SmoothSurface, cells: impl Iterator<Item = [u32; 2]>) -> Self {
         let mut patches = [[0.0; BLOCK]; 16];
         for (k, cell) in cells.enumerate().take(BLOCK) {
-            let Patch(rows) = surface.patch(cell);
-            for (i, z) in rows.as_flattened().iter().enumerate() {
-                patches[i][k] = *z;
+            let Patch(rows) = patch_of(&surface.spline, cell);
+            for (i, height) in rows.as_flattened().iter().enumerate() {
+                patches[i][k] = *height;
             }
+        }
+        for height in patches.as_flattened_mut() {
+            *height = (*height - surface.offset) * surface.per_column;
         }
         Self(patches)
     }
@@ -65,11 +69,10 @@ pub(super) fn arrive(
         let [x, y, z] = [&mut *x, &mut *y, &mut *z].map(|column| &mut column[block.clone()]);
         let [nx, ny, nz] = [&mut *nx, &mut *ny, &mut *nz].map(|column| &mut column[block.clone()]);
         for k in 0..cells.len().min(BLOCK) {
-            let u = unit_interval(x[k] + ts[k] * dx[k] - corners[0][k]);
-            let v = unit_interval(y[k] + ts[k] * (dy[k] * aspect) - corners[1][k]);
+            let (u, v);
+            [x[k], u] = snapped(corners[0][k], x[k] + ts[k] * dx[k]);
+            [y[k], v] = snapped(corners[1][k], y[k] + ts[k] * (dy[k] * aspect));
             let [height, along_x, along_y] = patches.get(k).at([u, v]);
-            x[k] = corners[0][k] + u;
-            y[k] = corners[1][k] + v;
             z[k] = height;
             let (mx, my) = (-along_x, -along_y * aspect);
             let scale = 1.0 / (mx * mx + my * my + 1.0).sqrt();
@@ -88,7 +91,6 @@ pub(super) fn pass_cells(
     met: &[(u32, [u32; 2])],
     hits: &mut [Option<Hit<SmoothCell>>],
 ) {
-    let noise = surface.noise();
     for (met, hits) in met.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
         let patches = Patches::load(surface, met.iter().map(|met| met.1));
         let mut fields = [[0.0; BLOCK]; 9];
@@ -113,6 +115,7 @@ pub(super) fn pass_cells(
             let Stretch { enter, leave, .. } = stretch;
             let from_corner = [o[0] - column[k], o[1] - row[k], o[2]];
             let gaps = gaps(&patches.get(k), side[k], from_corner, d, [enter, leave]);
+            let noise = surface.noise(from_corner);
             let comes = gaps[0] > noise;
             let begins = (gaps[0] >= -noise) & (gaps[1] - gaps[0] > noise);
             let divided = without_first(&gaps);
@@ -139,17 +142,9 @@ pub(super) fn pass_cells(
 /// Roots of polynomials that fall once; those that are not found in a few steps are not `certain`.
 #[inline(always)]
 fn roots(polynomials: &[[f64; BLOCK]; 7], certain: &mut [f64; BLOCK]) -> [f64; BLOCK] {
-    let mut brackets = [Bracket::new(&[0.0; 7]); BLOCK];
-    for (k, bracket) in brackets.iter_mut().enumerate() {
-        *bracket = Bracket::new(&polynomial(polynomials, k));
-    }
-    for _ in 0..STEPS {
-        for (k, bracket) in brackets.iter_mut().enumerate() {
-            bracket.narrow(&polynomial(polynomials, k));
-        }
-    }
     let mut roots = [0.0; BLOCK];
-    for (k, bracket) in brackets.iter().enumerate() {
+    for k in 0..BLOCK {
+        let bracket = Bracket::near_root(&polynomial(polynomials, k));
         roots[k] = bracket.s;
         certain[k] = if bracket.is_narrow() { certain[k] } else { 0.0 };
     }
@@ -255,11 +250,13 @@ mod tests {
             normal.each_mut().map(|column| &mut column[..]),
         );
         for (i, query) in queries.iter().enumerate() {
-            let p = surface.snap(cells[i], query.ray.at(ts[i]));
+            let mut ray = query.ray;
+            ray.direction.y = scaled[i] * surface.aspect();
+            let p = surface.snap(cells[i], ray.at(ts[i]));
             let found = DVec3::new(origin[0][i], origin[1][i], origin[2][i]);
             let m = DVec3::new(normal[0][i], normal[1][i], normal[2][i]);
-            assert!((found - p).length() < 1e-13, "{i}");
-            assert!((m - surface.normal_at(cells[i], p)).length() < 1e-13, "{i}");
+            assert_eq!(found, p, "{i}");
+            assert_eq!(m, surface.normal_at(cells[i], p), "{i}");
         }
     }
 }

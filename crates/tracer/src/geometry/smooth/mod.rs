@@ -19,7 +19,7 @@ use glam::DVec3;
 
 use self::extremes::{cell_ranges, patch_of, supports};
 use self::first_root::first_root;
-use self::gaps::{gaps, place, unit_interval, without_first};
+use self::gaps::{gaps, place, snapped, without_first};
 use self::patch::Patch;
 use self::stretch::Stretch;
 use crate::geometry::grid::Grid;
@@ -59,6 +59,8 @@ pub struct SmoothSurface {
     /// Bounds of z in each cell, row by row.
     ranges: Vec<[f64; 2]>,
     slope_bounds: SlopeBounds,
+    /// Steepest rise of any cell.
+    steepest: f64,
     /// Made for surfaces with a medium below.
     height_bounds: OnceLock<HeightBounds>,
 }
@@ -69,6 +71,11 @@ const DIVIDED: f64 = 12.0;
 /// Rounding of a height above a patch, in units of the largest height. Coefficients may be nine times as large, and a
 /// height is a weighted mean of them; 6 roundings of 2^-52 were the most seen on the worst of patches.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Rounding of a coordinate along a ray, in units of that of its origin, which may be far: over a cell the product of rate
+/// and parameter is about as large, and it, the sum and the origin from the corner of the cell round by half an eps each.
+/// Twice that, because two gaps of a stretch are compared.
+const RAY_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl SmoothSurface {
     /// Takes over a spline.
@@ -102,6 +109,7 @@ impl SmoothSurface {
             per_column,
             reach,
             ranges,
+            steepest: slope_bounds.steepest(),
             slope_bounds,
             height_bounds: OnceLock::new(),
         }
@@ -135,18 +143,32 @@ impl SmoothSurface {
         Patch(rows)
     }
 
-    /// z at a place of a cell, and its rise along x and along y.
+    /// The place of a cell nearest to `p`, z there, and its rise along x and along y.
     #[inline]
     fn at(&self, cell: SmoothCell, p: DVec3) -> ([f64; 2], [f64; 3]) {
-        let u = unit_interval(p.x - f64::from(cell.ix));
-        let v = unit_interval(p.y - f64::from(cell.iy));
-        ([u, v], self.patch([cell.ix, cell.iy]).at([u, v]))
+        let ([x, u], [y, v]) = (snapped(cell.ix.into(), p.x), snapped(cell.iy.into(), p.y));
+        ([x, y], self.patch([cell.ix, cell.iy]).at([u, v]))
     }
 
-    /// Rounding of heights.
+    /// Rounding of the height above a patch of a ray from `o`, counted from the corner of the cell.
     #[inline(always)]
-    fn noise(&self) -> f64 {
-        ROUNDING * self.reach
+    fn noise(&self, o: [f64; 3]) -> f64 {
+        let along = self.steepest * (o[0].abs() + o[1].abs());
+        ROUNDING * self.reach + RAY_ROUNDING * (along + o[2].abs())
+    }
+
+    /// Bernstein coefficients of a ray's height above the patch of a cell, between two of its parameters.
+    #[cfg(test)]
+    pub(crate) fn gaps_over(
+        &self,
+        [ix, iy]: [u32; 2],
+        ray: &TileRay,
+        half_space: HalfSpace,
+        stretch: [f64; 2],
+    ) -> [f64; 7] {
+        let origin = ray.origin - DVec3::new(f64::from(ix), f64::from(iy), 0.0);
+        let (o, d) = (origin.to_array(), ray.direction.to_array());
+        gaps(&self.patch([ix, iy]), half_space.sign(), o, d, stretch)
     }
 
     /// By how much rounding may have put a ray that enters a cell onto the wrong side: its place, by a few 2^-53
@@ -155,11 +177,10 @@ impl SmoothSurface {
     fn tolerance(&self, ray: &TileRay, stretch: &Stretch) -> f64 {
         let size = |p: DVec3| p.abs().element_sum();
         let reach = 1.0 + self.reach + size(ray.origin) + stretch.enter * size(ray.direction);
-        let steepest = self.slope_bounds.steepest();
         let place = ROUNDING * reach;
         let travel = ray.direction.x.abs() + ray.direction.y.abs();
-        let falls = ray.direction.z.abs() + steepest * travel;
-        place * (1.0 + steepest + falls / stretch.rate)
+        let falls = ray.direction.z.abs() + self.steepest * travel;
+        place * (1.0 + self.steepest + falls / stretch.rate)
     }
 }
 
@@ -222,8 +243,8 @@ impl Geometry for SmoothSurface {
 
     #[inline]
     fn snap(&self, cell: SmoothCell, p: DVec3) -> DVec3 {
-        let ([u, v], [z, ..]) = self.at(cell, p);
-        DVec3::new(f64::from(cell.ix) + u, f64::from(cell.iy) + v, z)
+        let ([x, y], [z, ..]) = self.at(cell, p);
+        DVec3::new(x, y, z)
     }
 
     fn over(&self, x: f64, y: f64) -> Option<(SmoothCell, DVec3)> {
@@ -250,7 +271,7 @@ impl Geometry for SmoothSurface {
         let o = [o[0] - f64::from(cell.ix), o[1] - f64::from(cell.iy), o[2]];
         let patch = self.patch([cell.ix, cell.iy]);
         let gaps = gaps(&patch, q, o, d, [enter, leave]);
-        let noise = self.noise();
+        let noise = self.noise(o);
         let s = if gaps[0] > noise {
             first_root(&gaps, noise)?
         } else if gaps[0] < -self.tolerance(ray, &stretch) {
@@ -314,7 +335,7 @@ impl Grid for SmoothSurface {
     }
 
     fn steepest(&self) -> f64 {
-        self.slope_bounds.steepest()
+        self.steepest
     }
 
     fn height_bounds(&self) -> Option<&HeightBounds> {
