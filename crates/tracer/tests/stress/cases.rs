@@ -1,10 +1,10 @@
 //! Light of every kind that a scene can be lit with.
 
 use asperity_optics::Material;
-use asperity_surface::Roughness;
-use asperity_tracer::{Geometry, HalfSpace, Surface, tiles_crossed};
+use asperity_tracer::{Geometry, HalfSpace, tiles_crossed};
 
 use crate::Effort;
+use crate::stressed::Stressed;
 
 const THETAS: [f64; 8] = [0.0, 30.0, 60.0, 80.0, 85.0, 89.0, 89.9, 89.99];
 
@@ -23,14 +23,14 @@ pub(super) struct Case {
 
 /// Cases of light that a scene can be lit with: angles at which light need not cross more tiles than
 /// a ray may, glass of every index, gold and a mirror, from either side.
-pub(super) fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case> {
+pub(super) fn cases<G: Stressed>(index: usize, surface: &G, effort: Effort) -> Vec<Case> {
     let mut materials: Vec<_> = ETAS.map(|eta| Material::dielectric(eta).unwrap()).into();
     materials.push(Material::conductor(0.21, 3.272).unwrap());
     materials.push(Material::Mirror);
     let thetas = THETAS
         .into_iter()
-        .filter(|theta| tiles_crossed(surface, theta.to_radians()) < 1e4);
-    let every_case = effort.every_case && Roughness::of(surface.field()).steepest.slope < SPIKY;
+        .filter(|theta| tiles_crossed(surface, theta.to_radians()) < effort.tiles);
+    let every_case = effort.every_case && surface.steepest_slope() < SPIKY;
     let mut cases = Vec::new();
     for (i, theta_deg) in thetas.enumerate() {
         for (j, &material) in materials.iter().enumerate() {
@@ -50,7 +50,7 @@ pub(super) fn cases(index: usize, surface: &Surface, effort: Effort) -> Vec<Case
 }
 
 /// Whether brute force would take long for a ray that goes down to the lowest point.
-pub(super) fn is_long(surface: &Surface, case: Case) -> bool {
+pub(super) fn is_long<G: Geometry>(surface: &G, case: Case) -> bool {
     let tiles = tiles_crossed(surface, case.theta_deg.to_radians());
     (tiles + 1.0) * surface.facet_count() as f64 > 2e4
 }

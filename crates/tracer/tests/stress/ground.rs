@@ -2,14 +2,20 @@
 //! rays are traced.
 
 use asperity_surface::Border;
-use asperity_tracer::{Geometry, HalfSpace, Surface, TileRay};
+use asperity_tracer::{Geometry, HalfSpace, TileRay};
+
+use crate::stressed::Stressed;
 
 /// The surface as a function of place, in tile coordinates continued beyond the tile.
-pub(crate) struct Ground<'a> {
-    surface: &'a Surface,
+pub(crate) struct Ground<'a, G> {
+    surface: &'a G,
+    /// z where [`Stressed::plain_height`] is zero.
+    datum: f64,
     cells: [i64; 2],
     border: Border,
     height_range: f64,
+    /// Whether rays go on from tile to tile.
+    crosses_tiles: bool,
 }
 
 /// Where a ray is on the wrong side of the surface.
@@ -23,38 +29,31 @@ pub(crate) struct Breach {
     pub(crate) tolerance: f64,
 }
 
-/// A cell, anywhere, and the heights of its corners `[00, 10, 01, 11]` along its own axes; those of a
-/// mirrored cell run backwards.
+/// A cell, anywhere: the cell of the tile that it repeats, and whether that runs backwards, being mirrored.
 struct Cell {
     flip: [bool; 2],
-    corners: [f64; 4],
+    own: [usize; 2],
 }
 
-impl Cell {
-    /// Height at `(u, v)` of the cell, unflipped: linear on either side of the diagonal.
-    fn height(&self, u: f64, v: f64) -> f64 {
-        let local = |x: f64, flip: bool| {
-            let x = x.clamp(0.0, 1.0);
-            if flip { 1.0 - x } else { x }
-        };
-        let (u, v) = (local(u, self.flip[0]), local(v, self.flip[1]));
-        let [z00, z10, z01, z11] = self.corners;
-        if u >= v {
-            z00 + (z10 - z00) * u + (z11 - z10) * v
-        } else {
-            z00 + (z11 - z01) * u + (z01 - z00) * v
-        }
-    }
-}
-
-impl<'a> Ground<'a> {
-    pub(crate) fn new(surface: &'a Surface) -> Self {
+impl<'a, G: Stressed> Ground<'a, G> {
+    pub(crate) fn new(surface: &'a G) -> Self {
         let [low, high] = surface.z_range();
+        let first = surface.over(0.0, 0.0).map_or(0.0, |(_, p)| p.z);
         Self {
             surface,
-            cells: surface.cells().map(|n| n as i64),
+            datum: first - surface.plain_height([0, 0], [0.0; 2]),
+            cells: surface.extent().map(|n| n as i64),
             border: surface.border(),
             height_range: high - low,
+            crosses_tiles: false,
+        }
+    }
+
+    /// The same for rays that go on from tile to tile.
+    pub(crate) fn across_tiles(surface: &'a G) -> Self {
+        Self {
+            crosses_tiles: true,
+            ..Self::new(surface)
         }
     }
 
@@ -74,9 +73,18 @@ impl<'a> Ground<'a> {
                 _ => inner,
             };
         }
-        let z = |i: i64, j: i64| self.surface.z((own[0] + i) as usize, (own[1] + j) as usize);
-        let corners = [z(0, 0), z(1, 0), z(0, 1), z(1, 1)];
-        Some(Cell { flip, corners })
+        let own = own.map(|i| i as usize);
+        Some(Cell { flip, own })
+    }
+
+    /// Height at `(u, v)` of a cell, unflipped.
+    fn height(&self, cell: &Cell, u: f64, v: f64) -> f64 {
+        let local = |x: f64, flip: bool| {
+            let x = x.clamp(0.0, 1.0);
+            if flip { 1.0 - x } else { x }
+        };
+        let place = [local(u, cell.flip[0]), local(v, cell.flip[1])];
+        self.surface.plain_height(cell.own, place) + self.datum
     }
 
     /// Height at a place of the tile, its borders included.
@@ -84,7 +92,7 @@ impl<'a> Ground<'a> {
         let column = |x: f64, n: i64| (x.floor() as i64).clamp(0, n - 1);
         let (ix, iy) = (column(x, self.cells[0]), column(y, self.cells[1]));
         self.cell(ix, iy)
-            .map_or(0.0, |cell| cell.height(x - ix as f64, y - iy as f64))
+            .map_or(0.0, |cell| self.height(&cell, x - ix as f64, y - iy as f64))
     }
 
     /// What rounding explains of a depth at parameter `t`, in column `ix` and row `iy`.
@@ -98,21 +106,45 @@ impl<'a> Ground<'a> {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for (i, j) in (-1..=1).flat_map(|i| (-1..=1).map(move |j| (i, j))) {
             if let Some(cell) = self.cell(ix + i, iy + j) {
-                for z in cell.corners {
-                    (low, high) = (low.min(z), high.max(z));
-                }
+                let [cell_low, cell_high] = self.surface.heights_of(cell.own);
+                (low, high) = (low.min(cell_low), high.max(cell_high));
             }
         }
         let steep = 1.0 + (high - low).max(0.0);
         let size = |p: glam::DVec3| p.abs().element_sum();
         let reach = 1.0 + size(ray.origin) + t.abs() * size(ray.direction);
-        64.0 * 0.5 * f64::EPSILON * (steep * reach + self.height_range)
+        let place = 32.0 * f64::EPSILON * reach;
+        let late =
+            self.lateness(ray, t, place) * (ray.direction.z.abs() + steep * speed_across(ray));
+        place * steep + late + 0.5 * f64::EPSILON * G::ROUNDING * self.height_range
+    }
+
+    /// By how much of its parameter a ray may be late in the next tile.
+    ///
+    /// It is moved by whole tiles, so its place there is off by rounding, `place`, and it crosses the border by that over its
+    /// rate across the border early or late. This counts where it is that near to a border.
+    fn lateness(&self, ray: &TileRay, t: f64, place: f64) -> f64 {
+        let late = |axis: usize| {
+            let (p, size) = (ray.at(t)[axis], self.cells[axis] as f64);
+            let is_near = (p - (p / size).round() * size).abs() <= place;
+            let rate = ray.direction[axis].abs();
+            if self.crosses_tiles && is_near && rate > 0.0 {
+                place / rate
+            } else {
+                0.0
+            }
+        };
+        late(0).max(late(1))
     }
 
     /// The same at a place of the tile.
     pub(crate) fn tolerance_in_tile(&self, ray: &TileRay, t: f64) -> f64 {
         let at = ray.at(t);
-        self.tolerance([at.x.floor() as i64, at.y.floor() as i64], ray, t)
+        let cell = [at.x.floor() as i64, at.y.floor() as i64];
+        // At the border, the cell on either side of it: whichever allows for less.
+        let inside = [0, 1].map(|axis| cell[axis].clamp(0, self.cells[axis] - 1));
+        let [near, own] = [cell, inside].map(|cell| self.tolerance(cell, ray, t));
+        near.min(own)
     }
 
     /// How far the point at `t` is from the surface, vertically, if rounding does not explain it.
@@ -125,15 +157,14 @@ impl<'a> Ground<'a> {
             Border::Periodic | Border::Mirrored => place,
         };
         let cell = self.cell(place[0], place[1])?;
-        let height = cell.height(p.x - place[0] as f64, p.y - place[1] as f64);
+        let height = self.height(&cell, p.x - place[0] as f64, p.y - place[1] as f64);
         let distance = (p.z - height).abs();
         (distance > self.tolerance(place, ray, t)).then_some(distance)
     }
 
     /// First place in `[from, to]` where a ray in `half_space` is on the wrong side by more than rounding.
     ///
-    /// Between the lines where it crosses columns, rows and diagonals, the height of the ray above
-    /// the surface is linear; so it is enough to test all of these.
+    /// Between the lines where it crosses columns and rows, it is tested at the marks of each cell.
     pub(crate) fn breach(
         &self,
         ray: &TileRay,
@@ -157,13 +188,12 @@ impl<'a> Ground<'a> {
             let leave = next[axis].clamp(t, to.max(t));
             if let Some(cell) = self.cell(place[0], place[1]) {
                 let corner = place.map(|i| i as f64);
-                let diagonal = diagonal_crossing(ray, corner, cell.flip).clamp(t, leave);
-                for t in [t, diagonal, leave] {
+                for t in G::marks(ray, corner, cell.flip, [t, leave]) {
                     if !t.is_finite() {
                         continue;
                     }
                     let p = ray.at(t);
-                    let h = cell.height(p.x - corner[0], p.y - corner[1]);
+                    let h = self.height(&cell, p.x - corner[0], p.y - corner[1]);
                     let depth = half_space.sign() * (h - p.z);
                     if depth > 0.0 {
                         let tolerance = self.tolerance(place, ray, t);
@@ -186,14 +216,28 @@ impl<'a> Ground<'a> {
     }
 }
 
-/// Parameter at which a ray crosses the diagonal of the cell at `corner`; anything if it never does.
-fn diagonal_crossing(ray: &TileRay, [x, y]: [f64; 2], flip: [bool; 2]) -> f64 {
-    let (u, v) = (ray.origin.x - x, ray.origin.y - y);
-    let (du, dv) = (ray.direction.x, ray.direction.y);
-    let t = if flip[0] == flip[1] {
-        (v - u) / (du - dv)
-    } else {
-        (1.0 - u - v) / (du + dv)
-    };
-    if t.is_nan() { 0.0 } else { t }
+/// How fast a ray goes across columns and rows.
+fn speed_across(ray: &TileRay) -> f64 {
+    ray.direction.x.abs() + ray.direction.y.abs()
+}
+
+/// The part of a ray over the tile, up to `slab` above and below z = 0; `None` where it passes that box by.
+pub(crate) fn over_box<G: Geometry>(surface: &G, ray: &TileRay, slab: f64) -> Option<[f64; 2]> {
+    let [cx, cy] = surface.extent();
+    let (mut start, mut end) = (0.0_f64, f64::INFINITY);
+    for (axis, [low, high]) in [[0.0, cx], [0.0, cy], [-slab, slab]]
+        .into_iter()
+        .enumerate()
+    {
+        let (o, d) = (ray.origin[axis], ray.direction[axis]);
+        if d == 0.0 {
+            if !(low..=high).contains(&o) {
+                return None;
+            }
+            continue;
+        }
+        let (a, b) = ((low - o) / d, (high - o) / d);
+        (start, end) = (start.max(a.min(b)), end.min(a.max(b)));
+    }
+    (start <= end).then_some([start, end])
 }

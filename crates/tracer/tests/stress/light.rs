@@ -6,7 +6,7 @@ use asperity_tally::{HemisphereGrid, TallyResult, TallySpec, TallyValues};
 use asperity_tracer::Heading;
 use asperity_tracer::{
     AcceleratorKind, Branching, Geometry, HalfSpace, Illumination, PathSettings, PathStream, Query,
-    Surface, TileRay, Tracer,
+    SmoothSurface, Surface, TileRay, Tracer,
 };
 use glam::DVec3;
 use rand::RngExt;
@@ -15,23 +15,22 @@ use rand_chacha::ChaCha8Rng;
 use crate::cases::{Case, cases, is_long};
 use crate::paths::{Account, BySide, Light, Numbers, Scheme, start, start_towards, walk};
 use crate::rays;
-use crate::rows::{Row, assert_clean, over_scenes, report};
+use crate::rows::{Row, assert_scenes_are_clean};
 use crate::scenes::{Scene, gaussian, scaled};
+use crate::stressed::Stressed;
 use crate::textbook::comes_in_its_medium;
 use crate::{Effort, MAX_ORDER, SMALL, accelerators, generator};
 
 #[test]
 fn light_stays_on_its_side_and_none_is_lost() {
-    let rows = over_scenes(|i, scene| sides_and_losses(i, scene, SMALL));
-    let all = report(&rows);
-    assert_clean(&all);
+    assert_scenes_are_clean::<Surface>(|i, scene| sides_and_losses(i, scene, SMALL));
+    assert_scenes_are_clean::<SmoothSurface>(|i, scene| sides_and_losses(i, scene, SMALL));
 }
 
 #[test]
 fn flux_adds_up_to_one_and_is_the_same_for_every_accelerator() {
-    let rows = over_scenes(|i, scene| budgets(i, scene, SMALL));
-    let all = report(&rows);
-    assert_clean(&all);
+    assert_scenes_are_clean::<Surface>(|i, scene| budgets(i, scene, SMALL));
+    assert_scenes_are_clean::<SmoothSurface>(|i, scene| budgets(i, scene, SMALL));
 }
 
 #[test]
@@ -76,9 +75,9 @@ pub(super) enum Aim {
 }
 
 /// `count` incident rays, followed one by one.
-pub(super) fn watched(
-    surface: &Surface,
-    scheme: &dyn Scheme,
+pub(super) fn watched<G: Stressed>(
+    surface: &G,
+    scheme: &dyn Scheme<G>,
     case: Case,
     aim: Aim,
     count: usize,
@@ -127,7 +126,7 @@ pub(super) fn watched(
 }
 
 /// What is asked first about a ray that starts with `heading`.
-fn first_query(surface: &Surface, heading: &Heading, half_space: HalfSpace) -> Query {
+fn first_query<G: Geometry>(surface: &G, heading: &Heading, half_space: HalfSpace) -> Query {
     let scale = DVec3::new(1.0, surface.aspect(), 1.0);
     Query {
         ray: TileRay {
@@ -139,7 +138,7 @@ fn first_query(surface: &Surface, heading: &Heading, half_space: HalfSpace) -> Q
 }
 
 /// Paths one by one, watched by [`ground`].
-pub(super) fn sides_and_losses(index: usize, scene: &Scene, effort: Effort) -> Row {
+pub(super) fn sides_and_losses<G: Stressed>(index: usize, scene: &Scene<G>, effort: Effort) -> Row {
     let mut row = Row::default();
     let surface = &scene.surface;
     for (kind, accelerator) in accelerators(surface) {
@@ -174,7 +173,7 @@ pub(super) fn sides_and_losses(index: usize, scene: &Scene, effort: Effort) -> R
 }
 
 /// `Tracer::batch` with every accelerator.
-pub(super) fn budgets(index: usize, scene: &Scene, effort: Effort) -> Row {
+pub(super) fn budgets<G: Stressed>(index: usize, scene: &Scene<G>, effort: Effort) -> Row {
     let mut row = Row::default();
     let surface = &scene.surface;
     let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();

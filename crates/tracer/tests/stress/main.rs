@@ -28,19 +28,20 @@ mod rows;
 mod scenes;
 mod schemes;
 mod searches;
+mod smooth_check;
+mod stressed;
 mod textbook;
 mod together;
 
-use asperity_tracer::{
-    Accelerator, AcceleratorKind, BuildAccelerator, Instructions, Pyramid, Surface,
-};
+use asperity_tracer::{Accelerator, AcceleratorKind, Instructions, SmoothSurface, Surface};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use light::{Aim, budgets, sides_and_losses};
-use rows::{assert_clean, over_scenes, report};
+use rows::{Row, assert_clean, over_scenes, report};
 use schemes::offset_fails;
 use searches::{against_brute_force, against_the_textbook, in_other_units};
+use stressed::Stressed;
 
 /// Every accelerator that surfaces have; another joins by its name here.
 const KINDS: [AcceleratorKind; 3] = [
@@ -51,7 +52,11 @@ const KINDS: [AcceleratorKind; 3] = [
 
 /// The pyramid is searched with each of these that the machine has; whichever is the best stands in
 /// [`KINDS`] as well.
-const INSTRUCTIONS: [Instructions; 2] = [Instructions::Portable, Instructions::Avx2];
+const INSTRUCTIONS: [Instructions; 3] = [
+    Instructions::Portable,
+    Instructions::Avx2,
+    Instructions::Avx512,
+];
 
 /// Interactions after which paths end; between spikes they would be very long.
 const MAX_ORDER: u32 = 60;
@@ -63,6 +68,8 @@ struct Effort {
     facet_tests: usize,
     /// Most rays of one family.
     rays_of_a_family: usize,
+    /// Tiles that light may cross.
+    tiles: f64,
     /// Cases of light: one of all, or all.
     every_case: bool,
     /// Incident rays of a case followed one by one, with brute force and with each accelerator.
@@ -74,6 +81,7 @@ struct Effort {
 const SMALL: Effort = Effort {
     facet_tests: 1_000_000,
     rays_of_a_family: 200,
+    tiles: 300.0,
     every_case: false,
     walks: [1, 8],
     strata: [1, 4],
@@ -82,18 +90,41 @@ const SMALL: Effort = Effort {
 const FULL: Effort = Effort {
     facet_tests: 10_000_000,
     rays_of_a_family: 10_000,
+    tiles: 1e4,
     every_case: true,
     walks: [1, 12],
     strata: [1, 6],
 };
 
 /// An accelerator and what it is called.
-type Named = (String, Box<dyn Accelerator<Surface>>);
+type Named<G> = (String, Box<dyn Accelerator<G>>);
 
 #[test]
 #[ignore = "takes minutes; prints the table"]
-fn everything_at_full_size() {
-    let rows = over_scenes(|i, scene| {
+fn flat_facets_at_full_size() {
+    let rows = full::<Surface>();
+    report_full::<Surface>(&[rows, vec![in_other_units(FULL)]].concat());
+    for (epsilon, rays) in [(1e-3, 3000), (1e-4, 10_000)] {
+        offset_fails(epsilon, Aim::Random, rays);
+    }
+}
+
+#[test]
+#[ignore = "takes minutes; prints the table"]
+fn smooth_cells_at_full_size() {
+    report_full::<SmoothSurface>(&full::<SmoothSurface>());
+}
+
+fn report_full<G: Stressed>(rows: &[Row]) {
+    println!("\nall scenes, in order");
+    let all = report(G::CELLS, rows);
+    assert_clean(&all);
+    assert!(all.segments > 10_000_000, "{}", all.segments);
+}
+
+/// All scenes of facets or of smooth cells, each printed when it is done.
+fn full<G: Stressed>() -> Vec<Row> {
+    over_scenes::<G>(|i, scene| {
         let mut row = against_brute_force(i, scene, FULL);
         row.add(&against_the_textbook(i, scene, FULL));
         row.add(&sides_and_losses(i, scene, FULL));
@@ -101,30 +132,22 @@ fn everything_at_full_size() {
         row.name.clone_from(&scene.name);
         row.print();
         row
-    });
-    let rows: Vec<_> = rows.into_iter().chain([in_other_units(FULL)]).collect();
-    println!("\nall scenes, in order");
-    let all = report(&rows);
-    for (epsilon, rays) in [(1e-3, 3000), (1e-4, 10_000)] {
-        offset_fails(epsilon, Aim::Random, rays);
-    }
-    assert_clean(&all);
-    assert!(all.segments > 10_000_000, "{}", all.segments);
+    })
 }
 
-fn accelerators(surface: &Surface) -> Vec<Named> {
-    let flat = surface.is_flat().then_some(AcceleratorKind::Flat);
+fn accelerators<G: Stressed>(surface: &G) -> Vec<Named<G>> {
+    let flat = surface.accelerator(AcceleratorKind::Flat).ok();
+    let flat = flat.map(|flat| (AcceleratorKind::Flat.to_string(), flat));
     let kinds = KINDS
         .into_iter()
-        .chain(flat)
-        .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()));
+        .map(|kind| (kind.to_string(), surface.accelerator(kind).unwrap()))
+        .chain(flat);
     let pyramids = INSTRUCTIONS
         .into_iter()
         .filter(|instructions| instructions.are_available())
-        .map(|instructions| -> Named {
-            let pyramid = Pyramid::build(surface).unwrap();
-            let pyramid = pyramid.with_instructions(instructions);
-            (format!("pyramid, {instructions:?}"), Box::new(pyramid))
+        .map(|instructions| {
+            let name = format!("pyramid, {instructions:?}");
+            (name, surface.pyramid(instructions))
         });
     kinds.chain(pyramids).collect()
 }

@@ -45,8 +45,8 @@ pub(crate) struct Offset {
     pub(crate) epsilon: f64,
 }
 
-impl Scheme for Offset {
-    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
+impl Scheme<Surface> for Offset {
+    fn follow(&self, surface: &Surface, segment: &Segment<Facet>) -> TraversalResult<Facet> {
         traverse(
             surface,
             &TwoSided { skipped: None },
@@ -63,8 +63,8 @@ impl Scheme for Offset {
 /// The facet that light has just left is skipped, and that is all.
 pub(crate) struct SkipLast;
 
-impl Scheme for SkipLast {
-    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
+impl Scheme<Surface> for SkipLast {
+    fn follow(&self, surface: &Surface, segment: &Segment<Facet>) -> TraversalResult<Facet> {
         traverse(
             surface,
             &TwoSided {

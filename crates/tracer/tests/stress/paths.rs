@@ -2,27 +2,28 @@
 //!
 //! This is the plain reference of `Tracer::batch`, which follows many rays together.
 
+use std::fmt::Debug;
+
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_surface::Border;
 use asperity_tally::{Event, EventPath};
-use asperity_tracer::{
-    Accelerator, Branching, Facet, Geometry, HalfSpace, PathStream, Surface, TileRay, Triangles,
-};
+use asperity_tracer::{Accelerator, Branching, Geometry, HalfSpace, PathStream, TileRay};
 use asperity_tracer::{Heading, TraversalEnd, TraversalResult, traverse};
 use glam::DVec3;
 
 use crate::ground::Ground;
+use crate::stressed::Stressed;
 
 /// Columns and rows of a segment that are watched at either end of it.
 const WATCHED: f64 = 2000.0;
 
 /// A stretch of a path that is still to be followed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Segment {
+pub(crate) struct Segment<F> {
     pub(crate) heading: Heading,
     pub(crate) half_space: HalfSpace,
     /// The facet that it has just left.
-    pub(crate) last: Option<Facet>,
+    pub(crate) last: Option<F>,
     flux: f64,
     order: usize,
     transmissions: u32,
@@ -30,9 +31,9 @@ pub(crate) struct Segment {
 }
 
 /// How segments are traced.
-pub(crate) trait Scheme: Sync {
+pub(crate) trait Scheme<G: Geometry>: Sync {
     /// Follows a segment to where it meets the surface or leaves it.
-    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet>;
+    fn follow(&self, surface: &G, segment: &Segment<G::Facet>) -> TraversalResult<G::Facet>;
 
     /// Where light that continues from `origin` on a facet with the unit normal `away`, on the side
     /// that it goes to, sets off.
@@ -42,10 +43,10 @@ pub(crate) trait Scheme: Sync {
 }
 
 /// As asperity does it: culled by side.
-pub(crate) struct BySide<'a>(pub(crate) &'a dyn Accelerator<Surface>);
+pub(crate) struct BySide<'a, G>(pub(crate) &'a dyn Accelerator<G>);
 
-impl Scheme for BySide<'_> {
-    fn follow(&self, surface: &Surface, segment: &Segment) -> TraversalResult<Facet> {
+impl<G: Geometry> Scheme<G> for BySide<'_, G> {
+    fn follow(&self, surface: &G, segment: &Segment<G::Facet>) -> TraversalResult<G::Facet> {
         traverse(surface, self.0, segment.heading, segment.half_space)
     }
 }
@@ -118,7 +119,7 @@ impl Account {
         orders[order] += flux;
     }
 
-    fn fault(&mut self, segment: &Segment, what: &str) {
+    fn fault<F: Debug>(&mut self, segment: &Segment<F>, what: &str) {
         self.wrong_sides += 1;
         self.first_fault
             .get_or_insert_with(|| format!("{what}: {segment:?}"));
@@ -127,8 +128,8 @@ impl Account {
 
 /// The ray that would meet the mean plane at the fractions `(u, v)` of a period (of two tiles along
 /// each axis, if they are mirrored), started at the height of the highest point, or the lowest.
-pub(crate) fn start(
-    surface: &Surface,
+pub(crate) fn start<G: Geometry>(
+    surface: &G,
     light: &Light,
     incidence: Incidence,
     u: f64,
@@ -144,8 +145,8 @@ pub(crate) fn start(
 }
 
 /// The ray that would meet `target`, started at the height of the highest point, or the lowest.
-pub(crate) fn start_towards(
-    surface: &Surface,
+pub(crate) fn start_towards<G: Geometry>(
+    surface: &G,
     light: &Light,
     incidence: Incidence,
     target: DVec3,
@@ -174,16 +175,16 @@ pub(crate) struct Numbers {
 
 impl Numbers {
     /// The number that picks a branch at the end of a segment.
-    fn pick(self, segment: &Segment) -> f64 {
+    fn pick<F>(self, segment: &Segment<F>) -> f64 {
         let [pick, _] = self.stream.of_interaction(self.ray, segment.path, 0);
         pick
     }
 }
 
 /// Follows one incident ray and all that comes of it.
-pub(crate) fn walk(
-    surface: &Surface,
-    scheme: &dyn Scheme,
+pub(crate) fn walk<G: Stressed>(
+    surface: &G,
+    scheme: &dyn Scheme<G>,
     light: &Light,
     heading: Heading,
     numbers: Numbers,
@@ -192,7 +193,7 @@ pub(crate) fn walk(
         rays: 1,
         ..Account::default()
     };
-    let ground = Ground::new(surface);
+    let ground = Ground::across_tiles(surface);
     let mut segments = vec![Segment {
         heading,
         half_space: light.incident,
@@ -243,27 +244,20 @@ pub(crate) fn walk(
     account
 }
 
-/// Cosine between a direction and the normal below which the side is a matter of rounding: that of
-/// the direction, and that of slopes from heights which span `height_range`.
-fn grazing(height_range: f64) -> f64 {
-    16.0 * f64::EPSILON * (1.0 + height_range)
-}
-
 /// Reflects, transmits or absorbs light that has arrived at the facet `segment.last`.
-fn interact(
-    surface: &Surface,
-    scheme: &dyn Scheme,
+fn interact<G: Stressed>(
+    surface: &G,
+    scheme: &dyn Scheme<G>,
     light: &Light,
-    segment: &Segment,
+    segment: &Segment<G::Facet>,
     numbers: Numbers,
-    segments: &mut Vec<Segment>,
+    segments: &mut Vec<Segment<G::Facet>>,
     account: &mut Account,
 ) {
     let Some(facet) = segment.last else { return };
     let wi = -segment.heading.direction;
-    let mut m = segment.half_space.sign() * surface.normal(facet);
-    let [low, high] = surface.z_range();
-    if wi.dot(m) < -grazing(high - low) {
+    let mut m = segment.half_space.sign() * surface.normal_at(facet, segment.heading.origin);
+    if wi.dot(m) < -surface.grazing() {
         account.fault(segment, "hit from the wrong side");
         m = -m;
     }
@@ -333,12 +327,12 @@ fn interact(
 }
 
 /// Notes where a segment is not in the half space that it claims.
-fn watch(
-    surface: &Surface,
-    ground: &Ground<'_>,
+fn watch<G: Stressed>(
+    surface: &G,
+    ground: &Ground<'_, G>,
     light: &Light,
-    segment: &Segment,
-    end: &TraversalResult<Facet>,
+    segment: &Segment<G::Facet>,
+    end: &TraversalResult<G::Facet>,
     account: &mut Account,
 ) {
     let d = segment.heading.direction;

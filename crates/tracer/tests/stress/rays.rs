@@ -2,11 +2,12 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, TAU};
 
-use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, HalfSpace, Query, Surface, TileRay, Triangles};
+use asperity_tracer::{Geometry, HalfSpace, Query, TileRay};
 use glam::DVec3;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
+
+use crate::stressed::Stressed;
 
 /// How a ray tries to slip through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,7 +22,7 @@ pub(crate) enum Family {
     Vertical,
     /// At a vertex, or a point of an edge or a diagonal.
     Aimed,
-    /// In the plane of a facet, from the facet, from before it, or from its neighbour.
+    /// In the tangent plane at a point of a facet, from the point, from before it, or from nearby.
     InPlane,
     /// From a vertex, or a point of an edge or a diagonal, anywhere.
     FromCorners,
@@ -54,11 +55,11 @@ fn onward(rng: &mut ChaCha8Rng, half_space: HalfSpace) -> DVec3 {
 }
 
 /// A physical direction, in tile coordinates.
-fn in_tile(surface: &Surface, d: DVec3) -> DVec3 {
+fn in_tile<G: Geometry>(surface: &G, d: DVec3) -> DVec3 {
     DVec3::new(d.x, d.y * surface.aspect(), d.z)
 }
 
-fn any_facet(surface: &Surface, rng: &mut ChaCha8Rng) -> Facet {
+fn any_facet<G: Geometry>(surface: &G, rng: &mut ChaCha8Rng) -> G::Facet {
     surface.facet(rng.random_range(0..surface.facet_count()))
 }
 
@@ -79,50 +80,32 @@ fn on_the_frame(rng: &mut ChaCha8Rng) -> [f64; 2] {
 }
 
 /// A random vertex, or point of an edge or a diagonal.
-pub(crate) fn frame_point(surface: &Surface, rng: &mut ChaCha8Rng) -> DVec3 {
+pub(crate) fn frame_point<G: Stressed>(surface: &G, rng: &mut ChaCha8Rng) -> DVec3 {
     frame_point_of(surface, any_facet(surface, rng), rng)
 }
 
 /// A random corner of the cell of `facet`, or point of its edges or its diagonal.
-fn frame_point_of(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
-    let [u, v] = on_the_frame(rng);
-    let triangle = if u >= v {
-        Triangle::Lower
-    } else {
-        Triangle::Upper
-    };
-    let corner = DVec3::new(f64::from(facet.ix), f64::from(facet.iy), 0.0);
-    let facet = Facet { triangle, ..facet };
-    surface.snap(facet, corner + DVec3::new(u, v, 0.0))
+fn frame_point_of<G: Stressed>(surface: &G, facet: G::Facet, rng: &mut ChaCha8Rng) -> DVec3 {
+    let cell = G::cell_of(facet);
+    let place = on_the_frame(rng);
+    point_at(surface, G::facet_at(cell, place), place)
 }
 
 /// A random point of a facet.
-fn inner_point(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
-    let [a, b, c] = surface.corners(facet);
-    let (mut u, mut v) = (rng.random::<f64>(), rng.random::<f64>());
-    if u + v > 1.0 {
-        (u, v) = (1.0 - u, 1.0 - v);
-    }
-    let p = a + u * (b - a) + v * (c - a);
-    surface.snap(facet, p)
+fn inner_point<G: Stressed>(surface: &G, facet: G::Facet, rng: &mut ChaCha8Rng) -> DVec3 {
+    let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
+    let is_inside = G::facet_at(G::cell_of(facet), [u, v]) == facet;
+    point_at(surface, facet, if is_inside { [u, v] } else { [v, u] })
 }
 
-/// A random direction in the plane of `facet`, tile coordinates.
-fn along(surface: &Surface, facet: Facet, rng: &mut ChaCha8Rng) -> DVec3 {
-    let [a, b, c] = surface.corners(facet);
-    let d = match rng.random_range(0..4) {
-        0 => b - a,
-        1 => c - b,
-        2 => a - c,
-        _ => (b - a) + rng.random_range(-2.0..2.0) * (c - a),
-    };
-    let physical = DVec3::new(d.x, d.y / surface.aspect(), d.z);
-    let sign = if rng.random::<bool>() { 1.0 } else { -1.0 };
-    d * (sign / physical.length())
+/// The point of a facet at `[u, v]` of its cell.
+fn point_at<G: Stressed>(surface: &G, facet: G::Facet, [u, v]: [f64; 2]) -> DVec3 {
+    let [ix, iy] = G::cell_of(facet).map(f64::from);
+    surface.snap(facet, DVec3::new(ix + u, iy + v, 0.0))
 }
 
 /// A ray of one family.
-pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Query {
+pub(crate) fn draw<G: Stressed>(surface: &G, family: Family, rng: &mut ChaCha8Rng) -> Query {
     let half_space = if rng.random::<bool>() {
         HalfSpace::Above
     } else {
@@ -196,20 +179,21 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
         }
         Family::InPlane => {
             let facet = any_facet(surface, rng);
-            let d = along(surface, facet, rng);
+            let p = match rng.random_range(0..3) {
+                0 => frame_point_of(surface, facet, rng),
+                _ => inner_point(surface, facet, rng),
+            };
+            let d = surface.tangent(facet, p, rng);
             let start = match rng.random_range(0..4) {
-                0 => inner_point(surface, facet, rng),
-                1 => frame_point_of(surface, facet, rng),
-                2 => inner_point(surface, facet, rng) - d * distance(rng, -3.0..2.0),
+                0 | 1 => p,
+                2 => p - d * distance(rng, -3.0..2.0),
                 _ => {
-                    // The other triangle of the cell, or that of a neighbouring cell.
-                    let [cx, cy] = surface.cells().map(|n| n as u32);
-                    let near = Facet {
-                        ix: (facet.ix + rng.random_range(0..2)) % cx,
-                        iy: (facet.iy + rng.random_range(0..2)) % cy,
-                        ..any_facet(surface, rng)
-                    };
-                    inner_point(surface, near, rng)
+                    // Elsewhere in the cell, or in a neighbouring one.
+                    let [ix, iy] = G::cell_of(facet);
+                    let [cx, cy] = [cx as u32, cy as u32];
+                    let (ix, iy) = (ix + rng.random_range(0..2), iy + rng.random_range(0..2));
+                    let place = [rng.random::<f64>(), rng.random::<f64>()];
+                    point_at(surface, G::facet_at([ix % cx, iy % cy], place), place)
                 }
             };
             (start, d)
@@ -230,12 +214,12 @@ pub(crate) fn draw(surface: &Surface, family: Family, rng: &mut ChaCha8Rng) -> Q
         Family::FromFacets => {
             let facet = any_facet(surface, rng);
             let d = onward(rng, half_space);
-            let sign = if q * d.dot(surface.normal(facet)) > 0.0 {
+            let start = inner_point(surface, facet, rng);
+            let sign = if q * d.dot(surface.normal_at(facet, start)) > 0.0 {
                 1.0
             } else {
                 -1.0
             };
-            let start = inner_point(surface, facet, rng);
             (start, in_tile(surface, sign * d))
         }
     };

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use crate::scenes::{self, Scene};
+use crate::stressed::Stressed;
 
 /// Numbers of one scene; everything but the first three must be zero or within its bound.
 #[derive(Clone, Default)]
@@ -93,9 +94,9 @@ impl Row {
     }
 }
 
-/// Prints the rows and their sum, which it returns.
-pub(super) fn report(rows: &[Row]) -> Row {
-    println!("{}", Row::HEADINGS);
+/// Prints the rows of surfaces of `cells` and their sum, which it returns.
+pub(super) fn report(cells: &str, rows: &[Row]) -> Row {
+    println!("\n{cells}\n{}", Row::HEADINGS);
     let mut all = Row {
         name: "all".into(),
         ..Row::default()
@@ -113,8 +114,9 @@ pub(super) fn assert_clean(all: &Row) {
     assert!(all.is_clean(), "{:?}", all.first_fault);
 }
 
-pub(super) fn over_scenes(work: impl Fn(usize, &Scene) -> Row + Sync) -> Vec<Row> {
-    scenes::all()
+/// Does `work` for every scene, as facets or as smooth cells.
+pub(super) fn over_scenes<G: Stressed>(work: impl Fn(usize, &Scene<G>) -> Row + Sync) -> Vec<Row> {
+    scenes::all::<G>()
         .par_iter()
         .enumerate()
         .map(|(i, scene)| Row {
@@ -122,4 +124,13 @@ pub(super) fn over_scenes(work: impl Fn(usize, &Scene) -> Row + Sync) -> Vec<Row
             ..work(i, scene)
         })
         .collect()
+}
+
+/// The same, reported and found clean.
+pub(super) fn assert_scenes_are_clean<G: Stressed>(
+    work: impl Fn(usize, &Scene<G>) -> Row + Sync,
+) -> Row {
+    let all = report(G::CELLS, &over_scenes(work));
+    assert_clean(&all);
+    all
 }

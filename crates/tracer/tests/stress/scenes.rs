@@ -1,12 +1,13 @@
 //! Surfaces that are hard on rays.
 
 use asperity_surface::{Border, HeightField, Psd, Synthesis};
-use asperity_tracer::Surface;
+
+use crate::stressed::Stressed;
 
 /// A surface and what it is called in the table.
-pub(crate) struct Scene {
+pub(crate) struct Scene<G> {
     pub(crate) name: String,
-    pub(crate) surface: Surface,
+    pub(crate) surface: G,
 }
 
 const BORDERS: [Border; 3] = [Border::Periodic, Border::Mirrored, Border::Open];
@@ -42,11 +43,11 @@ pub(crate) fn scaled(field: &HeightField, scale: f64) -> HeightField {
 }
 
 /// All scenes: each of them small enough for brute force.
-pub(crate) fn all() -> Vec<Scene> {
+pub(crate) fn all<G: Stressed>() -> Vec<Scene<G>> {
     let one = [1.0; 2];
     let mut scenes = Vec::new();
     let mut push = |name: String, field: HeightField| {
-        let surface = Surface::new(field);
+        let surface = G::through(field);
         scenes.push(Scene { name, surface });
     };
     for (i, s) in [0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0]
@@ -94,6 +95,23 @@ pub(crate) fn all() -> Vec<Scene> {
         push(format!("spikes, {border}"), spikes.with_border(border));
         let flat = drawn([4, 5], |_, _| 7.0);
         push(format!("flat, {border}"), flat.with_border(border));
+    }
+    push("offset 1e9 sigma".into(), changed(&field, |h| h + 2e9));
+    for border in BORDERS {
+        let field = gaussian(0.3, [2, 4], one, 20);
+        push(format!("4 x 2, {border}"), field.with_border(border));
+    }
+    for (dx, dy) in [(1.0, 1000.0), (1000.0, 1.0)] {
+        let field = gaussian(1.0, [8, 10], [dx, dy], 30);
+        push(format!("spacing {dx} x {dy}"), field);
+    }
+    // As high as surfaces may be, with room for a spline that overshoots.
+    for height in [1e3, 5e4] {
+        let spike = drawn([7, 8], |ix, iy| match [ix, iy] {
+            [3, 4] => height,
+            _ => 1e-3 * ((31 * ix + 17 * iy) % 7) as f64,
+        });
+        push(format!("one spike of {height:e}"), spike);
     }
     scenes
 }

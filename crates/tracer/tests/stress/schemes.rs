@@ -45,7 +45,7 @@ pub(super) fn offset_fails(epsilon: f64, aim: Aim, rays: usize) {
 }
 
 /// A rough surface at 85 degrees, by `scheme`, printed.
-fn rough_and_grazing(name: &str, scheme: &dyn Scheme, aim: Aim, rays: usize) -> Account {
+fn rough_and_grazing(name: &str, scheme: &dyn Scheme<Surface>, aim: Aim, rays: usize) -> Account {
     let surface = Surface::new(gaussian(0.2, [8, 8], [1.0; 2], 80));
     let case = Case {
         theta_deg: 85.0,

@@ -1,10 +1,11 @@
 //! A second way to find hits, and how far two ways may differ by rounding.
 
 use asperity_surface::Triangle;
-use asperity_tracer::{Facet, Geometry, HalfSpace, Hit, Query, Surface, Triangles};
+use asperity_tracer::{Facet, Geometry, Hit, Query, Surface, Triangles};
 use glam::DVec3;
 
-use crate::ground::Ground;
+use crate::ground::{Ground, over_box};
+use crate::stressed::Stressed;
 
 /// Möller and Trumbore's numbers: barycentric coordinates `[1 - u - v, u, v]` and ray parameter of
 /// the point where a ray meets the plane of a facet.
@@ -182,27 +183,13 @@ fn around(surface: &Surface, facet: Facet, columns: u32) -> Vec<Facet> {
 
 /// Whether the ray is in the half space that it claims where it first comes over the tile: there alone
 /// does what it meets in this tile make sense.
-pub(crate) fn comes_in_its_medium(surface: &Surface, query: &Query) -> bool {
-    let ray = query.ray;
-    let (mut start, mut end) = (0.0_f64, f64::INFINITY);
-    for (axis, size) in surface.extent().into_iter().enumerate() {
-        let (o, d) = (ray.origin[axis], ray.direction[axis]);
-        if d == 0.0 {
-            if !(0.0..=size).contains(&o) {
-                return true;
-            }
-            continue;
-        }
-        let (a, b) = (-o / d, (size - o) / d);
-        (start, end) = (start.max(a.min(b)), end.min(a.max(b)));
-    }
+pub(crate) fn comes_in_its_medium<G: Stressed>(surface: &G, query: &Query) -> bool {
     // A ray that passes the tile by is nowhere wrong.
-    if start > end {
+    let Some([start, _]) = over_box(surface, &query.ray, f64::INFINITY) else {
         return true;
-    }
-    let at = ray.at(start);
+    };
+    let at = query.ray.at(start);
     let ground = Ground::new(surface);
-    let side =
-        |half_space: HalfSpace| half_space.sign() * (at.z - ground.height_in_tile(at.x, at.y));
-    side(query.half_space) >= -ground.tolerance_in_tile(&ray, start)
+    let height = query.half_space.sign() * (at.z - ground.height_in_tile(at.x, at.y));
+    height >= -ground.tolerance_in_tile(&query.ray, start)
 }

@@ -4,16 +4,27 @@ use asperity_optics::{Incidence, Material};
 use asperity_surface::Border;
 use asperity_tally::{Entry, HemisphereGrid, Side, TallySpec, TallyValues};
 use asperity_tracer::{
-    AcceleratorKind, Branching, BuildAccelerator, HalfSpace, Illumination, PathSettings,
-    PathStream, Surface, Tracer,
+    AcceleratorKind, Branching, HalfSpace, Illumination, PathEnd, PathIntegrator, PathSettings,
+    PathStream, SmoothSurface, Surface, Tracer,
 };
+use rand::RngExt;
 
-use crate::MAX_ORDER;
 use crate::paths::{Account, BySide, Light, Numbers, start, walk};
-use crate::scenes::gaussian;
+use crate::scenes::{self, Scene, gaussian};
+use crate::stressed::Stressed;
+use crate::{MAX_ORDER, generator};
 
 #[test]
 fn many_rays_together_do_what_one_ray_after_another_does() {
+    follow_both_ways::<Surface>();
+}
+
+#[test]
+fn many_rays_among_smooth_cells_do_what_one_ray_after_another_does() {
+    follow_both_ways::<SmoothSurface>();
+}
+
+fn follow_both_ways<G: Stressed>() {
     // More rays than are followed together, on surfaces so mild that no branch becomes so weak that
     // roulette is asked; with picked branches it never is, and surfaces may be rough.
     let side = 66;
@@ -43,7 +54,7 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
         cases.into_iter().enumerate()
     {
         let field = gaussian(s, [9, 10], [1.0, 1.3], number as u64).with_border(border);
-        let surface = Surface::new(field);
+        let surface = G::through(field);
         let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
         let light = Light {
             material,
@@ -89,6 +100,56 @@ fn many_rays_together_do_what_one_ray_after_another_does() {
         assert_eq!(account.weak, 0);
         assert_eq!(work.segments + work.segments_skipped, account.segments);
         assert_same(&values, spec, &account);
+    }
+}
+
+#[test]
+fn mirrors_end_paths_where_the_reference_does() {
+    follow_mirrors::<Surface>();
+    follow_mirrors::<SmoothSurface>();
+}
+
+/// The reference draws numbers of its own, but not where all light is reflected.
+fn follow_mirrors<G: Stressed>() {
+    let light = Light {
+        material: Material::Mirror,
+        incident: HalfSpace::Above,
+        branching: Branching::Split,
+        weakest: 1e-3,
+        max_order: MAX_ORDER as usize,
+    };
+    let settings = PathSettings::new(light.branching, light.weakest, MAX_ORDER).unwrap();
+    for (index, scene) in scenes::all::<G>().into_iter().enumerate() {
+        let Scene { name, surface } = scene;
+        let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let reference =
+            PathIntegrator::new(&surface, &*accelerator, light.material, settings, None);
+        let scheme = BySide(&*accelerator);
+        let mut rng = generator(index, 200);
+        for ray in 0..40 {
+            let theta = [0.0, 30.0, 60.0, 80.0][ray as usize % 4];
+            let incidence = Incidence::from_degrees(theta, 9.0 * f64::from(ray)).unwrap();
+            let heading = start(&surface, &light, incidence, rng.random(), rng.random());
+            let numbers = Numbers {
+                stream: PathStream::new(0, 0),
+                ray,
+            };
+            let account = walk(&surface, &scheme, &light, heading, numbers);
+            let found = reference.trace(heading.origin, heading.direction, &mut rng);
+            let order = found.path.order() as usize;
+            let expected = match found.end {
+                PathEnd::Above => account.by_order[0].get(order).copied(),
+                PathEnd::Truncated => Some(account.truncated),
+                PathEnd::LeftPatch => Some(account.left_patch),
+                end => panic!("{name}: {end:?} of {heading:?}"),
+            };
+            assert_eq!(
+                expected,
+                Some(1.0),
+                "{name}: {:?} of {heading:?}",
+                found.end
+            );
+        }
     }
 }
 
