@@ -43,11 +43,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let (_, psd) = surface
         .psd()
         .map_err(|error| refuse_config(document, &error))?;
-    let [nx, ny] = surface.size.xy().map(|samples| samples.0);
+    let [nx, ny] = surface.size();
     let shape = [samples(ny)?, samples(nx)?];
-    let spacing = surface.spacing.xy().map(|spacing| spacing.0);
-
-    let synthesis = Synthesis::new(psd, shape, spacing, surface.insist).map_err(refuse_surface)?;
+    let synthesis =
+        Synthesis::new(psd, shape, surface.spacing(), surface.insist).map_err(refuse_surface)?;
     check_height_map_output(&path)?;
     check_memory("this surface", synthesis.peak_bytes()).map_err(Failure::failed)?;
     let clock = std::time::Instant::now();

@@ -19,7 +19,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let config: GonioConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let sample = given_surface(&config.measured, common)?
-        .map(|surface| Sample::of(surface, config.measured.remove, config.surface.cells))
+        .map(|surface| {
+            Sample::of(
+                surface,
+                config.measured.remove,
+                config.surface.cells.of_given(),
+            )
+        })
         .transpose()
         .map_err(refuse_simulation)?;
     let sample = sample.as_ref();

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::support::{asperity, files, json, refused, succeed, with_surface, words};
 
-const VERIFY: &str = "verify --tau 4 --size 32 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
+const VERIFY: &str = "verify --tau 4 --size 32 --spacing 1 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
 const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";
 
 /// The contents of all tables of a folder.
@@ -52,7 +52,8 @@ fn smooth_cells_are_traced_with_all_energy_and_the_same_bytes_on_any_number_of_t
         assert_eq!(energy("lost"), 0.0);
         assert!(energy("reflected") > 0.0 && energy("transmitted") > 0.0);
         let said = serde_json::to_string(&smooth["error_budget"]).unwrap();
-        assert!(said.contains("not estimated for smooth cells"), "{said}");
+        let mesh = ["per correlation length", "spline through the heights"];
+        assert!(mesh.iter().any(|mesh| said.contains(mesh)), "{said}");
         let map = fs::metadata(folder.join("out1/height_map.png")).unwrap();
         assert!(map.len() > 1000);
         for threads in [1, 2] {
@@ -71,7 +72,10 @@ fn reports_say_that_cells_are_smooth() {
         &folder,
         &words(&format!("{TRACE} --rays 1e4 --cells smooth")),
     );
-    assert!(trace.contains("not estimated for smooth cells"), "{trace}");
+    assert!(
+        trace.contains("spline through the heights given is the surface"),
+        "{trace}"
+    );
 }
 
 #[test]
@@ -109,7 +113,8 @@ fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones(
 #[test]
 fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
     let (_keep, folder) = with_surface();
-    let small = "--tau 4 --size 32 --smoothness 1 --realisations 2 --rays 2e3 --theta 20";
+    let small =
+        "--tau 4 --size 32 --spacing 1 --smoothness 1 --realisations 2 --rays 2e3 --theta 20";
     let given = "--surface h.exr --rays 2e3 --theta 20 --phi 0,90";
     for (line, table) in [
         (format!("map {small} --models smith"), "map.csv"),
@@ -135,12 +140,11 @@ fn directions_of_gonio_and_cells_of_map_have_smooth_cells() {
 fn smooth_cells_take_coarser_grids_than_flat_ones() {
     let keep = tempfile::tempdir().unwrap();
     let verify = VERIFY.replace("--tau 4", "--tau 2.5");
-    let said = refused(keep.path(), &words(&format!("{verify} -o out")), 2);
+    let flat = format!("{verify} --cells flat -o out");
+    let said = refused(keep.path(), &words(&flat), 2);
     assert!(said.contains("2.50 spacings"), "{said}");
-    succeed(
-        keep.path(),
-        &words(&format!("{verify} --cells smooth -o out")),
-    );
+    // Smooth cells are the default.
+    succeed(keep.path(), &words(&format!("{verify} -o out")));
     let verify = verify.replace("--tau 2.5", "--tau 2.4");
     let said = refused(
         keep.path(),
@@ -148,6 +152,32 @@ fn smooth_cells_take_coarser_grids_than_flat_ones() {
         2,
     );
     assert!(said.contains("2.40 spacings"), "{said}");
+}
+
+/// Cells and grid of random surfaces follow from the correlation length; those of given surfaces are facets.
+#[test]
+fn cells_are_smooth_where_surfaces_are_drawn_and_flat_where_they_are_given() {
+    let (_keep, folder) = with_surface();
+    let small = "verify --tau 2 --rays 1e3 --realisations 2 --models none --bins 6x4 --no-plots";
+    for (flags, size, cells) in [
+        ("", 128, "cells are smooth"),
+        (" --cells smooth", 128, "cells are smooth"),
+        (" --cells flat", 512, "cells are flat"),
+        (" --size 160 --cells flat", 160, "cells are flat"),
+    ] {
+        let text = succeed(&folder, &words(&format!("{small}{flags} -o out")));
+        let said = format!("2 surfaces of {size} x {size}");
+        assert!(text.contains(&said) && text.contains(cells), "{text}");
+    }
+    let energy = |cells: &str| {
+        let line = format!("{TRACE} --rays 1e3 --json{cells}");
+        let summary: serde_json::Value =
+            serde_json::from_str(&succeed(&folder, &words(&line))).unwrap();
+        summary["energy"].clone()
+    };
+    assert_eq!(energy(""), energy(" --cells flat"));
+    assert_eq!(energy(""), energy(" --cells auto"));
+    assert_ne!(energy(""), energy(" --cells smooth"));
 }
 
 #[test]
@@ -159,15 +189,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
     for (line, expected) in [
         (
             "trace h.exr --refine",
-            "--refine: only flat cells can be refined",
-        ),
-        (
-            "verify --refine -o out",
-            "refine: only flat cells can be refined",
-        ),
-        (
-            "map --refine --models smith -o out",
-            "refine: only flat cells can be refined",
+            "--refine: a spline through given heights is the surface itself",
         ),
         (
             "trace h.exr --estimator controlled",

@@ -406,7 +406,7 @@ fn invalid_map_settings_are_refused() {
             "--alpha is for verify, not for map",
         ),
         ("map m.toml --theta 90 -o out", "below 90"),
-        ("map m.toml --tau 2 -o out", "--insist"),
+        ("map m.toml --tau 2 --spacing 1 -o out", "--insist"),
         (
             "map m.toml --models cook-torrance-neumann -o out",
             "reflect",

@@ -182,7 +182,10 @@ fn bad_numbers_get_a_sentence_and_code_2() {
             "COLUMNSxROWS",
         ),
         (vec!["verify", "--theta", "95", "-o", "out"], "below 90"),
-        (vec!["verify", "--tau", "1", "-o", "out"], "or insist"),
+        (
+            vec!["verify", "--tau", "1", "--spacing", "1", "-o", "out"],
+            "or insist",
+        ),
         (vec!["mesh", "h.exr", "-o", "m.xyz"], ".ply"),
         (vec!["inspect", "h.exr", "--plot", "p.gif"], ".svg"),
         (vec!["frobnicate"], "frobnicate"),

@@ -73,9 +73,9 @@ pub enum SimulateError {
         "the controlled estimator of one surface is a sum over flat facets; these cells are smooth, so take auto or plain, or flat cells"
     )]
     SmoothControl,
-    /// Smooth cells that are to be refined.
+    /// A given surface of smooth cells that is to be refined.
     #[error(
-        "only flat cells can be refined; with smooth cells give a finer spacing and compare the results"
+        "a spline through given heights is the surface itself, which no finer mesh changes; refine flat cells"
     )]
     SmoothRefinement,
     /// Smooth cells of a triangle mesh.

@@ -131,7 +131,7 @@ impl PlannedTrace {
         let name = surfaces.surface.name.clone();
         let warnings = surfaces.surface.warnings();
         let description = description::Surfaces::of(&surfaces, config);
-        let shape = surfaces.shape(config.surface.cells)?;
+        let shape = surfaces.shape(config.surface.cells.of_given())?;
         let case = config.case(shape.clone())?;
         let described = description.config(config, &case);
         Ok(Self {
@@ -192,6 +192,8 @@ impl PlannedTrace {
         let ending = found.stopping().map(|stopping| stopping.warnings.clone());
         found.warnings.extend(lost);
         found.warnings.extend(ending.into_iter().flatten());
+        let mesh = found.outcome.errors.mesh_warning();
+        found.warnings.extend(mesh.map(str::to_owned));
         Ok(found)
     }
 }

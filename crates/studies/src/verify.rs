@@ -8,10 +8,9 @@ use std::time::Instant;
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Deadline, LayerBelow, Light, Observer, Outcome, RandomSurfaces, SimulateError,
+    Case, Cells, Deadline, LayerBelow, Light, Observer, Outcome, RandomSurfaces, SimulateError,
     Simulation, StoppedBy, Stopping, SurfaceSource,
 };
-use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::json;
@@ -19,7 +18,7 @@ use serde_json::json;
 use self::error::VerifyError;
 use crate::config::VerifyConfig;
 use crate::config::sweep_case::SweepCase;
-use crate::config::values::{Count, Number, PerAxis, Seconds};
+use crate::config::values::Seconds;
 use crate::output::{CheckpointError, SurfaceCheckpoints};
 use crate::verify::comparison::models::{Compared, ModelOutcome, compare_models};
 
@@ -50,6 +49,12 @@ impl CaseOutcome {
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
         self.outcome.case.surface.spacing().unwrap_or_default()
+    }
+
+    /// What lies between the heights of its surfaces.
+    #[must_use]
+    pub(crate) fn cells(&self) -> Option<Cells> {
+        self.outcome.case.surface.cells()
     }
 }
 
@@ -84,14 +89,6 @@ impl VerifyOutcome {
 }
 
 impl VerifyConfig {
-    /// The same for surfaces of `size` samples, `spacing` apart, along x and y.
-    pub(crate) fn on_grid(&self, size: [usize; 2], spacing: [f64; 2]) -> Self {
-        let mut config = self.clone();
-        config.surface.size = PerAxis::Each(size.map(|n| Count(n as u64)));
-        config.surface.spacing = PerAxis::Each(spacing.map(Number));
-        config
-    }
-
     /// The surfaces that an earlier run of this configuration has left in `folder`. The time that a run is given and
     /// its plots do not belong to it.
     ///
@@ -115,16 +112,11 @@ impl VerifyConfig {
         self.simulated(&self.cases()?).map(|_| ())
     }
 
-    /// The first surface of a case, drawn again.
-    pub(crate) fn first_surface(&self, case: &SweepCase) -> Result<HeightField, VerifyError> {
-        let field = self.recipe(case)?.samples(self.run.seed, 0);
-        Ok(field.map_err(SimulateError::from)?)
-    }
-
     fn recipe(&self, case: &SweepCase) -> Result<RandomSurfaces, VerifyError> {
-        let (shape, surface) = (self.shape()?, &self.surface);
-        let spacing = surface.spacing.xy().map(|s| s.0);
-        let surfaces = RandomSurfaces::new(surface.cells, case.psd, shape, spacing, surface.insist);
+        let surface = &self.surface;
+        let (shape, spacing) = (surface.shape()?, surface.spacing());
+        let surfaces =
+            RandomSurfaces::new(surface.cells(), case.psd, shape, spacing, surface.insist);
         Ok(surfaces.map_err(SimulateError::from)?)
     }
 

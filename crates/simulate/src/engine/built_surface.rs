@@ -30,6 +30,11 @@ impl<G> Meshes<G> {
         }
     }
 
+    /// Several, in the order in which they are held.
+    pub(crate) const fn of_several(surfaces: Vec<Arc<G>>) -> Self {
+        Self { surfaces }
+    }
+
     /// The given mesh back.
     fn into_given(mut self) -> Arc<G> {
         let given = usize::from(self.surfaces.len() > 1);

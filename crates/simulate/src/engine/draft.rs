@@ -6,6 +6,7 @@ use asperity_tally::{TallyResult, TallyValues};
 
 use super::tallies::CaseTallies;
 use crate::errors::budget::{ErrorBudget, TracedRays};
+use crate::errors::convergence::Convergence;
 use crate::errors::mesh_error::MeshErrors;
 use crate::errors::refinement::Refinement;
 use crate::input::case::Case;
@@ -94,19 +95,31 @@ impl Draft {
 
     /// What the mesh adds to the result.
     fn mesh_errors(&self, settings: &Settings) -> MeshErrors {
-        let spacing = self.case.surface.spacing();
-        let refinement =
-            spacing.and_then(|given| Refinement::of_surfaces(given, &self.tallies.shifts));
+        let refinement = self.refinement();
         match &self.case.surface {
             SurfaceSource::Random(surfaces) => match &**surfaces {
                 RandomSurfaces::Flat(synthesis) => {
                     MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
                 }
-                RandomSurfaces::Smooth(_) => {
-                    MeshErrors::of_random_smooth(&self.method, settings.tally)
-                }
+                RandomSurfaces::Smooth(_) => MeshErrors::of_random_smooth(
+                    &self.method,
+                    settings.tally,
+                    refinement,
+                    self.stopping.mesh_by_pilot_run().as_deref(),
+                ),
             },
             SurfaceSource::Given(shape) => MeshErrors::of_given(shape, settings.tally, refinement),
         }
+    }
+
+    /// What the meshes of several spacings showed, if there were several.
+    fn refinement(&self) -> Option<Refinement> {
+        let shifts = &self.tallies.shifts;
+        let surface = Some(&self.case.surface).filter(|_| !shifts.is_empty())?;
+        let convergence = match surface {
+            SurfaceSource::Random(surfaces) => Convergence::of_random(surfaces, 1.0),
+            SurfaceSource::Given(_) => Convergence::of_field(&*surface.heights()?),
+        };
+        Refinement::of_surfaces(surface.spacing()?, convergence, shifts)
     }
 }

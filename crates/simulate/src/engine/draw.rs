@@ -52,31 +52,6 @@ impl Draw for Synthesis {
     }
 }
 
-/// The surfaces of a recipe, of every second sample along x and y.
-pub(crate) struct EverySecondSample<'a>(pub(crate) &'a Synthesis);
-
-impl Draw for EverySecondSample<'_> {
-    type Drawn = HeightField;
-    type Surface = Surface;
-
-    fn draw_into(
-        &self,
-        seed: u64,
-        number: u64,
-        memory: Vec<f64>,
-    ) -> Result<HeightField, SimulateError> {
-        Ok(self.0.draw_into(seed, number, memory)?.coarsened()?)
-    }
-
-    fn meshes(field: HeightField, refine: bool) -> Result<Meshes<Surface>, SimulateError> {
-        Synthesis::meshes(field, refine)
-    }
-
-    fn into_memory(surface: Surface) -> Vec<f64> {
-        Synthesis::into_memory(surface)
-    }
-}
-
 impl Draw for SplineSynthesis {
     type Drawn = SplineSurface;
     type Surface = SmoothSurface;
@@ -90,7 +65,7 @@ impl Draw for SplineSynthesis {
         Ok(self.draw_into(seed, number, memory)?)
     }
 
-    /// Smooth cells are not refined.
+    /// One alone: a spline has no finer mesh than itself.
     fn meshes(
         spline: SplineSurface,
         _refine: bool,
@@ -100,5 +75,65 @@ impl Draw for SplineSynthesis {
 
     fn into_memory(surface: SmoothSurface) -> Vec<f64> {
         surface.into_spline().into_coefficients()
+    }
+}
+
+/// Splines through the same waves at several spacings: half the given one, that, and twice it, if that resolves them.
+pub(crate) struct RefinedSplines {
+    finer: SplineSynthesis,
+    given: SplineSynthesis,
+    coarser: Option<SplineSynthesis>,
+}
+
+impl RefinedSplines {
+    /// Of the recipe for the given spacing.
+    pub(crate) fn new(given: &SplineSynthesis) -> Result<Self, SimulateError> {
+        let respaced = |scale: f64| {
+            let shape = given.shape().map(|n| (n as f64 / scale) as usize);
+            let spacing = given.spacing().map(|d| d * scale);
+            SplineSynthesis::new(*given.psd(), shape, spacing, false)
+        };
+        let is_even = given.shape().iter().all(|n| n % 2 == 0);
+        Ok(Self {
+            finer: respaced(0.5)?,
+            given: given.clone(),
+            coarser: respaced(2.0).ok().filter(|_| is_even),
+        })
+    }
+}
+
+impl Draw for RefinedSplines {
+    /// The finest first.
+    type Drawn = Vec<SplineSurface>;
+    type Surface = SmoothSurface;
+
+    fn draw_into(
+        &self,
+        seed: u64,
+        number: u64,
+        memory: Vec<f64>,
+    ) -> Result<Vec<SplineSurface>, SimulateError> {
+        let mut drawn = vec![
+            self.finer.draw(seed, number)?,
+            self.given.draw_into(seed, number, memory)?,
+        ];
+        if let Some(coarser) = &self.coarser {
+            drawn.push(coarser.draw(seed, number)?);
+        }
+        Ok(drawn)
+    }
+
+    fn meshes(
+        drawn: Vec<SplineSurface>,
+        _refine: bool,
+    ) -> Result<Meshes<SmoothSurface>, SimulateError> {
+        let surfaces = drawn
+            .into_iter()
+            .map(|spline| Arc::new(SmoothSurface::new(spline)));
+        Ok(Meshes::of_several(surfaces.collect()))
+    }
+
+    fn into_memory(surface: SmoothSurface) -> Vec<f64> {
+        SplineSynthesis::into_memory(surface)
     }
 }

@@ -3,7 +3,7 @@
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
 //! surfaces, drawn by the recipes in [`draw`], and [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
-//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`path_trial`] and
+//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
 //! its outcome.
 
@@ -25,6 +25,7 @@ pub(crate) mod ray_blocks;
 pub(crate) mod ready_group;
 pub(crate) mod rounds;
 pub(crate) mod simulation;
+pub(crate) mod spacings;
 pub(crate) mod surfaces;
 pub(crate) mod tallies;
 pub(crate) mod traced_case;

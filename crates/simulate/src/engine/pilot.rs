@@ -10,12 +10,12 @@
 //! The surfaces of the pilot run are none of those of the result. Costs are counted, not measured, so
 //! that the same seed plans the same on any machine.
 
-use asperity_surface::Synthesis;
 use asperity_tally::{ControlVariate, Entry, TallySpec};
 use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
 use super::tallies::CaseTallies;
+use crate::errors::convergence::Convergence;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::target::{Quantity, Target, ratio};
@@ -35,9 +35,8 @@ pub(crate) const RAYS: u64 = SURFACES << 11;
 /// measured by hand from `s = 0.5` to 20, to about a quarter: the optimum is flat.
 const CELL_NS: f64 = 8.0;
 
-/// The same of a smooth cell, whose bounds take longer: as its ratio to the time of rays among smooth cells requires, 190
-/// at `s = 1` and 220 at `s = 3`.
-const SMOOTH_CELL_NS: f64 = 200.0;
+/// The same of a smooth cell, whose bounds take longer: as its ratio to the time of rays among smooth cells requires.
+const SMOOTH_CELL_NS: f64 = 40.0;
 
 /// Nanoseconds of overhead per surface and case: streams, tallies, their sums.
 const SURFACE_NS: f64 = 50_000.0;
@@ -70,12 +69,6 @@ const MARGIN: f64 = 1.25;
 /// run cannot tell it from none.
 const LEAST_OF_SURFACES: f64 = 0.1;
 
-/// Error of the mesh, of the target.
-const MESH_FRACTION: f64 = 1.0 / 3.0;
-
-/// Error of a mesh as part of the difference at twice its spacing, being of second order.
-const MESH_ORDER: f64 = 1.0 / 3.0;
-
 /// What a pilot run found of one case.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
@@ -102,7 +95,7 @@ impl PlannedEffort {
     }
 }
 
-/// What the pilot run found of one case, at the given spacing and, if the grid has one, at twice that.
+/// What the pilot run found of one case, at its spacing and, if there is such a grid, at twice that.
 pub(crate) struct PilotRun<'a> {
     pub(crate) fine: &'a CaseTallies,
     pub(crate) coarse: Option<&'a CaseTallies>,
@@ -110,17 +103,6 @@ pub(crate) struct PilotRun<'a> {
     pub(crate) cost_of_surface_ns: f64,
     /// Entries that have an error of at least one ray.
     pub(crate) counted: usize,
-}
-
-/// The spacing that is taken, and what its mesh adds to the error.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ChosenSpacing {
-    /// Over the spacing given.
-    pub(crate) scale: f64,
-    /// What the mesh adds to the error of the most demanding case; `None` where that is not known.
-    pub(crate) mesh_error: Option<f64>,
-    /// Whether that is small compared with the target.
-    pub(crate) fine_enough: bool,
 }
 
 impl Figures {
@@ -201,10 +183,10 @@ impl Figures {
         }
     }
 
-    /// Error of a mesh whose spacing is `scale` times that of the pilot run.
-    pub(crate) fn mesh_error(&self, scale: f64) -> Option<f64> {
+    /// Error of a mesh whose spacing is `scale` times that of the pilot run's.
+    pub(crate) fn mesh_error(&self, scale: f64, convergence: Convergence) -> Option<f64> {
         let difference = self.figures.mesh_difference?;
-        Some(MESH_ORDER * difference * scale * scale)
+        Some(convergence.remaining_at(scale) * difference)
     }
 }
 
@@ -247,52 +229,6 @@ pub(crate) fn plan(cases: &[Figures], error: f64, scale: f64, most: u64) -> Opti
                 ..demanding
             }
         })
-}
-
-/// The coarsest of the spacings `scales` at which the mesh error of every case is small compared with the
-/// target, or the finest.
-pub(crate) fn spacing(cases: &[Figures], target: Target, scales: &[f64]) -> ChosenSpacing {
-    let worst = |scale: f64| {
-        let errors: Option<Vec<f64>> = cases.iter().map(|c| c.mesh_error(scale)).collect();
-        errors.map(|errors| errors.into_iter().fold(0.0, f64::max))
-    };
-    let given = ChosenSpacing {
-        scale: 1.0,
-        mesh_error: worst(1.0),
-        fine_enough: false,
-    };
-    if given.mesh_error.is_none() {
-        return ChosenSpacing {
-            fine_enough: true,
-            ..given
-        };
-    }
-    let mut chosen = given;
-    for &scale in scales {
-        let mesh_error = worst(scale);
-        let most = MESH_FRACTION * target.error();
-        chosen = ChosenSpacing {
-            scale,
-            mesh_error,
-            fine_enough: mesh_error.is_some_and(|error| error <= most),
-        };
-        if chosen.fine_enough {
-            break;
-        }
-    }
-    chosen
-}
-
-/// A recipe for the same tile with `scale` times the spacing: 2, 1 or 1/2; none if the grid has no such.
-pub(crate) fn respaced(synthesis: &Synthesis, scale: f64) -> Option<Synthesis> {
-    let [ny, nx] = synthesis.shape();
-    let shape = if scale == 2.0 {
-        (nx % 2 == 0 && ny % 2 == 0).then_some([ny / 2, nx / 2])?
-    } else {
-        [ny.checked_mul(2)?, nx.checked_mul(2)?]
-    };
-    let spacing = synthesis.spacing().map(|d| d * scale);
-    Synthesis::new(*synthesis.psd(), shape, spacing, false).ok()
 }
 
 /// How much the results on the same surfaces with twice the spacing differ: the root of the sum of
@@ -377,31 +313,5 @@ pub(crate) mod tests {
         assert!((0.1..0.2).contains(&hard.expected), "{hard:?}");
         let exact = figures(0.0, 0.0, None).effort(1e-3, 1.0, 100);
         assert_eq!([exact.surfaces, exact.rays_per_surface], [8, 1000]);
-    }
-
-    #[test]
-    fn the_coarsest_spacing_is_taken_whose_mesh_is_good_enough() {
-        let target = Target::new(3e-3, Quantity::default()).unwrap();
-        let chosen = |difference: f64| {
-            let cases = [
-                figures(1.0, 1.0, Some(difference)),
-                figures(1.0, 1.0, Some(0.0)),
-            ];
-            spacing(&cases, target, &[2.0, 1.0, 0.5])
-        };
-        // 4/3, 1/3 and 1/12 of the difference against a third of the target.
-        assert_eq!(chosen(7e-4).scale, 2.0);
-        assert_eq!(chosen(2.9e-3).scale, 1.0);
-        assert_eq!(chosen(1.1e-2).scale, 0.5);
-        assert!(chosen(1.1e-2).fine_enough);
-        let hopeless = chosen(1.0);
-        assert_eq!((hopeless.scale, hopeless.fine_enough), (0.5, false));
-        let unknown = ChosenSpacing {
-            scale: 1.0,
-            mesh_error: None,
-            fine_enough: true,
-        };
-        let chosen = spacing(&[figures(1.0, 1.0, None)], target, &[2.0, 1.0]);
-        assert_eq!(chosen, unknown);
     }
 }

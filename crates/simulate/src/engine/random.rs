@@ -10,12 +10,12 @@ use super::draft::Draft;
 use super::pilot::{self, Figures};
 use super::ready_group::ReadyGroup;
 use super::rounds::Rounds;
+use super::spacings::PilotSurfaces;
 use super::surfaces::{SurfaceGroup, SurfacePlan};
 use super::tallies::CaseTallies;
 use super::traced_case::{NumberedCase, TracedCase};
 use crate::error::SimulateError;
 use crate::input::case::Case;
-use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
@@ -34,6 +34,8 @@ pub const MESH_ALLOWANCE: f64 = 1.055;
 #[derive(Clone)]
 pub(crate) struct RandomGroup {
     pub(super) surfaces: RandomSurfaces,
+    /// The same at the spacings of the pilot run, with a target error.
+    pub(super) pilot_surfaces: Option<PilotSurfaces>,
     pub(super) settings: Settings,
     analytic: Vec<AnalyticCase>,
     pub(super) traced: Vec<TracedCase>,
@@ -78,9 +80,6 @@ impl RandomGroup {
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
-        if settings.refine && surfaces.cells() == Cells::Smooth {
-            return Err(SimulateError::SmoothRefinement);
-        }
         let psd = surfaces.psd();
         // Refused whatever the estimator.
         slopes(psd)?;
@@ -119,8 +118,10 @@ impl RandomGroup {
             mesh_errors: Vec::new(),
             warnings: Vec::new(),
         };
+        let pilot_surfaces = settings.target().map(|_| PilotSurfaces::new(&surfaces));
         Ok(Self {
             surfaces,
+            pilot_surfaces,
             settings: *settings,
             analytic,
             traced,
@@ -132,6 +133,9 @@ impl RandomGroup {
     /// The same with another effort and seed.
     pub(crate) fn repeated(&self, settings: &Settings) -> Self {
         Self {
+            pilot_surfaces: settings
+                .target()
+                .map(|_| PilotSurfaces::new(&self.surfaces)),
             settings: *settings,
             plan: SurfacePlan {
                 surfaces: settings.effort.surfaces(),
@@ -155,8 +159,14 @@ impl RandomGroup {
                 },
             ),
         };
+        let pilot = self.pilot_surfaces.as_ref();
+        let surfaces = match stage {
+            Stage::Result => None,
+            Stage::Pilot | Stage::PathTrial => pilot.map(|pilot| &pilot.fine),
+            Stage::CoarsePilot => pilot.and_then(|pilot| pilot.coarse.as_ref()),
+        };
         SurfaceGroup {
-            surfaces: &self.surfaces,
+            surfaces: surfaces.unwrap_or(&self.surfaces),
             cases: &self.traced,
             settings,
             plan,

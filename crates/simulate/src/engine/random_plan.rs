@@ -7,11 +7,9 @@ use super::surfaces::{SurfaceGroup, surface_bytes};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use crate::error::SimulateError;
-use crate::input::cells::Cells;
 use crate::input::limits::{check_memory, most_realisations};
-use crate::input::random_surfaces::RandomSurfaces;
 use crate::store::Stage;
-use crate::text::error_in_short;
+use crate::text::{error_in_short, short};
 
 impl RandomGroup {
     /// Plans paths, surfaces, rays and spacing by a pilot run. If that is stopped, all stays as it is.
@@ -38,10 +36,10 @@ impl RandomGroup {
         Ok(())
     }
 
-    /// Whether every second sample makes a surface; of a spline none does.
+    /// Whether the pilot run has surfaces of twice its spacing.
     pub(super) fn has_coarser(&self) -> bool {
-        let is_even = self.surfaces.shape().iter().all(|n| n % 2 == 0 && *n >= 4);
-        is_even && self.surfaces.cells() == Cells::Flat
+        let pilot = self.pilot_surfaces.as_ref();
+        pilot.is_some_and(|pilot| pilot.coarse.is_some())
     }
 
     /// A pilot run of `cases`; `None` if it was stopped.
@@ -91,40 +89,35 @@ impl RandomGroup {
         Some(Figures::new(target, tally, &run))
     }
 
-    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it; that of smooth
-    /// cells stays.
+    /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
     fn choose_spacing(&mut self) {
-        let (Some(target), RandomSurfaces::Flat(synthesis)) =
-            (self.settings.target(), &self.surfaces)
-        else {
+        let (Some(target), Some(pilot)) = (self.settings.target(), &self.pilot_surfaces) else {
             return;
         };
-        let mut recipes = Vec::new();
-        for scale in [2.0, 0.5] {
-            if let Some(synthesis) = pilot::respaced(synthesis, scale) {
-                let surfaces = RandomSurfaces::from(synthesis);
-                let bytes = surface_bytes(&surfaces, &self.traced, &self.settings);
-                if check_memory("", bytes).is_ok() {
-                    recipes.push((scale, surfaces));
-                }
-            }
-        }
-        let mut scales: Vec<f64> = recipes.iter().map(|(scale, _)| *scale).collect();
-        scales.push(1.0);
-        scales.sort_by(|a, b| b.total_cmp(a));
-        let chosen = pilot::spacing(&self.pilot.figures, target, &scales);
+        let mut candidates = pilot.candidates(&self.surfaces);
+        candidates.retain(|(scale, surfaces)| {
+            let bytes = surface_bytes(surfaces, &self.traced, &self.settings);
+            *scale == 1.0 || check_memory("", bytes).is_ok()
+        });
+        let scales: Vec<f64> = candidates.iter().map(|(scale, _)| *scale).collect();
+        let chosen = pilot.choose(&self.pilot.figures, target, &scales);
         let figures = self.pilot.figures.iter();
-        self.pilot.mesh_errors = figures.map(|f| f.mesh_error(chosen.scale)).collect();
-        if let Some((_, surfaces)) = recipes.into_iter().find(|(s, _)| *s == chosen.scale) {
+        self.pilot.mesh_errors = figures
+            .map(|figures| pilot.mesh_error(figures, chosen.scale))
+            .collect();
+        if let Some((_, surfaces)) = candidates.into_iter().find(|(s, _)| *s == chosen.scale) {
             self.surfaces = surfaces;
         }
         self.pilot.scale = chosen.scale;
         if let (Some(error), false) = (chosen.mesh_error, chosen.fine_enough) {
-            let spacing = self.surfaces.spacing()[0];
+            let spacing = short(self.surfaces.spacing()[0]);
             self.pilot.warnings.push(format!(
                 "at the spacing {spacing} the mesh adds an error of up to {}, above a third of the target: give a finer spacing",
                 error_in_short(error)
             ));
+            self.pilot
+                .warnings
+                .extend(pilot.warning().map(str::to_owned));
         }
     }
 

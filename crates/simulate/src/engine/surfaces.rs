@@ -10,13 +10,13 @@ use rayon::prelude::*;
 use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE, run_blocks};
 use super::built_surface::{BuiltSurface, SurfaceMeshes};
 use super::context::Context;
-use super::draw::{Draw, EverySecondSample};
+use super::draw::{Draw, RefinedSplines};
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
 use crate::input::layer::BottomSurface;
-use crate::input::limits::{check_memory, meshes_bytes, smooth_accelerator_bytes, smooth_bytes};
+use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
@@ -71,9 +71,7 @@ pub(crate) fn surface_bytes(
     let traced = match surfaces {
         // A surface that is drawn is not flat.
         RandomSurfaces::Flat(_) => meshes_bytes(shape, accelerator, false, settings.refine),
-        RandomSurfaces::Smooth(_) => {
-            smooth_bytes(shape).saturating_add(smooth_accelerator_bytes(shape, accelerator))
-        }
+        RandomSurfaces::Smooth(_) => smooth_meshes_bytes(shape, accelerator, settings.refine),
     };
     let one = surfaces.peak_bytes().max(traced);
     if have_independent_bottom(cases) {
@@ -265,12 +263,12 @@ impl SurfaceGroup<'_> {
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
-        match (self.surfaces, self.stage) {
-            (RandomSurfaces::Flat(recipe), Stage::CoarsePilot) => {
-                self.trace_on(&EverySecondSample(recipe), number, memory, observer)
+        match self.surfaces {
+            RandomSurfaces::Flat(recipe) => self.trace_on(recipe, number, memory, observer),
+            RandomSurfaces::Smooth(recipe) if self.settings.refine => {
+                self.trace_on(&RefinedSplines::new(recipe)?, number, memory, observer)
             }
-            (RandomSurfaces::Flat(recipe), _) => self.trace_on(recipe, number, memory, observer),
-            (RandomSurfaces::Smooth(recipe), _) => self.trace_on(recipe, number, memory, observer),
+            RandomSurfaces::Smooth(recipe) => self.trace_on(recipe, number, memory, observer),
         }
     }
 

@@ -208,6 +208,12 @@ impl ErrorBudget {
         self.mesh.refinement.as_ref()
     }
 
+    /// What a reader should be warned of about the mesh error that several spacings showed.
+    #[must_use]
+    pub fn mesh_warning(&self) -> Option<&'static str> {
+        self.refinement()?.convergence().warning()
+    }
+
     /// How the errors by the mesh were estimated, or why not.
     #[must_use]
     pub fn mesh_explanation(&self) -> &str {

@@ -4,6 +4,8 @@ use asperity_tally::{
     Entry, Estimate, SavedStatistics, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
 
+use super::convergence::Convergence;
+
 /// Standard errors that a difference between meshes must exceed before an order is read off it.
 const RESOLVED: f64 = 3.0;
 
@@ -79,18 +81,27 @@ impl MeshShifts {
 pub struct Refinement {
     /// Spacing of the given mesh, length units along x and y.
     pub(crate) given: [f64; 2],
+    convergence: Convergence,
     /// A batch is a surface, or a ray block where there is one surface.
     shifts: MeshShifts,
 }
 
 impl Refinement {
     /// Of a given mesh of that spacing.
-    pub(crate) const fn new(given: [f64; 2], shifts: MeshShifts) -> Self {
-        Self { given, shifts }
+    pub(crate) const fn new(given: [f64; 2], convergence: Convergence, shifts: MeshShifts) -> Self {
+        Self {
+            given,
+            convergence,
+            shifts,
+        }
     }
 
     /// From what each of several surfaces showed, or from the ray blocks of one.
-    pub(crate) fn of_surfaces(given: [f64; 2], surfaces: &[MeshShifts]) -> Option<Self> {
+    pub(crate) fn of_surfaces(
+        given: [f64; 2],
+        convergence: Convergence,
+        surfaces: &[MeshShifts],
+    ) -> Option<Self> {
         let (first, others) = surfaces.split_first()?;
         let shifts = if others.is_empty() {
             first.clone()
@@ -100,7 +111,7 @@ impl Refinement {
             surfaces.iter().for_each(|one| shifts.push_means(one));
             shifts
         };
-        Some(Self::new(given, shifts))
+        Some(Self::new(given, convergence, shifts))
     }
 
     /// What is kept of the light.
@@ -120,14 +131,21 @@ impl Refinement {
         self.shifts.given_less_finer.at(entry)
     }
 
-    /// What is left of the mesh error in the finer mesh, for second order: a third of that.
+    /// What is left of the mesh error in the finer mesh: a third of that for facets of second order, a fifteenth for smooth
+    /// cells, and all of it for facets too large to show an order.
     #[must_use]
     pub fn remaining(&self, entry: Entry) -> Estimate {
         let Estimate { mean, se } = self.shift(entry);
+        let part = self.convergence.remaining();
         Estimate {
-            mean: mean / 3.0,
-            se: se.map(|se| se / 3.0),
+            mean: part * mean,
+            se: se.map(|se| part * se),
         }
+    }
+
+    /// How the error falls with the spacing.
+    pub(crate) const fn convergence(&self) -> Convergence {
+        self.convergence
     }
 
     /// The coarser mesh less the given one.
@@ -143,7 +161,7 @@ impl Refinement {
     /// Why none is seen.
     pub fn order(&self, entry: Entry) -> Result<f64, String> {
         let Some(coarser) = self.coarser_shift(entry) else {
-            return Err("the tile has an odd number of cells, so there is no coarser mesh".into());
+            return Err("there is no coarser mesh, of twice the spacing".into());
         };
         let shift = self.shift(entry);
         let seen = |shift: Estimate| {
@@ -168,6 +186,9 @@ impl Refinement {
     /// # Errors
     /// Why it is not to be trusted.
     pub fn extrapolated(&self, entry: Entry) -> Result<Estimate, String> {
+        if self.convergence != Convergence::Second {
+            return Err("the value is that of facets of second order".into());
+        }
         let order = self.order(entry)?;
         if SECOND_ORDER.contains(&order) {
             return Ok(self.shifts.extrapolated.at(entry));

@@ -88,6 +88,25 @@ pub(crate) const fn smooth_accelerator_bytes(
     }
 }
 
+/// Bytes that a smooth surface of `[ny, nx]` samples takes while it is traced, and, if it is refined, with it a finer and
+/// a coarser one, each with its accelerator.
+pub(crate) fn smooth_meshes_bytes(
+    [ny, nx]: [usize; 2],
+    accelerator: AcceleratorKind,
+    refine: bool,
+) -> usize {
+    let of_shape = |shape: [usize; 2]| {
+        smooth_bytes(shape).saturating_add(smooth_accelerator_bytes(shape, accelerator))
+    };
+    let given = of_shape([ny, nx]);
+    if !refine {
+        return given;
+    }
+    let finer = of_shape([ny.saturating_mul(2), nx.saturating_mul(2)]);
+    let coarser = of_shape([ny.div_ceil(2), nx.div_ceil(2)]);
+    given.saturating_add(finer).saturating_add(coarser)
+}
+
 /// Bytes that the hierarchy over the triangles of a mesh takes in addition to the mesh: as over those of a cell,
 /// without their heights.
 pub const fn hierarchy_bytes(triangles: usize) -> usize {

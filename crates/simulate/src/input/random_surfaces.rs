@@ -67,6 +67,17 @@ impl RandomSurfaces {
         }
     }
 
+    /// The same surfaces of the same tile with about `scale` times the spacing, as whole cells allow; `None` if the grid
+    /// cannot be. `insist`: even if it resolves them no more.
+    #[must_use]
+    pub(crate) fn respaced(&self, scale: f64, insist: bool) -> Option<Self> {
+        let (shape, spacing) = (self.shape(), self.spacing());
+        let cells = shape.map(|n| (n as f64 / scale).round().max(2.0) as usize);
+        // Spacing is that of columns, then of rows; shape the number of rows, then of columns.
+        let spacing = [0, 1].map(|i| spacing[i] * shape[1 - i] as f64 / cells[1 - i] as f64);
+        Self::new(self.cells(), *self.psd(), cells, spacing, insist).ok()
+    }
+
     /// Bytes that a program holds at the peak of drawing one of them.
     #[must_use]
     pub fn peak_bytes(&self) -> usize {
@@ -76,14 +87,19 @@ impl RandomSurfaces {
         }
     }
 
-    /// Heights of one surface at the grid points.
+    /// Heights of one surface, for a picture: those of its grid, or of one up to four times as fine where cells are smooth, of at
+    /// most 512 samples per side.
     ///
     /// # Errors
     /// As [`Synthesis::draw`].
-    pub fn samples(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+    pub fn heights(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         match self {
             Self::Flat(synthesis) => synthesis.draw(seed, realisation),
-            Self::Smooth(synthesis) => Ok(synthesis.draw(seed, realisation)?.samples()),
+            Self::Smooth(synthesis) => {
+                let [ny, nx] = synthesis.shape();
+                let per_cell = (512 / nx.max(ny)).clamp(1, 4);
+                Ok(synthesis.draw(seed, realisation)?.tessellated(per_cell)?)
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::input::target::Quantity;
 use crate::output::chosen_paths::ChosenPaths;
 use crate::output::stopped_by::StoppedBy;
-use crate::text::error_in_short;
+use crate::text::{error_in_short, short};
 
 /// What a pilot run found, for the requested quantity; variances and differences are divided by the
 /// norm of the fluxes, as the error is.
@@ -94,6 +94,14 @@ impl Stopping {
         self
     }
 
+    /// What the pilot run found of the mesh error, if it did; of smooth cells.
+    pub(crate) fn mesh_by_pilot_run(&self) -> Option<String> {
+        let (of, error) = (self.of?, error_in_short(self.mesh_error?));
+        Some(format!(
+            "up to {error} of {of}, by the difference between two spacings in the pilot run and fourth order; --refine traces a finer mesh for each flux"
+        ))
+    }
+
     /// One line of what was chosen and what was got; nothing without a target.
     #[must_use]
     pub fn line(&self) -> Option<String> {
@@ -108,10 +116,11 @@ impl Stopping {
             ));
         }
         let spacing = self.spacing.map_or_else(String::new, |[dx, dy]| {
-            if dx == dy {
-                format!(", spacing {dx}")
+            let [x, y] = [dx, dy].map(short);
+            if x == y {
+                format!(", spacing {x}")
             } else {
-                format!(", spacing {dx}, {dy}")
+                format!(", spacing {x}, {y}")
             }
         });
         let rounds = match self.rounds {

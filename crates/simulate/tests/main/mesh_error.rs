@@ -77,7 +77,7 @@ fn second_order_is_seen_on_a_smooth_surface() {
         },
         ..Settings::default()
     };
-    let case = Rough::smooth(1.0, 8.0, 64).case(Material::Mirror, 30.0);
+    let case = Rough::smooth(2.0, 8.0, 64).case(Material::Mirror, 30.0);
     let outcome = crate::support::run(case, &settings);
     let refinement = outcome.errors.refinement().unwrap();
     let spec = outcome.statistics.spec();

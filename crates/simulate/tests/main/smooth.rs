@@ -3,10 +3,10 @@
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
     Case, Cells, Effort, Estimator, Light, Outcome, Quantity, RandomSurfaces, Settings,
-    SimulateError, Simulation, SurfaceSource,
+    SurfaceSource,
 };
 use asperity_surface::Psd;
-use asperity_tally::{Component, Side, TallyResult};
+use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::HalfSpace;
 
 use crate::support::{glass, run, target};
@@ -76,38 +76,72 @@ fn controlled_and_plain_means_agree_on_smooth_cells() {
     }
 }
 
+/// Three and six cells per correlation length are compared; loose targets take the coarser ones, tight ones the finer.
 #[test]
-fn a_target_error_leaves_the_spacing_of_smooth_cells_as_it_is() {
-    let outcome = |cells: Cells| {
+fn a_target_error_chooses_the_spacing_of_smooth_cells() {
+    let outcome = |cells: Cells, error: f64| {
         let settings = Settings {
-            effort: target(0.05, Quantity::Bins),
+            effort: target(error, Quantity::Bins),
             ..Settings::default()
         };
-        run(case(cells, 3.0, 64, glass(), 30.0), &settings)
+        run(case(cells, 3.0, 48, glass(), 30.0), &settings)
     };
-    let smooth = outcome(Cells::Smooth);
-    assert_eq!(smooth.case.surface.spacing(), Some([1.0; 2]));
-    assert_eq!(smooth.case.surface.cells(), Some(Cells::Smooth));
-    assert_eq!(smooth.stopping.pilot.unwrap().mesh_difference, None);
-    assert!(
-        outcome(Cells::Flat)
-            .stopping
-            .pilot
-            .unwrap()
-            .mesh_difference
-            .is_some()
-    );
+    let mut of_coarse: f64 = 0.0;
+    for (error, size) in [(0.05, 36), (1.1e-3, 48)] {
+        let smooth = outcome(Cells::Smooth, error);
+        assert_eq!(smooth.case.surface.cells(), Some(Cells::Smooth));
+        assert_eq!(smooth.case.surface.size(), Some([size; 2]), "{error}");
+        let [mesh, difference] = [
+            smooth.stopping.mesh_error.unwrap(),
+            smooth.stopping.pilot.unwrap().mesh_difference.unwrap(),
+        ];
+        // The difference is that of 3 and 6 per correlation length.
+        let expected = difference / 15.0 * (72.0 / size as f64).powi(4);
+        println!("{error}: {mesh:e} of {difference:e}");
+        assert!((mesh / expected - 1.0).abs() < 1e-12, "{mesh} {expected}");
+        assert!(mesh < error / 3.0);
+        assert!(smooth.errors.mesh_explanation().contains("pilot run"));
+        of_coarse = of_coarse.max(mesh);
+    }
+    // Of facets all that two spacings differ by, since no order is seen.
+    let flat = outcome(Cells::Flat, 0.05).stopping;
+    println!("{:?}", flat.mesh_error);
+    assert_eq!(flat.mesh_error, flat.pilot.unwrap().mesh_difference);
+    assert!(flat.mesh_error.unwrap() > 5.0 * of_coarse);
 }
 
+/// Refined, smooth cells show a difference that is far below that of facets, and a fifteenth of it remains.
 #[test]
-fn smooth_cells_are_not_refined() {
-    let settings = Settings {
-        refine: true,
-        ..Settings::default()
+fn smooth_cells_are_refined_by_fourth_order() {
+    let outcome = |cells: Cells| {
+        let settings = Settings {
+            refine: true,
+            estimator: Estimator::Plain,
+            ..settings(32, 200_000)
+        };
+        let leaving = Material::dielectric(1.0 / 1.5).unwrap();
+        run(case(cells, 1.0, 32, leaving, 0.0), &settings)
     };
-    let cases = [case(Cells::Smooth, 3.0, 32, glass(), 30.0)];
-    let refused = Simulation::new(&cases, &settings).err();
-    assert_eq!(refused, Some(SimulateError::SmoothRefinement));
+    let smooth = outcome(Cells::Smooth);
+    let entry = TallySpec::BUDGET.reflected;
+    let shift = |outcome: &Outcome| outcome.errors.refinement().unwrap().shift(entry);
+    let of_smooth = shift(&smooth);
+    let remaining = smooth.errors.at(entry).mesh.unwrap();
+    assert!((remaining - of_smooth.mean / 15.0).abs() < 1e-15);
+    assert!(smooth.errors.mesh_warning().is_none());
+    let flat = outcome(Cells::Flat);
+    let of_flat = shift(&flat);
+    println!("{of_smooth:?} {of_flat:?}");
+    // Four cells per correlation length, s = 1: no order of facets is seen, and all of the difference counts.
+    assert_eq!(flat.errors.at(entry).mesh.unwrap(), of_flat.mean);
+    assert!(
+        flat.errors
+            .mesh_warning()
+            .unwrap()
+            .contains("finer spacing")
+    );
+    assert!(of_flat.mean > 4.0 * of_flat.se.unwrap());
+    assert!(of_smooth.mean.abs() < 0.1 * of_flat.mean);
 }
 
 /// Flat and smooth cells of equal spectrum and grid are other surfaces.

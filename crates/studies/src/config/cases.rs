@@ -1,6 +1,6 @@
 //! What a configuration stands for: its cases, whether they make sense, and what follows from it.
 
-use asperity_simulate::{Cells, Estimator, SimulateError, short};
+use asperity_simulate::{Estimator, short};
 use std::collections::BTreeSet;
 
 use asperity_analysis::ModelError;
@@ -12,7 +12,6 @@ use crate::config::case_model::CaseModel;
 use crate::config::error::ConfigError;
 use crate::config::sweep::Sweep;
 use crate::config::sweep_case::SweepCase;
-use crate::config::values::Count;
 use crate::config::{Azimuth, VerifyConfig};
 
 impl VerifyConfig {
@@ -31,35 +30,6 @@ impl VerifyConfig {
         let cases: Vec<SweepCase> = sweep.cases.iter().map(|swept| swept.case).collect();
         self.check(&cases)?;
         Ok(sweep)
-    }
-
-    /// Samples `[ny, nx]` of each surface.
-    ///
-    /// # Errors
-    /// [`ConfigError::Contradiction`] if a number does not fit into memory.
-    pub fn shape(&self) -> Result<[usize; 2], ConfigError> {
-        let [x, y] = self.surface.size.xy();
-        let samples = |count: Count| {
-            usize::try_from(count.0).map_err(|_| {
-                ConfigError::Contradiction(format!("{} samples do not fit into memory", count.0))
-            })
-        };
-        Ok([samples(y)?, samples(x)?])
-    }
-
-    /// How far the slope variance of the mesh whose results are reported lies below that of the
-    /// continuous surface, as a fraction: `1 - (1 - exp(-x^2)) / x^2`, `x` being the spacing over the
-    /// correlation length, the larger of both axes.
-    #[must_use]
-    pub fn mesh_slope_deficit(&self) -> f64 {
-        let tau = self
-            .surface
-            .tau_y
-            .map_or(self.surface.tau.0, |t| t.0.min(self.surface.tau.0));
-        let [dx, dy] = self.surface.spacing.xy().map(|s| s.0);
-        let finer = if self.run.refine { 0.5 } else { 1.0 };
-        let x2 = (finer * dx.max(dy) / tau).powi(2);
-        1.0 + (-x2).exp_m1() / x2
     }
 
     /// Whether every ray comes from an azimuth of its own.
@@ -94,10 +64,6 @@ impl VerifyConfig {
             return contradiction(
                 "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto",
             );
-        }
-        if self.run.refine && self.surface.cells == Cells::Smooth {
-            let error = SimulateError::SmoothRefinement;
-            return Err(ConfigError::Contradiction(format!("refine: {error}")));
         }
         let mut models = BTreeSet::new();
         for name in &self.compare.models {
@@ -182,6 +148,7 @@ pub fn check_light(incident: HalfSpace, estimator: Estimator) -> Result<(), Conf
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::values::Count;
 
     #[test]
     fn defaults_make_one_case() {

@@ -6,6 +6,7 @@ pub(crate) mod cases;
 pub(crate) mod error;
 pub(crate) mod measured;
 pub(crate) mod medium;
+pub(crate) mod surface;
 pub(crate) mod sweep;
 pub(crate) mod sweep_case;
 pub(crate) mod trace;
@@ -13,43 +14,16 @@ pub(crate) mod values;
 
 use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
-use asperity_simulate::{Cells, Effort, Estimator, PathChoice, Quantity, Settings, Target};
-use asperity_surface::Psd;
+use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
 use crate::config::medium::{BottomKind, MediumConfig};
-use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
+pub use crate::config::surface::SurfaceConfig;
+use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};
-
-/// `[surface]`: the random surfaces.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SurfaceConfig {
-    /// 1/e correlation length, length units.
-    pub tau: Number,
-    /// The same along the second principal axis, if it differs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tau_y: Option<Number>,
-    /// Angle from +x to the first principal axis, degrees.
-    pub azimuth: Number,
-    /// Smoothness `tau / sigma`, one or several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub smoothness: Option<OneOrMany<Number>>,
-    /// Root mean square height, one or several; instead of `smoothness`.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub sigma: Option<OneOrMany<Number>>,
-    /// Samples along x and y.
-    pub size: PerAxis<Count>,
-    /// Length units per sample along x and y.
-    pub spacing: PerAxis<Number>,
-    /// What lies between the heights of the grid.
-    #[serde(default)]
-    pub cells: Cells,
-    /// Draw surfaces that the grid cannot resolve or hold.
-    pub insist: bool,
-}
 
 /// The kinds of material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -75,42 +49,6 @@ pub struct MaterialConfig {
     /// Absorption index of a conductor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub kappa: Option<Number>,
-}
-
-impl SurfaceConfig {
-    /// The smoothness and the power spectral density of a configuration without lists.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is missing or out of range.
-    pub fn psd(&self) -> Result<(f64, Psd), ConfigError> {
-        let tau = self.tau.0;
-        let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
-            (Some(smoothness), None) => {
-                let smoothness = smoothness.one("smoothness")?.0;
-                (smoothness, tau / smoothness)
-            }
-            (None, Some(sigma)) => {
-                let sigma = sigma.one("sigma")?.0;
-                (tau / sigma, sigma)
-            }
-            _ => {
-                return Err(ConfigError::Contradiction(
-                    "give either smoothness or sigma: smoothness = tau / sigma".into(),
-                ));
-            }
-        };
-        if !(smoothness.is_finite() && smoothness > 0.0) {
-            return Err(ConfigError::Contradiction(format!(
-                "smoothness is {smoothness}; tau / sigma must be positive and finite"
-            )));
-        }
-        let tau_y = self.tau_y.map_or(tau, |t| t.0);
-        let azimuth = self.azimuth.0.to_radians();
-        Ok((
-            smoothness,
-            Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?,
-        ))
-    }
 }
 
 impl MaterialConfig {

@@ -1,23 +1,23 @@
 //! The configuration of `asperity trace`: one given surface, one material, one direction.
 
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{
-    BottomSurface, Case, Cells, LayerBelow, Light, Settings, Shape, SurfaceSource,
-};
+use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
 use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
 use crate::config::cases::{check_light, check_sides};
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
+use crate::config::surface::CellsChoice;
 use crate::config::{Azimuth, LightConfig, MaterialConfig, OutputConfig, RunConfig};
 use crate::settings::{Command, Document};
 
 /// `[surface]`, of which a given surface has the cells alone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CellsConfig {
     /// What lies between the heights of the grid.
-    pub cells: Cells,
+    #[serde(default)]
+    pub cells: CellsChoice,
 }
 
 /// Light on one given surface.

@@ -165,18 +165,10 @@ impl ConvergeConfig {
         }
     }
 
-    /// How far the slope variance of the mesh lies below that of the continuous surface at a spacing, as
-    /// [`VerifyConfig::mesh_slope_deficit`].
-    pub(super) fn mesh_slope_deficit(&self, spacing: PerAxis<Number>) -> f64 {
-        let mut verification = self.as_verification();
-        verification.surface.spacing = spacing;
-        verification.mesh_slope_deficit()
-    }
-
     /// Extent of the surfaces along x and y, length units.
     pub(super) fn extent(&self) -> [f64; 2] {
-        let ([nx, ny], [dx, dy]) = (self.surface.size.xy(), self.surface.spacing.xy());
-        [nx.0 as f64 * dx.0, ny.0 as f64 * dy.0]
+        let ([nx, ny], [dx, dy]) = (self.surface.size(), self.surface.spacing());
+        [nx as f64 * dx, ny as f64 * dy]
     }
 
     /// Samples `[ny, nx]` over the extent of the surfaces.
@@ -197,6 +189,11 @@ impl ConvergeConfig {
         Ok([samples(y, dy.0)?, samples(x, dx.0)?])
     }
 
+    /// The spacing of the surfaces, where methods have none of their own.
+    fn own_spacing(&self) -> PerAxis<Number> {
+        PerAxis::Each(self.surface.spacing().map(Number))
+    }
+
     /// The spacings of the methods.
     fn spacings(&self) -> Result<Vec<PerAxis<Number>>, ConfigError> {
         Ok(match &self.converge.spacings {
@@ -205,7 +202,7 @@ impl ConvergeConfig {
                 once("spacings", list.iter().map(|spacing| spacing.0))?;
                 list.into_iter().map(PerAxis::Both).collect()
             }
-            None => vec![self.surface.spacing],
+            None => vec![self.own_spacing()],
         })
     }
 
@@ -258,7 +255,7 @@ impl ConvergeConfig {
             .copied()
             .reduce(|a, b| if coarsest(b) < coarsest(a) { b } else { a });
         let spacing = config.reference_spacing.map(PerAxis::Both).or(finest);
-        let spacing = spacing.unwrap_or(self.surface.spacing);
+        let spacing = spacing.unwrap_or(self.own_spacing());
         self.shape(spacing)?;
         Ok(Plan {
             cases: verification.cases()?,

@@ -98,7 +98,11 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
                 out,
                 "at spacing {} the slope variance of the mesh is {:.2} % below that of the continuous surface",
                 method.spacing_text(),
-                100.0 * outcome.config.mesh_slope_deficit(method.spacing),
+                100.0
+                    * outcome
+                        .config
+                        .surface
+                        .facet_slope_deficit(method.spacing.xy().map(|d| d.0)),
             );
         }
     }

@@ -141,7 +141,7 @@ impl GonioConfig {
         let medium = self.medium.as_ref();
         json!({
             "measured": sample.about.description,
-            "cells": self.surface.cells,
+            "cells": self.surface.cells.of_given(),
             "material": case.material,
             "layer": case.layer,
             "medium": medium.map(|medium| json!([medium.bottom_surface, medium.max_scatterings])),

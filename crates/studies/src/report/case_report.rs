@@ -22,6 +22,7 @@ use crate::verify::{CaseOutcome, VerifyOutcome};
 pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
+    warnings.extend(case.outcome.errors.mesh_warning().map(str::to_owned));
     let left_out = outcome.left_out.len();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
@@ -102,18 +103,16 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
 
 /// What the cells of the surfaces make of their slopes.
 fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
-    match outcome.config.surface.cells {
-        Cells::Flat => {
-            let config = outcome.config.on_grid(case.size(), case.spacing());
-            format!(
-                "the slope variance of the mesh is {:.2} % below that of the continuous surface",
-                100.0 * config.mesh_slope_deficit(),
-            )
-        }
-        Cells::Smooth => {
-            "cells are smooth, with the slope variance of the continuous surface".to_owned()
-        }
+    if case.cells() == Some(Cells::Smooth) {
+        return "cells are smooth, with the slope variance of the continuous surface".to_owned();
     }
+    let [dx, dy] = case.spacing();
+    let finer = if outcome.config.run.refine { 0.5 } else { 1.0 };
+    let surface = &outcome.config.surface;
+    format!(
+        "cells are flat: the slope variance of the mesh is {:.2} % below that of the continuous surface",
+        100.0 * surface.facet_slope_deficit([finer * dx, finer * dy]),
+    )
 }
 
 /// A row of the table of fluxes.

@@ -116,7 +116,8 @@ pub(crate) fn errors_table(budget: &ErrorBudget) -> String {
         }));
     let mut out = table.text(spec.sides());
     if spec.sides().any(|side| errors(&side).mesh.is_none()) {
-        let _ = writeln!(out, "mesh {}", budget.mesh_explanation());
+        let why = format!("mesh {}", budget.mesh_explanation());
+        let _ = writeln!(out, "{}", wrapped(&why));
     }
     out
 }

@@ -1,7 +1,8 @@
 //! The files of a run: summary.json, tables of numbers, the report, and plots.
 
 use asperity_io::{ResultFolder, write_bytes, write_json};
-use asperity_simulate::Observer;
+use asperity_simulate::{Observer, SimulateError, SurfaceSource};
+use asperity_surface::HeightField;
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -103,16 +104,36 @@ fn height_maps(
         places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd && a.size() == b.size())
     {
         let case = sharing[0].0;
-        let config = outcome.config.on_grid(case.size(), case.spacing());
-        let first = config.first_surface(&case.case).map_err(Box::new)?;
+        let Some(first) = first_surface(outcome, case)? else {
+            continue;
+        };
         let name = match case.outcome.work.realisations {
             0 => "One such surface".to_owned(),
             n => format!("First of {n} surfaces"),
+        };
+        let finer = first.shape()[1] / case.size()[0].max(1);
+        let name = if finer > 1 {
+            format!("{name}, {finer} × {finer} samples per smooth cell")
+        } else {
+            name
         };
         let places: Vec<&Place<'_>> = sharing.iter().map(|(_, place)| place).collect();
         figures::height_map(&places, &first, &name)?;
     }
     Ok(())
+}
+
+/// The first surface of a case, drawn again.
+fn first_surface(
+    outcome: &VerifyOutcome,
+    case: &CaseOutcome,
+) -> Result<Option<HeightField>, ReportError> {
+    let SurfaceSource::Random(surfaces) = &case.outcome.case.surface else {
+        return Ok(None);
+    };
+    let drawn = surfaces.heights(outcome.config.run.seed, 0);
+    let drawn = drawn.map_err(|error| Box::new(SimulateError::from(error).into()));
+    Ok(Some(drawn?))
 }
 
 /// Writes all of one case but its height map and its summary.

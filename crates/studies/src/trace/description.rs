@@ -28,7 +28,7 @@ impl Surfaces {
         let (run, incidence) = (&config.run, case.light.incidence);
         let mut described = json!({
             "surface": self.surface,
-            "cells": config.surface.cells,
+            "cells": config.surface.cells.of_given(),
             "material": case.material,
             "light": {
                 "theta_deg": incidence.theta_deg(),

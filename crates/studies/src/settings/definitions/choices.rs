@@ -14,6 +14,7 @@ pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const CELLS: Kind = Kind::Choice(&[
+    choice("auto", "smooth for random surfaces, flat for given ones"),
     choice("flat", "two triangles per cell"),
     choice(
         "smooth",

@@ -88,7 +88,12 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .arity(Arity::PerAxis)
     .default("512")
-    .default_in(&[(GENERATE, Some("1024")), (ATTENUATION, None)])
+    .default_in(&[
+        (GENERATE, Some("1024")),
+        (ATTENUATION, None),
+        (TRACING, None),
+    ])
+    .otherwise("a tile of 32 correlation lengths")
     .excludes(&["surface.length", "measured.*"]),
     setting(
         SECTION,
@@ -114,7 +119,8 @@ pub(super) const SETTINGS: &[Setting] = &[
     .range(Range::Above(0.0))
     .arity(Arity::PerAxis)
     .default("1")
-    .default_in(&[(ATTENUATION, Some("0.05"))]),
+    .default_in(&[(ATTENUATION, Some("0.05")), (TRACING, None)])
+    .otherwise("tau / 4 for smooth cells, tau / 16 for flat ones"),
     setting(
         SECTION,
         "cells",
@@ -122,7 +128,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         TRACING,
         "What lies between the heights of the grid",
     )
-    .default("flat"),
+    .default("auto"),
     setting(
         SECTION,
         "border",
