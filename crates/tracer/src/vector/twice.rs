@@ -12,25 +12,8 @@ pub(crate) struct Twice<L>(pub(crate) L);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Both<T>(T, T);
 
-impl<T> Both<T> {
-    #[inline(always)]
-    fn from_fn(make: impl Fn() -> T) -> Self {
-        Self(make(), make())
-    }
-    #[inline(always)]
-    fn each(self, by: impl Fn(T) -> T) -> Self {
-        Self(by(self.0), by(self.1))
-    }
-    #[inline(always)]
-    fn with<U, V>(self, other: Both<U>, by: impl Fn(T, U) -> V) -> Both<V> {
-        Both(by(self.0, other.0), by(self.1, other.1))
-    }
-    #[inline(always)]
-    fn map<U>(self, by: impl Fn(T) -> U) -> Both<U> {
-        Both(by(self.0), by(self.1))
-    }
-}
-
+// No closures and no functions as arguments here: they are compiled without the instructions of the machine where they are
+// not inlined.
 macro_rules! operators {
     ($($trait:ident::$method:ident),*) => {
         $(
@@ -38,7 +21,7 @@ macro_rules! operators {
                 type Output = Self;
                 #[inline(always)]
                 fn $method(self, other: Self) -> Self {
-                    self.with(other, T::$method)
+                    Self(self.0.$method(other.0), self.1.$method(other.1))
                 }
             }
         )*
@@ -57,14 +40,14 @@ impl<T: Not<Output = T>> Not for Both<T> {
     type Output = Self;
     #[inline(always)]
     fn not(self) -> Self {
-        self.each(T::not)
+        Self(!self.0, !self.1)
     }
 }
 
 impl<F: Floats> Floats for Both<F> {
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.with(other, F::min)
+        Self(self.0.min(other.0), self.1.min(other.1))
     }
     #[inline(always)]
     fn times_plus(self, factor: Self, other: Self) -> Self {
@@ -79,34 +62,34 @@ impl<F: Floats> Floats for Both<F> {
     }
     #[inline(always)]
     fn over(self, other: Self) -> Self {
-        self.with(other, F::over)
+        Self(self.0.over(other.0), self.1.over(other.1))
     }
     #[inline(always)]
     fn floor(self) -> Self {
-        self.each(F::floor)
+        Self(self.0.floor(), self.1.floor())
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.each(F::abs)
+        Self(self.0.abs(), self.1.abs())
     }
 }
 
 impl<I: Integers> Integers for Both<I> {
     #[inline(always)]
     fn shifted_left(self, by: Self) -> Self {
-        self.with(by, I::shifted_left)
+        Self(self.0.shifted_left(by.0), self.1.shifted_left(by.1))
     }
     #[inline(always)]
     fn shifted_right(self, by: Self) -> Self {
-        self.with(by, I::shifted_right)
+        Self(self.0.shifted_right(by.0), self.1.shifted_right(by.1))
     }
     #[inline(always)]
     fn times(self, other: Self) -> Self {
-        self.with(other, I::times)
+        Self(self.0.times(other.0), self.1.times(other.1))
     }
     #[inline(always)]
     fn and(self, other: Self) -> Self {
-        self.with(other, I::and)
+        Self(self.0.and(other.0), self.1.and(other.1))
     }
 }
 
@@ -126,27 +109,27 @@ impl<L: Lanes> Lanes for Twice<L> {
 
     #[inline(always)]
     fn splat(self, value: f32) -> Self::F {
-        Both::from_fn(|| self.0.splat(value))
+        Both(self.0.splat(value), self.0.splat(value))
     }
     #[inline(always)]
     fn splat_i(self, value: i32) -> Self::I {
-        Both::from_fn(|| self.0.splat_i(value))
+        Both(self.0.splat_i(value), self.0.splat_i(value))
     }
     #[inline(always)]
     fn less(self, a: Self::F, b: Self::F) -> Self::M {
-        a.with(b, |a, b| self.0.less(a, b))
+        Both(self.0.less(a.0, b.0), self.0.less(a.1, b.1))
     }
     #[inline(always)]
     fn less_i(self, a: Self::I, b: Self::I) -> Self::M {
-        a.with(b, |a, b| self.0.less_i(a, b))
+        Both(self.0.less_i(a.0, b.0), self.0.less_i(a.1, b.1))
     }
     #[inline(always)]
     fn within(self, index: Self::I, count: i32) -> Self::M {
-        index.map(|index| self.0.within(index, count))
+        Both(self.0.within(index.0, count), self.0.within(index.1, count))
     }
     #[inline(always)]
     fn equal_i(self, a: Self::I, b: Self::I) -> Self::M {
-        a.with(b, |a, b| self.0.equal_i(a, b))
+        Both(self.0.equal_i(a.0, b.0), self.0.equal_i(a.1, b.1))
     }
     #[inline(always)]
     fn select(self, mask: Self::M, yes: Self::F, no: Self::F) -> Self::F {
@@ -164,15 +147,18 @@ impl<L: Lanes> Lanes for Twice<L> {
     }
     #[inline(always)]
     fn to_float(self, value: Self::I) -> Self::F {
-        value.map(|value| self.0.to_float(value))
+        Both(self.0.to_float(value.0), self.0.to_float(value.1))
     }
     #[inline(always)]
     fn to_integer(self, value: Self::F) -> Self::I {
-        value.map(|value| self.0.to_integer(value))
+        Both(self.0.to_integer(value.0), self.0.to_integer(value.1))
     }
     #[inline(always)]
     fn gather_i(self, table: &[u32], index: Self::I) -> Self::I {
-        index.map(|index| self.0.gather_i(table, index))
+        Both(
+            self.0.gather_i(table, index.0),
+            self.0.gather_i(table, index.1),
+        )
     }
     #[inline(always)]
     fn gather_pair(self, table: &[f32], index: Self::I) -> [Self::F; 2] {
@@ -190,7 +176,7 @@ impl<L: Lanes> Lanes for Twice<L> {
     }
     #[inline(always)]
     fn lookup(self, table: &[i32; 16], index: Self::I) -> Self::I {
-        index.map(|index| self.0.lookup(table, index))
+        Both(self.0.lookup(table, index.0), self.0.lookup(table, index.1))
     }
     #[inline(always)]
     fn refill(self, mask: Self::M, source: &[f32], old: Self::F) -> Self::F {

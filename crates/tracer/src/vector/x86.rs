@@ -244,11 +244,18 @@ impl Lanes for Avx2 {
             let index = _mm256_min_epu32(index.0, _mm256_set1_epi32(last));
             let mut at = [0_u32; 8];
             _mm256_storeu_si256(at.as_mut_ptr().cast(), index);
-            let four = |lane: usize| _mm_loadu_ps(table.add(at[lane] as usize));
-            let a = _mm256_set_m128(four(4), four(0));
-            let b = _mm256_set_m128(four(5), four(1));
-            let c = _mm256_set_m128(four(6), four(2));
-            let d = _mm256_set_m128(four(7), four(3));
+            macro_rules! load_fours {
+                ($high:literal, $low:literal) => {
+                    _mm256_set_m128(
+                        _mm_loadu_ps(table.add(at[$high] as usize)),
+                        _mm_loadu_ps(table.add(at[$low] as usize)),
+                    )
+                };
+            }
+            let a = load_fours!(4, 0);
+            let b = load_fours!(5, 1);
+            let c = load_fours!(6, 2);
+            let d = load_fours!(7, 3);
             let (ab_low, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
             let (cd_low, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
             [
@@ -359,22 +366,6 @@ static NAMED: [u64; 256] = {
     }
     table
 };
-
-/// The entries `at[k]` to `at[k + 3]` of a table, loaded one by one.
-///
-/// # Safety
-/// They must lie within the table.
-#[inline(always)]
-unsafe fn four_entries(table: &[u32], at: &[u32; 16], k: usize) -> __m128i {
-    // SAFETY: the caller's, as above; lanes exist only where the processor has been checked.
-    unsafe {
-        let entry = |k: usize| *table.get_unchecked(at[k] as usize) as i32;
-        let one = _mm_cvtsi32_si128(entry(k));
-        let two = _mm_insert_epi32::<1>(one, entry(k + 1));
-        let three = _mm_insert_epi32::<2>(two, entry(k + 2));
-        _mm_insert_epi32::<3>(three, entry(k + 3))
-    }
-}
 
 /// The index of the last entry of a table.
 #[inline(always)]
@@ -566,25 +557,37 @@ impl Lanes for Avx512 {
         // SAFETY: as above; every index is at most that of the last entry.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            let mut at = [0_u32; 16];
-            _mm512_storeu_epi32(at.as_mut_ptr().cast(), index);
-            let four = |k: usize| four_entries(table, &at, k);
-            let eight = |k: usize| _mm256_set_m128i(four(k + 4), four(k));
-            let low = _mm512_castsi256_si512(eight(0));
-            I16(_mm512_inserti64x4::<1>(low, eight(8)))
+            I16(_mm512_i32gather_epi32::<4>(index, table.as_ptr().cast()))
         }
     }
     #[inline(always)]
     fn gather_pair(self, table: &[f32], index: I16) -> [F16; 2] {
         let last = last_index(table.len() - 1);
-        let table = table.as_ptr().cast::<f64>();
+        let table = table.as_ptr();
         // SAFETY: as above; every index is at most that of the last but one entry, so that eight
         // bytes from there lie within the slice.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            let first = _mm512_i32gather_pd::<4>(_mm512_castsi512_si256(index), table);
-            let second = _mm512_i32gather_pd::<4>(_mm512_extracti64x4_epi64::<1>(index), table);
-            let (first, second) = (_mm512_castpd_ps(first), _mm512_castpd_ps(second));
+            let mut at = [0_u32; 16];
+            _mm512_storeu_epi32(at.as_mut_ptr().cast(), index);
+            macro_rules! load_two {
+                ($k:expr) => {
+                    _mm_loadh_pd(
+                        _mm_load_sd(table.add(at[$k] as usize).cast()),
+                        table.add(at[$k + 1] as usize).cast(),
+                    )
+                };
+            }
+            macro_rules! load_eight {
+                ($k:expr) => {
+                    _mm512_insertf64x4::<1>(
+                        _mm512_castpd256_pd512(_mm256_set_m128d(load_two!($k + 2), load_two!($k))),
+                        _mm256_set_m128d(load_two!($k + 6), load_two!($k + 4)),
+                    )
+                };
+            }
+            let first = _mm512_castpd_ps(load_eight!(0));
+            let second = _mm512_castpd_ps(load_eight!(8));
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
             [
