@@ -557,37 +557,33 @@ impl Lanes for Avx512 {
         // SAFETY: as above; every index is at most that of the last entry.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            I16(_mm512_i32gather_epi32::<4>(index, table.as_ptr().cast()))
+            let table = table.as_ptr();
+            let mut at = [0_u32; 16];
+            _mm512_storeu_epi32(at.as_mut_ptr().cast(), index);
+            macro_rules! load_four {
+                ($k:expr) => {{
+                    let one = _mm_cvtsi32_si128(*table.add(at[$k] as usize) as i32);
+                    let two = _mm_insert_epi32::<1>(one, *table.add(at[$k + 1] as usize) as i32);
+                    let three = _mm_insert_epi32::<2>(two, *table.add(at[$k + 2] as usize) as i32);
+                    _mm_insert_epi32::<3>(three, *table.add(at[$k + 3] as usize) as i32)
+                }};
+            }
+            let low = _mm256_set_m128i(load_four!(4), load_four!(0));
+            let high = _mm256_set_m128i(load_four!(12), load_four!(8));
+            I16(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high))
         }
     }
     #[inline(always)]
     fn gather_pair(self, table: &[f32], index: I16) -> [F16; 2] {
         let last = last_index(table.len() - 1);
-        let table = table.as_ptr();
+        let table = table.as_ptr().cast::<f64>();
         // SAFETY: as above; every index is at most that of the last but one entry, so that eight
         // bytes from there lie within the slice.
         unsafe {
             let index = _mm512_min_epu32(index.0, _mm512_set1_epi32(last));
-            let mut at = [0_u32; 16];
-            _mm512_storeu_epi32(at.as_mut_ptr().cast(), index);
-            macro_rules! load_two {
-                ($k:expr) => {
-                    _mm_loadh_pd(
-                        _mm_load_sd(table.add(at[$k] as usize).cast()),
-                        table.add(at[$k + 1] as usize).cast(),
-                    )
-                };
-            }
-            macro_rules! load_eight {
-                ($k:expr) => {
-                    _mm512_insertf64x4::<1>(
-                        _mm512_castpd256_pd512(_mm256_set_m128d(load_two!($k + 2), load_two!($k))),
-                        _mm256_set_m128d(load_two!($k + 6), load_two!($k + 4)),
-                    )
-                };
-            }
-            let first = _mm512_castpd_ps(load_eight!(0));
-            let second = _mm512_castpd_ps(load_eight!(8));
+            let first = _mm512_i32gather_pd::<4>(_mm512_castsi512_si256(index), table);
+            let second = _mm512_i32gather_pd::<4>(_mm512_extracti64x4_epi64::<1>(index), table);
+            let (first, second) = (_mm512_castpd_ps(first), _mm512_castpd_ps(second));
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_add_epi32(even, _mm512_set1_epi32(1));
             [
