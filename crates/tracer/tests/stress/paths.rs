@@ -257,7 +257,7 @@ fn interact<G: Stressed>(
     let Some(facet) = segment.last else { return };
     let wi = -segment.heading.direction;
     let mut m = segment.half_space.sign() * surface.normal_at(facet, segment.heading.origin);
-    if wi.dot(m) < -surface.grazing() {
+    if wi.dot(m) < -surface.grazing(0.0) {
         account.fault(segment, "hit from the wrong side");
         m = -m;
     }

@@ -27,7 +27,8 @@ pub(crate) fn verdict(
         let normal = surface.normal_at(hit.facet, ray.at(hit.t));
         let d = ray.direction / DVec3::new(1.0, surface.aspect(), 1.0);
         let rate = half_space.sign() * d.dot(normal);
-        ground.off_surface(&ray, hit.t).is_none() && rate <= surface.grazing() * d.length()
+        let grazing = surface.grazing(ground.tolerance_in_tile(&ray, hit.t));
+        ground.off_surface(&ray, hit.t).is_none() && rate <= grazing * d.length()
     });
     if is_clear && is_passed {
         Verdict::Same

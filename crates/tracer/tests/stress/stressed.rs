@@ -55,8 +55,9 @@ pub(crate) trait Stressed: BuildAccelerator {
     /// A random direction, tile coordinates, in the tangent plane at a point of a facet.
     fn tangent(&self, facet: Self::Facet, p: DVec3, rng: &mut ChaCha8Rng) -> DVec3;
 
-    /// Cosine between a direction and the normal at a hit below which the side is a matter of rounding.
-    fn grazing(&self) -> f64;
+    /// Cosine between a direction and the normal at a hit below which the side is a matter of rounding, where the height
+    /// of the ray above the surface is off by `depth`, besides the rounding of heights themselves.
+    fn grazing(&self, depth: f64) -> f64;
 
     /// Compares the answer of brute force with that of a second way to find hits.
     fn verdict(&self, query: &Query, found: Option<Hit<Self::Facet>>) -> Verdict;
@@ -128,7 +129,7 @@ impl Stressed for Surface {
     }
 
     /// That of the direction, and that of slopes from heights which span the height range.
-    fn grazing(&self) -> f64 {
+    fn grazing(&self, _depth: f64) -> f64 {
         let [low, high] = self.z_range();
         16.0 * f64::EPSILON * (1.0 + high - low)
     }
@@ -204,12 +205,12 @@ impl Stressed for SmoothSurface {
         along(self, x, y, rng)
     }
 
-    /// Where a gap that is off by the rounding `e` of heights touches zero, with a curvature of at most four times the
-    /// height range per column squared, its rate is off by `sqrt(2 e 4 range)`.
-    fn grazing(&self) -> f64 {
+    /// Where a gap that is off by `e`, the depth and the rounding of heights, touches zero, with a curvature of at most
+    /// four times the height range per column squared, its rate is off by `sqrt(2 e 4 range)`.
+    fn grazing(&self, depth: f64) -> f64 {
         let [low, high] = self.z_range();
         let range = high - low;
-        let e = Self::ROUNDING * 0.5 * f64::EPSILON * range;
+        let e = depth + Self::ROUNDING * 0.5 * f64::EPSILON * range;
         16.0 * f64::EPSILON * (1.0 + range) + (8.0 * e * range).sqrt()
     }
 
