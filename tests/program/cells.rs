@@ -210,23 +210,23 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "render h.exr -o out.png",
-            "--cells is for trace, verify, map and gonio",
+            "--cells is for mesh, trace, verify, map and gonio",
         ),
         (
-            "mesh h.exr -o out.ply",
-            "--cells is for trace, verify, map and gonio",
+            "mesh h.ply -o out.ply",
+            "h.ply names a triangle mesh, where a height map is needed",
         ),
         (
             "generate -o out.exr",
-            "--cells is for trace, verify, map and gonio",
+            "--cells is for mesh, trace, verify, map and gonio",
         ),
         (
             "attenuation -o out",
-            "--cells is for trace, verify, map and gonio",
+            "--cells is for mesh, trace, verify, map and gonio",
         ),
         (
             "converge -o out",
-            "--cells is for trace, verify, map and gonio",
+            "--cells is for mesh, trace, verify, map and gonio",
         ),
     ] {
         let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
@@ -234,7 +234,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
     }
     let said = refused(&folder, &words("converge c.toml -o out"), 2);
     assert!(
-        said.contains("surface.cells is for trace, verify, map and gonio"),
+        said.contains("surface.cells is for mesh, trace, verify, map and gonio"),
         "{said}"
     );
     let said = refused(&folder, &words("trace bad.toml"), 2);

@@ -25,6 +25,7 @@ mod refusals;
 mod render;
 mod results;
 mod settings;
+mod smooth_meshes;
 mod stopping;
 mod support;
 mod verify;

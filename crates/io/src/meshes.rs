@@ -38,6 +38,8 @@ pub struct MeshView<'a> {
     pub vertices: &'a [[f64; 3]],
     /// Three indices into `vertices` each.
     pub triangles: &'a [[u32; 3]],
+    /// One line of ASCII about the mesh, for the head of the file; empty for none. STL keeps its first 75 characters.
+    pub comment: &'a str,
 }
 
 /// Reads a triangle mesh; the ending of `path` chooses the format.
@@ -81,7 +83,7 @@ pub(crate) fn read_mesh_from<R: BufRead + Seek>(
 ///
 /// # Errors
 /// [`WriteError`] if the ending is unknown, an index is beyond the vertices, a coordinate is not
-/// finite, the format cannot count that far, or the operating system refuses.
+/// finite, the comment is not one line of ASCII, the format cannot count that far, or the operating system refuses.
 pub fn write_mesh(path: impl AsRef<Path>, mesh: &MeshView<'_>) -> Result<(), WriteError> {
     let path = path.as_ref();
     let format = MeshFormat::from_path(path).ok_or_else(|| WriteError::UnknownEnding {
@@ -107,6 +109,13 @@ fn check(path: &Path, format: MeshFormat, mesh: &MeshView<'_>) -> Result<(), Wri
         count,
         limit,
     };
+    if !mesh
+        .comment
+        .chars()
+        .all(|c| c == ' ' || c.is_ascii_graphic())
+    {
+        return Err(bad("its comment must be one line of ASCII".to_owned()));
+    }
     let vertices = mesh.vertices.len();
     if let Some(i) = mesh
         .vertices

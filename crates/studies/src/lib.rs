@@ -28,7 +28,7 @@ pub use config::cases::{check_light, check_sides};
 pub use config::error::ConfigError;
 pub use config::measured::MeasuredConfig;
 pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
-pub use config::trace::TraceConfig;
+pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
     Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, MaterialKind, OutputConfig,

@@ -1,6 +1,7 @@
 //! Spline surface: a height field whose cells are bicubic and join smoothly.
 
 mod bounds;
+mod deviation;
 mod interpolation;
 mod mean;
 mod padding;

@@ -103,6 +103,9 @@ fn corner(line: Line<'_>, word: &str, vertices: usize) -> Result<i64, ReadError>
 }
 
 pub(super) fn write(mesh: &MeshView<'_>, out: &mut impl Write) -> io::Result<()> {
+    if !mesh.comment.is_empty() {
+        writeln!(out, "# {}", mesh.comment)?;
+    }
     for [x, y, z] in mesh.vertices {
         // Debug gives the shortest digits that are the same double, with an exponent where long.
         writeln!(out, "v {x:?} {y:?} {z:?}")?;

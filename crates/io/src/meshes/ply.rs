@@ -388,10 +388,13 @@ impl PropertyAccess for Skipped {
 }
 
 pub(super) fn write(mesh: &MeshView<'_>, out: &mut impl Write) -> io::Result<()> {
+    write!(out, "ply\nformat binary_little_endian 1.0\n")?;
+    if !mesh.comment.is_empty() {
+        writeln!(out, "comment {}", mesh.comment)?;
+    }
     write!(
         out,
-        "ply\nformat binary_little_endian 1.0\n\
-         element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
+        "element vertex {}\nproperty double x\nproperty double y\nproperty double z\n\
          element face {}\nproperty list uchar int vertex_indices\nend_header\n",
         mesh.vertices.len(),
         mesh.triangles.len()

@@ -48,6 +48,7 @@ fn written(format: MeshFormat, mesh: &MeshData) -> Vec<u8> {
     let view = MeshView {
         vertices: &mesh.vertices,
         triangles: &mesh.triangles,
+        comment: "",
     };
     write_mesh(&path, &view).unwrap();
     assert_eq!(

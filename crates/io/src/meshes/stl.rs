@@ -147,8 +147,13 @@ pub(super) fn write(
     let io = WriteError::io(path);
     // A header must not begin with "solid", which would announce the text form.
     let mut header = [b' '; 80];
-    let title = b"Binary STL, corners counter-clockwise seen from outside";
-    header[..title.len()].copy_from_slice(title);
+    let title = match mesh.comment {
+        "" => "Binary STL, corners counter-clockwise seen from outside".to_owned(),
+        comment => format!("STL, {comment}"),
+    };
+    for (byte, character) in header.iter_mut().zip(title.bytes()) {
+        *byte = character;
+    }
     out.write_all(&header).map_err(&io)?;
     let count = mesh.triangles.len() as u32;
     out.write_all(&count.to_le_bytes()).map_err(&io)?;

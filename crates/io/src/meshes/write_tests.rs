@@ -27,6 +27,7 @@ fn cell() -> MeshView<'static> {
     MeshView {
         vertices: &VERTICES,
         triangles: &TRIANGLES,
+        comment: "",
     }
 }
 
@@ -89,6 +90,35 @@ fn stl_normals_of_upward_facets_point_upwards() {
 }
 
 #[test]
+fn comments_stand_in_the_head_and_change_nothing_else() {
+    let comment = "solid steel";
+    let commented = MeshView { comment, ..cell() };
+    for (name, head, line) in [
+        (
+            "cell.ply",
+            "ply\nformat binary_little_endian 1.0\n",
+            "comment solid steel\n",
+        ),
+        ("cell.obj", "", "# solid steel\n"),
+    ] {
+        let [plain, with] = [cell(), commented].map(|mesh| written(name, &mesh).unwrap());
+        let expected = [head.as_bytes(), line.as_bytes(), &plain[head.len()..]].concat();
+        assert!(with == expected, "{name}");
+    }
+    let long = MeshView {
+        comment: &"a".repeat(99),
+        ..cell()
+    };
+    for (mesh, head) in [
+        (commented, "STL, solid steel ".to_owned()),
+        (long, format!("STL, {}", "a".repeat(75))),
+    ] {
+        let [plain, with] = [cell(), mesh].map(|mesh| written("cell.stl", &mesh).unwrap());
+        assert!(with.starts_with(head.as_bytes()) && with[80..] == plain[80..]);
+    }
+}
+
+#[test]
 fn tiny_and_huge_facets_have_normals_too() {
     for size in [1e-200, 1e-9, 1e30] {
         let n = unit_normal([[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]]);
@@ -102,12 +132,14 @@ fn invalid_meshes_are_refused_and_leave_no_file() {
     let beyond = MeshView {
         vertices: &VERTICES,
         triangles: &[[0, 1, 4]],
+        comment: "",
     };
     let error = written("m.ply", &beyond).unwrap_err();
     assert!(error.to_string().contains("only 4 vertices"), "{error}");
     let infinite = MeshView {
         vertices: &[[0.0, f64::NAN, 0.0]],
         triangles: &[],
+        comment: "",
     };
     assert!(matches!(
         written("m.obj", &infinite),
@@ -116,11 +148,18 @@ fn invalid_meshes_are_refused_and_leave_no_file() {
     let large = MeshView {
         vertices: &[[1e39, 0.0, 0.0], [0.0; 3], [1.0; 3]],
         triangles: &[[0, 1, 2]],
+        comment: "",
     };
     assert!(matches!(
         written("m.stl", &large),
         Err(WriteError::OutOfRange { .. })
     ));
+    let two_lines = MeshView {
+        comment: "one\nend_header",
+        ..cell()
+    };
+    let error = written("m.ply", &two_lines).unwrap_err();
+    assert!(error.to_string().contains("one line"), "{error}");
     let error = written("m.gltf", &cell()).unwrap_err();
     assert!(error.to_string().contains(".ply, .obj and .stl"), "{error}");
 }

@@ -69,7 +69,7 @@ impl Command {
         match self {
             Self::Generate => "Draw a random rough surface and write it as a height map",
             Self::Inspect => "Compute roughness statistics of a height map",
-            Self::Mesh => "Write a height map as the triangle mesh that is traced",
+            Self::Mesh => "Write a height map as a triangle mesh",
             Self::Trace => "Trace light on one surface",
             Self::Render => "Render one surface and the medium below it",
             Self::Verify => "Compare random surfaces with the scattering models",

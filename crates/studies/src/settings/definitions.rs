@@ -8,6 +8,7 @@ mod light;
 mod material;
 mod measured;
 mod medium;
+mod mesh;
 mod model;
 mod output;
 mod program;
@@ -45,6 +46,7 @@ pub static SECTIONS: &[Section] = &[
     section("surface", "Random surfaces, cells", surface::SETTINGS),
     section("generate", "Height map", generate::SETTINGS),
     section("measured", "Given surface", measured::SETTINGS),
+    section("mesh", "Triangle mesh", mesh::SETTINGS),
     section("material", "Material", material::SETTINGS),
     Section {
         name: "medium",

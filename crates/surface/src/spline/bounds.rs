@@ -77,7 +77,7 @@ impl SplineSurface {
 }
 
 /// Bezier points of a cubic from its four uniform B-spline coefficients.
-fn bezier([a, b, c, d]: [f64; 4]) -> [f64; 4] {
+pub(super) fn bezier([a, b, c, d]: [f64; 4]) -> [f64; 4] {
     const SIXTH: f64 = 1.0 / 6.0;
     [
         SIXTH * (a + 4.0 * b + c),

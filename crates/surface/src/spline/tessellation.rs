@@ -29,9 +29,8 @@ impl SplineSurface {
 
     /// Heights on a grid `per_cell` times as fine along both axes, at least 1.
     ///
-    /// Extent, unit, border and provenance stay. The two triangles per cell of this field deviate from the
-    /// surface by at most `(ex^2 |h_xx| + 2 ex ey |h_xy| + ey^2 |h_yy|) / 8`, where `ex` and `ey` are the
-    /// spacings of the fine grid, and derivatives are the largest.
+    /// Extent, unit, border and provenance stay. How far the two triangles per cell of this field are from the
+    /// surface is bounded by [`SplineSurface::deviation`].
     ///
     /// # Errors
     /// [`HeightFieldError`] if `per_cell` is zero, or the grid is too large for memory.

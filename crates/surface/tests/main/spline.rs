@@ -322,7 +322,8 @@ fn tessellation_has_the_heights_of_the_surface() {
 }
 
 /// In the middle of the edges of facets, where the wave is extreme, a facet is off by `ex^2 |h_xx| / 8`. The
-/// curvature of the spline is that of the wave to `(k d)^2 / 12`, or 0.3 %.
+/// curvature of the spline is that of the wave to `(k d)^2 / 12`, or 0.3 %. Half an edge from its extreme place, where the
+/// middle of an edge may be, the wave is lower by `(k d)^2 / 8`, or 0.5 %.
 #[test]
 fn facets_of_a_tessellation_deviate_by_the_documented_bound() {
     let k = TAU / 32.0;
@@ -342,5 +343,84 @@ fn facets_of_a_tessellation_deviate_by_the_documented_bound() {
             (0.98..1.0033).contains(&(largest / bound)),
             "{largest} {bound}"
         );
+        let stated = surface.deviation(per_cell);
+        assert!(
+            (0.99..=1.0).contains(&(largest / stated)),
+            "{largest} {stated}"
+        );
     }
+}
+
+/// Places within all facets, among them the middles of edges; heights without order bend and twist by turns.
+#[test]
+fn no_place_of_a_tessellation_is_farther_off_than_its_deviation() {
+    const WEIGHTS: [[f64; 3]; 5] = [
+        [0.5, 0.5, 0.0],
+        [0.5, 0.0, 0.5],
+        [0.0, 0.5, 0.5],
+        [0.4, 0.3, 0.3],
+        [0.1, 0.6, 0.3],
+    ];
+    for border in BORDERS {
+        for shape in [[2, 2], [5, 8]] {
+            let surface = SplineSurface::through(&jumble(shape, border));
+            for per_cell in [1, 2, 5] {
+                let fine = surface.tessellated(per_cell).unwrap();
+                let [dx, dy] = fine.spacing();
+                let [cx, cy] = fine.cells();
+                let mut largest = 0.0_f64;
+                for (ix, iy) in (0..cy).flat_map(|iy| (0..cx).map(move |ix| (ix, iy))) {
+                    for corners in [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]] {
+                        for weights in WEIGHTS {
+                            let mean = |of: &dyn Fn(usize, usize) -> f64| -> f64 {
+                                let corners = corners.iter().zip(weights);
+                                corners.map(|((i, j), w)| w * of(ix + i, iy + j)).sum()
+                            };
+                            let (x, y) = (mean(&|i, _| i as f64 * dx), mean(&|_, j| j as f64 * dy));
+                            let flat = mean(&|i, j| fine.height(i, j));
+                            largest = largest.max((surface.height(x, y) - flat).abs());
+                        }
+                    }
+                }
+                let stated = surface.deviation(per_cell);
+                println!("{border} {shape:?} {per_cell}: {:.2}", largest / stated);
+                assert!(largest <= stated, "{border} {per_cell}: {largest} {stated}");
+            }
+        }
+    }
+}
+
+/// A saddle `h = x y` is off by a quarter of a cell's area in the middle of the diagonals of facets, all its twist.
+#[test]
+fn deviation_counts_twist() {
+    let heights = (0..36)
+        .map(|i| f64::from(i % 6) * f64::from(i / 6))
+        .collect();
+    let field = HeightField::new(heights, [6, 6], [0.5, 2.0]).unwrap();
+    let surface = SplineSurface::through(&field.with_border(Border::Open));
+    for per_cell in [1, 3] {
+        let expected = 0.25 / (per_cell * per_cell) as f64;
+        assert!((surface.deviation(per_cell) / expected - 1.0).abs() < 1e-10);
+    }
+}
+
+#[test]
+fn as_many_parts_as_a_deviation_takes_and_no_more() {
+    let surface = SplineSurface::through(&jumble([5, 8], Border::Mirrored));
+    let of_cells = surface.deviation(1);
+    for fraction in [2.0, 1.0, 0.5, 0.25, 1e-3, 1e-9] {
+        let most = fraction * of_cells;
+        let per_cell = surface.per_cell_within(most).unwrap();
+        assert!(surface.deviation(per_cell) <= most, "{fraction}");
+        assert!(
+            per_cell == 1 || surface.deviation(per_cell - 1) > most,
+            "{fraction}"
+        );
+    }
+    assert_eq!(surface.per_cell_within(1e-16), None);
+    let level = HeightField::new(vec![0.0; 4], [2, 2], [1.0, 1.0]).unwrap();
+    assert_eq!(
+        SplineSurface::through(&level).per_cell_within(1e-300),
+        Some(1)
+    );
 }

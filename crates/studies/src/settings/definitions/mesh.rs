@@ -1,0 +1,34 @@
+//! The triangle mesh that `mesh` writes.
+
+use super::{LENGTH, MESH};
+use crate::settings::kind::Kind;
+use crate::settings::range::Range;
+use crate::settings::setting::{Setting, setting};
+
+const SECTION: &str = "mesh";
+
+pub(super) const SETTINGS: &[Setting] = &[
+    setting(
+        SECTION,
+        "subdivide",
+        Kind::Count,
+        MESH,
+        "Parts of a smooth cell along each axis, two triangles each",
+    )
+    .default("4")
+    .default_yields()
+    .excludes(&["mesh.deviation"])
+    .flag_only(),
+    setting(
+        SECTION,
+        "deviation",
+        Kind::Number,
+        MESH,
+        "Largest distance of triangles from smooth cells, for subdivide",
+    )
+    .unit(LENGTH)
+    .range(Range::Above(0.0))
+    .otherwise("by subdivide")
+    .excludes(&["mesh.subdivide"])
+    .flag_only(),
+];
