@@ -3,10 +3,14 @@
 use std::path::Path;
 
 use asperity_io::write_bytes;
+use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
-use asperity_studies::{MeasuredConfig, height_map_figure, realisation_table, roughness_table};
-use asperity_surface::{HeightField, Roughness};
-use serde::Deserialize;
+use asperity_studies::{
+    CellsConfig, MeasuredConfig, height_map_figure, realisation_table, roughness_table,
+    smooth_table,
+};
+use asperity_surface::{HeightField, Roughness, SplineRoughness, SplineSurface};
+use serde::{Deserialize, Serialize};
 
 use crate::common::{Common, Results};
 use crate::failure::Failure;
@@ -17,11 +21,12 @@ use crate::output_files::{refuse_equal_names, refuse_input};
 /// What is read.
 #[derive(Deserialize)]
 struct Settings {
+    surface: CellsConfig,
     measured: MeasuredConfig,
 }
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
-    let Settings { measured } = document.read().map_err(Failure::usage)?;
+    let Settings { surface, measured } = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let file = required_file(&measured, document.command())?;
     let plot = results
@@ -39,7 +44,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     refuse_equal_names(&outputs)?;
     let mut input = read_surface(file, &measured, common)?;
-    let roughness = Roughness::of(&input.field);
+    let cells = surface.cells.of_given();
+    let statistics = Statistics::of(&input.field, cells);
     if let (Some(path), Some(format)) = (&results.plot, plot) {
         draw(path, format, &input.field, &name_of(file))?;
         common.say(|| format!("{} drawn", path.display()));
@@ -50,14 +56,47 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     results.print_file(
         common,
-        || &roughness,
+        || &statistics,
         || {
-            let (table, realisation) = (roughness_table(&roughness), realisation_table(&roughness));
             let notes = note_lines(&input.notes);
-            format!("{}: {table}{realisation}{notes}", file.display())
+            format!("{}: {}{notes}", file.display(), statistics.text())
         },
     )
 }
+
+/// Roughness of the samples and facets, and of the smooth cells through the same heights.
+#[derive(Serialize)]
+struct Statistics {
+    #[serde(flatten)]
+    facets: Roughness,
+    cells: Cells,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    smooth: Option<SplineRoughness>,
+}
+
+impl Statistics {
+    fn of(field: &HeightField, cells: Cells) -> Self {
+        let smooth = || SplineRoughness::of(&SplineSurface::through(field));
+        Self {
+            facets: Roughness::of(field),
+            cells,
+            smooth: (cells == Cells::Smooth).then(smooth),
+        }
+    }
+
+    fn text(&self) -> String {
+        let facets = &self.facets;
+        let (table, realisation) = (roughness_table(facets), realisation_table(facets));
+        let cells = match &self.smooth {
+            None => CELLS.to_owned(),
+            Some(smooth) => smooth_table(facets, smooth),
+        };
+        format!("{table}{realisation}{cells}")
+    }
+}
+
+/// What a given surface is traced with.
+const CELLS: &str = "traced with flat cells by default, two triangles each; see --cells smooth\n";
 
 /// Formats of a plot, by file ending.
 #[derive(Clone, Copy)]

@@ -180,6 +180,34 @@ fn cells_are_smooth_where_surfaces_are_drawn_and_flat_where_they_are_given() {
     assert_ne!(energy(""), energy(" --cells smooth"));
 }
 
+/// Facets of tau = 8 spacings lack `d^2 / (2 tau^2)` of the slope variance, 0.8 %; a spline lacks none of it.
+#[test]
+fn inspect_says_that_cells_are_flat_and_compares_smooth_ones() {
+    let (_keep, folder) = with_surface();
+    let text = succeed(&folder, &words("inspect h.exr"));
+    assert!(text.contains("flat cells by default"), "{text}");
+    let text = succeed(&folder, &words("inspect h.exr --cells smooth"));
+    assert!(text.contains("samples, flat cells  smooth cells"), "{text}");
+
+    let inspected = |flags: &str| {
+        json(&succeed(
+            &folder,
+            &words(&format!("inspect h.exr --json{flags}")),
+        ))
+    };
+    let (flat, smooth) = (inspected(""), inspected(" --cells smooth"));
+    assert_eq!(
+        (&flat["cells"], &smooth["cells"]),
+        (&"flat".into(), &"smooth".into())
+    );
+    assert!(flat["smooth"].is_null() && flat["slope_variance"] == smooth["slope_variance"]);
+    for axis in [0, 1] {
+        let variance = |of: &serde_json::Value| of["slope_variance"][axis].as_f64().unwrap();
+        let more = variance(&smooth["smooth"]) / variance(&smooth) - 1.0;
+        assert!((0.006..0.010).contains(&more), "{more}");
+    }
+}
+
 #[test]
 fn what_smooth_cells_cannot_do_is_refused() {
     let (_keep, folder) = with_surface();
@@ -210,7 +238,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "render h.exr -o out.png",
-            "--cells is for mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, verify, map and gonio",
         ),
         (
             "mesh h.ply -o out.ply",
@@ -218,15 +246,15 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "generate -o out.exr",
-            "--cells is for mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, verify, map and gonio",
         ),
         (
             "attenuation -o out",
-            "--cells is for mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, verify, map and gonio",
         ),
         (
             "converge -o out",
-            "--cells is for mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, verify, map and gonio",
         ),
     ] {
         let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
@@ -234,7 +262,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
     }
     let said = refused(&folder, &words("converge c.toml -o out"), 2);
     assert!(
-        said.contains("surface.cells is for mesh, trace, verify, map and gonio"),
+        said.contains("surface.cells is for inspect, mesh, trace, verify, map and gonio"),
         "{said}"
     );
     let said = refused(&folder, &words("trace bad.toml"), 2);

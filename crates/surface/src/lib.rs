@@ -49,7 +49,7 @@ pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{GaussianPsd, Provenance, Psd, PsdError};
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};
-pub use spline::SplineSurface;
+pub use spline::{SplineRoughness, SplineSurface};
 pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,

@@ -6,8 +6,10 @@ mod interpolation;
 mod mean;
 mod padding;
 mod patch;
+mod roughness;
 mod tessellation;
 
+pub use self::roughness::SplineRoughness;
 use crate::{Border, HeightField, LengthUnit, Provenance};
 
 /// A single-valued surface `z = h(x, y)` of uniform bicubic B-spline patches, one per cell.

@@ -1,7 +1,7 @@
 //! Roughness parameters of a surface as text.
 
 use asperity_simulate::short;
-use asperity_surface::{Compared, LengthUnit, Roughness, SteepestFacet, Triangle};
+use asperity_surface::{Compared, LengthUnit, Roughness, SplineRoughness, SteepestFacet, Triangle};
 
 use crate::output::{Column, Table};
 
@@ -134,6 +134,58 @@ fn steepest(facet: &SteepestFacet) -> Parameter {
         format!("{} ({:.2} deg)", short(facet.slope), facet.angle_degrees),
         format!("cell {}, {}, {half} triangle", facet.ix, facet.iy),
     )
+}
+
+/// A parameter of the samples and facets, and of the smooth surface.
+struct Both {
+    name: &'static str,
+    facets: String,
+    smooth: String,
+}
+
+/// Parameters of the facets, `r`, next to those of the smooth surface through the same heights.
+#[must_use]
+pub fn smooth_table(r: &Roughness, smooth: &SplineRoughness) -> String {
+    let u = suffix(r.unit);
+    let row = |name, [facets, smooth]: [String; 2]| Both {
+        name,
+        facets,
+        smooth,
+    };
+    let length = |value| format!("{}{u}", short(value));
+    let lengths = |of| format!("{}{u}", pair(of));
+    let slopes = |of: [f64; 2]| pair(of.map(Some));
+    let facet_tau = [r.equivalent_tau_x, r.equivalent_tau_y];
+    let rows = [
+        row("mean", [r.mean, smooth.mean].map(length)),
+        row("Sq", [r.sq, smooth.sq].map(length)),
+        row("Sdq", [r.sdq, smooth.sdq].map(short)),
+        row(
+            "slope mean x, y",
+            [r.slope_mean, smooth.slope_mean].map(slopes),
+        ),
+        row(
+            "slope variance x, y",
+            [r.slope_variance, smooth.slope_variance].map(slopes),
+        ),
+        row(
+            "equivalent tau x, y",
+            [facet_tau, smooth.equivalent_tau].map(lengths),
+        ),
+        row(
+            "equivalent s",
+            [r.equivalent_smoothness, smooth.equivalent_smoothness].map(number),
+        ),
+    ];
+    Table::new()
+        .column(Column::new("parameter", "", |row: &Both| row.name))
+        .column(Column::new("samples, flat cells", "", |row: &Both| {
+            row.facets.clone()
+        }))
+        .column(Column::new("smooth cells", "", |row: &Both| {
+            row.smooth.clone()
+        }))
+        .text(rows)
 }
 
 /// A statistic of a generated surface.

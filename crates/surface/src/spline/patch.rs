@@ -67,6 +67,11 @@ impl Place {
         Self { cell, u }
     }
 
+    /// A place of the first cell.
+    pub(super) const fn within_cell(u: f64) -> Self {
+        Self { cell: 0, u }
+    }
+
     /// Grid point `i` of a grid `per_cell` times as fine.
     pub(super) fn of_fine_grid(i: usize, per_cell: usize, cells: usize) -> Self {
         let cell = (i / per_cell).min(cells - 1);
@@ -82,7 +87,7 @@ impl Place {
     }
 
     /// Their derivatives by `u`, which sum to 0.
-    fn slope_weights(&self) -> [f64; 4] {
+    pub(super) fn slope_weights(&self) -> [f64; 4] {
         let (u, w) = (self.u, 1.0 - self.u);
         let inner = |u: f64| 0.5 * u * (3.0 * u - 4.0);
         [-0.5 * w * w, inner(u), -inner(w), 0.5 * u * u]

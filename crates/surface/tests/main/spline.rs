@@ -1,6 +1,7 @@
 //! Spline surfaces pass through their samples, smoothly, and converge to smooth surfaces.
 
 mod drawn;
+mod roughness;
 
 use std::f64::consts::TAU;
 
@@ -383,7 +384,6 @@ fn no_place_of_a_tessellation_is_farther_off_than_its_deviation() {
                     }
                 }
                 let stated = surface.deviation(per_cell);
-                println!("{border} {shape:?} {per_cell}: {:.2}", largest / stated);
                 assert!(largest <= stated, "{border} {per_cell}: {largest} {stated}");
             }
         }
