@@ -6,12 +6,12 @@ use asperity_io::{PictureFormat, check_folder_of, write_picture};
 use asperity_optics::Incidence;
 use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
-    render, render_mesh,
+    render,
 };
-use asperity_simulate::{BottomSurface, Deadline, Observer};
+use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    GivenShape, MaterialConfig, MeasuredConfig, MediumConfig, Seconds, TraceError,
+    CellsConfig, GivenShape, MaterialConfig, MeasuredConfig, MediumConfig, Seconds, TraceError,
 };
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
@@ -19,6 +19,7 @@ use serde::Deserialize;
 use crate::common::Common;
 use crate::failure::Failure;
 use crate::given::{read_given, required_surface};
+use crate::input::refuse_simulation;
 use crate::interrupt;
 use crate::output::{note_lines, print, say};
 use crate::output_files::{refuse_equal_names, refuse_input};
@@ -30,9 +31,14 @@ const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were
 /// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
 const ROULETTE: f64 = 0.2;
 
+/// Said where cells are smooth: light beams need flat facets.
+const SUN_BY_CHANCE: &str =
+    "sunlight below smooth cells is left to chance, which takes many samples or a wide sun";
+
 /// What is rendered, and how.
 #[derive(Deserialize)]
 struct Settings {
+    surface: CellsConfig,
     measured: MeasuredConfig,
     material: MaterialConfig,
     medium: Option<MediumConfig>,
@@ -113,12 +119,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     settings.check_outputs()?;
     let surface = required_surface(&settings.measured, document.command(), common)?;
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
-    let bottom = settings.bottom(common)?;
+    let shape = settings.shape(surface.shape, common)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
     let bar = Deadline::new(&bar, settings.run.max_time.and_then(Seconds::duration));
-    let outcome = settings.rendered(surface.shape, bottom, &render_settings, &bar)?;
+    let outcome = settings.rendered(&shape, &render_settings, &bar)?;
     let factor = picture
         .exposure
         .unwrap_or_else(|| exposure(&outcome.picture));
@@ -132,7 +138,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     let mut text = report(&surface.name, &outcome, factor);
-    text.push_str(&note_lines(&surface.notes));
+    text.push_str(&note_lines(surface.notes.iter().chain(&settings.notes())));
     for path in &picture.output {
         text.push_str(&format!("picture in {}\n", path.display()));
     }
@@ -209,31 +215,37 @@ impl Settings {
         })
     }
 
-    /// Renders `surface`.
+    /// The surface over the bottom of the layer, if that is given as a file.
+    fn shape(&self, surface: GivenShape, common: &Common) -> Result<Shape, Failure> {
+        let cells = self.surface.cells.of_given();
+        let top = surface.simulated(cells).map_err(refuse_simulation)?;
+        let Some(bottom) = self.bottom(common)? else {
+            return Ok(top);
+        };
+        let bottom = bottom.simulated(cells).map_err(refuse_simulation)?;
+        let both = top.over(bottom);
+        both.ok_or_else(|| Failure::usage(TraceError::OtherBottom))
+    }
+
+    /// Renders the surface of that shape.
     fn rendered(
         &self,
-        surface: GivenShape,
-        bottom: Option<GivenShape>,
+        shape: &Shape,
         settings: &RenderSettings,
         observer: &dyn Observer,
     ) -> Result<RenderOutcome, Failure> {
-        use GivenShape::{Field, Mesh};
         let material = self.material.material().map_err(Failure::usage)?;
         let layer = self.medium.as_ref().map(|medium| medium.layer(material));
         let layer = layer.transpose().map_err(Failure::usage)?;
-        let layer = layer.as_ref();
-        let outcome = match (surface, bottom) {
-            (Field(top), None) => render(top, None, material, layer, settings, observer),
-            (Field(top), Some(Field(bottom))) => {
-                render(top, Some(bottom), material, layer, settings, observer)
-            }
-            (Mesh(top), None) => render_mesh(top, None, material, layer, settings, observer),
-            (Mesh(top), Some(Mesh(bottom))) => {
-                render_mesh(top, Some(bottom), material, layer, settings, observer)
-            }
-            _ => return Err(Failure::usage(TraceError::OtherBottom)),
-        };
-        outcome.map_err(refuse_render)
+        render(shape, material, layer.as_ref(), settings, observer).map_err(refuse_render)
+    }
+
+    /// What a reader of the picture should know about its light.
+    fn notes(&self) -> Option<String> {
+        let is_left_to_chance = self.surface.cells.of_given() == Cells::Smooth
+            && self.medium.is_some()
+            && self.lights.sun > 0.0;
+        is_left_to_chance.then(|| SUN_BY_CHANCE.to_owned())
     }
 }
 

@@ -237,8 +237,12 @@ fn what_smooth_cells_cannot_do_is_refused() {
             "the accelerator flat is for flat surfaces",
         ),
         (
-            "render h.exr -o out.png",
-            "--cells is for inspect, mesh, trace, verify, map and gonio",
+            "render h.ply -o out.png",
+            "this is a triangle mesh, so take flat cells",
+        ),
+        (
+            "render h.exr -o out.png --mean-free-path 2 --albedo 0.9 --thickness 99 --bottom-surface h.ply",
+            "this is a triangle mesh, so take flat cells",
         ),
         (
             "mesh h.ply -o out.ply",
@@ -246,15 +250,15 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "generate -o out.exr",
-            "--cells is for inspect, mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
         ),
         (
             "attenuation -o out",
-            "--cells is for inspect, mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
         ),
         (
             "converge -o out",
-            "--cells is for inspect, mesh, trace, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
         ),
     ] {
         let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
@@ -262,7 +266,7 @@ fn what_smooth_cells_cannot_do_is_refused() {
     }
     let said = refused(&folder, &words("converge c.toml -o out"), 2);
     assert!(
-        said.contains("surface.cells is for inspect, mesh, trace, verify, map and gonio"),
+        said.contains("surface.cells is for inspect, mesh, trace, render, verify, map and gonio"),
         "{said}"
     );
     let said = refused(&folder, &words("trace bad.toml"), 2);

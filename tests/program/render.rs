@@ -28,6 +28,30 @@ fn a_picture_comes_as_numbers_and_for_the_eye_with_the_same_bytes_on_any_number_
 }
 
 #[test]
+fn smooth_cells_have_pictures_of_their_own_and_say_that_sunlight_below_is_left_to_chance() {
+    let (_keep, folder) = with_surface();
+    let medium = " --mean-free-path 2 --albedo 0.9";
+    for (medium, is_noted) in [
+        (String::new(), false),
+        (medium.to_owned(), true),
+        (format!("{medium} --sun 0"), false),
+        (
+            format!("{medium} --thickness 30 --bottom-surface h.exr"),
+            true,
+        ),
+    ] {
+        let [flat, one, two] = ["auto", "smooth --threads 1", "smooth --threads 2"].map(|cells| {
+            let line = format!("{SMALL}{medium} --cells {cells} -o p.exr");
+            let text = succeed(&folder, &words(&line));
+            let noted = text.contains("left to chance");
+            assert_eq!(noted, is_noted && cells != "auto", "{line}: {text}");
+            fs::read(folder.join("p.exr")).unwrap()
+        });
+        assert!(one == two && one != flat, "{medium}");
+    }
+}
+
+#[test]
 fn meshes_and_flat_surfaces_have_pictures_too() {
     let (_keep, folder) = with_surface();
     succeed(&folder, &words("mesh h.exr -o h.ply"));

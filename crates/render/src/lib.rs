@@ -7,7 +7,8 @@
 //!
 //! Random paths hardly ever hit a sun behind a refracting surface. Where a path is scattered inside a medium, the
 //! facets that light it from one direction of the sun's disc are computed ([`asperity_tracer::LightBeams`]), with
-//! one direction per pass. Random paths add the rest: sunlight that is reflected, or interacts with several facets.
+//! one direction per pass. Random paths add the rest: sunlight that is reflected, or interacts with several facets, and all of it
+//! below smooth cells, which have no facets.
 //!
 //! A picture is made in passes with an equal number of samples per pixel, spread evenly over it. Every row of a pass
 //! has its own random stream. Errors are those of the mean over passes.
@@ -23,22 +24,23 @@ mod tile_frame;
 mod view;
 
 use asperity_simulate::{
-    LayerBelow, Observer, SearchedSurface, StoppedBy, check_memory, hierarchy_bytes, meshes_bytes,
+    LayerBelow, Observer, SearchedSurface, Shape, StoppedBy, check_memory, hierarchy_bytes,
+    meshes_bytes, smooth_accelerator_bytes,
 };
+use std::sync::Arc;
 use std::time::Instant;
 
 use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
-use asperity_surface::HeightField;
 use asperity_tracer::{
-    BuildAccelerator, FlightSearch, Geometry, MeshSurface, PathIntegrator, Surface, Triangles,
-    can_traverse, tiles_crossed,
+    BuildAccelerator, FlightSearch, Geometry, LightBeams, MeshSurface, PathIntegrator,
+    SmoothSurface, Surface, can_traverse, tiles_crossed,
 };
 
 pub use error::RenderError;
 pub use exposure::exposure;
 pub use lights::{Lights, LightsError, Patch, Sun};
-use passes::{Film, MIN_PASSES, PassPlan, SunlightInMedium, expose};
+use passes::{BeginBeams, Film, MIN_PASSES, PassPlan, SunlightInMedium, expose};
 use scene::Scene;
 pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
@@ -66,8 +68,10 @@ pub struct RenderOutcome {
     pub stopped_by: Option<StoppedBy>,
 }
 
-/// Makes a picture of a surface of `material`, with a layer below it or nothing; `bottom` is the bottom's own
+/// Makes a picture of a surface of `material`, with a layer below it or nothing; `shape` holds the bottom's own
 /// surface, if it has one.
+///
+/// Smooth cells have no light beams: sunlight in a medium below them is found by random paths alone.
 ///
 /// A run that is to stop ends with the passes that are complete: for want of time after two at least.
 ///
@@ -75,49 +79,69 @@ pub struct RenderOutcome {
 /// [`RenderError`] if the surface or the picture is too large, the layer too thin, the eye too low, parallel
 /// camera rays or the sun too flat, or if an interrupt comes before two passes.
 pub fn render(
-    field: HeightField,
-    bottom: Option<HeightField>,
+    shape: &Shape,
     material: Material,
     layer: Option<&Layer>,
     settings: &RenderSettings,
     progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
-    let bytes = |field: &HeightField| {
-        let all = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
-        all.saturating_sub(size_of_val(field.heights()))
-    };
-    let both = bytes(&field).saturating_add(bottom.as_ref().map_or(0, bytes));
-    check_memory("this surface", both)?;
-    let build = || Geometries {
-        top: Surface::new(field),
-        bottom: bottom.map(Surface::new),
-    };
-    render_on(build, Matter { material, layer }, settings, progress)
-}
-
-/// [`render()`] of a triangle mesh.
-///
-/// # Errors
-/// As [`render()`].
-pub fn render_mesh(
-    mesh: MeshSurface,
-    bottom: Option<MeshSurface>,
-    material: Material,
-    layer: Option<&Layer>,
-    settings: &RenderSettings,
-    progress: &dyn Observer,
-) -> Result<RenderOutcome, RenderError> {
-    let bottom_count = bottom.as_ref().map_or(0, Geometry::facet_count);
-    let bytes = hierarchy_bytes(mesh.facet_count().saturating_add(bottom_count));
-    check_memory("this mesh with its hierarchy", bytes)?;
-    let build = || Geometries { top: mesh, bottom };
-    render_on(build, Matter { material, layer }, settings, progress)
+    let matter = Matter { material, layer };
+    match shape {
+        Shape::HeightField { top, bottom } => {
+            let geometries = Geometries::new(top, bottom.as_ref());
+            let bytes = |surface: &Surface| {
+                let field = surface.field();
+                let all = meshes_bytes(field.shape(), settings.accelerator, field.is_flat(), false);
+                all.saturating_sub(size_of_val(field.heights()))
+            };
+            check_memory("this surface", geometries.sum(bytes))?;
+            render_on(
+                &geometries,
+                Some(LightBeams::new),
+                matter,
+                settings,
+                progress,
+            )
+        }
+        Shape::Smooth { top, bottom } => {
+            let geometries = Geometries::new(top, bottom.as_ref());
+            let bytes = |surface: &SmoothSurface| {
+                smooth_accelerator_bytes(surface.spline().shape(), settings.accelerator)
+            };
+            check_memory("this surface", geometries.sum(bytes))?;
+            render_on(&geometries, None, matter, settings, progress)
+        }
+        Shape::TriangleMesh { top, bottom } => {
+            let geometries = Geometries::new(top, bottom.as_ref());
+            let bytes = |mesh: &MeshSurface| hierarchy_bytes(mesh.facet_count());
+            check_memory("this mesh with its hierarchy", geometries.sum(bytes))?;
+            render_on(
+                &geometries,
+                Some(LightBeams::new),
+                matter,
+                settings,
+                progress,
+            )
+        }
+    }
 }
 
 /// The surface and the bottom's own surface, if it has one.
-struct Geometries<G> {
-    top: G,
-    bottom: Option<G>,
+struct Geometries<'a, G> {
+    top: &'a G,
+    bottom: Option<&'a G>,
+}
+
+impl<'a, G> Geometries<'a, G> {
+    fn new(top: &'a Arc<G>, bottom: Option<&'a Arc<G>>) -> Self {
+        let bottom = bottom.map(|bottom| &**bottom);
+        Self { top, bottom }
+    }
+
+    /// The sum of the bytes of each.
+    fn sum(&self, bytes: impl Fn(&G) -> usize) -> usize {
+        bytes(self.top).saturating_add(self.bottom.map_or(0, &bytes))
+    }
 }
 
 /// What lies below and between the geometries of a picture.
@@ -127,23 +151,23 @@ struct Matter<'a> {
     layer: Option<&'a Layer>,
 }
 
-fn render_on<G: BuildAccelerator + Triangles>(
-    build: impl FnOnce() -> Geometries<G>,
+fn render_on<G: BuildAccelerator>(
+    geometries: &Geometries<'_, G>,
+    beams: Option<BeginBeams<G>>,
     matter: Matter<'_>,
     settings: &RenderSettings,
     progress: &dyn Observer,
 ) -> Result<RenderOutcome, RenderError> {
     let building = Instant::now();
     check_size(settings.size)?;
-    let geometries = build();
-    check_grazing(&geometries.top, settings)?;
+    check_grazing(geometries.top, settings)?;
     let accelerator = geometries.top.accelerator(settings.accelerator)?;
-    let bottom = geometries.bottom.as_ref();
+    let bottom = geometries.bottom;
     let bottom_accelerator = bottom
         .map(|bottom| bottom.accelerator(settings.accelerator))
         .transpose()?;
     let top = SearchedSurface {
-        geometry: &geometries.top,
+        geometry: geometries.top,
         accelerator: &*accelerator,
     };
     let bottom = bottom.zip(bottom_accelerator.as_deref());
@@ -157,8 +181,10 @@ fn render_on<G: BuildAccelerator + Triangles>(
     let tracing = Instant::now();
     let plan = PassPlan::new(settings.samples);
     let scatters = matter.layer.is_some_and(|layer| !layer.medium().is_clear());
-    let sunlight = settings.lights.sun().filter(|_| scatters).map(|sun| {
-        SunlightInMedium::new(&geometries.top, matter.material, *sun, settings.seed, plan)
+    let sun = settings.lights.sun().filter(|_| scatters);
+    let sunlight = sun.zip(beams).map(|(sun, begin)| {
+        let light = (matter.material, *sun);
+        SunlightInMedium::new(geometries.top, begin, light, settings.seed, plan)
     });
     let film = expose(&scene, sunlight, plan, settings, progress);
     if film.passes() < MIN_PASSES {
@@ -171,7 +197,7 @@ fn render_on<G: BuildAccelerator + Triangles>(
 }
 
 /// The scene of a picture: camera, lights and matter.
-fn scene<'a, G: BuildAccelerator + Triangles>(
+fn scene<'a, G: Geometry>(
     top: SearchedSurface<'a, G>,
     bottom: Option<SearchedSurface<'a, G>>,
     matter: Matter<'_>,

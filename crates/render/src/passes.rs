@@ -4,7 +4,8 @@ use asperity_io::Picture;
 use asperity_optics::Material;
 use asperity_simulate::{Observer, StoppedBy, picture_stream};
 use asperity_tally::BatchStatistics;
-use asperity_tracer::{LightBeams, Triangles};
+use asperity_tracer::{Geometry, LightBeams};
+use glam::DVec3;
 use rand::RngExt;
 use rayon::prelude::*;
 
@@ -97,7 +98,7 @@ impl Film {
 }
 
 /// Makes passes until the plan is complete, or the run is to stop.
-pub(crate) fn expose<G: Triangles>(
+pub(crate) fn expose<G: Geometry>(
     scene: &Scene<'_, G>,
     sunlight: Option<SunlightInMedium<'_, G>>,
     plan: PassPlan,
@@ -134,26 +135,31 @@ pub(crate) fn expose<G: Triangles>(
     film
 }
 
+/// Makes the beams of light on a geometry of a material from a direction; of facets alone, which are flat.
+pub(crate) type BeginBeams<G> = fn(&G, Material, DVec3) -> LightBeams<G>;
+
 /// Sunlight inside a medium: light beams from one direction of the sun's disc per pass.
-pub(crate) struct SunlightInMedium<'a, G: Triangles> {
+pub(crate) struct SunlightInMedium<'a, G: Geometry> {
     geometry: &'a G,
+    begin: BeginBeams<G>,
     material: Material,
     sun: Sun,
     shift: [f64; 2],
     beams: Option<LightBeams<G>>,
 }
 
-impl<'a, G: Triangles> SunlightInMedium<'a, G> {
+impl<'a, G: Geometry> SunlightInMedium<'a, G> {
     pub(crate) fn new(
         geometry: &'a G,
-        material: Material,
-        sun: Sun,
+        begin: BeginBeams<G>,
+        (material, sun): (Material, Sun),
         seed: u64,
         plan: PassPlan,
     ) -> Self {
         let mut rng = picture_stream(seed, plan.passes, 0);
         Self {
             geometry,
+            begin,
             material,
             sun,
             shift: [rng.random::<f64>(), rng.random::<f64>()],
@@ -169,7 +175,7 @@ impl<'a, G: Triangles> SunlightInMedium<'a, G> {
                 beams.aim(self.geometry, towards);
                 beams
             }
-            None => LightBeams::new(self.geometry, self.material, towards),
+            None => (self.begin)(self.geometry, self.material, towards),
         };
         self.beams.insert(beams)
     }

@@ -4,8 +4,8 @@ use asperity_simulate::{BottomSurface, Silent};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use asperity_optics::{Bottom, Incidence, ParticipatingMedium, PhaseFunction, dielectric};
-use asperity_surface::{Border, Psd, Synthesis};
-use asperity_tally::{BatchStatistics, TallyResult, TallySpec};
+use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
+use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
     PathSettings, PathStream, TracedLayer, Tracer,
@@ -23,6 +23,16 @@ fn rough(border: Border) -> HeightField {
     let psd = Psd::gaussian(2.0, 4.0).unwrap();
     let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], true).unwrap();
     synthesis.draw(3, 0).unwrap().with_border(border)
+}
+
+/// The shape of heights with two triangles per cell.
+fn facets(field: HeightField) -> Shape {
+    Shape::height_field(field)
+}
+
+/// The shape of the same heights with smooth cells.
+fn smooth(field: &HeightField) -> Shape {
+    Shape::smooth(field).unwrap()
 }
 
 fn flat() -> HeightField {
@@ -64,31 +74,60 @@ fn a_white_furnace_shows_nothing() {
     let furnace = Lights::new(1.0, 1.0, None).unwrap();
     let interface = Bottom::Interface { eta: 1.0 / 1.5 };
     let white = Bottom::Lambertian { reflectance: 1.0 };
-    for (name, field, material, layer) in [
-        ("flat glass", flat(), GLASS, None),
-        ("rough glass", rough(Border::Periodic), GLASS, None),
-        ("mirror", rough(Border::Mirrored), Material::Mirror, None),
+    for (name, shape, material, layer) in [
+        ("flat glass", facets(flat()), GLASS, None),
+        ("rough glass", facets(rough(Border::Periodic)), GLASS, None),
+        (
+            "mirror",
+            facets(rough(Border::Mirrored)),
+            Material::Mirror,
+            None,
+        ),
         (
             "open slab",
-            flat(),
+            facets(flat()),
             GLASS,
             Some(slab(1.0, 3.0, Bottom::Open)),
         ),
         (
             "slab",
-            rough(Border::Periodic),
+            facets(rough(Border::Periodic)),
             GLASS,
             Some(slab(1.0, 20.0, interface)),
         ),
         (
             "over a mirror",
-            rough(Border::Mirrored),
+            facets(rough(Border::Mirrored)),
             GLASS,
             Some(slab(1.0, 14.0, Bottom::Mirror)),
         ),
         (
             "over white",
-            rough(Border::Periodic),
+            facets(rough(Border::Periodic)),
+            GLASS,
+            Some(slab(1.0, 14.0, white)),
+        ),
+        (
+            "smooth glass",
+            smooth(&rough(Border::Periodic)),
+            GLASS,
+            None,
+        ),
+        (
+            "smooth mirror",
+            smooth(&rough(Border::Mirrored)),
+            Material::Mirror,
+            None,
+        ),
+        (
+            "smooth slab",
+            smooth(&rough(Border::Periodic)),
+            GLASS,
+            Some(slab(1.0, 20.0, interface)),
+        ),
+        (
+            "smooth over white",
+            smooth(&rough(Border::Mirrored)),
             GLASS,
             Some(slab(1.0, 14.0, white)),
         ),
@@ -96,21 +135,14 @@ fn a_white_furnace_shows_nothing() {
         for projection in [ORTHOGRAPHIC, PINHOLE] {
             let settings = RenderSettings {
                 samples: 4,
-                bottom: if name == "slab" {
+                bottom: if name.ends_with("slab") && name != "open slab" {
                     BottomSurface::Same
                 } else {
                     BottomSurface::Flat
                 },
                 ..settings(40.0, projection, furnace)
             };
-            let outcome = render(
-                field.clone(),
-                None,
-                material,
-                layer.as_ref(),
-                &settings,
-                &Silent,
-            );
+            let outcome = render(&shape, material, layer.as_ref(), &settings, &Silent);
             let outcome = outcome.unwrap();
             assert_eq!(outcome.lost, 0.0, "{name}");
             // Splitting at the first facet may leave less than the threshold of roulette, 0.2; else nothing
@@ -132,7 +164,7 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
     for (theta, sky, below) in [(0.0, 1.0, 0.0), (56.0, 2.0, 0.0), (75.0, 0.0, 3.0)] {
         let lights = Lights::new(sky, below, None).unwrap();
         let settings = settings(theta, ORTHOGRAPHIC, lights);
-        let outcome = render(flat(), None, GLASS, None, &settings, &Silent).unwrap();
+        let outcome = render(&facets(flat()), GLASS, None, &settings, &Silent).unwrap();
         let fresnel = dielectric(theta.to_radians().cos(), 1.5);
         let expected = sky * fresnel.reflected + below * fresnel.transmitted;
         for radiance in outcome.picture.radiance {
@@ -148,44 +180,120 @@ fn flat_glass_reflects_the_sky_by_fresnel() {
 fn under_a_uniform_sky_radiance_is_the_albedo_of_light_from_the_eye() {
     let layer = slab(0.9, 14.0, Bottom::Lambertian { reflectance: 0.5 });
     for (theta, layer) in [(0.0, Some(&layer)), (60.0, Some(&layer)), (60.0, None)] {
-        let field = rough(Border::Periodic);
         let sky = Lights::new(1.0, 0.0, None).unwrap();
         let mut settings = settings(theta, ORTHOGRAPHIC, sky);
         // From any direction, a picture that covers whole tiles: as wide as one tile, and as high as it appears.
         let towards = Incidence::from_degrees(theta, 270.0).unwrap();
         settings.view = View::new(ORTHOGRAPHIC, towards, [16.0, 16.0], 32.0).unwrap();
         settings.size = if theta == 0.0 { [16, 16] } else { [16, 8] };
-        let seen = render(field.clone(), None, GLASS, layer, &settings, &Silent).unwrap();
-        let errors = &seen.picture.error;
-        let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
-
-        let surface = Surface::new(field);
-        let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let mut tracer = Tracer::new(
-            &surface,
-            &*hits,
-            GLASS,
-            HalfSpace::Above,
-            PathSettings::default(),
-        );
-        if let Some(layer) = layer {
-            let flat = BottomShape::Flat;
-            tracer = tracer.over(TracedLayer::new(&surface, layer, flat, 100_000).unwrap());
+        let field = rough(Border::Periodic);
+        for (name, shape) in [
+            ("facets", facets(field.clone())),
+            ("smooth", smooth(&field)),
+        ] {
+            let seen = render(&shape, GLASS, layer, &settings, &Silent).unwrap();
+            let errors = &seen.picture.error;
+            let noise = errors.iter().map(|e| e * e).sum::<f64>().sqrt() / errors.len() as f64;
+            let sent = match &shape {
+                Shape::HeightField { top, .. } => albedo(&**top, layer, towards),
+                Shape::Smooth { top, .. } => albedo(&**top, layer, towards),
+                Shape::TriangleMesh { .. } => unreachable!("no mesh is tested"),
+            };
+            let difference = mean(&seen.picture.radiance) - sent.mean;
+            let z = difference / noise.hypot(sent.se.unwrap());
+            println!("{name}, theta {theta}: {difference:.2e}, z = {z:.2}");
+            // One of six, of which one in 1000 is to fail by chance: Sidak 1.7e-4.
+            assert!(z.abs() < 3.8, "{name}, theta {theta}: z = {z}");
         }
-        let mut sums = BatchStatistics::new(1);
-        for block in 0..50 {
-            let light = Illumination::new(towards, false);
-            let stream = PathStream::new(8, block);
-            let (tally, _) = tracer.batch(&light, 16, TallySpec::default(), None, stream);
-            sums.push(&[tally.budget().reflected]);
-        }
-        let sent = sums.estimate(0);
-        let difference = mean(&seen.picture.radiance) - sent.mean;
-        let z = difference / noise.hypot(sent.se.unwrap());
-        println!("theta {theta}: {difference:.2e}, z = {z:.2}");
-        // One of three, of which one in 1000 is to fail by chance: Sidak 3.3e-4.
-        assert!(z.abs() < 3.6, "theta {theta}: z = {z}");
     }
+}
+
+/// The fraction of light from a direction that goes back up, traced forwards over the whole tile.
+fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Incidence) -> Estimate {
+    let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let mut tracer = Tracer::new(
+        surface,
+        &*hits,
+        GLASS,
+        HalfSpace::Above,
+        PathSettings::default(),
+    );
+    if let Some(layer) = layer {
+        let flat = BottomShape::Flat;
+        tracer = tracer.over(TracedLayer::new(surface, layer, flat, 100_000).unwrap());
+    }
+    let mut sums = BatchStatistics::new(1);
+    for block in 0..50 {
+        let light = Illumination::new(towards, false);
+        let stream = PathStream::new(8, block);
+        let (tally, _) = tracer.batch(&light, 16, TallySpec::default(), None, stream);
+        sums.push(&[tally.budget().reflected]);
+    }
+    sums.estimate(0)
+}
+
+/// A mirror seen from straight above shows a sun straight above where its slope is below `tan(radius / 2)`. Of a wave of largest
+/// slope `m` that is the fraction `2 / pi asin(tan(radius / 2) / m)`; no reflected ray meets the wave again. The slopes of the
+/// spline are those of the wave to `(k d)^4 / 180`, or 1.3e-4. Facets have eight slopes a period, each on an eighth of it.
+#[test]
+fn a_mirror_of_smooth_cells_shows_the_sun_by_its_true_normals() {
+    let (period, largest) = (16, 0.4);
+    let k = std::f64::consts::TAU / f64::from(period);
+    let wave = (0..4 * period).map(|i| largest / k * (k * f64::from(i % period)).sin());
+    let field = HeightField::new(wave.collect(), [4, 16], [1.0, 1.0]).unwrap();
+    let towards = Incidence::from_degrees(0.0, 270.0).unwrap();
+    for radius in [0.2_f64, 0.35, 0.6] {
+        let sun = Sun::new(towards, 1.0, radius, None).unwrap();
+        let lights = Lights::new(0.0, 0.0, Some(sun)).unwrap();
+        let settings = RenderSettings {
+            view: View::new(ORTHOGRAPHIC, towards, [8.0, 2.0], 16.0).unwrap(),
+            size: [64, 16],
+            ..settings(0.0, ORTHOGRAPHIC, lights)
+        };
+        let lit = |shape: &Shape| {
+            let picture = render(shape, Material::Mirror, None, &settings, &Silent);
+            mean(&picture.unwrap().picture.radiance) * radius.sin().powi(2)
+        };
+        let expected = ((0.5 * radius).tan() / largest).asin() / std::f64::consts::FRAC_PI_2;
+        let found = lit(&smooth(&field));
+        println!(
+            "{radius}: {found}, facets {}, expected {expected}",
+            lit(&facets(field.clone()))
+        );
+        // 65536 places, evenly spread: the ends of four stretches lie within a pixel each.
+        assert!(
+            (found - expected).abs() < 2e-3,
+            "{radius}: {found} {expected}"
+        );
+    }
+}
+
+/// Sunlight below smooth cells is found by chance, that below facets by light beams; facets as fine as these are the same surface.
+#[test]
+fn smooth_cells_over_a_medium_look_like_fine_facets() {
+    let field = rough(Border::Periodic);
+    let fine = SplineSurface::through(&field).tessellated(4).unwrap();
+    let medium = ParticipatingMedium::from_mean_free_path(2.0, 0.9, PhaseFunction::Isotropic);
+    let layer = Layer::half_space(medium.unwrap());
+    let towards = Incidence::from_degrees(35.0, 20.0).unwrap();
+    let sun = Sun::new(towards, 0.7, 0.6, None).unwrap();
+    let settings = RenderSettings {
+        size: [16, 16],
+        ..settings(0.0, ORTHOGRAPHIC, Lights::new(0.1, 0.0, Some(sun)).unwrap())
+    };
+    let [smooth, fine] = [smooth(&field), facets(fine)].map(|shape| {
+        let picture = render(&shape, GLASS, Some(&layer), &settings, &Silent);
+        let picture = picture.unwrap().picture;
+        let squares = picture.error.iter().map(|e| e * e).sum::<f64>();
+        (
+            mean(&picture.radiance),
+            squares.sqrt() / picture.error.len() as f64,
+        )
+    });
+    let z = (smooth.0 - fine.0) / smooth.1.hypot(fine.1);
+    println!("{smooth:?} {fine:?}: z = {z:.2}");
+    // Few enough samples to see a missing sun, and errors of some percent.
+    assert!(z.abs() < 3.3 && smooth.1 < 0.04 * smooth.0, "z = {z}");
 }
 
 /// Seen from straight above with x to the right, the left half of the picture lies below the patch. Light
@@ -209,7 +317,7 @@ fn a_patch_lights_what_lies_below_it_and_little_around_it() {
         view: view.unwrap(),
         ..settings
     };
-    let picture = render(flat(), None, GLASS, Some(&layer), &settings, &Silent)
+    let picture = render(&facets(flat()), GLASS, Some(&layer), &settings, &Silent)
         .unwrap()
         .picture;
     // Columns by the edges of the patch and of the picture are left out.
@@ -233,7 +341,7 @@ fn thread_count_changes_no_byte() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let field = rough(Border::Periodic);
         pool.unwrap()
-            .install(|| render(field, None, GLASS, Some(&layer), &settings, &Silent))
+            .install(|| render(&facets(field), GLASS, Some(&layer), &settings, &Silent))
             .unwrap()
     });
     assert_eq!(one.picture, three.picture);
@@ -263,7 +371,7 @@ fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
         let outcome = pool
             .unwrap()
-            .install(|| render(flat(), None, GLASS, None, &settings, &progress))
+            .install(|| render(&facets(flat()), GLASS, None, &settings, &progress))
             .unwrap();
         assert_eq!((outcome.passes, outcome.samples), (passes, 4 * passes));
         assert_eq!(outcome.stopped_by.is_some(), passes < 16);
@@ -280,10 +388,10 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_the_f
             ..settings(30.0, ORTHOGRAPHIC, lights)
         };
         let in_no_time = Patience(AtomicU64::new(0), StoppedBy::Time);
-        let outcome = render(flat(), None, GLASS, None, &settings, &in_no_time).unwrap();
+        let outcome = render(&facets(flat()), GLASS, None, &settings, &in_no_time).unwrap();
         assert_eq!((outcome.passes, outcome.samples), (2, 8));
         let interrupted = Patience(AtomicU64::new(15), StoppedBy::Interrupt);
-        let none = render(flat(), None, GLASS, None, &settings, &interrupted);
+        let none = render(&facets(flat()), GLASS, None, &settings, &interrupted);
         assert_eq!(none, Err(RenderError::Interrupted));
         assert!(interrupted.0.load(Ordering::Relaxed) == 0);
     }
@@ -312,7 +420,13 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
         samples: 600,
         ..settings(0.0, ORTHOGRAPHIC, lights)
     };
-    let picture = render(field.clone(), None, GLASS, Some(&layer), &settings, &Silent);
+    let picture = render(
+        &facets(field.clone()),
+        GLASS,
+        Some(&layer),
+        &settings,
+        &Silent,
+    );
     let picture = picture.unwrap().picture;
 
     // The same plane, but chance alone finds the sun.
@@ -372,7 +486,7 @@ fn errors_are_how_pixels_scatter() {
                 seed,
                 ..settings(0.0, ORTHOGRAPHIC, lights)
             };
-            render(flat(), None, GLASS, Some(&layer), &settings, &Silent)
+            render(&facets(flat()), GLASS, Some(&layer), &settings, &Silent)
                 .unwrap()
                 .picture
         })

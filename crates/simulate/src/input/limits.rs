@@ -75,10 +75,7 @@ pub(crate) const fn smooth_bytes([ny, nx]: [usize; 2]) -> usize {
 }
 
 /// Bytes that the accelerator of a smooth surface of `[ny, nx]` samples takes.
-pub(crate) const fn smooth_accelerator_bytes(
-    [ny, nx]: [usize; 2],
-    accelerator: AcceleratorKind,
-) -> usize {
+pub const fn smooth_accelerator_bytes([ny, nx]: [usize; 2], accelerator: AcceleratorKind) -> usize {
     let cells = nx.saturating_mul(ny);
     match accelerator {
         AcceleratorKind::Mesh => hierarchy_bytes(cells),

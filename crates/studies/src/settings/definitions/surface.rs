@@ -1,7 +1,7 @@
 //! `[surface]`: random surfaces, and the cells of any.
 
 use super::choices::{CELLS, DRAWN_BORDER};
-use super::{ATTENUATION, DEGREES, GENERATE, HEIGHT_MAPS, LENGTH, MODEL, RANDOM, SWEEPS, TRACING};
+use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, LENGTH, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, setting};
@@ -125,7 +125,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         SECTION,
         "cells",
         CELLS,
-        TRACING.and(HEIGHT_MAPS),
+        TRACING.and(GIVEN),
         "What lies between the heights of the grid",
     )
     .default("auto"),
