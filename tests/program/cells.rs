@@ -250,15 +250,20 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "generate -o out.exr",
-            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
         ),
         (
-            "attenuation -o out",
-            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
+            "attenuation --method horizons -o out",
+            "horizons and --demarcation are for flat cells",
         ),
+        (
+            "attenuation --demarcation -o out",
+            "horizons and --demarcation are for flat cells",
+        ),
+        ("attenuation --tau 0.1 -o out", "2.00 spacings"),
         (
             "converge -o out",
-            "--cells is for inspect, mesh, trace, render, verify, map and gonio",
+            "--cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation",
         ),
     ] {
         let said = refused(&folder, &words(&format!("{line} --cells smooth")), 2);
@@ -266,7 +271,9 @@ fn what_smooth_cells_cannot_do_is_refused() {
     }
     let said = refused(&folder, &words("converge c.toml -o out"), 2);
     assert!(
-        said.contains("surface.cells is for inspect, mesh, trace, render, verify, map and gonio"),
+        said.contains(
+            "surface.cells is for inspect, mesh, trace, render, verify, map, gonio and attenuation"
+        ),
         "{said}"
     );
     let said = refused(&folder, &words("trace bad.toml"), 2);

@@ -39,6 +39,10 @@
 //! Rays: one visibility ray per point and direction ([`asperity_tracer::trace_visibility`]). Horizons: the
 //! steepest rise along an azimuth answers for all its polar angles ([`asperity_tracer::Horizons`]), and for all
 //! sigma, to which it is proportional. The mirrored rays have no azimuth in common and are always rays.
+//!
+//! # Smooth cells
+//! Points are at the same places of the mean plane, two in each cell, with the height and normal of the smooth surface there, and so
+//! are samples. Visibility is found by rays: horizons walk along the edges of facets.
 
 mod config;
 mod counts;
@@ -46,17 +50,19 @@ mod demarcation;
 mod estimate;
 mod figures;
 mod files;
+mod flat_ground;
 mod heights;
 mod plan;
 mod points;
 mod rough_surface;
 mod skyline;
+mod smooth_ground;
 mod survey;
 mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Observer, SimulateError, StoppedBy, counted};
+use asperity_simulate::{Cells, Observer, SimulateError, StoppedBy, counted};
 use std::time::Instant;
 
 use asperity_analysis::{
@@ -193,7 +199,7 @@ pub struct AttenuationOutcome {
     pub visibility: Vec<VisibilityRow>,
     /// What was done.
     pub work: AttenuationWork,
-    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction.
+    /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction; 0 for smooth cells.
     pub mesh_slope_deficit: f64,
     models_at: Vec<f64>,
     over_sigma_at: Vec<f64>,
@@ -375,6 +381,9 @@ fn rough_surfaces(plan: &Plan) -> impl Iterator<Item = RoughSurface<'_>> {
 /// How far the slope variance of the mesh lies below that of the continuous surface: the worse of the two
 /// axes.
 fn mesh_slope_deficit(plan: &Plan) -> f64 {
+    if plan.recipes.cells() == Cells::Smooth {
+        return 0.0;
+    }
     let deficit = |step: f64| {
         let square = (step / plan.tau).powi(2);
         1.0 + (-square).exp_m1() / square

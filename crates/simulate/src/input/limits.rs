@@ -85,6 +85,11 @@ pub const fn smooth_accelerator_bytes([ny, nx]: [usize; 2], accelerator: Acceler
     }
 }
 
+/// Bytes that a smooth surface of `[ny, nx]` samples takes while it is traced with an accelerator.
+pub const fn smooth_traced_bytes(shape: [usize; 2], accelerator: AcceleratorKind) -> usize {
+    smooth_bytes(shape).saturating_add(smooth_accelerator_bytes(shape, accelerator))
+}
+
 /// Bytes that a smooth surface of `[ny, nx]` samples takes while it is traced, and, if it is refined, with it a finer and
 /// a coarser one, each with its accelerator.
 pub(crate) fn smooth_meshes_bytes(
@@ -92,9 +97,7 @@ pub(crate) fn smooth_meshes_bytes(
     accelerator: AcceleratorKind,
     refine: bool,
 ) -> usize {
-    let of_shape = |shape: [usize; 2]| {
-        smooth_bytes(shape).saturating_add(smooth_accelerator_bytes(shape, accelerator))
-    };
+    let of_shape = |shape: [usize; 2]| smooth_traced_bytes(shape, accelerator);
     let given = of_shape([ny, nx]);
     if !refine {
         return given;

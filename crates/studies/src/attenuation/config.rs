@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
 use crate::config::error::ConfigError;
+use crate::config::surface::CellsChoice;
 use crate::config::values::{Count, Number, OneOrMany, PerAxis};
 use crate::settings::{Command, Document, defaults};
 
@@ -27,6 +28,8 @@ pub struct AttenuationSurface {
     pub size: Option<PerAxis<Count>>,
     /// Length units per sample along x and y.
     pub spacing: PerAxis<Number>,
+    /// What lies between the heights of the grid: flat cells unless others are named.
+    pub cells: CellsChoice,
     /// What lies beyond the border: periodic or open.
     pub border: Border,
     /// Draw surfaces that the grid cannot resolve or hold.

@@ -2,8 +2,8 @@
 
 use asperity_analysis::{SlopeCovariance, SlopeError};
 use asperity_optics::Incidence;
-use asperity_simulate::{check_memory, short, traced_bytes};
-use asperity_surface::{Border, Psd, Synthesis, SynthesisError};
+use asperity_simulate::{Cells, check_memory, short, smooth_traced_bytes, traced_bytes};
+use asperity_surface::{Border, Psd, SplineSynthesis, Synthesis, SynthesisError};
 use asperity_tracer::{AcceleratorKind, HorizonError};
 
 use super::AttenuationError;
@@ -23,12 +23,36 @@ pub(super) struct Plan {
     pub(super) views: Vec<Incidence>,
     /// Either rays or horizons.
     pub(super) method: VisibilityMethod,
-    /// Recipes of the surfaces, one per sigma.
-    pub(super) recipes: Vec<Synthesis>,
+    pub(super) recipes: Recipes,
     /// Their slopes, as those of the continuous surface.
     pub(super) slopes: Vec<SlopeCovariance>,
     pub(super) models_at: Vec<f64>,
     pub(super) over_sigma_at: Vec<f64>,
+}
+
+/// Recipes of the surfaces, one per sigma.
+pub(super) enum Recipes {
+    Flat(Vec<Synthesis>),
+    Smooth(Vec<SplineSynthesis>),
+}
+
+impl Recipes {
+    /// What the cells of the surfaces are.
+    pub(super) const fn cells(&self) -> Cells {
+        match self {
+            Self::Flat(_) => Cells::Flat,
+            Self::Smooth(_) => Cells::Smooth,
+        }
+    }
+
+    /// Bytes at the peak of drawing one of them.
+    fn peak_bytes(&self) -> usize {
+        let most = match self {
+            Self::Flat(recipes) => recipes.iter().map(Synthesis::peak_bytes).max(),
+            Self::Smooth(recipes) => recipes.iter().map(SplineSynthesis::peak_bytes).max(),
+        };
+        most.unwrap_or(0)
+    }
 }
 
 impl Plan {
@@ -56,11 +80,9 @@ impl AttenuationConfig {
         let sigmas = numbers("sigma", &surface.sigma)?;
         let [dx, dy] = surface.spacing.xy().map(|spacing| spacing.0);
         let shape = self.shape()?;
-        let mut recipes = Vec::new();
+        let recipes = self.recipes(&sigmas, shape)?;
         let mut slopes = Vec::new();
         for &sigma in &sigmas {
-            let psd = Psd::gaussian(sigma, surface.tau.0).map_err(ConfigError::from)?;
-            recipes.push(Synthesis::new(psd, shape, [dx, dy], surface.insist)?);
             let covariance = SlopeCovariance::isotropic(surface.tau.0 / sigma);
             slopes.push(covariance.map_err(|error: SlopeError| contradiction(error.to_string()))?);
         }
@@ -99,11 +121,45 @@ impl AttenuationConfig {
             models_at,
             over_sigma_at,
         };
-        if plan.method == VisibilityMethod::Auto {
+        if plan.recipes.cells() == Cells::Smooth {
+            plan.method = self.method_of_smooth()?;
+        } else if plan.method == VisibilityMethod::Auto {
             plan.method = self.quicker_method(&plan);
         }
         self.check_size(&plan)?;
         Ok(plan)
+    }
+
+    /// The recipe of each sigma, for surfaces of that many samples `[ny, nx]`.
+    fn recipes(&self, sigmas: &[f64], shape: [usize; 2]) -> Result<Recipes, AttenuationError> {
+        let surface = &self.surface;
+        let spacing = surface.spacing.xy().map(|spacing| spacing.0);
+        let psds = sigmas.iter().map(|&sigma| {
+            let psd = Psd::gaussian(sigma, surface.tau.0);
+            psd.map_err(|error| AttenuationError::from(ConfigError::from(error)))
+        });
+        let insist = surface.insist;
+        Ok(match surface.cells.of_random() {
+            Cells::Flat => Recipes::Flat(
+                psds.map(|psd| Ok(Synthesis::new(psd?, shape, spacing, insist)?))
+                    .collect::<Result<_, AttenuationError>>()?,
+            ),
+            Cells::Smooth => Recipes::Smooth(
+                psds.map(|psd| Ok(SplineSynthesis::new(psd?, shape, spacing, insist)?))
+                    .collect::<Result<_, AttenuationError>>()?,
+            ),
+        })
+    }
+
+    /// Rays, since horizons are those of facets.
+    fn method_of_smooth(&self) -> Result<VisibilityMethod, AttenuationError> {
+        if self.run.method == VisibilityMethod::Horizons || self.run.demarcation {
+            return Err(contradiction(
+                "horizons and --demarcation are for flat cells, whose edges a horizon lies on; with smooth cells take --method rays"
+                    .to_owned(),
+            ));
+        }
+        Ok(VisibilityMethod::Rays)
     }
 
     /// Horizons where they are needed in any case, or where many directions share their azimuths.
@@ -132,10 +188,12 @@ impl AttenuationConfig {
         // the halves of those of facets.
         let sorted = usize::from(self.run.demarcation);
         let cells = nx.saturating_mul(ny);
-        let bytes = traced_bytes(plan.shape, AcceleratorKind::Auto)
-            .saturating_add(cells.saturating_mul((48 + 8) * horizons + 32 * sorted));
-        let drawn = plan.recipes.iter().map(Synthesis::peak_bytes).max();
-        let bytes = bytes.max(drawn.unwrap_or(0));
+        let traced = match plan.recipes.cells() {
+            Cells::Flat => traced_bytes(plan.shape, AcceleratorKind::Auto),
+            Cells::Smooth => smooth_traced_bytes(plan.shape, AcceleratorKind::Auto),
+        };
+        let bytes = traced.saturating_add(cells.saturating_mul((48 + 8) * horizons + 32 * sorted));
+        let bytes = bytes.max(plan.recipes.peak_bytes());
         check_memory("measuring one surface", bytes)?;
         let results = plan.sigmas.len() as f64
             * plan.lights.len() as f64

@@ -1,126 +1,98 @@
-//! The points of a surface, one on each facet, and the samples of its grid.
+//! The points of a surface, two in each cell, and the samples of its grid.
 
 use asperity_optics::Incidence;
 use asperity_simulate::point_stream;
-use asperity_surface::{Border, Triangle};
-use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
+use asperity_surface::Border;
+use asperity_tracer::{BuildAccelerator, VisibilityRay};
 use rand::{Rng, RngExt};
 
-/// Facets whose points share a random stream and are surveyed together, with the samples of their cells.
+use super::skyline::Skyline;
+use super::{AttenuationConfig, AttenuationError, Plan};
+
+/// Points that share a random stream and are surveyed together, with the samples of their cells.
 pub(super) const CHUNK: usize = 1 << 13;
 
-/// A point of the surface with a ray along the normal of its facet.
-pub(super) struct Point {
-    pub(super) facet: Facet,
+/// A point of the surface with a ray along its normal.
+pub(super) struct Point<F> {
+    /// The facet, or the smooth cell, that it lies on.
+    pub(super) facet: F,
     pub(super) ray: VisibilityRay,
-    is_sample: bool,
+    pub(super) is_sample: bool,
 }
 
-impl Point {
-    /// The visibility ray along a direction that its facet faces and that is not vertical.
-    pub(super) fn ray_along(&self, direction: &Incidence, surface: &Surface) -> VisibilityRay {
-        let w = direction.wi();
-        let mut origin = self.ray.origin;
-        if self.is_sample {
-            // At the sample itself the ray touches six facets, so that rounding of z would decide whether it
-            // is blocked. It starts half-way across its own facet instead, which cannot block it: facets
-            // extend from a corner to |x| + |y| = 1 at least.
-            let [x, y] = [w.x, w.y * surface.aspect()];
-            let half = 0.5 / (x.abs() + y.abs());
-            origin.x += half * x;
-            origin.y += half * y;
-            origin.z += half * w.z;
-        }
-        VisibilityRay {
-            origin,
-            direction: w,
-        }
-    }
+/// A surface that is surveyed: where its points are, and how they see.
+pub(super) trait Ground: BuildAccelerator {
+    /// Cells `[columns, rows]`.
+    fn cells(&self) -> [usize; 2];
+
+    /// Point `number`, by two uniform numbers, the larger one first: points `2 i` and `2 i + 1` are in the lower and in the upper
+    /// triangle of cell `i`, evenly over the mean plane.
+    fn point(&self, number: usize, place: [f64; 2]) -> Point<Self::Facet>;
+
+    /// The first corner of a cell as light from the direction `along`, in tile coordinates of the mean plane, meets it.
+    fn sample(&self, cell: [usize; 2], along: [f64; 2]) -> Point<Self::Facet>;
+
+    /// The visibility ray of a point along a direction that it faces and that is not vertical.
+    fn ray_along(&self, point: &Point<Self::Facet>, direction: &Incidence) -> VisibilityRay;
+
+    /// Horizons of all points of realisation `index`, one per azimuth; `None` of a surface that has none.
+    ///
+    /// # Errors
+    /// [`AttenuationError`] if there are no horizons under its border.
+    fn skylines(
+        &self,
+        config: &AttenuationConfig,
+        plan: &Plan,
+        index: u64,
+        least: f64,
+    ) -> Result<Option<Vec<Skyline>>, AttenuationError>;
 }
 
 /// Numbers of the chunks of a surface.
-pub(super) fn chunks(surface: &Surface) -> Vec<usize> {
-    (0..surface.facet_count().div_ceil(CHUNK)).collect()
+pub(super) fn chunks<G: Ground>(ground: &G) -> Vec<usize> {
+    (0..count(ground).div_ceil(CHUNK)).collect()
 }
 
-/// The points of a chunk: one on each facet, anywhere on it, so that all together are spread evenly over
-/// the mean plane.
-pub(super) fn points(
-    surface: &Surface,
+/// The number of points.
+fn count<G: Ground>(ground: &G) -> usize {
+    let [cx, cy] = ground.cells();
+    2 * cx * cy
+}
+
+/// The points of a chunk, all of which together are spread evenly over the mean plane.
+pub(super) fn points<G: Ground>(
+    ground: &G,
     seed: u64,
     index: u64,
     chunk: usize,
-) -> impl Iterator<Item = Point> + '_ {
+) -> impl Iterator<Item = Point<G::Facet>> + '_ {
     let mut rng = point_stream(seed, index, chunk as u64);
-    let end = (CHUNK * (chunk + 1)).min(surface.facet_count());
-    (CHUNK * chunk..end).map(move |number| {
-        let facet = surface.facet(number);
-        let [a, b, c] = surface.corners(facet);
-        let [far, near] = sorted_pair(&mut rng);
-        let place = a + far * (b - a) + near * (c - b);
-        let ray = VisibilityRay {
-            origin: surface.snap(facet, place),
-            direction: surface.normal(facet),
-        };
-        Point {
-            facet,
-            ray,
-            is_sample: false,
-        }
-    })
+    let end = (CHUNK * (chunk + 1)).min(count(ground));
+    (CHUNK * chunk..end).map(move |number| ground.point(number, sorted_pair(&mut rng)))
 }
 
-/// The samples of a chunk, each on that of the six facets around it into which the azimuth, radians, points.
-/// Along an edge either facet will do: they have the same slope along it.
+/// The samples of a chunk, as light from the azimuth, radians, meets them.
 ///
 /// A periodic surface has one per cell, its first corner. Of an open patch those of the border are left out,
 /// around which facets are missing.
-pub(super) fn samples(
-    surface: &Surface,
+pub(super) fn samples<G: Ground>(
+    ground: &G,
     azimuth: f64,
     chunk: usize,
-) -> impl Iterator<Item = Point> + '_ {
-    let [cx, cy] = surface.cells();
+) -> impl Iterator<Item = Point<G::Facet>> + '_ {
+    let [cx, cy] = ground.cells();
     let (sin_phi, cos_phi) = azimuth.sin_cos();
-    let [x, y] = [cos_phi, sin_phi * surface.aspect()];
-    let (left, below) = (x < 0.0, y < 0.0);
-    // The triangle, and which of its corners the sample is, in the order of `Geometry::corners`.
-    let (triangle, corner) = match (left, below) {
-        (false, false) if y <= x => (Triangle::Lower, 0),
-        (false, false) => (Triangle::Upper, 0),
-        (true, false) => (Triangle::Lower, 1),
-        (true, true) if x.abs() <= y.abs() => (Triangle::Lower, 2),
-        (true, true) => (Triangle::Upper, 1),
-        (false, true) => (Triangle::Upper, 2),
-    };
-    let first = if surface.border() == Border::Open {
+    let along = [cos_phi, sin_phi * ground.aspect()];
+    let first = if ground.border() == Border::Open {
         1
     } else {
         0
     };
-    let before = |place: usize, back: bool, cells: usize| {
-        (if back { place + cells - 1 } else { place }) % cells
-    };
     let cells = CHUNK / 2;
     (cells * chunk..(cells * (chunk + 1)).min(cx * cy))
-        .map(move |number| (number % cx, number / cx))
-        .filter(move |&(ix, iy)| ix >= first && iy >= first)
-        .map(move |(ix, iy)| {
-            let facet = Facet {
-                iy: before(iy, below, cy) as u32,
-                ix: before(ix, left, cx) as u32,
-                triangle,
-            };
-            let ray = VisibilityRay {
-                origin: surface.corners(facet)[corner],
-                direction: surface.normal(facet),
-            };
-            Point {
-                facet,
-                ray,
-                is_sample: true,
-            }
-        })
+        .map(move |number| [number % cx, number / cx])
+        .filter(move |&[ix, iy]| ix >= first && iy >= first)
+        .map(move |cell| ground.sample(cell, along))
 }
 
 /// Two uniform numbers, the larger one first: a uniform point of a triangle.

@@ -1,7 +1,7 @@
 //! Horizons of all points of a surface, and of its samples.
 
 use asperity_optics::Incidence;
-use asperity_tracer::{Horizon, Horizons, Surface};
+use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
 use super::config::VisibilityMethod;
@@ -29,7 +29,7 @@ pub(super) fn find_skylines(
         .into_iter()
         .map(|azimuth| {
             let horizons = Horizons::new(surface, azimuth, least)?;
-            let of = |point: Point| horizons.of(point.facet, point.ray.origin);
+            let of = |point: Point<Facet>| horizons.of(point.facet, point.ray.origin);
             let found: Vec<(Vec<Horizon>, Vec<Horizon>)> = chunks(surface)
                 .into_par_iter()
                 .map(|chunk| {

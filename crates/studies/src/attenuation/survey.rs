@@ -2,19 +2,19 @@
 
 use asperity_optics::{Incidence, reflect};
 use asperity_simulate::{Observer, SimulateError, check_grazing};
-use asperity_surface::HeightField;
+use asperity_surface::{Border, SplineSurface};
 use asperity_tracer::{
-    Accelerator, AcceleratorKind, BuildAccelerator, Geometry, Horizon, Surface, Visibility,
-    VisibilityRay, trace_visibility,
+    Accelerator, AcceleratorKind, Horizon, SmoothSurface, Surface, Visibility, VisibilityRay,
+    trace_visibility,
 };
 use rayon::prelude::*;
 
 use super::config::VisibilityMethod;
 use super::counts::{Area, Counts, Seen};
 use super::heights::{self, BINS};
-use super::plan::Plan;
-use super::points::{CHUNK, Point, chunks, points, samples};
-use super::skyline::{Skyline, cotangent, find_skylines, least_rise};
+use super::plan::{Plan, Recipes};
+use super::points::{CHUNK, Ground, Point, chunks, points, samples};
+use super::skyline::{Skyline, cotangent, least_rise};
 use super::{AttenuationConfig, AttenuationError};
 
 /// What was found on one realisation.
@@ -27,29 +27,59 @@ pub(super) struct Surveyed {
 }
 
 /// Surveys the surfaces of realisation `index`, one per sigma; `None` if the run is to stop.
-///
-/// They are one surface at several scales of height, and so are their horizons: these are found once.
 pub(super) fn survey(
     config: &AttenuationConfig,
     plan: &Plan,
     index: u64,
     progress: &dyn Observer,
 ) -> Result<Option<Surveyed>, AttenuationError> {
-    let run = &config.run;
-    let draw = |sigma: usize| -> Result<Surface, AttenuationError> {
-        let field: HeightField = plan.recipes[sigma].draw(run.seed, index)?;
-        Ok(Surface::new(field.with_border(plan.border)))
-    };
-    let grazing = |surface: &Surface| -> Result<(), AttenuationError> {
+    let seed = config.run.seed;
+    match &plan.recipes {
+        Recipes::Flat(recipes) => {
+            let draw = |sigma: usize| -> Result<Surface, AttenuationError> {
+                let field = recipes[sigma].draw(seed, index)?;
+                Ok(Surface::new(field.with_border(plan.border)))
+            };
+            survey_of(draw, config, plan, index, progress)
+        }
+        Recipes::Smooth(recipes) => {
+            let draw = |sigma: usize| -> Result<SmoothSurface, AttenuationError> {
+                let spline = recipes[sigma].draw(seed, index)?;
+                Ok(SmoothSurface::new(with_border(spline, plan.border)))
+            };
+            survey_of(draw, config, plan, index, progress)
+        }
+    }
+}
+
+/// A periodic spline, or, for another border, the spline through its samples that has it.
+fn with_border(spline: SplineSurface, border: Border) -> SplineSurface {
+    match border {
+        Border::Periodic => spline,
+        _ => SplineSurface::through(&spline.samples().with_border(border)),
+    }
+}
+
+/// Surveys surfaces that `draw` makes by the number of their sigma.
+///
+/// They are one surface at several scales of height, and so are their horizons: these are found once.
+fn survey_of<G: Ground>(
+    draw: impl Fn(usize) -> Result<G, AttenuationError>,
+    config: &AttenuationConfig,
+    plan: &Plan,
+    index: u64,
+    progress: &dyn Observer,
+) -> Result<Option<Surveyed>, AttenuationError> {
+    let grazing = |ground: &G| -> Result<(), AttenuationError> {
         let mut directions = plan.lights.iter().chain(&plan.views);
-        Ok(directions.try_for_each(|direction| check_grazing(surface, *direction))?)
+        Ok(directions.try_for_each(|direction| check_grazing(ground, *direction))?)
     };
     let first = draw(0)?;
     // Light this grazing would have to cross too many tiles: refuse it before horizons are computed.
     grazing(&first)?;
     let least = least_rise(config, plan);
-    let skylines = if plan.needs_horizons(run) {
-        Some(find_skylines(config, plan, &first, index, least)?)
+    let skylines = if plan.needs_horizons(&config.run) {
+        first.skylines(config, plan, index, least)?
     } else {
         None
     };
@@ -59,19 +89,19 @@ pub(super) fn survey(
         if progress.stop().is_some() {
             return Ok(None);
         }
-        let surface = match drawn.take() {
+        let ground = match drawn.take() {
             Some(first) => first,
             None => draw(sigma)?,
         };
-        grazing(&surface)?;
-        let accelerator = surface
+        grazing(&ground)?;
+        let accelerator = ground
             .accelerator(AcceleratorKind::Auto)
             .map_err(SimulateError::from)?;
         let site = Site {
             config,
             plan,
             sigma: plan.sigmas[sigma],
-            surface: &surface,
+            ground: &ground,
             accelerator: &*accelerator,
             skylines: skylines
                 .as_deref()
@@ -90,12 +120,12 @@ pub(super) fn survey(
 }
 
 /// One surface, and what is asked of it.
-struct Site<'a> {
+struct Site<'a, G: Ground> {
     config: &'a AttenuationConfig,
     plan: &'a Plan,
     sigma: f64,
-    surface: &'a Surface,
-    accelerator: &'a dyn Accelerator<Surface>,
+    ground: &'a G,
+    accelerator: &'a dyn Accelerator<G>,
     /// Horizons along each azimuth, where points see by them.
     skylines: Option<&'a [Skyline]>,
     /// How many times steeper this surface is than that of the skylines.
@@ -132,10 +162,10 @@ fn ones(marks: impl Iterator<Item = bool>) -> u64 {
     marks.map(u64::from).sum()
 }
 
-impl Site<'_> {
+impl<G: Ground> Site<'_, G> {
     /// Counts over all points, in the order of the chunks, whatever thread had which.
     fn count(&self) -> Counts {
-        let counts: Vec<Counts> = chunks(self.surface)
+        let counts: Vec<Counts> = chunks(self.ground)
             .into_par_iter()
             .map(|chunk| self.count_chunk(chunk))
             .collect();
@@ -143,8 +173,8 @@ impl Site<'_> {
     }
 
     fn count_chunk(&self, chunk: usize) -> Counts {
-        let points: Vec<Point> =
-            points(self.surface, self.config.run.seed, self.index, chunk).collect();
+        let points: Vec<Point<G::Facet>> =
+            points(self.ground, self.config.run.seed, self.index, chunk).collect();
         let mut counts = Counts {
             points: points.len() as u64,
             ..Counts::default()
@@ -186,10 +216,10 @@ impl Site<'_> {
 
     /// Samples that are lit and seen, for each light and view.
     fn count_samples(&self, chunk: usize, counts: &mut Counts) {
-        let samples: Vec<Vec<Point>> = self
+        let samples: Vec<Vec<Point<G::Facet>>> = self
             .azimuths
             .iter()
-            .map(|&azimuth| samples(self.surface, azimuth, chunk).collect())
+            .map(|&azimuth| samples(self.ground, azimuth, chunk).collect())
             .collect();
         counts.samples = samples[0].len() as u64;
         let mark = |direction: &Incidence, lost: &mut u64| {
@@ -225,7 +255,7 @@ impl Site<'_> {
     fn mark(
         &self,
         direction: &Incidence,
-        points: &[Point],
+        points: &[Point<G::Facet>],
         horizons: Option<&[Horizon]>,
         lost: &mut u64,
     ) -> Marks {
@@ -250,7 +280,7 @@ impl Site<'_> {
             }
             None => {
                 let rays = points.iter().zip(&facing).map(|(point, &facing)| {
-                    facing.then(|| point.ray_along(direction, self.surface))
+                    facing.then(|| self.ground.ray_along(point, direction))
                 });
                 self.free(rays, lost)
             }
@@ -259,7 +289,13 @@ impl Site<'_> {
     }
 
     /// How many of the lit points send the mirrored ray away.
-    fn mirrored(&self, light: &Incidence, points: &[Point], lit: &[bool], lost: &mut u64) -> u64 {
+    fn mirrored(
+        &self,
+        light: &Incidence,
+        points: &[Point<G::Facet>],
+        lit: &[bool],
+        lost: &mut u64,
+    ) -> u64 {
         let wi = light.wi();
         let rays = points.iter().zip(lit).map(|(point, &lit)| {
             let wo = reflect(wi, point.ray.direction);
@@ -277,7 +313,7 @@ impl Site<'_> {
         let all: Vec<Option<VisibilityRay>> = rays.collect();
         let taken: Vec<VisibilityRay> = all.iter().copied().flatten().collect();
         let mut seen = Vec::new();
-        trace_visibility(self.surface, self.accelerator, &taken, &mut seen);
+        trace_visibility(self.ground, self.accelerator, &taken, &mut seen);
         *lost += ones(
             seen.iter()
                 .map(|visibility| *visibility == Visibility::Lost),
@@ -289,15 +325,14 @@ impl Site<'_> {
     }
 
     /// The bin of a point's height.
-    fn bin(&self, point: &Point) -> Option<usize> {
-        let [dx, _] = self.surface.field().spacing();
-        let height = (point.ray.origin.z - self.surface.mean_plane()) * dx;
+    fn bin(&self, point: &Point<G::Facet>) -> Option<usize> {
+        let height = (point.ray.origin.z - self.ground.mean_plane()) * self.ground.unit();
         heights::bin(height / self.sigma)
     }
 }
 
 /// Projected areas of facing and lit points.
-fn area(light: &Incidence, points: &[Point], lit: &Marks) -> Area {
+fn area<F>(light: &Incidence, points: &[Point<F>], lit: &Marks) -> Area {
     let wi = light.wi();
     let mut sum = Area::default();
     for ((point, &facing), &free) in points.iter().zip(&lit.facing).zip(&lit.free) {

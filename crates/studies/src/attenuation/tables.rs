@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use asperity_simulate::{counted, short};
+use asperity_simulate::{Cells, counted, short};
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
@@ -206,11 +206,17 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
         "paper_g2: fraction of the samples of the grid, {} per surface",
         work.samples,
     );
-    let _ = writeln!(
-        out,
-        "errors from the scatter between surfaces; the slope variance of the mesh is\n{:.2} % below that of the continuous surface\n",
-        100.0 * outcome.mesh_slope_deficit,
-    );
+    let _ = match surface.cells.of_random() {
+        Cells::Flat => writeln!(
+            out,
+            "errors from the scatter between surfaces; the slope variance of the mesh is\n{:.2} % below that of the continuous surface\n",
+            100.0 * outcome.mesh_slope_deficit,
+        ),
+        Cells::Smooth => writeln!(
+            out,
+            "errors from the scatter between surfaces; cells are smooth, with the slope\nvariance of the continuous surface\n",
+        ),
+    };
     out.push_str(&fractions(outcome));
     if !outcome.demarcation.is_empty() {
         let table = demarcation().text(&outcome.demarcation);

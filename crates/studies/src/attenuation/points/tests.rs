@@ -1,7 +1,9 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
 use asperity_surface::{HeightField, Psd, Synthesis};
-use asperity_tracer::{AcceleratorKind, BuildAccelerator, Horizons, Visibility, trace_visibility};
+use asperity_tracer::{
+    AcceleratorKind, Facet, Geometry, Horizons, Surface, Visibility, trace_visibility,
+};
 
 use super::*;
 
@@ -10,7 +12,7 @@ fn direction(cotangent: f64, azimuth: f64) -> Incidence {
     Incidence::from_degrees(theta, azimuth.to_degrees()).unwrap()
 }
 
-fn all_samples(surface: &Surface, azimuth: f64) -> Vec<Point> {
+fn all_samples(surface: &Surface, azimuth: f64) -> Vec<Point<Facet>> {
     chunks(surface)
         .into_iter()
         .flat_map(|chunk| samples(surface, azimuth, chunk))
@@ -26,14 +28,14 @@ fn lit(surface: &Surface, azimuth: f64, cotangent: f64) -> Vec<bool> {
     let horizons = Horizons::new(surface, azimuth, 0.9 * cotangent).unwrap();
     let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let mut seen = Vec::new();
-    let facing = |sample: &Point| sample.ray.direction.dot(light.wi()) > 0.0;
+    let facing = |sample: &Point<Facet>| sample.ray.direction.dot(light.wi()) > 0.0;
     samples
         .iter()
         .map(|sample| {
             if !facing(sample) {
                 return false;
             }
-            let rays = [sample.ray_along(&light, surface)];
+            let rays = [surface.ray_along(sample, &light)];
             trace_visibility(surface, &*accelerator, &rays, &mut seen);
             let horizon = horizons.of(sample.facet, sample.ray.origin);
             let free = horizon.beyond <= light.theta().tan().recip();

@@ -125,10 +125,11 @@ pub(super) const SETTINGS: &[Setting] = &[
         SECTION,
         "cells",
         CELLS,
-        TRACING.and(GIVEN),
+        TRACING.and(GIVEN).and(ATTENUATION),
         "What lies between the heights of the grid",
     )
-    .default("auto"),
+    .default("auto")
+    .default_in(&[(ATTENUATION, Some("flat"))]),
     setting(
         SECTION,
         "border",

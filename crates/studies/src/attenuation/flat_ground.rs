@@ -1,0 +1,94 @@
+//! Points, samples and horizons of flat cells.
+//!
+//! A sample has six facets around it. It belongs to the one into which the direction to the light or the eye points.
+
+use asperity_optics::Incidence;
+use asperity_surface::Triangle;
+use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
+
+use super::points::{Ground, Point};
+use super::skyline::{Skyline, find_skylines};
+use super::{AttenuationConfig, AttenuationError, Plan};
+
+impl Ground for Surface {
+    fn cells(&self) -> [usize; 2] {
+        Self::cells(self)
+    }
+
+    fn point(&self, number: usize, [far, near]: [f64; 2]) -> Point<Facet> {
+        let facet = self.facet(number);
+        let [a, b, c] = self.corners(facet);
+        let place = a + far * (b - a) + near * (c - b);
+        let ray = VisibilityRay {
+            origin: self.snap(facet, place),
+            direction: self.normal(facet),
+        };
+        Point {
+            facet,
+            ray,
+            is_sample: false,
+        }
+    }
+
+    /// On that facet around it into which the direction points. Along an edge either facet will do: they have the same
+    /// slope along it.
+    fn sample(&self, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> Point<Facet> {
+        let [cx, cy] = self.cells();
+        let (left, below) = (x < 0.0, y < 0.0);
+        // The triangle, and which of its corners the sample is, in the order of `Triangles::corners`.
+        let (triangle, corner) = match (left, below) {
+            (false, false) if y <= x => (Triangle::Lower, 0),
+            (false, false) => (Triangle::Upper, 0),
+            (true, false) => (Triangle::Lower, 1),
+            (true, true) if x.abs() <= y.abs() => (Triangle::Lower, 2),
+            (true, true) => (Triangle::Upper, 1),
+            (false, true) => (Triangle::Upper, 2),
+        };
+        let before = |place: usize, back: bool, cells: usize| {
+            (if back { place + cells - 1 } else { place }) % cells
+        };
+        let facet = Facet {
+            iy: before(iy, below, cy) as u32,
+            ix: before(ix, left, cx) as u32,
+            triangle,
+        };
+        let ray = VisibilityRay {
+            origin: self.corners(facet)[corner],
+            direction: self.normal(facet),
+        };
+        Point {
+            facet,
+            ray,
+            is_sample: true,
+        }
+    }
+
+    fn ray_along(&self, point: &Point<Facet>, direction: &Incidence) -> VisibilityRay {
+        let w = direction.wi();
+        let mut origin = point.ray.origin;
+        if point.is_sample {
+            // At the sample itself the ray touches six facets, so that rounding of z would decide whether it
+            // is blocked. It starts half-way across its own facet instead, which cannot block it: facets
+            // extend from a corner to |x| + |y| = 1 at least.
+            let [x, y] = [w.x, w.y * self.aspect()];
+            let half = 0.5 / (x.abs() + y.abs());
+            origin.x += half * x;
+            origin.y += half * y;
+            origin.z += half * w.z;
+        }
+        VisibilityRay {
+            origin,
+            direction: w,
+        }
+    }
+
+    fn skylines(
+        &self,
+        config: &AttenuationConfig,
+        plan: &Plan,
+        index: u64,
+        least: f64,
+    ) -> Result<Option<Vec<Skyline>>, AttenuationError> {
+        find_skylines(config, plan, self, index, least).map(Some)
+    }
+}
