@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Fresnel, conductor, dielectric};
+use crate::{
+    Fresnel, PolarisedFresnel, conductor, dielectric, polarised_conductor, polarised_dielectric,
+};
 
 /// Interface material, with indices relative to the medium that the light comes from.
 ///
@@ -82,6 +84,18 @@ impl Material {
             Self::Dielectric { eta } => dielectric(cos_theta_i, eta),
             Self::Conductor { eta, kappa } => conductor(cos_theta_i, eta, kappa),
             Self::Mirror => Fresnel::TOTAL_REFLECTION,
+        }
+    }
+
+    /// The same for polarised light, in the axes of the plane of incidence.
+    ///
+    /// `m00` is the fraction that [`Self::fresnel`] gives: bit by bit, but for conductors to rounding.
+    #[must_use]
+    pub fn polarised_fresnel(&self, cos_theta_i: f64) -> PolarisedFresnel {
+        match *self {
+            Self::Dielectric { eta } => polarised_dielectric(cos_theta_i, eta),
+            Self::Conductor { eta, kappa } => polarised_conductor(cos_theta_i, eta, kappa),
+            Self::Mirror => PolarisedFresnel::MIRROR,
         }
     }
 
