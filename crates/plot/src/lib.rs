@@ -1,5 +1,5 @@
 //! Figures of the project: height maps, polar lobes, in-plane curves, hemispheres, plain curves, errors over
-//! run time, and validity maps.
+//! run time, validity maps, and diagrams.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
 //! a PNG file. Nothing here opens a file, needs a font of the system or a C library: the font is embedded, and
@@ -14,6 +14,7 @@
 //! | [`Hemispheres`] | [`Hemisphere`]s: values of bins | light over whole hemispheres, in rows and columns |
 //! | [`ProfileGrid`] | [`ProfileComponent`]s: [`Point`]s per panel | components of light in the plane of incidence |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
+//! | [`Diagram`] | [`DiagramPath`]s and [`DiagramLabel`]s | lines, arrows and words, to scale |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
 //!
 //! # Conventions
@@ -59,6 +60,7 @@ pub use elements::series::{Series, Side, Source};
 pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
 pub use figures::curves::{CurveAxis, Curves};
+pub use figures::diagram::{Diagram, DiagramLabel, DiagramPanel, DiagramPath, Stroke};
 pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figures::height_map::HeightMapFigure;
 pub use figures::hemispheres::{Hemisphere, Hemispheres, SharedColours};

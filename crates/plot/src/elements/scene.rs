@@ -172,6 +172,9 @@ pub(crate) struct Scene {
     pub(crate) items: Vec<Item>,
 }
 
+/// Length of the head of an arrow; a shorter arrow is not drawn.
+pub(crate) const ARROW_HEAD: f64 = 11.0;
+
 /// Height of DejaVu Sans capitals over the size.
 const CAP_HEIGHT: f64 = 0.729;
 
@@ -237,14 +240,13 @@ impl Scene {
 
     /// A line with a filled head whose tip is at `to`.
     pub(crate) fn arrow(&mut self, from: Xy, to: Xy, pen: Pen) {
-        const LENGTH: f64 = 11.0;
         const HALF_WIDTH: f64 = 4.2;
         let length = (to.0 - from.0).hypot(to.1 - from.1);
-        if length < LENGTH {
+        if length < ARROW_HEAD {
             return;
         }
         let (ux, uy) = ((to.0 - from.0) / length, (to.1 - from.1) / length);
-        let foot = (to.0 - LENGTH * ux, to.1 - LENGTH * uy);
+        let foot = (to.0 - ARROW_HEAD * ux, to.1 - ARROW_HEAD * uy);
         self.line(&[from, foot], pen);
         let corner = |side: f64| {
             (

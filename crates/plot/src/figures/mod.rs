@@ -1,6 +1,7 @@
 //! Figures, one per file.
 
 pub(crate) mod curves;
+pub(crate) mod diagram;
 pub(crate) mod error_over_time;
 pub(crate) mod height_map;
 pub(crate) mod hemispheres;

@@ -5,6 +5,7 @@
 )]
 
 mod curves;
+mod diagram;
 mod error_over_time;
 mod height_map;
 mod in_plane;
