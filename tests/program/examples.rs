@@ -34,6 +34,7 @@ examples! {
     model_against_flat: "../../examples/model_against_flat.rs",
     one_light_path: "../../examples/one_light_path.rs",
     overhang: "../../examples/overhang.rs",
+    polarisation_axes: "../../examples/polarisation_axes.rs",
     profile_against_model: "../../examples/profile_against_model.rs",
     smooth_cells: "../../examples/smooth_cells.rs",
     target_error: "../../examples/target_error.rs",
