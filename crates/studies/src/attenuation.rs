@@ -51,6 +51,7 @@ mod estimate;
 mod figures;
 mod files;
 mod flat_ground;
+mod ground;
 mod heights;
 mod plan;
 mod points;

@@ -6,8 +6,8 @@ use asperity_optics::Incidence;
 use asperity_surface::Triangle;
 use asperity_tracer::{Facet, Geometry, Surface, Triangles, VisibilityRay};
 
-use super::points::{Ground, Point};
-use super::skyline::{Skyline, find_skylines};
+use super::ground::{Ground, Point, Skyline};
+use super::skyline::find_skylines;
 use super::{AttenuationConfig, AttenuationError, Plan};
 
 impl Ground for Surface {

@@ -1,52 +1,13 @@
 //! The points of a surface, two in each cell, and the samples of its grid.
 
-use asperity_optics::Incidence;
 use asperity_simulate::point_stream;
 use asperity_surface::Border;
-use asperity_tracer::{BuildAccelerator, VisibilityRay};
 use rand::{Rng, RngExt};
 
-use super::skyline::Skyline;
-use super::{AttenuationConfig, AttenuationError, Plan};
+use super::ground::{Ground, Point};
 
 /// Points that share a random stream and are surveyed together, with the samples of their cells.
 pub(super) const CHUNK: usize = 1 << 13;
-
-/// A point of the surface with a ray along its normal.
-pub(super) struct Point<F> {
-    /// The facet, or the smooth cell, that it lies on.
-    pub(super) facet: F,
-    pub(super) ray: VisibilityRay,
-    pub(super) is_sample: bool,
-}
-
-/// A surface that is surveyed: where its points are, and how they see.
-pub(super) trait Ground: BuildAccelerator {
-    /// Cells `[columns, rows]`.
-    fn cells(&self) -> [usize; 2];
-
-    /// Point `number`, by two uniform numbers, the larger one first: points `2 i` and `2 i + 1` are in the lower and in the upper
-    /// triangle of cell `i`, evenly over the mean plane.
-    fn point(&self, number: usize, place: [f64; 2]) -> Point<Self::Facet>;
-
-    /// The first corner of a cell as light from the direction `along`, in tile coordinates of the mean plane, meets it.
-    fn sample(&self, cell: [usize; 2], along: [f64; 2]) -> Point<Self::Facet>;
-
-    /// The visibility ray of a point along a direction that it faces and that is not vertical.
-    fn ray_along(&self, point: &Point<Self::Facet>, direction: &Incidence) -> VisibilityRay;
-
-    /// Horizons of all points of realisation `index`, one per azimuth; `None` of a surface that has none.
-    ///
-    /// # Errors
-    /// [`AttenuationError`] if there are no horizons under its border.
-    fn skylines(
-        &self,
-        config: &AttenuationConfig,
-        plan: &Plan,
-        index: u64,
-        least: f64,
-    ) -> Result<Option<Vec<Skyline>>, AttenuationError>;
-}
 
 /// Numbers of the chunks of a surface.
 pub(super) fn chunks<G: Ground>(ground: &G) -> Vec<usize> {

@@ -5,17 +5,10 @@ use asperity_tracer::{Facet, Horizon, Horizons, Surface};
 use rayon::prelude::*;
 
 use super::config::VisibilityMethod;
+use super::ground::{Point, Skyline};
 use super::plan::Plan;
-use super::points::{Point, chunks, points, samples};
+use super::points::{chunks, points, samples};
 use super::{AttenuationConfig, AttenuationError};
-
-/// Horizons along one azimuth.
-pub(super) struct Skyline {
-    /// One per point.
-    pub(super) points: Vec<Horizon>,
-    /// One per sample, in one list per chunk; empty where visibility is found by rays.
-    pub(super) samples: Vec<Vec<Horizon>>,
-}
 
 /// The skylines of a surface, one per azimuth.
 pub(super) fn find_skylines(

@@ -7,8 +7,7 @@ use asperity_optics::Incidence;
 use asperity_tracer::{Geometry, SmoothCell, SmoothSurface, VisibilityRay};
 use glam::DVec3;
 
-use super::points::{Ground, Point};
-use super::skyline::Skyline;
+use super::ground::{Ground, Point, Skyline};
 use super::{AttenuationConfig, AttenuationError, Plan};
 
 impl Ground for SmoothSurface {

@@ -11,10 +11,11 @@ use rayon::prelude::*;
 
 use super::config::VisibilityMethod;
 use super::counts::{Area, Counts, Seen};
+use super::ground::{Ground, Point, Skyline};
 use super::heights::{self, BINS};
 use super::plan::{Plan, Recipes};
-use super::points::{CHUNK, Ground, Point, chunks, points, samples};
-use super::skyline::{Skyline, cotangent, least_rise};
+use super::points::{CHUNK, chunks, points, samples};
+use super::skyline::{cotangent, least_rise};
 use super::{AttenuationConfig, AttenuationError};
 
 /// What was found on one realisation.

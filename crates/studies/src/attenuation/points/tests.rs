@@ -1,8 +1,10 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, SQRT_2};
 
+use asperity_optics::Incidence;
 use asperity_surface::{HeightField, Psd, Synthesis};
 use asperity_tracer::{
-    AcceleratorKind, Facet, Geometry, Horizons, Surface, Visibility, trace_visibility,
+    AcceleratorKind, BuildAccelerator, Facet, Geometry, Horizons, Surface, Visibility,
+    trace_visibility,
 };
 
 use super::*;
