@@ -252,7 +252,7 @@ fn one_flag_for_the_spacing_of_given_and_of_random_surfaces() {
     let two = || flag("spacing", "2");
     let [random, given] = [Some(2.0.into()), None];
     assert_eq!(spacing("", &[two()]), [random.clone(), given.clone()]);
-    let of_given = [Some(1.0.into()), random.clone()];
+    let of_given = [None, random.clone()];
     assert_eq!(spacing("", &[two(), flag("surface", "h.npy")]), of_given);
     let file = "[measured]\nfile = \"h.npy\"";
     assert_eq!(spacing(file, &[two()]), of_given);

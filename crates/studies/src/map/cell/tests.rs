@@ -154,6 +154,8 @@ fn run() -> VerifyOutcome {
         smoothness = 3
         tau = 4
         size = 32
+        spacing = 1
+        cells = 'flat'
         [material]
         eta = 1.5
         [light]
