@@ -76,6 +76,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     );
     if !comment.is_empty() {
         text.push_str(&format!("{comment}\n"));
+        if MeshFormat::from_path(&output) == Some(MeshFormat::Stl) {
+            text.push_str(
+                "STL rounds coordinates to single precision, which is not in this bound\n",
+            );
+        }
     }
     print(&text)
 }
@@ -87,7 +92,7 @@ impl Fineness {
         let per_cell = match (self.deviation, self.subdivide) {
             (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
                 Failure::usage(format!(
-                    "--deviation {most}: heights of this surface are rounded to {}",
+                    "--deviation {most:e}: must be above {}, to which heights of this surface are rounded",
                     rounded_up(surface.deviation(usize::MAX))
                 ))
             })?,

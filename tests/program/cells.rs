@@ -254,11 +254,11 @@ fn what_smooth_cells_cannot_do_is_refused() {
         ),
         (
             "attenuation --method horizons -o out",
-            "horizons and --demarcation are for flat cells",
+            "horizons, and --demarcation which needs them, are for flat cells",
         ),
         (
             "attenuation --demarcation -o out",
-            "horizons and --demarcation are for flat cells",
+            "horizons, and --demarcation which needs them, are for flat cells",
         ),
         ("attenuation --tau 0.1 -o out", "2.00 spacings"),
         (

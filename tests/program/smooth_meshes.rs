@@ -117,7 +117,7 @@ fn wrong_fineness_is_refused() {
         ("--cells smooth --deviation 0", "a number above 0"),
         (
             "--cells smooth --deviation 1e-300",
-            "heights of this surface are rounded to",
+            "to which heights of this surface are rounded",
         ),
         ("--cells smooth --deviation 1 --subdivide 2", "--deviation"),
     ] {

@@ -155,7 +155,7 @@ impl AttenuationConfig {
     fn method_of_smooth(&self) -> Result<VisibilityMethod, AttenuationError> {
         if self.run.method == VisibilityMethod::Horizons || self.run.demarcation {
             return Err(contradiction(
-                "horizons and --demarcation are for flat cells, whose edges a horizon lies on; with smooth cells take --method rays"
+                "horizons, and --demarcation which needs them, are for flat cells; with smooth cells take --method rays"
                     .to_owned(),
             ));
         }

@@ -24,11 +24,11 @@ pub(super) const SETTINGS: &[Setting] = &[
         "deviation",
         Kind::Number,
         MESH,
-        "Largest distance of triangles from smooth cells, for subdivide",
+        "Largest vertical distance of triangles from the surface; sets subdivide",
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
-    .otherwise("by subdivide")
+    .otherwise("not used")
     .excludes(&["mesh.subdivide"])
     .flag_only(),
 ];

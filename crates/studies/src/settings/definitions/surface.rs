@@ -93,7 +93,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         (ATTENUATION, None),
         (TRACING, None),
     ])
-    .otherwise("a tile of 32 correlation lengths")
+    .otherwise("a tile of 32 correlation lengths, or of length")
     .excludes(&["surface.length", "measured.*"]),
     setting(
         SECTION,
