@@ -24,7 +24,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "deviation",
         Kind::Number,
         MESH,
-        "Largest vertical distance of triangles from the surface; sets subdivide",
+        "Largest vertical distance from the surface; sets subdivide",
     )
     .unit(LENGTH)
     .range(Range::Above(0.0))
