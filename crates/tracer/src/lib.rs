@@ -63,7 +63,7 @@ pub use reference::{
     BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
 };
 pub use sampling::Sampling;
-pub use settings::{Branching, PathSettings, PathSettingsError};
+pub use settings::{Branching, PathSettings, PathSettingsError, Polarisation};
 pub use vector::Instructions;
 pub use visibility::horizon::{Horizon, HorizonError, Horizons};
 pub use visibility::light_beams::LightBeams;

@@ -27,12 +27,36 @@ impl fmt::Display for Branching {
     }
 }
 
+/// What a path knows of the polarisation of its light.
+///
+/// The light that falls on the surface is unpolarised.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Polarisation {
+    /// Its Stokes vector: every interface divides the light that arrives at it.
+    #[default]
+    Tracked,
+    /// Nothing: light counts as unpolarised again at every interface. This is the approximation of the literature, and exact
+    /// for single scattering alone.
+    Averaged,
+}
+
+impl fmt::Display for Polarisation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Tracked => "tracked",
+            Self::Averaged => "averaged",
+        })
+    }
+}
+
 /// How paths are followed and ended.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PathSettings {
     pub(crate) branching: Branching,
     pub(crate) roulette_below: f64,
     pub(crate) max_order: u32,
+    pub(crate) polarisation: Polarisation,
 }
 
 /// Why path settings are refused.
@@ -79,7 +103,23 @@ impl PathSettings {
             branching,
             roulette_below,
             max_order,
+            polarisation: Polarisation::default(),
         })
+    }
+
+    /// The same with another treatment of polarisation.
+    #[must_use]
+    pub const fn with_polarisation(self, polarisation: Polarisation) -> Self {
+        Self {
+            polarisation,
+            ..self
+        }
+    }
+
+    /// What paths know of the polarisation of their light.
+    #[must_use]
+    pub const fn polarisation(&self) -> Polarisation {
+        self.polarisation
     }
 
     /// What happens where light is partly reflected and partly transmitted.
@@ -112,6 +152,7 @@ impl Default for PathSettings {
             branching: Branching::Split,
             roulette_below: Self::DEFAULT_ROULETTE,
             max_order: Self::DEFAULT_MAX_ORDER,
+            polarisation: Polarisation::default(),
         }
     }
 }
