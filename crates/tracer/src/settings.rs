@@ -39,6 +39,10 @@ pub enum Polarisation {
     /// Nothing: light counts as unpolarised again at every interface. This is the approximation of the literature, and exact
     /// for single scattering alone.
     Averaged,
+    /// As tracked, with what paths would carry if it were averaged: both results from the same paths.
+    Both,
+    /// As tracked, with the whole Mueller matrix of each path, which gives the light of any incident state.
+    Mueller,
 }
 
 impl fmt::Display for Polarisation {
@@ -46,6 +50,8 @@ impl fmt::Display for Polarisation {
         f.write_str(match self {
             Self::Tracked => "tracked",
             Self::Averaged => "averaged",
+            Self::Both => "both",
+            Self::Mueller => "mueller",
         })
     }
 }

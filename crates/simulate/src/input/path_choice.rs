@@ -1,7 +1,7 @@
 //! Path choice: how paths branch and end, as far as that is named, and what may be chosen where it is not.
 
 use asperity_optics::Material;
-use asperity_tracer::{Branching, PathSettings, PathSettingsError};
+use asperity_tracer::{Branching, PathSettings, PathSettingsError, Polarisation};
 
 /// Roulette thresholds that a pilot run tries, after the default.
 const THRESHOLDS: [f64; 2] = [0.1, 0.3];
@@ -47,6 +47,15 @@ impl PathChoice {
             roulette,
             without_pilot: PathSettings::new(branching.unwrap_or_default(), threshold, max_order)?,
         })
+    }
+
+    /// The same with another treatment of polarisation.
+    #[must_use]
+    pub const fn with_polarisation(self, polarisation: Polarisation) -> Self {
+        Self {
+            without_pilot: self.without_pilot.with_polarisation(polarisation),
+            ..self
+        }
     }
 
     /// The paths that are followed unless a pilot run chooses others.

@@ -16,7 +16,7 @@ use asperity_analysis::{DEFAULT_LEVEL, LayerPaths};
 use asperity_optics::Material;
 use asperity_simulate::{Effort, Estimator, PathChoice, Quantity, Settings, Target};
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
-use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Polarisation, Sampling};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -145,6 +145,8 @@ pub struct RunConfig {
     pub side: Sides,
     /// Both branches, or one picked.
     pub branching: OrAuto<Branching>,
+    /// What paths know of the polarisation of their light.
+    pub polarisation: Polarisation,
     /// Flux below which roulette decides.
     pub roulette: OrAuto<Number>,
     /// Interactions after which a path is truncated.
@@ -189,7 +191,8 @@ impl RunConfig {
                 self.branching.named(),
                 self.roulette.named().map(|threshold| threshold.0),
                 self.max_order,
-            )?,
+            )?
+            .with_polarisation(self.polarisation),
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,

@@ -44,6 +44,7 @@ impl Surfaces {
             "in_plane_half_width_deg": run.in_plane_half_width,
             "side": run.side,
             "branching": run.branching,
+            "polarisation": run.polarisation,
             "roulette": run.roulette,
             "max_order": run.max_order,
             "accelerator": run.accelerator,

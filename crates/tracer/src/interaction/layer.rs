@@ -196,6 +196,11 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.albedo
     }
 
+    /// How the medium scatters.
+    pub(crate) const fn phase(&self) -> PhaseFunction {
+        self.phase
+    }
+
     /// Scatterings after which a path is truncated.
     pub(crate) const fn max_scatterings(&self) -> u32 {
         self.max_scatterings

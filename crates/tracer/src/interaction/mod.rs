@@ -3,4 +3,6 @@
 
 pub(crate) mod facet;
 pub(crate) mod layer;
+pub(crate) mod polarised;
+pub(crate) mod rayleigh;
 pub(crate) mod unshadowed;

@@ -1,6 +1,6 @@
 //! Arrivals: light at the facets of the upper surface that it has met, field by field.
 
-use super::segments::Segments;
+use super::segments::{Kept, Segments};
 use super::state::{Arrival, PathState};
 use crate::geometry::Geometry;
 use crate::vector::Stage;
@@ -17,9 +17,9 @@ pub(super) struct Arrivals<F> {
 }
 
 impl<F: Copy> Arrivals<F> {
-    pub(super) fn new(is_turned: bool) -> Self {
+    pub(super) fn new(kept: Kept) -> Self {
         Self {
-            at: Segments::new(is_turned),
+            at: Segments::new(kept),
             facets: Vec::new(),
             ts: Vec::new(),
             normal: [const { Vec::new() }; 3],

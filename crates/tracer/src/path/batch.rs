@@ -5,13 +5,14 @@ use asperity_tally::{ExitColumns, Tally};
 use super::arrivals::Arrivals;
 use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
-use super::segments::Segments;
+use super::segments::{Kept, Segments};
 use super::sightlines::Sightlines;
 use super::state::{LayerRay, SingleSegment};
 use super::work::Work;
 use crate::geometry::Outlook;
 use crate::random::PathStream;
 use crate::ray::{Hit, RayBatch};
+use crate::settings::Polarisation;
 use crate::vector::Instructions;
 
 /// New paths start while fewer segments are in flight: enough to fill lanes in every stage, few enough for them and
@@ -93,8 +94,12 @@ impl<'r, F: Copy> Batch<'r, F> {
         stream: PathStream,
         instructions: Instructions,
         illumination: &Illumination,
+        polarisation: Polarisation,
     ) -> Self {
-        let is_turned = illumination.turns();
+        let kept = Kept {
+            turn: illumination.turns(),
+            polarisation,
+        };
         let traces_shadows =
             tally.control_variate().is_some() && illumination.starts == Starts::FromAbove;
         Self {
@@ -103,12 +108,12 @@ impl<'r, F: Copy> Batch<'r, F> {
             stream,
             instructions,
             traces_shadows,
-            segments: Segments::new(is_turned),
+            segments: Segments::new(kept),
             searched: Vec::new(),
             singles: Vec::new(),
-            sightlines: Sightlines::new(is_turned),
+            sightlines: Sightlines::new(kept),
             starts: Vec::new(),
-            arrivals: Arrivals::new(is_turned),
+            arrivals: Arrivals::new(kept),
             inside: Vec::new(),
             exits: ExitColumns::default(),
             outlooks: Vec::new(),

@@ -28,6 +28,22 @@ impl Stage for PickBranches<'_> {
                 direction[i] = if is_reflected { wo[i] } else { wt[i] };
             }
         }
+        let [reflected_light, transmitted_light] = &self.scattered.light;
+        let columns = reflected_light.iter().zip(transmitted_light);
+        for (number, (reflected_light, transmitted_light)) in self.at.light.iter_mut().zip(columns)
+        {
+            let number = &mut number[..n];
+            let (reflected_light, transmitted_light) =
+                (&reflected_light[..n], &transmitted_light[..n]);
+            for i in 0..n {
+                let is_reflected = pairs[i][0] < reflected[i];
+                number[i] = if is_reflected {
+                    reflected_light[i]
+                } else {
+                    transmitted_light[i]
+                };
+            }
+        }
         let (side, order) = (&mut self.at.side[..n], &mut self.at.order[..n]);
         let events = &mut self.at.events[..n];
         for i in 0..n {
@@ -64,6 +80,13 @@ impl Stage for SplitBranches<'_> {
             let (reflected, transmitted) = at.direction[axis][..end].split_at_mut(n);
             reflected.copy_from_slice(&scattered.wo[axis][..n]);
             copy_column(transmitted, &scattered.wt[axis][..n], which);
+        }
+        let [reflected_light, transmitted_light] = &scattered.light;
+        let columns = reflected_light.iter().zip(transmitted_light);
+        for (number, (reflected_light, transmitted_light)) in at.light.iter_mut().zip(columns) {
+            let (reflected, transmitted) = number[..end].split_at_mut(n);
+            reflected.copy_from_slice(&reflected_light[..n]);
+            copy_column(transmitted, &transmitted_light[..n], which);
         }
         let (fluxes, transmitted) = at.flux[..end].split_at_mut(n);
         fluxes.copy_from_slice(&scattered.reflected[..n]);

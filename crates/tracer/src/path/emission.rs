@@ -13,7 +13,9 @@ use super::illumination::Starts;
 use super::segments::Segments;
 use super::state::{Arrival, PathRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
+use crate::interaction::polarised::LightState;
 use crate::sampling::Places;
+use crate::settings::Polarisation;
 use crate::vector::Stage;
 
 /// Adds the parallel rays of a beam to the segments, moved into the tile.
@@ -27,6 +29,7 @@ struct Emit<'a> {
     /// Number of the first path in its batch.
     first_ray: u32,
     into: &'a mut Segments,
+    polarisation: Polarisation,
 }
 
 impl Stage for Emit<'_> {
@@ -53,6 +56,10 @@ impl Stage for Emit<'_> {
         }
         self.into.side[rows.clone()].fill(self.side);
         self.into.flux[rows.clone()].fill(1.0);
+        let light = LightState::incident(self.polarisation).0;
+        for (column, number) in self.into.light.iter_mut().zip(light) {
+            column[rows.clone()].fill(number);
+        }
         for column in [
             &mut self.into.order,
             &mut self.into.events,
@@ -81,13 +88,13 @@ impl<G: Geometry> Tracer<'_, G> {
         places.draw_many(free, batch.instructions, &mut drawn);
         // Of parallel rays over a surface that repeats nothing has to be found out
         let are_parallel = starts == Starts::FromAbove
-            && !batch.segments.is_turned
+            && !batch.segments.kept.turn
             && self.geometry.border() == Border::Periodic;
         if are_parallel {
             self.emit_parallel(beam, &drawn, batch);
         } else {
             for &[u, v, azimuth] in &drawn {
-                let turn = if batch.segments.is_turned {
+                let turn = if batch.segments.kept.turn {
                     DVec2::from_angle(TAU * azimuth)
                 } else {
                     DVec2::X
@@ -113,6 +120,7 @@ impl<G: Geometry> Tracer<'_, G> {
             starts,
             first_ray: rays,
             into: &mut batch.segments,
+            polarisation: self.settings.polarisation,
         });
         batch
             .searched
@@ -151,6 +159,7 @@ impl<G: Geometry> Tracer<'_, G> {
             scatterings: 0,
             ray,
             turn: DVec2::new(turn.x, -turn.y),
+            light: LightState::incident(self.settings.polarisation),
         };
         match starts {
             Starts::FromAbove => {

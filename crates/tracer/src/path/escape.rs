@@ -68,7 +68,7 @@ impl Stage for Leave<'_> {
             wy[k] = if mirrored & 2 == 0 { wy[k] } else { -wy[k] };
             wz[k] *= incident;
         }
-        if segments.is_turned {
+        if segments.kept.turn {
             let [cosines, sines] = &segments.turn;
             for (k, &i) in which.iter().enumerate() {
                 let turn = DVec2::new(cosines[i as usize], sines[i as usize]);

@@ -1,25 +1,25 @@
-//! Flights inside the layer below a surface: free flights, scattering, and a flat bottom.
+//! Flights inside the layer below a surface: free flights and scattering.
 //!
 //! A flight is searched for facets only where the heights nearby cannot tell what it meets; most flights are not
 //! searched, and are traced at once, one after the other. Where one ends at a facet and light is divided, what
 //! stays inside waits in [`Batch::inside`], so that paths of any length need constant memory.
 
-use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_optics::PhaseFunction;
 use asperity_surface::Border;
-use asperity_tally::{Event, Loss};
-use glam::DVec3;
-use rand::{Rng, RngExt};
+use asperity_tally::Loss;
+use rand::RngExt;
 
 use super::Tracer;
 use super::batch::Batch;
 use super::roulette::Roulette;
 use super::state::{Arrival, Departure, LayerRay, PathState, RayKind, Region, SingleSegment};
 use crate::geometry::{Geometry, Nearby};
-use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
+use crate::interaction::rayleigh::scatter_rayleigh;
 use crate::periodic::{Heading, Traversal, TraversalEnd, approach, begin, wrap};
 use crate::random::{Draws, Use};
 use crate::ray::{HalfSpace, Hit};
+use crate::settings::Polarisation;
 
 /// Threshold of Russian roulette inside the layer, over the threshold elsewhere.
 ///
@@ -102,7 +102,7 @@ impl<G: Geometry> Tracer<'_, G> {
             if !self.collide(layer, &mut flight.state, &mut draws, batch) {
                 return;
             }
-            flight.heading.direction = layer.scattered(flight.heading.direction, &mut draws);
+            self.scatter_in_medium(layer, &mut flight, &mut draws);
             flight.length = layer.free_flight(&mut draws);
         }
     }
@@ -206,6 +206,30 @@ impl<G: Geometry> Tracer<'_, G> {
         state.flux > 0.0
     }
 
+    /// Turns a flight into the direction in which the medium scatters it. All but Rayleigh scattering depolarises.
+    #[inline]
+    fn scatter_in_medium(
+        &self,
+        layer: &TracedLayer<'_, G>,
+        flight: &mut Flight,
+        draws: &mut Draws,
+    ) {
+        let polarisation = self.settings.polarisation;
+        let (k, light) = (flight.heading.direction, flight.state.light);
+        let is_rayleigh = layer.phase() == PhaseFunction::Rayleigh;
+        if polarisation == Polarisation::Averaged || !is_rayleigh {
+            flight.heading.direction = layer.scattered(k, draws);
+            flight.state.light = light.depolarised(polarisation);
+            return;
+        }
+        let numbers = [draws.random(), draws.random(), draws.random()];
+        let handedness = self.handedness(&flight.heading);
+        let scattered = scatter_rayleigh(k, light.stokes(), handedness, numbers);
+        flight.heading.direction = scattered.direction;
+        // The direction was chosen by the flux that goes there.
+        (flight.state.light, _) = light.after(polarisation, &scattered.passage);
+    }
+
     /// Continues a segment inside the layer after the search in its current tile.
     pub(super) fn advance_inside(
         &self,
@@ -258,48 +282,10 @@ impl<G: Geometry> Tracer<'_, G> {
         };
         self.fly(layer, flight, batch);
     }
-
-    /// Lets a path interact with a flat bottom.
-    fn interact_at_flat_bottom(
-        &self,
-        mut heading: Heading,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet>,
-    ) {
-        let Some(bottom) = self.layer.as_ref().and_then(TracedLayer::bottom) else {
-            return;
-        };
-        if bottom == Bottom::Open {
-            let departure = below_the_bottom(&heading, *state);
-            batch.exits.push(&self.exit(&departure));
-            return;
-        }
-        if state.events.order() >= self.settings.max_order {
-            batch.tally.add_loss(Loss::Truncated, state.flux);
-            return;
-        }
-        let wi = -heading.direction;
-        let mut diffuse = batch.stream.draws(state.ray, state.step(), Use::Diffuse);
-        let scattered = scatter_at_bottom(bottom, HalfSpace::Above, wi, DVec3::Z, &mut diffuse);
-        for (branch, flux) in self.surviving_branches(bottom, &scattered, state, batch) {
-            let state = PathState {
-                flux,
-                ..state.after(&branch, 1.0)
-            };
-            heading.direction = branch.direction;
-            match branch.event {
-                Event::Reflection => batch.inside.push(LayerRay { heading, state }),
-                Event::Transmission => {
-                    let departure = below_the_bottom(&heading, state);
-                    batch.exits.push(&self.exit(&departure));
-                }
-            }
-        }
-    }
 }
 
 /// A ray that goes down below the bottom of the layer for ever.
-fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
+pub(super) fn below_the_bottom(heading: &Heading, state: PathState) -> Departure {
     Departure {
         region: Region::inside(Interface::Bottom).behind(),
         direction: heading.world_direction(),
@@ -328,43 +314,5 @@ fn ahead<G: Geometry>(
             Some(TraversalEnd::Lost) => Ahead::Lost,
             Some(_) => Ahead::Clear,
         },
-    }
-}
-
-/// What a bottom does with light that comes through `half_space` from `wi` to a place of normal `m`, on the
-/// side of `wi`.
-pub(super) fn scatter_at_bottom<R: Rng>(
-    bottom: Bottom,
-    half_space: HalfSpace,
-    wi: DVec3,
-    m: DVec3,
-    rng: &mut R,
-) -> Scattered {
-    let reflected = |fraction, direction| {
-        let branch = |event, fraction| Branch {
-            event,
-            direction,
-            fraction,
-        };
-        Scattered {
-            branches: [
-                branch(Event::Transmission, 0.0),
-                branch(Event::Reflection, fraction),
-            ],
-            absorbed: 1.0 - fraction,
-        }
-    };
-    match bottom {
-        Bottom::Interface { eta } => {
-            let material = Material::Dielectric { eta };
-            scatter(material, half_space == HalfSpace::Above, wi, m)
-        }
-        Bottom::Mirror => reflected(1.0, reflect(wi, m)),
-        Bottom::Lambertian { reflectance } => {
-            // Lambert: the squared sine of the angle to the normal is evenly distributed.
-            let [u, v] = [rng.random::<f64>(), rng.random::<f64>()];
-            reflected(reflectance, around(m, (1.0 - u).sqrt(), v))
-        }
-        _ => reflected(0.0, DVec3::ZERO),
     }
 }

@@ -1,23 +1,22 @@
 //! Interaction: what happens to light at the facets at which it has arrived, from scattering to Russian roulette.
 
-use asperity_optics::Bottom;
 use asperity_tally::{Loss, Tally};
 
 use super::Tracer;
 use super::arrivals::{Arrivals, Move};
 use super::batch::{Batch, Interactions};
 use super::branch::{PickBranches, SplitBranches};
-use super::flight::scatter_at_bottom;
 use super::random_pairs::DrawPairs;
 use super::roulette::Roulette;
 use super::scatter::Scatter;
-use super::state::{Arrival, LayerRay, PathState, RayKind, Region};
+use super::scatter_polarised::ScatterPolarised;
+use super::state::{Arrival, LayerRay, PathState, Region};
 use crate::geometry::Geometry;
-use crate::interaction::facet::{Branch, Scattered, scatter};
-use crate::interaction::layer::{Interface, TracedLayer};
-use crate::random::Use;
+use crate::interaction::facet::{Scattered, scatter};
+use crate::interaction::layer::Interface;
+use crate::interaction::polarised::{BothLight, MuellerLight, TrackedLight};
 use crate::ray::HalfSpace;
-use crate::settings::Branching;
+use crate::settings::{Branching, Polarisation};
 
 impl<'a, G: Geometry> Tracer<'a, G> {
     /// Lets a path interact with the facet at which it has arrived: at the upper surface with all others of the round.
@@ -42,12 +41,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             geometry: self.geometry,
             arrivals: &mut batch.arrivals,
         });
-        batch.instructions.run(Scatter {
-            arrivals: &batch.arrivals,
-            incident: self.incident.sign(),
-            material: self.material,
-            into: &mut batch.interactions.scattered,
-        });
+        self.scatter_arrivals(batch);
         let divides = self.material.transmitting_index().is_some();
         if !divides {
             self.absorb(batch);
@@ -69,6 +63,35 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         batch.arrivals.clear();
         if self.layer.is_some() {
             self.enter_layer(batch);
+        }
+    }
+
+    /// Computes what becomes of all arrivals, by what is known of their polarisation.
+    fn scatter_arrivals(&self, batch: &mut Batch<'_, G::Facet>) {
+        let arrivals = &batch.arrivals;
+        let incident = self.incident.sign();
+        let material = self.material;
+        let into = &mut batch.interactions.scattered;
+        let instructions = batch.instructions;
+        match self.settings.polarisation {
+            Polarisation::Averaged => instructions.run(Scatter {
+                arrivals,
+                incident,
+                material,
+                into,
+            }),
+            Polarisation::Tracked => {
+                ScatterPolarised::<_, TrackedLight, 3>::new(arrivals, incident, into)
+                    .run(material, instructions);
+            }
+            Polarisation::Both => {
+                ScatterPolarised::<_, BothLight, 4>::new(arrivals, incident, into)
+                    .run(material, instructions);
+            }
+            Polarisation::Mueller => {
+                ScatterPolarised::<_, MuellerLight, 15>::new(arrivals, incident, into)
+                    .run(material, instructions);
+            }
         }
     }
 
@@ -209,68 +232,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Some(_) => roulette.sparing_first(),
             None => roulette,
         }
-    }
-
-    /// Reflects, transmits or absorbs light at a facet of the layer's bottom.
-    fn interact_at_bottom(
-        &self,
-        at: &Arrival<G::Facet>,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet>,
-    ) {
-        let (Some(bottom), Some(geometry)) = (
-            self.layer.as_ref().and_then(TracedLayer::bottom),
-            self.geometry_of(Interface::Bottom),
-        ) else {
-            return;
-        };
-        if state.events.order() >= self.settings.max_order {
-            batch.tally.add_loss(Loss::Truncated, state.flux);
-            return;
-        }
-        let half_space = at.region.half_space;
-        let m = half_space.sign() * geometry.normal_at(at.facet, at.heading.origin);
-        let wi = -at.heading.direction;
-        let mut diffuse = batch.stream.draws(state.ray, state.step(), Use::Diffuse);
-        let scattered = scatter_at_bottom(bottom, half_space, wi, m, &mut diffuse);
-        for (branch, flux) in self.surviving_branches(bottom, &scattered, state, batch) {
-            let mut ray = at.leave(&branch, 1.0, state);
-            ray.state.flux = flux;
-            self.trace(ray, RayKind::Path, batch);
-        }
-    }
-
-    /// The branches that go on from a bottom, each with its flux: see [`Roulette`].
-    pub(super) fn surviving_branches(
-        &self,
-        bottom: Bottom,
-        scattered: &Scattered,
-        state: &PathState,
-        batch: &mut Batch<'_, G::Facet>,
-    ) -> impl Iterator<Item = (Branch, f64)> + use<G> {
-        batch
-            .tally
-            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
-        let [transmitted, reflected] = scattered.branches;
-        let pair = batch.stream.pair(state.ray, state.step(), Use::Interaction);
-        let divides = matches!(bottom, Bottom::Interface { .. });
-        let (shares, roulette) = if divides && self.settings.branching == Branching::Pick {
-            let is_reflected = pair[0] < reflected.fraction;
-            let shares = if is_reflected { [0.0, 1.0] } else { [1.0, 0.0] };
-            (shares, [pair[1]; 2])
-        } else {
-            ([transmitted.fraction, reflected.fraction], pair)
-        };
-        let threshold = self.settings.roulette_below;
-        let mut survive = |b: usize| {
-            let flux = state.flux * shares[b];
-            Roulette::below(threshold).play(flux, roulette[b], &mut batch.tally)
-        };
-        let fluxes = [survive(0), survive(1)];
-        [transmitted, reflected]
-            .into_iter()
-            .zip(fluxes)
-            .filter(|(_, flux)| *flux > 0.0)
     }
 
     /// What a facet of the surface does with light that has arrived at it.

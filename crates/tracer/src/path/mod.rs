@@ -7,8 +7,8 @@
 //! |---|---|
 //! | start new paths | `emission.rs` |
 //! | search for the facets that segments meet | `search.rs` |
-//! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `branch.rs`, `roulette.rs` |
-//! | fly and scatter inside the layer below | `flight.rs` |
+//! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `scatter_polarised.rs`, `branch.rs`, `roulette.rs` |
+//! | fly and scatter inside the layer below | `flight.rs`, `bottom.rs` |
 //! | find what escapes, and tally it | `escape.rs` |
 //!
 //! What is rare is traced one by one (`traversal.rs`): segments beyond their first tile, inside the layer, and those
@@ -19,6 +19,7 @@
 mod arrivals;
 mod batch;
 mod beam;
+mod bottom;
 mod branch;
 mod emission;
 mod escape;
@@ -29,6 +30,7 @@ mod masking;
 mod random_pairs;
 mod roulette;
 mod scatter;
+mod scatter_polarised;
 mod search;
 mod segments;
 mod sightlines;
@@ -171,7 +173,13 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         };
         let mut places = Places::new(illumination.sampling, strata, illumination.turns(), stream);
         let tally = Tally::new(spec, azimuth).with_control_variate(control);
-        let mut batch = Batch::new(tally, stream, self.instructions, illumination);
+        let mut batch = Batch::new(
+            tally,
+            stream,
+            self.instructions,
+            illumination,
+            self.settings.polarisation,
+        );
         let beam = Beam::new(self.geometry, self.incident, incidence);
         loop {
             self.start_paths(&beam, illumination.starts, &mut places, &mut batch);

@@ -16,6 +16,18 @@ pub(super) struct ScatteredLight {
     /// Unit vectors in the orientation of the tile; of no meaning where nothing is transmitted.
     pub(super) wo: [Vec<f64>; 3],
     pub(super) wt: [Vec<f64>; 3],
+    /// What paths carry of reflected and of transmitted light, as [`super::segments::Segments::light`] keeps it.
+    pub(super) light: [Vec<Vec<f64>>; 2],
+}
+
+impl ScatteredLight {
+    /// Makes room for what happens to so many arrivals.
+    pub(super) fn resize(&mut self, n: usize) {
+        let columns = self.wo.iter_mut().chain(&mut self.wt);
+        for column in columns.chain([&mut self.reflected, &mut self.transmitted]) {
+            column.resize(n, 0.0);
+        }
+    }
 }
 
 /// Computes what becomes of all arrivals.
@@ -31,16 +43,14 @@ impl<F: Copy> Stage for Scatter<'_, F> {
     #[inline(always)]
     fn run(self) {
         let n = self.arrivals.len();
+        self.into.resize(n);
         let ScatteredLight {
             reflected,
             transmitted,
             wo,
             wt,
+            ..
         } = self.into;
-        let columns = wo.iter_mut().chain(wt.iter_mut());
-        for column in columns.chain([&mut *reflected, &mut *transmitted]) {
-            column.resize(n, 0.0);
-        }
         let at = &self.arrivals.at;
         let [dx, dy, dz] = at.direction.each_ref().map(|column| &column[..n]);
         let [mx, my, mz] = self.arrivals.normal.each_ref().map(|column| &column[..n]);

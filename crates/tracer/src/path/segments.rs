@@ -4,8 +4,26 @@ use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
 use super::state::PathState;
+use crate::interaction::polarised::LightState;
 use crate::periodic::Heading;
 use crate::ray::{HalfSpace, RayColumns};
+use crate::settings::Polarisation;
+
+/// What paths keep besides their rays and their flux.
+#[derive(Clone, Copy)]
+pub(super) struct Kept {
+    /// The light comes from any azimuth, and exits are turned back.
+    pub(super) turn: bool,
+    /// What is known of the polarisation.
+    pub(super) polarisation: Polarisation,
+}
+
+impl Kept {
+    pub(super) const NOTHING: Self = Self {
+        turn: false,
+        polarisation: Polarisation::Averaged,
+    };
+}
 
 /// Path segments at the upper surface: rays, and what their paths carry.
 ///
@@ -30,12 +48,14 @@ pub(super) struct Segments {
     pub(super) ray: Vec<u32>,
     /// Axes that are mirrored against the world, a bit each.
     pub(super) mirrored: Vec<u32>,
-    pub(super) is_turned: bool,
+    /// The numbers of [`LightState`], as many as are kept.
+    pub(super) light: Vec<Vec<f64>>,
+    pub(super) kept: Kept,
 }
 
 impl Segments {
-    /// No segments; `is_turned`: the light comes from any azimuth.
-    pub(super) fn new(is_turned: bool) -> Self {
+    /// No segments.
+    pub(super) fn new(kept: Kept) -> Self {
         let columns = || [const { Vec::new() }; 3];
         Self {
             len: 0,
@@ -49,7 +69,8 @@ impl Segments {
             scatterings: Vec::new(),
             ray: Vec::new(),
             mirrored: Vec::new(),
-            is_turned,
+            light: vec![Vec::new(); LightState::len(kept.polarisation)],
+            kept,
         }
     }
 
@@ -59,11 +80,12 @@ impl Segments {
             return;
         }
         let room = len.next_power_of_two();
-        let floats = self.origin.iter_mut().chain(&mut self.direction);
+        let rays = self.origin.iter_mut().chain(&mut self.direction);
+        let floats = rays.chain(&mut self.light);
         for column in floats.chain([&mut self.side, &mut self.flux]) {
             column.resize(room, 0.0);
         }
-        let turn = self.turn.iter_mut().filter(|_| self.is_turned);
+        let turn = self.turn.iter_mut().filter(|_| self.kept.turn);
         turn.for_each(|column| column.resize(room, 0.0));
         for column in [
             &mut self.order,
@@ -109,12 +131,22 @@ impl Segments {
             events: EventPath::from_code(self.order[i], self.events[i]),
             scatterings: self.scatterings[i],
             ray: self.ray[i],
-            turn: if self.is_turned {
+            turn: if self.kept.turn {
                 DVec2::new(self.turn[0][i], self.turn[1][i])
             } else {
                 DVec2::X
             },
+            light: self.light_state(i),
         }
+    }
+
+    /// How the light of segment `i` is polarised.
+    fn light_state(&self, i: usize) -> LightState {
+        let mut state = LightState::NONE;
+        for (number, column) in state.0.iter_mut().zip(&self.light) {
+            *number = column[i];
+        }
+        state
     }
 
     /// Adds a segment.
@@ -129,8 +161,11 @@ impl Segments {
         self.events[i] = state.events.code();
         self.scatterings[i] = state.scatterings;
         self.ray[i] = state.ray;
-        if self.is_turned {
+        if self.kept.turn {
             (self.turn[0][i], self.turn[1][i]) = (state.turn.x, state.turn.y);
+        }
+        for (column, number) in self.light.iter_mut().zip(state.light.0) {
+            column[i] = number;
         }
     }
 
@@ -163,10 +198,13 @@ impl Segments {
         }
         gather_column(&mut self.side[rows.clone()], &from.side, which);
         gather_column(&mut self.flux[rows.clone()], &from.flux, which);
-        if self.is_turned {
+        if self.kept.turn {
             for axis in 0..2 {
                 gather_column(&mut self.turn[axis][rows.clone()], &from.turn[axis], which);
             }
+        }
+        for (column, from) in self.light.iter_mut().zip(&from.light) {
+            gather_column(&mut column[rows.clone()], from, which);
         }
         gather_column(&mut self.order[rows.clone()], &from.order, which);
         gather_column(&mut self.events[rows.clone()], &from.events, which);
@@ -179,8 +217,8 @@ impl Segments {
         gather_column(&mut self.mirrored[rows], &from.mirrored, which);
     }
 
-    /// Adds copies of those of its own first `n` segments whose numbers are in `which`, but for direction, side and
-    /// flux, behind these `n`. There must be room.
+    /// Adds copies of those of its own first `n` segments whose numbers are in `which`, but for direction, side, flux and
+    /// polarisation, behind these `n`. There must be room.
     #[inline(always)]
     pub(super) fn copy_paths(&mut self, which: &[u32]) {
         let n = self.len;

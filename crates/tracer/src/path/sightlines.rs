@@ -1,6 +1,6 @@
 //! Sightlines: lines of sight from points of the surface towards the light, field by field.
 
-use super::segments::Segments;
+use super::segments::{Kept, Segments};
 use super::state::{Arrival, PathState, Region};
 use crate::geometry::Outlook;
 use crate::periodic::Heading;
@@ -18,14 +18,14 @@ pub(super) struct Sightlines<F> {
 
 impl<F> Default for Sightlines<F> {
     fn default() -> Self {
-        Self::new(false)
+        Self::new(Kept::NOTHING)
     }
 }
 
 impl<F> Sightlines<F> {
-    pub(super) fn new(is_turned: bool) -> Self {
+    pub(super) fn new(kept: Kept) -> Self {
         Self {
-            rays: Segments::new(is_turned),
+            rays: Segments::new(kept),
             facets: Vec::new(),
             outlooks: Vec::new(),
             searched: Vec::new(),

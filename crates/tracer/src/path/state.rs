@@ -5,6 +5,7 @@ use glam::{DVec2, DVec3};
 
 use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
+use crate::interaction::polarised::LightState;
 use crate::periodic::{Heading, Traversal};
 use crate::random::Step;
 use crate::ray::{HalfSpace, Query};
@@ -22,10 +23,12 @@ pub(super) struct PathState {
     pub(super) ray: u32,
     /// Cosine and sine of the angle by which exit directions are turned about the vertical.
     pub(super) turn: DVec2,
+    /// How its light is polarised, in the axes of its ray in the world.
+    pub(super) light: LightState,
 }
 
 impl PathState {
-    /// The state after an interaction, along `branch`, with a `fraction` of the flux.
+    /// The state after an interaction, along `branch`, with a `fraction` of the flux, as polarised as before.
     #[inline(always)]
     pub(super) fn after(&self, branch: &Branch, fraction: f64) -> Self {
         Self {

@@ -109,6 +109,17 @@ pub(super) const BRANCHING: Kind = Kind::Choice(&[
     choice("pick", "pick one at random"),
 ]);
 
+pub(super) const POLARISATION: Kind = Kind::Choice(&[
+    choice(
+        "tracked",
+        "carried along each path; incident light is unpolarised",
+    ),
+    choice(
+        "averaged",
+        "s and p averaged at every interface, as in the literature",
+    ),
+]);
+
 pub(super) const ROULETTE: Kind = Kind::NumberOrChoice(&[choice(
     "auto",
     "with a target error what the pilot run finds best, else 0.01",

@@ -1,7 +1,7 @@
 //! `[run]`: how much is traced, and how.
 
 use super::choices::{
-    ACCELERATOR, BRANCHING, ESTIMATOR, QUANTITY, ROULETTE, SAMPLING, SIDE, VISIBILITY,
+    ACCELERATOR, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING, SIDE, VISIBILITY,
 };
 use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
@@ -115,6 +115,14 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Branches followed at an interface",
     )
     .default("auto"),
+    setting(
+        SECTION,
+        "polarisation",
+        POLARISATION,
+        TRACING,
+        "What paths know of the polarisation of light",
+    )
+    .default("tracked"),
     setting(
         SECTION,
         "roulette",

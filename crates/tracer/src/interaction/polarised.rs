@@ -1,0 +1,253 @@
+//! Polarised light: what paths carry of it, and what interfaces and media do with that.
+//!
+//! Besides its flux a path carries numbers relative to it: three for its Stokes vector, and more where it also keeps what averaged light
+//! would do, or a whole Mueller matrix. They refer to [`asperity_optics::reference_axes`] of the ray in the
+//! world with +z on the incident side. Paths go on, by their random choices and by roulette, as unpolarised incident light
+//! does.
+
+use asperity_optics::{FacetMueller, Stokes, Turn};
+use glam::DVec3;
+
+use crate::settings::Polarisation;
+
+/// Most numbers that a path carries.
+const MOST: usize = MuellerLight::INCIDENT.len();
+
+/// One interface, or one scattering in a medium, on the way of polarised light.
+#[derive(Clone, Copy)]
+pub(crate) struct Passage {
+    /// From the axes of the ray that arrives to those of its plane of incidence.
+    pub(crate) turn_in: Turn,
+    pub(crate) facet: FacetMueller,
+    /// From there to the axes of the ray that leaves.
+    pub(crate) turn_out: Turn,
+    /// Minus one where directions are mirrored against the world, which changes the signs of U and V; otherwise one.
+    pub(crate) handedness: f64,
+}
+
+impl Passage {
+    /// The passage of a ray from the direction `k` to `k_out`, in the plane of which `axis` is the normal.
+    #[inline(always)]
+    pub(crate) fn new(
+        [k, k_out]: [DVec3; 2],
+        axis: DVec3,
+        facet: FacetMueller,
+        handedness: f64,
+    ) -> Self {
+        Self {
+            turn_in: Turn::to_axis(k, axis),
+            facet,
+            turn_out: Turn::to_axis(k_out, axis).inverse(),
+            handedness,
+        }
+    }
+
+    /// A Stokes vector after the passage.
+    #[inline(always)]
+    const fn apply(&self, [i, q, u, v]: [f64; 4]) -> [f64; 4] {
+        let h = self.handedness;
+        let light = Stokes([i, q, h * u, h * v]).turned(self.turn_in);
+        let Stokes([i, q, u, v]) = light.after(self.facet).turned(self.turn_out);
+        [i, q, h * u, h * v]
+    }
+}
+
+/// The light of a path after a passage.
+#[derive(Clone, Copy)]
+pub(crate) struct Passed<const N: usize> {
+    /// Flux per flux that has arrived.
+    pub(crate) fraction: f64,
+    /// What the path carries now.
+    pub(crate) light: [f64; N],
+}
+
+/// What a path carries of its light besides its flux: `N` numbers.
+pub(crate) trait CarriedLight<const N: usize> {
+    /// Those of light that falls on the surface.
+    const INCIDENT: [f64; N];
+
+    /// The light after a passage.
+    fn after(light: [f64; N], passage: &Passage) -> Passed<N>;
+
+    /// The light after its polarisation was lost.
+    fn depolarised(light: [f64; N]) -> [f64; N];
+}
+
+/// Q, U and V over I of incident light that is unpolarised.
+pub(crate) struct TrackedLight;
+
+impl CarriedLight<3> for TrackedLight {
+    const INCIDENT: [f64; 3] = [0.0; 3];
+
+    #[inline(always)]
+    fn after([q, u, v]: [f64; 3], passage: &Passage) -> Passed<3> {
+        let [i, q, u, v] = passage.apply([1.0, q, u, v]);
+        let inverse = inverse_flux([i, q, u, v]);
+        Passed {
+            fraction: if i > 0.0 { i } else { 0.0 },
+            light: [q * inverse, u * inverse, v * inverse],
+        }
+    }
+
+    #[inline(always)]
+    fn depolarised(_: [f64; 3]) -> [f64; 3] {
+        [0.0; 3]
+    }
+}
+
+/// The same, then the flux that the path would carry if light were unpolarised at each interface, over its flux.
+pub(crate) struct BothLight;
+
+impl CarriedLight<4> for BothLight {
+    const INCIDENT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+
+    #[inline(always)]
+    fn after([q, u, v, averaged]: [f64; 4], passage: &Passage) -> Passed<4> {
+        let Passed {
+            fraction,
+            light: [q, u, v],
+        } = TrackedLight::after([q, u, v], passage);
+        let inverse = 1.0 / if fraction > 0.0 { fraction } else { 1.0 };
+        Passed {
+            fraction,
+            light: [q, u, v, averaged * passage.facet.m00 * inverse],
+        }
+    }
+
+    #[inline(always)]
+    fn depolarised([.., averaged]: [f64; 4]) -> [f64; 4] {
+        [0.0, 0.0, 0.0, averaged]
+    }
+}
+
+/// The Mueller matrix of the path over its first element, column by column, without that element.
+pub(crate) struct MuellerLight;
+
+impl CarriedLight<15> for MuellerLight {
+    const INCIDENT: [f64; 15] = [
+        0.0, 0.0, 0.0, //
+        0.0, 1.0, 0.0, 0.0, //
+        0.0, 0.0, 1.0, 0.0, //
+        0.0, 0.0, 0.0, 1.0,
+    ];
+
+    #[inline(always)]
+    fn after(light: [f64; 15], passage: &Passage) -> Passed<15> {
+        let [q, u, v, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = light;
+        let [i, q, u, v] = passage.apply([1.0, q, u, v]);
+        let [a0, a1, a2, a3] = passage.apply([a0, a1, a2, a3]);
+        let [b0, b1, b2, b3] = passage.apply([b0, b1, b2, b3]);
+        let [c0, c1, c2, c3] = passage.apply([c0, c1, c2, c3]);
+        let inverse = inverse_flux([i, q, u, v]);
+        let mut light = [q, u, v, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3];
+        for number in &mut light {
+            *number *= inverse;
+        }
+        Passed {
+            fraction: if i > 0.0 { i } else { 0.0 },
+            light,
+        }
+    }
+
+    #[inline(always)]
+    fn depolarised([_, _, _, a, _, _, _, b, _, _, _, c, _, _, _]: [f64; 15]) -> [f64; 15] {
+        [
+            0.0, 0.0, 0.0, a, 0.0, 0.0, 0.0, b, 0.0, 0.0, 0.0, c, 0.0, 0.0, 0.0,
+        ]
+    }
+}
+
+/// One over the flux of a Stokes vector.
+///
+/// Where nearly all light is lost, rounding may leave more polarised light than light: then one over that, so that no path ever
+/// carries more.
+#[inline(always)]
+fn inverse_flux([i, q, u, v]: [f64; 4]) -> f64 {
+    let polarised = (q * q + u * u + v * v).sqrt();
+    let flux = if i > polarised { i } else { polarised };
+    1.0 / if flux > 0.0 { flux } else { 1.0 }
+}
+
+/// What a single path carries: as many numbers as its treatment of polarisation needs, and zeros.
+#[derive(Clone, Copy)]
+pub(crate) struct LightState(pub(crate) [f64; MOST]);
+
+impl LightState {
+    /// Nothing is carried.
+    pub(crate) const NONE: Self = Self([0.0; MOST]);
+
+    /// Light that falls on the surface.
+    #[inline]
+    pub(crate) const fn incident(polarisation: Polarisation) -> Self {
+        match polarisation {
+            Polarisation::Averaged => Self::NONE,
+            Polarisation::Tracked => widened(TrackedLight::INCIDENT),
+            Polarisation::Both => widened(BothLight::INCIDENT),
+            Polarisation::Mueller => Self(MuellerLight::INCIDENT),
+        }
+    }
+
+    /// Q, U and V over I, of light that is tracked.
+    #[inline]
+    pub(crate) const fn stokes(&self) -> [f64; 3] {
+        let [q, u, v, ..] = self.0;
+        [q, u, v]
+    }
+
+    /// How many numbers a path carries.
+    #[inline]
+    pub(crate) const fn len(polarisation: Polarisation) -> usize {
+        match polarisation {
+            Polarisation::Averaged => 0,
+            Polarisation::Tracked => TrackedLight::INCIDENT.len(),
+            Polarisation::Both => BothLight::INCIDENT.len(),
+            Polarisation::Mueller => MOST,
+        }
+    }
+
+    /// The light after a passage, and its flux per flux that has arrived.
+    #[inline]
+    pub(crate) fn after(self, polarisation: Polarisation, passage: &Passage) -> (Self, f64) {
+        match polarisation {
+            Polarisation::Averaged => (self, passage.facet.m00),
+            Polarisation::Tracked => self.after_as::<TrackedLight, 3>(passage),
+            Polarisation::Both => self.after_as::<BothLight, 4>(passage),
+            Polarisation::Mueller => self.after_as::<MuellerLight, MOST>(passage),
+        }
+    }
+
+    #[inline]
+    fn after_as<L: CarriedLight<N>, const N: usize>(self, passage: &Passage) -> (Self, f64) {
+        let Passed { fraction, light } = L::after(self.narrowed(), passage);
+        (widened(light), fraction)
+    }
+
+    /// The light after its polarisation was lost.
+    #[inline]
+    pub(crate) fn depolarised(self, polarisation: Polarisation) -> Self {
+        match polarisation {
+            Polarisation::Averaged => self,
+            Polarisation::Tracked => widened(TrackedLight::depolarised(self.narrowed())),
+            Polarisation::Both => widened(BothLight::depolarised(self.narrowed())),
+            Polarisation::Mueller => Self(MuellerLight::depolarised(self.0)),
+        }
+    }
+
+    /// The first `N` numbers.
+    #[inline]
+    fn narrowed<const N: usize>(self) -> [f64; N] {
+        std::array::from_fn(|i| self.0[i])
+    }
+}
+
+/// A state of so many numbers.
+#[inline]
+const fn widened<const N: usize>(light: [f64; N]) -> LightState {
+    let mut state = [0.0; MOST];
+    let mut i = 0;
+    while i < N {
+        state[i] = light[i];
+        i += 1;
+    }
+    LightState(state)
+}
