@@ -20,7 +20,7 @@ use crate::exit::Exit;
 pub const MAX_LISTED_ORDER: usize = 64;
 
 /// Orders from this one on are grouped in rings and in-plane bins.
-const FIRST_GROUPED_ORDER: u8 = 4;
+pub(crate) const FIRST_GROUPED_ORDER: u8 = 4;
 
 /// A component of the light that leaves.
 ///

@@ -3,7 +3,7 @@
 use crate::component::MAX_LISTED_ORDER;
 use crate::entry::{Entries, Entry, EntryDescription, Score};
 use crate::places::{PATH_ENTRIES, PATHS_START};
-use crate::{Component, Side, TallySpec};
+use crate::{Component, Measure, Side, TallySpec};
 
 impl TallySpec {
     /// What an entry counts.
@@ -12,6 +12,12 @@ impl TallySpec {
     /// If the entry is of a larger spec.
     #[must_use]
     pub fn describe(&self, entry: Entry) -> EntryDescription {
+        if let Some((flux, measure)) = self.measured_by(entry) {
+            return EntryDescription {
+                measure: Some(measure),
+                ..self.describe(flux)
+            };
+        }
         let found = self
             .sections()
             .into_iter()
@@ -23,6 +29,16 @@ impl TallySpec {
             },
             None => panic!("entry {} of a spec of {}", entry.0, self.len()),
         }
+    }
+
+    /// The flux entry and the measure of an entry that is kept besides the flux.
+    fn measured_by(&self, entry: Entry) -> Option<(Entry, Measure)> {
+        let number = entry.0.checked_sub(self.places().measures_start())?;
+        let measures = self.polarimetry().len();
+        let flux = self.places().flux_of_places();
+        let flux = flux.get(number.checked_div(measures)?)?;
+        let measure = self.polarimetry().measure(number % measures);
+        Some((Entry(*flux), measure))
     }
 
     /// Entries that are alike.
@@ -114,6 +130,7 @@ impl Section {
             score,
             side,
             component,
+            measure: None,
             index: 0,
         };
         Self { entries, first }
@@ -147,8 +164,10 @@ mod tests {
                 score,
                 side,
                 component,
+                measure,
                 index,
             } = spec.describe(entry);
+            assert_eq!(measure, None);
             let Some(side) = side else {
                 assert!(
                     TallySpec::BUDGET.parts().contains(&entry)

@@ -1,12 +1,11 @@
 //! Entries: opaque places of single numbers in a tally.
 //!
 //! An algorithm that treats all numbers alike walks over entries, and asks
-//! [`TallySpec::describe`](crate::TallySpec::describe) what one of them counts. Mueller matrices join
-//! here: an entry then stands for 4 or 16 numbers, and `ByEntry<f64>` becomes `ByEntry<Mueller>`.
+//! [`TallySpec::describe`](crate::TallySpec::describe) what one of them counts.
 
 use std::fmt;
 
-use crate::{Component, Side};
+use crate::{Component, Measure, Side};
 
 /// The place of one number in all tallies of a spec.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -110,6 +109,8 @@ pub struct EntryDescription {
     pub side: Option<Side>,
     /// The component of the light.
     pub component: Component,
+    /// What is kept besides the flux in the place of that score, if it is that.
+    pub measure: Option<Measure>,
     /// Number of the bin, ring, in-plane bin or event path; zero elsewhere.
     pub index: usize,
 }

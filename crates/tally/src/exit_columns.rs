@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{EventPath, Exit, Side};
+use crate::{EventPath, Exit, Polarimetry, Side};
 
 /// Light that left the surface, field by field, so that bins are found by loops that take vector instructions.
 ///
@@ -37,6 +37,8 @@ pub struct ExitColumns {
     pub(crate) path: Vec<EventPath>,
     pub(crate) scatterings: Vec<u32>,
     pub(crate) is_masked: Vec<bool>,
+    /// Measures over the flux, as many as are kept.
+    pub(crate) measures: Vec<Vec<f64>>,
     /// What was found by [`crate::Tally::locate`].
     pub(crate) ring: Vec<u32>,
     pub(crate) sector: Vec<u32>,
@@ -56,6 +58,8 @@ pub struct ExitRows<'a> {
     pub path: &'a mut [EventPath],
     /// Scatterings in the medium below.
     pub scatterings: &'a mut [u32],
+    /// Measures over the flux: those of [`crate::Polarimetry`], in the order of a place.
+    pub measures: Vec<&'a mut [f64]>,
 }
 
 /// Which half of the in-plane slice contains a direction.
@@ -70,6 +74,15 @@ pub(crate) enum InSlice {
 }
 
 impl ExitColumns {
+    /// No exits, whose light has such measures.
+    #[must_use]
+    pub fn new(polarimetry: Polarimetry) -> Self {
+        Self {
+            measures: vec![Vec::new(); polarimetry.len()],
+            ..Self::default()
+        }
+    }
+
     /// Number of exits.
     #[must_use]
     pub const fn len(&self) -> usize {
@@ -88,6 +101,17 @@ impl ExitColumns {
         self.push_as(exit, false);
     }
 
+    /// The same with its measures over the flux, of which there are at least as many as are kept.
+    #[inline]
+    pub fn push_measured(&mut self, exit: &Exit, measures: &[f64]) {
+        self.push_as(exit, false);
+        for (column, measure) in self.measures.iter_mut().zip(measures) {
+            if let Some(last) = column.last_mut() {
+                *last = *measure;
+            }
+        }
+    }
+
     /// Adds light for [`crate::Tally::add_masked`].
     #[inline]
     pub fn push_masked(&mut self, exit: &Exit) {
@@ -104,6 +128,7 @@ impl ExitColumns {
         self.path.push(exit.path);
         self.scatterings.push(exit.scatterings);
         self.is_masked.push(is_masked);
+        self.measures.iter_mut().for_each(|column| column.push(0.0));
     }
 
     /// Adds `count` exits, whose fields are about to be written.
@@ -124,6 +149,14 @@ impl ExitColumns {
             side: &mut self.side[first..],
             path: &mut self.path[first..],
             scatterings: &mut self.scatterings[first..],
+            measures: self
+                .measures
+                .iter_mut()
+                .map(|column| {
+                    column.resize(len, 0.0);
+                    &mut column[first..]
+                })
+                .collect(),
         }
     }
 
@@ -153,6 +186,7 @@ impl ExitColumns {
         self.path.clear();
         self.scatterings.clear();
         self.is_masked.clear();
+        self.measures.iter_mut().for_each(Vec::clear);
         self.ring.clear();
         self.sector.clear();
         self.slice.clear();

@@ -37,7 +37,9 @@ mod finder;
 mod grid;
 mod in_plane;
 
+mod measures;
 mod places;
+mod polarimetry;
 mod result;
 mod sides;
 mod spec;
@@ -57,6 +59,7 @@ pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 
 pub use places::MAX_LISTED_PATH;
+pub use polarimetry::{Measure, Polarimetry};
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
 pub use sides::Sides;
 pub use spec::{SpecError, TallySpec};

@@ -1,10 +1,12 @@
 //! Places: where in memory the entries of a tally stand. Private to this crate.
 //!
-//! The budget, then flux by side of multiple scattering, orders, event paths, bins, rings, in-plane bins
-//! and rays in bins; then, for each component kept in full, its flux, bins, rays, rings and in-plane bins.
+//! The budget, then flux by side of multiple scattering, grouped orders, orders, event paths, bins, rings, in-plane bins
+//! and rays in bins; then, for each component kept in full, its flux, bins, rays, rings and in-plane bins; then what is kept
+//! of polarised light.
 
-use crate::component::{Component, MAX_LISTED_ORDER};
+use crate::component::{Component, FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
 use crate::grid::{HemisphereGrid, Side};
+use crate::polarimetry::Polarimetry;
 
 /// Longest event path that has an entry of its own; longer ones share one entry per side.
 pub const MAX_LISTED_PATH: usize = 6;
@@ -18,7 +20,8 @@ pub(crate) const BIN_COMPONENTS: usize = 3;
 pub(crate) const RING_COMPONENTS: usize = Component::ORDERS.len() + 1;
 
 pub(crate) const MULTIPLE_START: usize = 7;
-pub(crate) const ORDERS_START: usize = MULTIPLE_START + 2;
+pub(crate) const GROUPED_START: usize = MULTIPLE_START + 2;
+pub(crate) const ORDERS_START: usize = GROUPED_START + 2;
 pub(crate) const PATHS_START: usize = ORDERS_START + 2 * MAX_LISTED_ORDER;
 pub(crate) const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 
@@ -27,11 +30,18 @@ pub(crate) const BINS_START: usize = PATHS_START + 2 * PATH_ENTRIES;
 pub(crate) struct Places {
     pub(crate) grid: HemisphereGrid,
     pub(crate) components: &'static [Component],
+    pub(crate) polarimetry: Polarimetry,
 }
 
 impl Places {
     /// Number of entries.
     pub(crate) const fn len(&self) -> usize {
+        self.measures_start() + self.measured_places() * self.polarimetry.len()
+    }
+
+    /// First entry of what is kept besides the flux: the measures of the first place.
+    #[inline]
+    pub(crate) const fn measures_start(&self) -> usize {
         self.components_start() + self.components.len() * self.entries_of_component()
     }
 
@@ -43,6 +53,7 @@ impl Places {
             Component::Multiple | Component::OrderAndAbove(2) => {
                 Some(MULTIPLE_START + side.index())
             }
+            Component::OrderAndAbove(FIRST_GROUPED_ORDER) => Some(GROUPED_START + side.index()),
             Component::Single => Some(order(1)),
             Component::Order(n @ 1..LAST) | Component::OrderAndAbove(n @ LAST) => Some(order(n)),
             _ => Some(self.find_component(component)? + side.index()),

@@ -8,7 +8,7 @@ use crate::component::MAX_LISTED_ORDER;
 use crate::entry::{Entries, Entry, Score};
 use crate::filters::{BinFilter, InPlaneFilter, RingFilter};
 use crate::places::{MAX_LISTED_PATH, ORDERS_START, PATH_ENTRIES, PATHS_START, Places};
-use crate::{Budget, Component, EventPath, HemisphereGrid, Side, Sides};
+use crate::{Budget, Component, EventPath, HemisphereGrid, Measure, Polarimetry, Side, Sides};
 
 /// Why a tally spec is invalid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -24,7 +24,7 @@ pub enum SpecError {
 /// | score | filters |
 /// |---|---|
 /// | budget: [`Budget`] | - |
-/// | flux | side; all, multiple, and each order up to [`MAX_LISTED_ORDER`], the last for that and above |
+/// | flux | side; all, multiple, four and above, and each order up to [`MAX_LISTED_ORDER`], the last for that and above |
 /// | flux by event path | side; all strings up to [`MAX_LISTED_PATH`], one entry for longer ones |
 /// | flux into bins | side; single, multiple, all; `[n_theta, n_phi]` |
 /// | flux into rings | side; [`Component::ORDERS`], all; `[n_theta]` |
@@ -52,6 +52,7 @@ pub struct TallySpec {
     in_plane_half_width: f64,
     sides: Sides,
     components: &'static [Component],
+    polarimetry: Polarimetry,
 }
 
 impl TallySpec {
@@ -83,6 +84,7 @@ impl TallySpec {
             in_plane_half_width: half_width,
             sides: Sides::Both,
             components: &[],
+            polarimetry: Polarimetry::Nothing,
         })
     }
 
@@ -103,6 +105,33 @@ impl TallySpec {
     #[must_use]
     pub const fn with_medium(self) -> Self {
         self.with_components(&Component::MEDIUM)
+    }
+
+    /// The same entries, followed by what is kept of polarised light: in each place of flux, rings and in-plane bins
+    /// of [`Component::ORDERS`] and all light, and of bins of all light.
+    #[must_use]
+    pub const fn with_polarimetry(self, polarimetry: Polarimetry) -> Self {
+        Self {
+            polarimetry,
+            ..self
+        }
+    }
+
+    /// What is kept of polarised light.
+    #[must_use]
+    pub const fn polarimetry(&self) -> Polarimetry {
+        self.polarimetry
+    }
+
+    /// A measure of polarised light in the place of a flux entry; `None` if it is not kept there.
+    #[must_use]
+    pub fn measure_entry(&self, flux: Entry, measure: Measure) -> Option<Entry> {
+        let index = self.polarimetry.index(measure)?;
+        let places = self.places();
+        let place = places.place_of(flux)?;
+        Some(Entry(
+            places.measures_start() + place * self.polarimetry.len() + index,
+        ))
     }
 
     /// Components kept in full in addition to the surface's orders: [`Component::MEDIUM`] with a medium.
@@ -192,6 +221,7 @@ impl TallySpec {
         Places {
             grid: self.grid,
             components: self.components,
+            polarimetry: self.polarimetry,
         }
     }
 
@@ -378,6 +408,7 @@ impl Default for TallySpec {
             in_plane_half_width: Self::DEFAULT_HALF_WIDTH,
             sides: Sides::Both,
             components: &[],
+            polarimetry: Polarimetry::Nothing,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::component::MAX_LISTED_ORDER;
+use crate::component::{FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
 use crate::exit::{Exit, Loss};
 use crate::exit_columns::{ExitColumns, InSlice};
 use crate::filters::Half;
@@ -57,12 +57,12 @@ pub enum Azimuth {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Tally<'c> {
-    spec: TallySpec,
+    pub(crate) spec: TallySpec,
     control_variate: Option<&'c ControlVariate>,
     finder: BinFinder,
     /// `None` where the azimuth is free.
-    slice: Option<InPlaneSlice>,
-    values: Vec<f64>,
+    pub(crate) slice: Option<InPlaneSlice>,
+    pub(crate) values: Vec<f64>,
 }
 
 impl<'c> Tally<'c> {
@@ -154,6 +154,9 @@ impl<'c> Tally<'c> {
             };
             let direction = self.direction_at(exit.side, ring, exits.sector[i] as usize, half);
             self.book(&exit, weight * exit.flux, direction);
+            if !exits.measures.is_empty() && !exits.is_masked[i] {
+                self.book_measures(&exit, &exits.measures, i, direction);
+            }
         }
         exits.clear();
     }
@@ -333,6 +336,7 @@ impl<'c> Tally<'c> {
                 [0, 1, 2].map(|place| spec.places().bins_start(place) + i);
             self.values[all] = self.values[single] + self.values[multiple];
         }
+        self.sum_measures();
         let per_ray = 1.0 / rays as f64;
         self.values.iter_mut().for_each(|v| *v *= per_ray);
         TallyValues::from_vec(spec, self.values)
@@ -399,10 +403,16 @@ impl<'c> Tally<'c> {
         let all = orders[0] + multiple;
         self.values[spec.flux_entry(side, Component::All).0] = all;
         self.values[spec.flux_entry(side, Component::Multiple).0] = multiple;
+        let first = usize::from(FIRST_GROUPED_ORDER) - 1;
+        let grouped = self.values[spec.order_entries(side).range()][first..]
+            .iter()
+            .sum();
+        let component = Component::OrderAndAbove(FIRST_GROUPED_ORDER);
+        self.values[spec.flux_entry(side, component).0] = grouped;
     }
 
     /// Sets the entry of all orders to the sum of those of the groups.
-    fn sum_groups(&mut self, entry: impl Fn(usize) -> usize) {
+    pub(crate) fn sum_groups(&mut self, entry: impl Fn(usize) -> usize) {
         let [first, second, third, more, all] = [0, 1, 2, 3, 4].map(entry);
         self.values[all] =
             self.values[first] + self.values[second] + self.values[third] + self.values[more];
@@ -411,10 +421,10 @@ impl<'c> Tally<'c> {
 
 /// Where an exit counts: its ring, its bin among those of both sides, and its in-plane bin, if it has one.
 #[derive(Clone, Copy)]
-struct Direction {
-    ring: usize,
-    bin: usize,
-    in_plane: Option<usize>,
+pub(crate) struct Direction {
+    pub(crate) ring: usize,
+    pub(crate) bin: usize,
+    pub(crate) in_plane: Option<usize>,
 }
 
 #[cfg(test)]

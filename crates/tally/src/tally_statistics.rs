@@ -5,7 +5,7 @@ use crate::statistics::{add_batch, standard_error};
 use crate::values::TallyValues;
 use serde::{Deserialize, Serialize};
 
-use crate::{Estimate, TallyResult, TallySpec};
+use crate::{Estimate, Measure, Polarimetry, TallyResult, TallySpec};
 
 /// Running mean and variance of each entry over equally weighted tallies: ray blocks, or surfaces.
 ///
@@ -32,6 +32,10 @@ pub struct TallyStatistics {
     batches: u64,
     means: TallyValues,
     squares: TallyValues,
+    /// Co-moments of measures with the flux of their place, in the order of their entries.
+    products: Vec<f64>,
+    /// The flux entries of all places of measures.
+    flux_of_places: Vec<usize>,
     /// Errors below which none is reported, if any are.
     least_errors: Option<TallyValues>,
 }
@@ -44,6 +48,11 @@ impl TallyStatistics {
             batches: 0,
             means: TallyValues::zeros(spec),
             squares: TallyValues::zeros(spec),
+            products: vec![0.0; spec.len() - spec.places().measures_start()],
+            flux_of_places: match spec.polarimetry() {
+                Polarimetry::Nothing => Vec::new(),
+                _ => spec.places().flux_of_places(),
+            },
             least_errors: None,
         }
     }
@@ -54,12 +63,12 @@ impl TallyStatistics {
     /// If the two are of different specs.
     #[must_use]
     pub fn analytic(means: TallyValues, errors: TallyValues) -> Self {
-        let squares = TallyValues::zeros(*means.spec());
+        let spec = *means.spec();
+        let squares = TallyValues::zeros(spec);
         Self {
-            batches: 0,
             means,
             squares,
-            least_errors: None,
+            ..Self::new(spec)
         }
         .with_least_errors(errors)
     }
@@ -75,10 +84,52 @@ impl TallyStatistics {
     /// # Panics
     /// If it is of another spec.
     pub fn push(&mut self, batch: &TallyValues) {
-        let (means, batch) = (self.means.as_mut_slice(), batch.as_slice());
-        assert_eq!(batch.len(), means.len(), "a batch of another spec");
+        let batch = batch.as_slice();
+        assert_eq!(
+            batch.len(),
+            self.means.as_slice().len(),
+            "a batch of another spec"
+        );
         self.batches += 1;
+        self.add_products(batch);
+        let means = self.means.as_mut_slice();
         add_batch(self.batches, means, self.squares.as_mut_slice(), batch);
+    }
+
+    /// Adds a batch to the co-moments of measures and fluxes, before the means know of it.
+    fn add_products(&mut self, batch: &[f64]) {
+        let means = self.means.as_slice();
+        let start = means.len() - self.products.len();
+        let measures = self.spec().polarimetry().len().max(1);
+        let weight = 1.0 - 1.0 / self.batches as f64;
+        for (place, &flux) in self.flux_of_places.iter().enumerate() {
+            let of_flux = weight * (batch[flux] - means[flux]);
+            for number in place * measures..(place + 1) * measures {
+                let entry = start + number;
+                self.products[number] += of_flux * (batch[entry] - means[entry]);
+            }
+        }
+    }
+
+    /// A measure over the flux of its place; `None` where nothing has arrived, or the measure is not kept.
+    ///
+    /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common.
+    #[must_use]
+    pub fn over_flux(&self, flux: Entry, measure: Measure) -> Option<Estimate> {
+        let entry = self.spec().measure_entry(flux, measure)?;
+        let number = entry.0 - (self.means.as_slice().len() - self.products.len());
+        let (below, above) = (self.means[flux], self.means[entry]);
+        if below == 0.0 {
+            return None;
+        }
+        let ratio = above / below;
+        let square = self.squares[entry] - 2.0 * ratio * self.products[number]
+            + ratio * ratio * self.squares[flux];
+        let se = standard_error(self.batches, square.max(0.0), None);
+        Some(Estimate {
+            mean: ratio,
+            se: se.map(|se| se / below.abs()),
+        })
     }
 
     /// The same, which reports no standard error below those given: where rare events decide, batches
@@ -129,6 +180,8 @@ pub struct SavedStatistics {
     batches: u64,
     means: Vec<f64>,
     squares: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    products: Vec<f64>,
 }
 
 impl From<&TallyStatistics> for SavedStatistics {
@@ -138,6 +191,7 @@ impl From<&TallyStatistics> for SavedStatistics {
             batches: statistics.batches,
             means: statistics.means.as_slice().to_vec(),
             squares: statistics.squares.as_slice().to_vec(),
+            products: statistics.products.clone(),
         }
     }
 }
@@ -146,12 +200,15 @@ impl SavedStatistics {
     /// The statistics of tallies by `spec`; `None` if they were of another one.
     #[must_use]
     pub fn restore(self, spec: TallySpec) -> Option<TallyStatistics> {
+        let empty = TallyStatistics::new(spec);
         let fits = [&self.means, &self.squares].map(|values| values.len() == spec.len());
-        (fits == [true; 2]).then(|| TallyStatistics {
+        let is_sound = fits == [true; 2] && self.products.len() == empty.products.len();
+        is_sound.then(|| TallyStatistics {
             batches: self.batches,
             means: TallyValues::from_vec(spec, self.means),
             squares: TallyValues::from_vec(spec, self.squares),
-            least_errors: None,
+            products: self.products,
+            ..empty
         })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use asperity_tally::Polarimetry;
 use serde::{Deserialize, Serialize};
 
 /// Lowest roulette threshold.
@@ -43,6 +44,18 @@ pub enum Polarisation {
     Both,
     /// As tracked, with the whole Mueller matrix of each path, which gives the light of any incident state.
     Mueller,
+}
+
+impl Polarisation {
+    /// What a tally keeps of it.
+    #[must_use]
+    pub const fn polarimetry(self) -> Polarimetry {
+        match self {
+            Self::Tracked | Self::Averaged => Polarimetry::Nothing,
+            Self::Both => Polarimetry::Averaging,
+            Self::Mueller => Polarimetry::Mueller,
+        }
+    }
 }
 
 impl fmt::Display for Polarisation {

@@ -186,7 +186,8 @@ impl RunConfig {
         let target = Target::from_options(self.target_error.map(|error| error.0), self.of)?;
         Ok(Settings {
             tally: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
-                .with_sides(self.side),
+                .with_sides(self.side)
+                .with_polarimetry(self.polarisation.polarimetry()),
             paths: PathChoice::new(
                 self.branching.named(),
                 self.roulette.named().map(|threshold| threshold.0),

@@ -15,6 +15,7 @@ use crate::report::config_json::config_json;
 use crate::report::error::ReportError;
 use crate::report::figures::{self, PlottedCase};
 use crate::report::flux_tables::{FluxTables, Fluxes, comparison_columns, write_comparison};
+use crate::report::polarised::polarised_tables;
 use crate::report::summary::Summary;
 use crate::verify::comparison::json::ComparisonJson;
 use crate::verify::{CaseOutcome, VerifyOutcome};
@@ -38,6 +39,8 @@ impl VerifyConfig {
         let cases = self.cases()?;
         let folders: Vec<String> = cases.iter().map(|case| case.folder()).collect();
         let mut of_case = TABLES.map(str::to_owned).to_vec();
+        let polarised = polarised_tables(&self.ray_settings()?.tally);
+        of_case.extend(polarised.iter().copied().map(str::to_owned));
         of_case.extend(["report.txt", "summary.json"].map(str::to_owned));
         if !self.compare.models.is_empty() {
             of_case.push("comparison.csv".to_owned());

@@ -1,13 +1,16 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
 use asperity_simulate::{ErrorBudget, Errors};
-use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
-use serde_json::{Value, json};
+use asperity_tally::{
+    Component, Entry, Estimate, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
+};
+use serde_json::Value;
 
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
 use crate::report::error::ReportError;
+use crate::report::polarised::{polarised_columns, write_polarised};
 use crate::verify::CaseOutcome;
 use crate::verify::comparison::compared::{COMPARED, key};
 use crate::verify::comparison::models::ModelOutcome;
@@ -39,16 +42,22 @@ impl FluxTables<'_> {
         let rings = places(spec, |side| spec.ring_filter(side).len());
         theta(fluxes).write_csv(&place.claim("theta.csv")?, rings)?;
         let profile = places(spec, |side| spec.in_plane_filter(side).len());
-        Ok(in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?)
+        in_plane(fluxes, models).write_csv(&place.claim("in_plane.csv")?, profile)?;
+        write_polarised(place, fluxes)
     }
 
     /// Name, unit and description of each column, by file.
     pub(crate) fn columns(self) -> Value {
-        json!({
-            "histogram.csv": histogram(self.fluxes).description(),
-            "theta.csv": theta(self.fluxes).description(),
-            "in_plane.csv": in_plane(self.fluxes, self.models).description(),
-        })
+        let mut columns = polarised_columns(self.fluxes);
+        let [histogram, theta, in_plane] = [
+            histogram(self.fluxes).description(),
+            theta(self.fluxes).description(),
+            in_plane(self.fluxes, self.models).description(),
+        ];
+        columns.insert("histogram.csv".to_owned(), histogram);
+        columns.insert("theta.csv".to_owned(), theta);
+        columns.insert("in_plane.csv".to_owned(), in_plane);
+        Value::Object(columns)
     }
 }
 
@@ -91,6 +100,21 @@ impl<'a> Fluxes<'a> {
                 entry(component, row)
             })
         })
+    }
+
+    /// A column of what tracking polarisation changes, if that is kept.
+    fn averaging<R: 'a>(
+        self,
+        entry: impl Fn(&R) -> Entry + 'a,
+    ) -> impl Iterator<Item = Column<'a, R>> {
+        let is_kept = self.spec.polarimetry() == Polarimetry::Averaging;
+        let difference = move |row: &R| {
+            let measured = self.spec.measure_entry(entry(row), Measure::Averaging)?;
+            Some(self.statistics.at(measured))
+        };
+        let about = "flux less what it would be if s and p were averaged at every interface";
+        let column = Column::estimate("flux_tracked_less_averaged", about, difference);
+        is_kept.then_some(column).into_iter()
     }
 
     /// Columns that tell where the error of `flux` comes from.
@@ -150,6 +174,7 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
         .column(Column::new("rays", "rays found in the bin", hits))
         .columns(fluxes.components(&Component::SURFACE, move |c, bin| entry(c)(bin)))
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))
+        .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
 }
 
@@ -180,6 +205,7 @@ fn theta(fluxes: Fluxes<'_>) -> Table<'_, AngularBin> {
         .column(fluxes.column("flux", "flux into the ring", entry(Component::All)))
         .columns(fluxes.components(&Component::ORDERS, move |c, ring| entry(c)(ring)))
         .columns(fluxes.components(spec.components(), move |c, ring| entry(c)(ring)))
+        .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
 }
 
@@ -242,6 +268,7 @@ fn in_plane<'a>(fluxes: Fluxes<'a>, models: &'a [ModelOutcome]) -> Table<'a, Ang
             };
             column.unit("1/sr")
         }))
+        .columns(fluxes.averaging(all))
         .columns(fluxes.errors(all))
 }
 

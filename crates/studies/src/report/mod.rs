@@ -7,5 +7,6 @@ pub(crate) mod error;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod flux_tables;
+pub(crate) mod polarised;
 pub(crate) mod roughness;
 pub(crate) mod summary;

@@ -7,6 +7,7 @@ use asperity_tally::{
 use serde::Serialize;
 
 use crate::output::{BySide, Head};
+use crate::report::polarised::polarised_json;
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
@@ -65,6 +66,9 @@ pub struct Summary {
     /// By how often light was scattered inside a medium, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     components: Option<Vec<Inside>>,
+    /// What is kept of polarised light, under a key of its own.
+    #[serde(flatten)]
+    polarised: Option<serde_json::Map<String, serde_json::Value>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     comparison: Option<serde_json::Value>,
     columns: serde_json::Value,
@@ -107,6 +111,8 @@ impl Summary {
             orders: BySide::of(orders),
             paths: paths(statistics),
             components: spec.has_medium().then(|| of_components(statistics)),
+            polarised: polarised_json(statistics)
+                .map(|(key, value)| serde_json::Map::from_iter([(key.to_owned(), value)])),
             comparison: None,
             columns: serde_json::Value::Null,
             warnings: Vec::new(),

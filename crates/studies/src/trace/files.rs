@@ -11,6 +11,7 @@ use crate::report::error::ReportError;
 use crate::report::figures::{self, PlottedCase};
 use crate::report::files::{TABLES, plot_files};
 use crate::report::flux_tables::{FluxTables, Fluxes};
+use crate::report::polarised::polarised_tables;
 use crate::report::summary::Summary;
 
 impl TraceConfig {
@@ -20,6 +21,8 @@ impl TraceConfig {
     /// [`ConfigError`] if a value is out of range or two contradict each other.
     pub fn files(&self) -> Result<Vec<String>, ConfigError> {
         let mut names = TABLES.map(str::to_owned).to_vec();
+        let polarised = polarised_tables(&self.ray_settings()?.tally);
+        names.extend(polarised.iter().copied().map(str::to_owned));
         names.push("summary.json".to_owned());
         if self.output.plots {
             names.extend(plot_files(&self.ray_settings()?.tally));

@@ -8,17 +8,19 @@ use asperity_simulate::{Stopping, layer_name};
 use super::TraceOutcome;
 use crate::config::Incident;
 use crate::report::energies::{energy_table, errors_table, work_line};
+use crate::report::polarised::polarised_text;
 
 /// Surface and light, then energies, errors and notes.
 #[must_use]
 pub fn trace_table(outcome: &TraceOutcome) -> String {
     let found = &outcome.outcome;
     let mut text = format!(
-        "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}\n",
+        "{}, {}\nflux fractions; standard errors from {} ray blocks\n{}{}{}{}\n",
         outcome.name,
         light_line(outcome),
         found.statistics.batches(),
         energy_table(&found.statistics),
+        polarised_text(&found.statistics),
         errors_table(&found.errors),
         work_line(&found.work),
     );

@@ -187,6 +187,21 @@ impl LightState {
         }
     }
 
+    /// The same light in axes that are turned about its ray, where Mueller matrices are kept.
+    pub(crate) fn turned(self, polarisation: Polarisation, turn: Turn) -> Self {
+        if polarisation != Polarisation::Mueller {
+            return self;
+        }
+        let [q, u, v, rest @ ..] = self.0;
+        let mut columns = [[1.0, q, u, v], [0.0; 4], [0.0; 4], [0.0; 4]];
+        for (column, numbers) in columns[1..].iter_mut().zip(rest.chunks_exact(4)) {
+            column.copy_from_slice(numbers);
+        }
+        let turned = columns.map(|column| Stokes(column).turned(turn).0);
+        let mut numbers = turned.into_iter().flatten().skip(1);
+        Self([(); MOST].map(|()| numbers.next().unwrap_or(0.0)))
+    }
+
     /// Q, U and V over I, of light that is tracked.
     #[inline]
     pub(crate) const fn stokes(&self) -> [f64; 3] {
@@ -202,6 +217,24 @@ impl LightState {
             Polarisation::Tracked => TrackedLight::INCIDENT.len(),
             Polarisation::Both => BothLight::INCIDENT.len(),
             Polarisation::Mueller => MOST,
+        }
+    }
+
+    /// The first of its numbers that is a measure.
+    #[inline]
+    pub(crate) const fn first_measure(polarisation: Polarisation) -> usize {
+        match polarisation {
+            Polarisation::Tracked | Polarisation::Both => 3,
+            Polarisation::Averaged | Polarisation::Mueller => 0,
+        }
+    }
+
+    /// The measures of a tally over the flux, as [`Polarisation::polarimetry`] orders them, and more numbers of no meaning.
+    #[inline]
+    pub(crate) fn measures(&self, polarisation: Polarisation) -> [f64; MOST] {
+        match polarisation {
+            Polarisation::Both => [1.0 - self.0[3]; MOST],
+            _ => self.0,
         }
     }
 

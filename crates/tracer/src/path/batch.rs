@@ -97,7 +97,7 @@ impl<'r, F: Copy> Batch<'r, F> {
         polarisation: Polarisation,
     ) -> Self {
         let kept = Kept {
-            turn: illumination.turns(),
+            turn: illumination.turns(polarisation),
             polarisation,
         };
         let traces_shadows =
@@ -115,7 +115,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             starts: Vec::new(),
             arrivals: Arrivals::new(kept),
             inside: Vec::new(),
-            exits: ExitColumns::default(),
+            exits: ExitColumns::new(polarisation.polarimetry()),
             outlooks: Vec::new(),
             hits: Vec::new(),
             met: Vec::new(),

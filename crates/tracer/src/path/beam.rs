@@ -1,6 +1,6 @@
 //! Beam: the collimated light that falls on a surface, and where its rays start.
 
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, Turn, reference_axes};
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
 
@@ -76,6 +76,11 @@ impl Beam {
         )
     }
 
+    /// Whether its rays are vertical.
+    pub(crate) fn is_vertical(&self) -> bool {
+        self.wi.truncate() == DVec2::ZERO
+    }
+
     /// The direction of all rays whose light is turned by `turn`.
     #[inline(always)]
     pub(crate) fn direction(&self, turn: DVec2) -> DVec3 {
@@ -109,4 +114,10 @@ impl Beam {
         let flux = facing / (m.z * self.wi.z);
         (facing > 0.0).then_some((Heading { origin, ..heading }, facet, flux))
     }
+}
+
+/// The turn of the axes of a vertical ray along `k` that follow an azimuth turned by `turn`, against those that it has.
+pub(crate) fn axes_turned(k: DVec3, turn: DVec2) -> Turn {
+    let [s, _] = reference_axes(k);
+    Turn::to_axis(k, turn.rotate(s.truncate()).extend(0.0))
 }

@@ -72,7 +72,7 @@ impl<G: Geometry> Tracer<'_, G> {
         };
         if bottom == Bottom::Open {
             let departure = below_the_bottom(&heading, *state);
-            batch.exits.push(&self.exit(&departure));
+            self.push_exit(&departure, batch);
             return;
         }
         if self.is_truncated(state, batch) {
@@ -92,7 +92,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 Event::Reflection => batch.inside.push(LayerRay { heading, state }),
                 Event::Transmission => {
                     let departure = below_the_bottom(&heading, state);
-                    batch.exits.push(&self.exit(&departure));
+                    self.push_exit(&departure, batch);
                 }
             }
         }

@@ -4,11 +4,11 @@ use std::f64::consts::TAU;
 
 use asperity_surface::Border;
 use asperity_tally::EventPath;
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::Tracer;
 use super::batch::{Batch, MAX_IN_FLIGHT};
-use super::beam::Beam;
+use super::beam::{Beam, axes_turned};
 use super::illumination::Starts;
 use super::segments::Segments;
 use super::state::{Arrival, PathRay, PathState, RayKind, Region};
@@ -127,6 +127,17 @@ impl<G: Geometry> Tracer<'_, G> {
             .extend(first as u32..batch.segments.len as u32);
     }
 
+    /// How light from an azimuth turned by `turn` is polarised, in the axes of its ray. Those of vertical rays do not turn
+    /// with the azimuth, so the light does.
+    fn incident_light(&self, beam: &Beam, turn: DVec2) -> LightState {
+        let polarisation = self.settings.polarisation;
+        let light = LightState::incident(polarisation);
+        if turn == DVec2::X || !beam.is_vertical() {
+            return light;
+        }
+        light.turned(polarisation, axes_turned(DVec3::NEG_Z, turn).inverse())
+    }
+
     /// How many of the segments in flight may be followed by another one.
     ///
     /// Segments that are the last of their paths do not count, so that when a path starts does not depend on whether
@@ -159,7 +170,7 @@ impl<G: Geometry> Tracer<'_, G> {
             scatterings: 0,
             ray,
             turn: DVec2::new(turn.x, -turn.y),
-            light: LightState::incident(self.settings.polarisation),
+            light: self.incident_light(beam, turn),
         };
         match starts {
             Starts::FromAbove => {

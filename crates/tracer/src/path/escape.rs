@@ -9,7 +9,9 @@ use super::segments::{Segments, gather_column};
 use super::state::{Departure, RayKind, Region};
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
+use crate::interaction::polarised::LightState;
 use crate::periodic::begin;
+use crate::settings::Polarisation;
 use crate::vector::Stage;
 
 /// Finds what is known of all segments before they are searched.
@@ -54,6 +56,8 @@ impl Stage for Leave<'_> {
         gather_column(wz, dz, which);
         gather_column(rows.flux, &segments.flux, which);
         gather_column(rows.scatterings, &segments.scatterings, which);
+        let mut measures = rows.measures;
+        measure(&mut measures, segments, which);
         for (k, &i) in which.iter().enumerate() {
             let i = i as usize;
             rows.path[k] = EventPath::from_code(segments.order[i], segments.events[i]);
@@ -72,10 +76,43 @@ impl Stage for Leave<'_> {
             let [cosines, sines] = &segments.turn;
             for (k, &i) in which.iter().enumerate() {
                 let turn = DVec2::new(cosines[i as usize], sines[i as usize]);
-                let level = turn.rotate(DVec2::new(wx[k], wy[k]));
+                let level = DVec2::new(wx[k], wy[k]);
+                if level == DVec2::ZERO {
+                    turn_measures(&mut measures, k, segments, i as usize, wz[k]);
+                }
+                let level = turn.rotate(level);
                 (wx[k], wy[k]) = (level.x, level.y);
             }
         }
+    }
+}
+
+/// Takes the measures of polarised light, as many as are kept.
+#[inline(always)]
+fn measure(rows: &mut [&mut [f64]], segments: &Segments, which: &[u32]) {
+    let polarisation = segments.kept.polarisation;
+    let light = &segments.light[LightState::first_measure(polarisation)..];
+    for (row, column) in rows.iter_mut().zip(light) {
+        gather_column(row, column, which);
+        if polarisation == Polarisation::Both {
+            for averaged in row.iter_mut() {
+                *averaged = 1.0 - *averaged;
+            }
+        }
+    }
+}
+
+/// Turns what is kept of segment `i`, which leaves along the vertical direction `z` as exit number `k`, with the azimuth of
+/// its light.
+#[cold]
+fn turn_measures(rows: &mut [&mut [f64]], k: usize, segments: &Segments, i: usize, z: f64) {
+    let state = segments.state(i);
+    let light = state.light_that_leaves(DVec3::Z * z, segments.kept.polarisation);
+    for (row, measure) in rows
+        .iter_mut()
+        .zip(light.measures(segments.kept.polarisation))
+    {
+        row[k] = measure;
     }
 }
 
@@ -191,6 +228,16 @@ impl<G: Geometry> Tracer<'_, G> {
             exits: &mut batch.exits,
         });
         batch.tally.add_located(&mut batch.exits);
+    }
+
+    /// Adds light that departs to the exits.
+    pub(super) fn push_exit(&self, departure: &Departure, batch: &mut Batch<'_, G::Facet>) {
+        let polarisation = self.settings.polarisation;
+        let upright = DVec3::new(1.0, 1.0, self.incident.sign());
+        let wo = departure.direction * upright;
+        let light = departure.state.light_that_leaves(wo, polarisation);
+        let measures = light.measures(polarisation);
+        batch.exits.push_measured(&self.exit(departure), &measures);
     }
 
     /// The exit of a path that departs.

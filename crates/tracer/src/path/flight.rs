@@ -168,7 +168,7 @@ impl<G: Geometry> Tracer<'_, G> {
     ) {
         if flight.heading.direction.z < 0.0 && layer.bottom().is_none() {
             let departure = below_the_bottom(&flight.heading, flight.state);
-            batch.exits.push(&self.exit(&departure));
+            self.push_exit(&departure, batch);
         } else {
             let loss = match self.geometry.border() {
                 Border::Open => Loss::LeftPatch,

@@ -4,6 +4,7 @@ use asperity_optics::Incidence;
 use serde::Serialize;
 
 use crate::sampling::Sampling;
+use crate::settings::Polarisation;
 
 /// Where the paths of a batch start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -45,8 +46,10 @@ impl Illumination {
         }
     }
 
-    /// Whether each ray has an azimuth of its own: vertical light has none to draw.
-    pub(super) fn turns(&self) -> bool {
-        self.any_azimuth && !self.incidence.is_vertical()
+    /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes that a Mueller
+    /// matrix refers to.
+    pub(super) fn turns(&self, polarisation: Polarisation) -> bool {
+        let has_azimuth = !self.incidence.is_vertical() || polarisation == Polarisation::Mueller;
+        self.any_azimuth && has_azimuth
     }
 }

@@ -151,7 +151,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// give the same result.
     ///
     /// # Panics
-    /// If there is both a layer and a control, or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    /// If there is both a layer and a control, the tally keeps other measures than [`Polarisation::polarimetry`], or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch(
         &self,
         illumination: &Illumination,
@@ -164,14 +164,20 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
         );
+        let polarimetry = self.settings.polarisation.polarimetry();
+        assert!(
+            spec.polarimetry() == polarimetry,
+            "the tally keeps other measures of polarised light than paths carry"
+        );
         let incidence = illumination.incidence;
         // Of vertical light from any azimuth the azimuths of exits have no meaning.
-        let azimuth = if illumination.any_azimuth && !illumination.turns() {
+        let turns = illumination.turns(self.settings.polarisation);
+        let azimuth = if illumination.any_azimuth && !turns {
             Azimuth::Free
         } else {
             Azimuth::From(incidence.phi() + PI)
         };
-        let mut places = Places::new(illumination.sampling, strata, illumination.turns(), stream);
+        let mut places = Places::new(illumination.sampling, strata, turns, stream);
         let tally = Tally::new(spec, azimuth).with_control_variate(control);
         let mut batch = Batch::new(
             tally,

@@ -3,12 +3,14 @@
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 
+use super::beam::axes_turned;
 use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
 use crate::interaction::polarised::LightState;
 use crate::periodic::{Heading, Traversal};
 use crate::random::Step;
 use crate::ray::{HalfSpace, Query};
+use crate::settings::Polarisation;
 
 /// What a path carries from one interaction to the next.
 #[derive(Clone, Copy)]
@@ -36,6 +38,17 @@ impl PathState {
             events: self.events.then(branch.event),
             ..*self
         }
+    }
+
+    /// Its light where it leaves along `wo`, in axes that follow the azimuth of the light that has fallen on the surface.
+    pub(super) fn light_that_leaves(&self, wo: DVec3, polarisation: Polarisation) -> LightState {
+        let is_vertical = wo.truncate() == DVec2::ZERO;
+        if !is_vertical || self.turn == DVec2::X {
+            return self.light;
+        }
+        // The exit is turned back by `turn`.
+        let back = DVec2::new(self.turn.x, -self.turn.y);
+        self.light.turned(polarisation, axes_turned(wo, back))
     }
 
     /// Where along its path the next random numbers are used.

@@ -103,7 +103,7 @@ impl<G: Geometry> Tracer<'_, G> {
             (RayKind::BehindFirstFacet, _) => {}
             (RayKind::Visibility(at), _) => self.end_visibility(end, state, at, batch),
             (RayKind::Path, TraversalEnd::Escaped | TraversalEnd::EscapedUnsearched(_)) => {
-                batch.exits.push(&self.exit(departure));
+                self.push_exit(departure, batch);
             }
             (RayKind::Path, TraversalEnd::LeftPatch) => {
                 batch.tally.add_loss(Loss::LeftPatch, state.flux);

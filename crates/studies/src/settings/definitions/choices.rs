@@ -110,14 +110,10 @@ pub(super) const BRANCHING: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const POLARISATION: Kind = Kind::Choice(&[
-    choice(
-        "tracked",
-        "carried along each path; incident light is unpolarised",
-    ),
-    choice(
-        "averaged",
-        "s and p averaged at every interface, as in the literature",
-    ),
+    choice("tracked", "carried along each path"),
+    choice("averaged", "unpolarised again at every interface"),
+    choice("both", "tracked, and how averaged light differs"),
+    choice("mueller", "tracked, with Mueller matrices"),
 ]);
 
 pub(super) const ROULETTE: Kind = Kind::NumberOrChoice(&[choice(

@@ -1,0 +1,303 @@
+//! What a run keeps of polarised light: tables of Mueller matrices, or of what averaging s and p changes; the same in summary.json
+//! and as text.
+
+use std::fmt::Write;
+
+use asperity_tally::{
+    Component, Entry, Estimate, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
+};
+use serde_json::{Map, Value, json};
+
+use crate::output::{Column, Place, Table, bin_columns, with_error, wrapped};
+use crate::report::error::ReportError;
+use crate::report::flux_tables::Fluxes;
+
+/// Tables of Mueller matrices: per bin, per ring and per in-plane bin.
+const MUELLER_TABLES: [&str; 3] = ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"];
+
+/// The tables that a tally of such a spec makes.
+pub(crate) fn polarised_tables(spec: &TallySpec) -> &'static [&'static str] {
+    match spec.polarimetry() {
+        Polarimetry::Mueller => &MUELLER_TABLES,
+        Polarimetry::Nothing | Polarimetry::Averaging => &[],
+    }
+}
+
+/// A row of a table of one component: a ring or an in-plane bin.
+struct Row {
+    side: Side,
+    component: Component,
+    index: usize,
+}
+
+/// All light, then each order, on each side that is recorded.
+fn rows(spec: &TallySpec, count: impl Fn(Side) -> usize) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for side in spec.sides() {
+        for component in components() {
+            rows.extend((0..count(side)).map(|index| Row {
+                side,
+                component,
+                index,
+            }));
+        }
+    }
+    rows
+}
+
+/// The components that Mueller matrices are kept of.
+fn components() -> impl Iterator<Item = Component> {
+    [Component::All].into_iter().chain(Component::ORDERS)
+}
+
+/// Writes the tables of Mueller matrices, if they are kept.
+pub(crate) fn write_polarised(place: &Place<'_>, fluxes: Fluxes<'_>) -> Result<(), ReportError> {
+    let spec = fluxes.spec;
+    if polarised_tables(spec).is_empty() {
+        return Ok(());
+    }
+    let [bins, rings, profile] = MUELLER_TABLES;
+    of_bins(fluxes).write_csv(&place.claim(bins)?, spec.recorded_bins())?;
+    let rows_of_rings = rows(spec, |side| spec.ring_filter(side).len());
+    of_rings(fluxes).write_csv(&place.claim(rings)?, rows_of_rings)?;
+    let rows_of_profile = rows(spec, |side| spec.in_plane_filter(side).len());
+    Ok(of_profile(fluxes).write_csv(&place.claim(profile)?, rows_of_profile)?)
+}
+
+/// Name, unit and description of the columns of each table, by file.
+pub(crate) fn polarised_columns(fluxes: Fluxes<'_>) -> Map<String, Value> {
+    let mut columns = Map::new();
+    if !polarised_tables(fluxes.spec).is_empty() {
+        let [bins, rings, profile] = MUELLER_TABLES;
+        columns.insert(bins.to_owned(), of_bins(fluxes).description());
+        columns.insert(rings.to_owned(), of_rings(fluxes).description());
+        columns.insert(profile.to_owned(), of_profile(fluxes).description());
+    }
+    columns
+}
+
+/// mueller.csv: a row per bin.
+fn of_bins(fluxes: Fluxes<'_>) -> Table<'_, usize> {
+    let spec = fluxes.spec;
+    let bins = spec.grid_entries(Component::All);
+    let table = Table::new().columns(bin_columns(spec.grid(), |bin| *bin));
+    with_elements(table, fluxes, move |bin| bins.get(*bin))
+}
+
+/// mueller_theta.csv: a row per side, component and ring.
+fn of_rings(fluxes: Fluxes<'_>) -> Table<'_, Row> {
+    let spec = fluxes.spec;
+    let edges = move |row: &Row| spec.ring_filter(row.side).theta_deg(row.index);
+    let table = Table::new().columns(row_columns("polar angle", edges));
+    with_elements(table, fluxes, move |row| {
+        spec.ring_entries(row.side, row.component).get(row.index)
+    })
+}
+
+/// mueller_in_plane.csv: a row per side, component and bin of the in-plane slice.
+fn of_profile(fluxes: Fluxes<'_>) -> Table<'_, Row> {
+    let spec = fluxes.spec;
+    let edges = move |row: &Row| spec.in_plane_filter(row.side).theta_deg(row.index);
+    let table = Table::new().columns(row_columns("signed polar angle", edges));
+    with_elements(table, fluxes, move |row| {
+        spec.in_plane_entries(row.side, row.component)
+            .get(row.index)
+    })
+}
+
+/// Side, component and the edges of a row.
+fn row_columns<'a>(
+    about: &'static str,
+    edges: impl Fn(&Row) -> [f64; 2] + Copy + 'a,
+) -> [Column<'a, Row>; 4] {
+    [
+        Column::new("side", "side on which light leaves", |row: &Row| {
+            row.side.to_string()
+        }),
+        Column::new(
+            "component",
+            "all light, or that of an order",
+            |row: &Row| row.component.to_string(),
+        ),
+        Column::new("theta_min_deg", about, move |row: &Row| edges(row)[0]).unit("deg"),
+        Column::new("theta_max_deg", about, move |row: &Row| edges(row)[1]).unit("deg"),
+    ]
+}
+
+/// Adds the flux, the elements of the Mueller matrix over it, and what they say of unpolarised light.
+fn with_elements<'a, R: 'a>(
+    table: Table<'a, R>,
+    fluxes: Fluxes<'a>,
+    entry: impl Fn(&R) -> Entry + Copy + 'a,
+) -> Table<'a, R> {
+    let statistics = fluxes.statistics;
+    let flux = move |row: &R| Some(statistics.at(entry(row)));
+    let elements = elements().map(move |[row, column]| {
+        let name = format!("m{row}{column}");
+        let about = "element of the Mueller matrix over the flux, its first element";
+        let measure = Measure::Element { row, column };
+        Column::estimate(name, about, move |place: &R| {
+            statistics.over_flux(entry(place), measure)
+        })
+    });
+    table
+        .column(Column::estimate("flux", "flux of unpolarised light", flux))
+        .columns(elements)
+        .column(Column::estimate(
+            "degree_of_polarisation",
+            "of what leaves where unpolarised light falls",
+            move |row: &R| Polarised::of(statistics, entry(row)).map(|p| p.degree()),
+        ))
+        .column(
+            Column::estimate(
+                "angle_of_polarisation_deg",
+                "of its linear part, from s towards p",
+                move |row: &R| Polarised::of(statistics, entry(row)).map(|p| p.angle_deg()),
+            )
+            .unit("deg"),
+        )
+}
+
+/// Row and column of each element but the first.
+fn elements() -> impl Iterator<Item = [usize; 2]> {
+    (1..16).map(|i| [i / 4, i % 4])
+}
+
+/// Q, U and V over I of light that leaves where unpolarised light falls.
+struct Polarised([Estimate; 3]);
+
+impl Polarised {
+    /// `None` where nothing has arrived.
+    fn of(statistics: &TallyStatistics, flux: Entry) -> Option<Self> {
+        let over = |row| statistics.over_flux(flux, Measure::Element { row, column: 0 });
+        Some(Self([over(1)?, over(2)?, over(3)?]))
+    }
+
+    /// Degree of polarisation, with the error of its longest part.
+    fn degree(&self) -> Estimate {
+        let degree = length(&self.0.map(|part| part.mean));
+        let parts = self.0.map(|part| Some(part.mean * part.se?));
+        Estimate {
+            mean: degree,
+            se: all(parts).map(|parts| length(&parts) / degree),
+        }
+    }
+
+    /// Angle of the linear part from s towards p, degrees in (-90, 90].
+    fn angle_deg(&self) -> Estimate {
+        let [q, u, _] = self.0;
+        let across = all([u.se.map(|se| q.mean * se), q.se.map(|se| u.mean * se)]);
+        let square = q.mean * q.mean + u.mean * u.mean;
+        Estimate {
+            mean: 0.5 * u.mean.atan2(q.mean).to_degrees(),
+            se: across.map(|parts| (0.5 * length(&parts) / square).to_degrees()),
+        }
+    }
+}
+
+fn all<const N: usize>(parts: [Option<f64>; N]) -> Option<[f64; N]> {
+    let mut numbers = [0.0; N];
+    for (number, part) in numbers.iter_mut().zip(parts) {
+        *number = part?;
+    }
+    Some(numbers)
+}
+
+fn length(parts: &[f64]) -> f64 {
+    parts.iter().map(|part| part * part).sum::<f64>().sqrt()
+}
+
+/// What summary.json says of polarised light: a key and its value.
+pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static str, Value)> {
+    let spec = statistics.spec();
+    let by_side = |of: &dyn Fn(Entry) -> Value| {
+        let sides = spec.sides().map(|side| {
+            let flux = |component| spec.flux_entry(side, component);
+            let mut value = of(flux(Component::All));
+            value["orders"] = Component::ORDERS
+                .into_iter()
+                .map(|component| (component.name().into_owned(), of(flux(component))))
+                .collect::<Map<_, _>>()
+                .into();
+            (side.to_string(), value)
+        });
+        Value::Object(sides.collect())
+    };
+    match spec.polarimetry() {
+        Polarimetry::Nothing => None,
+        Polarimetry::Averaging => {
+            let measure = Measure::Averaging;
+            let of = |flux| match spec.measure_entry(flux, measure) {
+                Some(entry) => json!(statistics.at(entry)),
+                None => Value::Null,
+            };
+            Some(("tracked_less_averaged", by_side(&of)))
+        }
+        Polarimetry::Mueller => Some(("mueller", by_side(&|flux| matrix_json(statistics, flux)))),
+    }
+}
+
+/// A Mueller matrix as `mean` and `se`, and over its first element as `normalised` and `normalised_se`.
+fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
+    let spec = statistics.spec();
+    let first = statistics.at(flux);
+    let element = |row, column| {
+        let entry = spec.measure_entry(flux, Measure::Element { row, column });
+        entry.map(|entry| statistics.at(entry))
+    };
+    let over = |row, column| statistics.over_flux(flux, Measure::Element { row, column });
+    let matrix = |of: &dyn Fn(usize, usize) -> Option<f64>| {
+        let rows = (0..4).map(|row| (0..4).map(|column| of(row, column)).collect::<Vec<_>>());
+        json!(rows.collect::<Vec<_>>())
+    };
+    let or_first =
+        |row, column, of: &dyn Fn() -> Option<f64>, first: Option<f64>| match (row, column) {
+            (0, 0) => first,
+            _ => of(),
+        };
+    json!({
+        "mean": matrix(&|r, c| or_first(r, c, &|| Some(element(r, c)?.mean), Some(first.mean))),
+        "se": matrix(&|r, c| or_first(r, c, &|| element(r, c)?.se, first.se)),
+        "normalised": matrix(&|r, c| or_first(r, c, &|| Some(over(r, c)?.mean), Some(1.0))),
+        "normalised_se": matrix(&|r, c| or_first(r, c, &|| over(r, c)?.se, Some(0.0))),
+    })
+}
+
+/// Lines on polarised light: by how much averaging differs, or the matrices of all light; empty if nothing is kept.
+pub(crate) fn polarised_text(statistics: &TallyStatistics) -> String {
+    let spec = statistics.spec();
+    let mut out = String::new();
+    for side in spec.sides() {
+        let flux = spec.flux_entry(side, Component::All);
+        match spec.polarimetry() {
+            Polarimetry::Nothing => {}
+            Polarimetry::Averaging => {
+                if let Some(entry) = spec.measure_entry(flux, Measure::Averaging) {
+                    let difference = with_error(statistics.at(entry));
+                    let _ = writeln!(out, "{side}, tracked less averaged: {difference}");
+                }
+            }
+            Polarimetry::Mueller => {
+                let _ = writeln!(out, "{side}, Mueller matrix over the flux:");
+                for row in 0..4 {
+                    let line = (0..4).map(|column| element_text(statistics, flux, [row, column]));
+                    let _ = writeln!(out, "  {}", line.collect::<Vec<_>>().join("  "));
+                }
+            }
+        }
+    }
+    if spec.polarimetry() == Polarimetry::Averaging {
+        let about = "tracked less averaged: what polarisation changes against averaging s and p at every interface";
+        let _ = writeln!(out, "{}", wrapped(about));
+    }
+    out
+}
+
+/// An element over the flux, as text of even width.
+fn element_text(statistics: &TallyStatistics, flux: Entry, [row, column]: [usize; 2]) -> String {
+    if [row, column] == [0, 0] {
+        return format!("{:>18}", "1");
+    }
+    let found = statistics.over_flux(flux, Measure::Element { row, column });
+    format!("{:>18}", found.map_or("-".to_owned(), with_error))
+}
