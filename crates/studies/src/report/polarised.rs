@@ -8,7 +8,7 @@ use asperity_tally::{
 };
 use serde_json::{Map, Value, json};
 
-use crate::output::{Column, Place, Table, bin_columns, with_error, wrapped};
+use crate::output::{Column, Place, Table, bin_columns, two_digits, with_error, wrapped};
 use crate::report::error::ReportError;
 use crate::report::flux_tables::Fluxes;
 
@@ -277,13 +277,7 @@ pub(crate) fn polarised_text(statistics: &TallyStatistics) -> String {
                     let _ = writeln!(out, "{side}, tracked less averaged: {difference}");
                 }
             }
-            Polarimetry::Mueller => {
-                let _ = writeln!(out, "{side}, Mueller matrix over the flux:");
-                for row in 0..4 {
-                    let line = (0..4).map(|column| element_text(statistics, flux, [row, column]));
-                    let _ = writeln!(out, "  {}", line.collect::<Vec<_>>().join("  "));
-                }
-            }
+            Polarimetry::Mueller => matrix_text(&mut out, statistics, side),
         }
     }
     if spec.polarimetry() == Polarimetry::Averaging {
@@ -293,11 +287,23 @@ pub(crate) fn polarised_text(statistics: &TallyStatistics) -> String {
     out
 }
 
-/// An element over the flux, as text of even width.
-fn element_text(statistics: &TallyStatistics, flux: Entry, [row, column]: [usize; 2]) -> String {
-    if [row, column] == [0, 0] {
-        return format!("{:>18}", "1");
+/// The matrix of all light of a side over the flux, four lines.
+fn matrix_text(out: &mut String, statistics: &TallyStatistics, side: Side) {
+    let flux = statistics.spec().flux_entry(side, Component::All);
+    let over = |row, column| statistics.over_flux(flux, Measure::Element { row, column });
+    let errors = elements().filter_map(|[row, column]| over(row, column)?.se);
+    let largest = errors.fold(0.0, f64::max);
+    let _ = writeln!(
+        out,
+        "{side}, Mueller matrix over the flux, errors up to {}:",
+        two_digits(largest)
+    );
+    for row in 0..4 {
+        let numbers = (0..4).map(|column| match over(row, column) {
+            _ if row + column == 0 => format!("{:>10.5}", 1.0),
+            Some(estimate) => format!("{:>10.5}", estimate.mean),
+            None => format!("{:>10}", "-"),
+        });
+        let _ = writeln!(out, "{}", numbers.collect::<String>());
     }
-    let found = statistics.over_flux(flux, Measure::Element { row, column });
-    format!("{:>18}", found.map_or("-".to_owned(), with_error))
 }
