@@ -14,6 +14,7 @@ mod layers_against_reference;
 mod light_beams;
 mod meshes;
 mod physics;
+mod polarised;
 mod smooth;
 mod smooth_paths;
 mod visibility;

@@ -7,8 +7,8 @@ use asperity_tally::{
 };
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, Escape, Geometry, HalfSpace,
-    Illumination, Instructions, Outlook, PathSettings, PathStream, Query, RayBatch, Sampling,
-    Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
+    Illumination, Instructions, Outlook, PathSettings, PathStream, Polarisation, Query, RayBatch,
+    Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -29,6 +29,7 @@ struct Scene {
     incident: HalfSpace,
     light: Illumination,
     branching: Branching,
+    polarisation: Polarisation,
     has_control_variate: bool,
     has_layer: bool,
 }
@@ -41,6 +42,7 @@ impl Scene {
             incident: HalfSpace::Above,
             light: Illumination::new(Incidence::from_degrees(theta_deg, 25.0).unwrap(), false),
             branching: Branching::Split,
+            polarisation: Polarisation::Tracked,
             has_control_variate: false,
             has_layer: false,
         }
@@ -49,8 +51,10 @@ impl Scene {
     /// Traces 900 rays with the given instructions.
     fn trace(&self, instructions: Instructions) -> (TallyValues, Work) {
         let accelerator = self.surface.accelerator(AcceleratorKind::Mesh).unwrap();
-        let settings = PathSettings::new(self.branching, 0.02, 30).unwrap();
-        let mut spec = TallySpec::default();
+        let settings = PathSettings::new(self.branching, 0.02, 30)
+            .unwrap()
+            .with_polarisation(self.polarisation);
+        let mut spec = TallySpec::default().with_polarimetry(self.polarisation.polarimetry());
         let mut tracer = Tracer::new(
             &self.surface,
             &*accelerator,
@@ -62,7 +66,7 @@ impl Scene {
         if self.has_layer {
             spec = spec.with_medium();
             let medium =
-                ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Isotropic);
+                ParticipatingMedium::from_mean_free_path(4.0, 0.9, PhaseFunction::Rayleigh);
             let bottom = Bottom::Lambertian { reflectance: 0.5 };
             let layer = Layer::slab(medium.unwrap(), 20.0, bottom).unwrap();
             tracer = tracer
@@ -98,11 +102,22 @@ fn scenes() -> Vec<Scene> {
     let dense = Material::dielectric(1.0 / 1.5).unwrap();
     vec![
         Scene::new(smooth(), glass, 30.0),
-        Scene::new(rough(Border::Mirrored), dense, 60.0),
-        Scene::new(rough(Border::Open), gold, 75.0),
+        Scene {
+            polarisation: Polarisation::Mueller,
+            ..Scene::new(rough(Border::Mirrored), dense, 60.0)
+        },
+        Scene {
+            polarisation: Polarisation::Mueller,
+            ..Scene::new(rough(Border::Open), gold, 75.0)
+        },
+        Scene {
+            polarisation: Polarisation::Averaged,
+            ..Scene::new(rough(Border::Periodic), gold, 75.0)
+        },
         Scene {
             branching: Branching::Pick,
             incident: HalfSpace::Below,
+            polarisation: Polarisation::Both,
             ..Scene::new(rough(Border::Periodic), dense, 40.0)
         },
         Scene {
@@ -121,6 +136,7 @@ fn scenes() -> Vec<Scene> {
         Scene {
             has_layer: true,
             branching: Branching::Pick,
+            polarisation: Polarisation::Mueller,
             ..Scene::new(smooth(), glass, 20.0)
         },
     ]

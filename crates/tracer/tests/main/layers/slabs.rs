@@ -1,23 +1,34 @@
 //! Slabs between flat faces, from thin to thick.
 
-use asperity_optics::{Bottom, Layer, dielectric};
+use asperity_optics::{Bottom, FacetMueller, Layer, polarised_dielectric};
 use asperity_tally::{TallyResult, TallySpec};
+use asperity_tracer::{PathSettings, Polarisation};
 
 use super::{Scene, budget, flat, medium, slab, z_between};
 
 #[test]
 fn a_slab_far_thinner_than_the_mean_free_path_is_two_interfaces() {
-    // Both faces reflect F: R = F + (1 - F)^2 F / (1 - F^2) = 2 F / (1 + F), over all inner reflections.
-    for theta_deg in [0.0, 50.0, 75.0] {
+    // Both faces reflect F: R = F + (1 - F)^2 F / (1 - F^2) = 2 F / (1 + F), over all inner reflections; s and p keep apart.
+    for (theta_deg, polarisation) in [0.0, 50.0, 75.0]
+        .map(|theta_deg| [Polarisation::Tracked, Polarisation::Averaged].map(|p| (theta_deg, p)))
+        .concat()
+    {
         let bottom = Bottom::Interface { eta: 1.0 / 1.5 };
         let scene = Scene {
             theta_deg,
-            settings: asperity_tracer::PathSettings::new(Default::default(), 1e-6, 1000).unwrap(),
+            settings: PathSettings::new(Default::default(), 1e-6, 1000)
+                .unwrap()
+                .with_polarisation(polarisation),
             ..Scene::new(flat(), slab(medium(1e10, 0.9), 1.0, bottom))
         };
         let (found, _) = scene.trace(4, 10);
-        let f = dielectric(f64::to_radians(theta_deg).cos(), 1.5).reflected;
-        let exact = 2.0 * f / (1.0 + f);
+        let FacetMueller { m00, m01, .. } =
+            polarised_dielectric(f64::to_radians(theta_deg).cos(), 1.5).reflected;
+        let both_faces = |f: f64| 2.0 * f / (1.0 + f);
+        let exact = match polarisation {
+            Polarisation::Averaged => both_faces(m00),
+            _ => 0.5 * (both_faces(m00 + m01) + both_faces(m00 - m01)),
+        };
         let [reflected, transmitted] =
             [TallySpec::BUDGET.reflected, TallySpec::BUDGET.transmitted].map(|i| found.means()[i]);
         // Roulette ends what is below 1e-6; a ray in 1e10 is scattered.

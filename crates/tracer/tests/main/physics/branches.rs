@@ -94,8 +94,8 @@ fn what_is_recorded_of_a_side_does_not_depend_on_asking_for_the_other() {
                             .entries()
                             .filter(|&entry| spec.describe(entry).side == Some(side))
                             .collect();
-                        // In all, multiple, 64 orders, 127 paths; bins and rays in them, rings, slice.
-                        let listed = 2 + 64 + 127 + 5 * spec.grid().bins_per_side() + 15 * 18;
+                        // In all, multiple, four and above, 64 orders, 127 paths; bins and rays in them, rings, slice.
+                        let listed = 3 + 64 + 127 + 5 * spec.grid().bins_per_side() + 15 * 18;
                         assert_eq!(entries.len(), listed);
                         entries.iter().for_each(|&entry| expected[entry] = 0.0);
                     }
