@@ -63,6 +63,11 @@ pub enum SimulateError {
         "the controlled estimator of one surface needs light from one azimuth; with a random azimuth take auto or plain"
     )]
     AzimuthControl,
+    /// A control variate for polarised light.
+    #[error(
+        "the controlled estimator knows unpolarised incident light alone; with --stokes take auto or plain"
+    )]
+    PolarisedControl,
     /// A control variate for light on a triangle mesh.
     #[error(
         "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
@@ -120,6 +125,7 @@ impl SimulateError {
             | Self::Layer(_)
             | Self::OpenControl
             | Self::AzimuthControl
+            | Self::PolarisedControl
             | Self::MeshControl
             | Self::SmoothControl
             | Self::SmoothRefinement

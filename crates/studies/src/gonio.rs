@@ -271,6 +271,7 @@ impl Task<'_> {
                 incidence: self.plan.incidence,
                 from: self.config.light.from.into(),
                 random_azimuth: self.config.any_azimuth(),
+                stokes: [0.0; 3],
             },
         };
         let outcomes = simulate(&[case], settings, observer)?;

@@ -146,6 +146,7 @@ impl VerifyConfig {
                     incidence: case.incidence,
                     from: self.light.from.into(),
                     random_azimuth: self.any_azimuth(),
+                    stokes: [0.0; 3],
                 },
             });
         }

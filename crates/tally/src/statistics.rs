@@ -1,9 +1,9 @@
 //! Means and standard errors from independent batches.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A mean with its standard error.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// The mean.
     pub mean: f64,

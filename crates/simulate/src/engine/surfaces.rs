@@ -332,6 +332,7 @@ mod tests {
             incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
             from: HalfSpace::Above,
             random_azimuth: true,
+            stokes: [0.0; 3],
         };
         let glass = Material::Dielectric { eta: 1.5 };
         let settings = Settings {

@@ -44,6 +44,8 @@ pub struct Light {
     pub from: HalfSpace,
     /// Whether each ray comes from a random azimuth. What leaves is turned back to the azimuth of `incidence`.
     pub random_azimuth: bool,
+    /// Q, U and V over I, in the axes of its ray; zeros for unpolarised light. Only tracked polarisation obeys it.
+    pub stokes: [f64; 3],
 }
 
 impl Light {
@@ -54,7 +56,14 @@ impl Light {
             incidence,
             from: HalfSpace::Above,
             random_azimuth: false,
+            stokes: [0.0; 3],
         }
+    }
+
+    /// Whether it is polarised.
+    #[must_use]
+    pub fn is_polarised(&self) -> bool {
+        self.stokes != [0.0; 3]
     }
 }
 

@@ -4,7 +4,7 @@
 use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
 use asperity_surface::Psd;
-use asperity_tally::{TallyResult, TallySpec, TallyStatistics, TallyValues};
+use asperity_tally::{Polarimetry, TallyResult, TallySpec, TallyStatistics, TallyValues};
 
 use crate::error::SimulateError;
 use crate::input::case::Case;
@@ -35,7 +35,10 @@ impl AnalyticResult {
         let Some(target) = settings.target() else {
             return Ok(None);
         };
-        if settings.estimator == Estimator::Plain || case.layer.is_some() {
+        // Fluxes of unpolarised light are known, and nothing else.
+        let is_polarised =
+            case.light.is_polarised() || settings.tally.polarimetry() == Polarimetry::Mueller;
+        if settings.estimator == Estimator::Plain || case.layer.is_some() || is_polarised {
             return Ok(None);
         }
         let slopes = slopes(psd)?;

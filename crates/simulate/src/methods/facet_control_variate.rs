@@ -39,6 +39,9 @@ impl Method {
         if case.layer.is_some() || case.light.random_azimuth {
             return Ok(Self::plain(settings));
         }
+        if case.light.is_polarised() {
+            return Self::of_polarised(settings);
+        }
         let estimator = settings.estimator;
         let open = surface.border() == Border::Open;
         let few_rays = (settings.effort.total_rays() as usize) < surface.facet_count();

@@ -74,6 +74,9 @@ impl Method {
         if is_plain || case.layer.is_some() {
             return Ok(Self::plain(settings));
         }
+        if case.light.is_polarised() {
+            return Self::of_polarised(settings);
+        }
         let slopes = slopes(psd)?;
         let incidence = case.light.incidence;
         match control_variate(&slopes, case.material, incidence, &settings.tally) {
@@ -92,6 +95,14 @@ impl Method {
                 Ok(Self::plain(settings))
             }
             Err(error) => Err(error.into()),
+        }
+    }
+
+    /// The method for polarised light, whose single scattering no control variate knows.
+    pub(crate) fn of_polarised(settings: &Settings) -> Result<Self, SimulateError> {
+        match settings.estimator {
+            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
+            Estimator::Controlled => Err(SimulateError::PolarisedControl),
         }
     }
 
@@ -134,6 +145,7 @@ impl Method {
             any_azimuth: light.random_azimuth,
             sampling,
             starts: self.starts,
+            stokes: light.stokes,
         }
     }
 

@@ -18,6 +18,7 @@ fn run(size: usize, spacing: f64, rays: u64, refine: bool) -> Outcome {
         incidence: Incidence::from_degrees(0.0, 0.0).unwrap(),
         from: HalfSpace::Above,
         random_azimuth: true,
+        stokes: [0.0; 3],
     };
     let case = Case::new(SurfaceSource::random(synthesis), Material::Mirror, light);
     let settings = Settings {

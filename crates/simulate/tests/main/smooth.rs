@@ -19,6 +19,7 @@ fn case(cells: Cells, smoothness: f64, size: usize, material: Material, theta: f
         incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
         from: HalfSpace::Above,
         random_azimuth: true,
+        stokes: [0.0; 3],
     };
     Case::new(SurfaceSource::random(surfaces), material, light)
 }

@@ -46,6 +46,7 @@ impl Rough {
             incidence: Incidence::from_degrees(theta, 0.0).unwrap(),
             from: HalfSpace::Above,
             random_azimuth: true,
+            stokes: [0.0; 3],
         };
         Case::new(SurfaceSource::random(synthesis), material, light)
     }

@@ -125,6 +125,9 @@ pub struct LightConfig {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
+    /// Stokes vector, `I, Q, U, V`; unpolarised by default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stokes: Option<OneOrMany<Number>>,
 }
 
 /// `[run]`: how much is traced, and how.

@@ -2,6 +2,7 @@
 
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
+use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
@@ -90,6 +91,7 @@ impl TraceConfig {
                 incidence: self.incidence()?,
                 from: self.light.from.into(),
                 random_azimuth: self.light.azimuth == Some(Azimuth::Random),
+                stokes: self.stokes()?,
             },
         })
     }
@@ -101,6 +103,7 @@ impl TraceConfig {
     pub fn check(&self) -> Result<(), ConfigError> {
         let (material, layer) = (self.material()?, self.layer()?);
         self.incidence()?;
+        self.stokes()?;
         if layer.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
@@ -129,6 +132,49 @@ impl TraceConfig {
             target.check(&settings.tally, self.material()?, layer.as_ref())?;
         }
         Ok(settings)
+    }
+
+    /// Q, U and V over I of the light.
+    fn stokes(&self) -> Result<[f64; 3], ConfigError> {
+        let Some(given) = &self.light.stokes else {
+            return Ok([0.0; 3]);
+        };
+        let given: Vec<f64> = given
+            .values("stokes")?
+            .iter()
+            .map(|number| number.0)
+            .collect();
+        let refused = |why: &str| {
+            let text = given
+                .iter()
+                .map(f64::to_string)
+                .collect::<Vec<_>>()
+                .join(",");
+            ConfigError::Contradiction(format!("--stokes {text}: {why}").into())
+        };
+        let &[i, q, u, v] = given.as_slice() else {
+            return Err(refused("takes four numbers, I,Q,U,V"));
+        };
+        if i <= 0.0 {
+            return Err(refused("the intensity I must exceed 0"));
+        }
+        let stokes = [q / i, u / i, v / i];
+        let degree = stokes.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if degree > 1.0 + 1e-9 {
+            return Err(refused(
+                "more light is polarised than there is: Q^2 + U^2 + V^2 exceeds I^2",
+            ));
+        }
+        let is_tracked = matches!(
+            self.run.polarisation,
+            Polarisation::Tracked | Polarisation::Both
+        );
+        if !is_tracked && degree > 0.0 {
+            return Err(refused(
+                "paths carry the polarisation of the incident light with --polarisation tracked or both",
+            ));
+        }
+        Ok(stokes)
     }
 
     fn incidence(&self) -> Result<Incidence, ConfigError> {

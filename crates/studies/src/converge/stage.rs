@@ -317,6 +317,7 @@ fn prepare(
         incidence: case.incidence,
         from: plan.incident,
         random_azimuth: plan.any_azimuth,
+        stokes: [0.0; 3],
     };
     let simulated = Case::new(SurfaceSource::random(synthesis), case.material, light);
     let settings = Settings {

@@ -2,6 +2,7 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::{Settings, check_memory, check_results, short};
+use asperity_tally::Polarimetry;
 use serde_json::{Value, json};
 
 use super::config::GonioConfig;
@@ -53,6 +54,13 @@ impl GonioConfig {
     /// # Errors
     /// [`VerifyError`] if a value is out of range, two contradict each other, or surfaces cannot be drawn.
     pub fn check(&self, sample: Option<&Sample>) -> Result<(), VerifyError> {
+        if self.run.polarisation.polarimetry() != Polarimetry::Nothing {
+            return Err(ConfigError::Contradiction(format!(
+                "--polarisation {}: gonio keeps fluxes alone; take tracked or averaged, or trace or verify for one direction",
+                self.run.polarisation
+            ))
+            .into());
+        }
         let plans = self.plans(sample)?;
         let rays = self.ray_settings()?;
         check_results(&rays.tally, self.run.realisations.0, 1, rays.refine)?;

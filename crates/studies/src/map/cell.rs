@@ -1,7 +1,7 @@
 //! What was found in one cell, and what follows from it.
 
 use asperity_analysis::Scope;
-use asperity_tally::{Component, Entry, Side, TallyResult, TallySpec};
+use asperity_tally::{Component, Entry, Estimate, Measure, Side, TallyResult, TallySpec};
 use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
@@ -110,6 +110,9 @@ pub struct CellResults {
     pub deviation_bound: Option<f64>,
     /// Flux that was lost to numerical failure.
     pub lost: f64,
+    /// Reflected and transmitted flux less what they would be if s and p were averaged at every interface, where both are traced.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tracked_less_averaged: Option<[Estimate; 2]>,
     /// The models, in the order of the configuration.
     pub models: Vec<CellModel>,
 }
@@ -180,6 +183,16 @@ impl CellModel {
     }
 }
 
+/// Of both sides, where it is kept.
+fn tracked_less_averaged(spec: &TallySpec, case: &CaseOutcome) -> Option<[Estimate; 2]> {
+    let of = |side| {
+        let flux = spec.flux_entry(side, Component::All);
+        let entry = spec.measure_entry(flux, Measure::Averaging)?;
+        Some(case.outcome.statistics.at(entry))
+    };
+    Some([of(Side::Reflected)?, of(Side::Transmitted)?])
+}
+
 impl CellResults {
     /// What a verification of one case found.
     pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
@@ -201,6 +214,7 @@ impl CellResults {
             spacing: case.spacing(),
             deviation_bound: case.outcome.deviation_bound,
             lost: case.outcome.statistics.means().budget().lost,
+            tracked_less_averaged: tracked_less_averaged(spec, case),
             models: models.collect(),
         }
     }

@@ -29,7 +29,8 @@ pub fn map_report(folder: &ResultFolder, outcome: &MapOutcome) -> Result<(), Rep
             .map(String::as_str),
     )?;
     let place = Place::root(folder);
-    tables::map().write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
+    tables::map(outcome.config.run.polarisation)
+        .write_csv(&place.claim("map.csv")?, tables::judged(outcome))?;
     if outcome.config.output.plots {
         for light in ComparedLight::BOTH {
             let figure = figure(outcome, light).draw()?;

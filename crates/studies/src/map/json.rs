@@ -76,7 +76,7 @@ pub fn map_summary(outcome: &MapOutcome) -> Value {
         missing: outcome.missing(),
         summary: summarise(outcome),
         cells: cells.collect(),
-        columns: json!({ "map.csv": tables::map().description() }),
+        columns: json!({ "map.csv": tables::map(outcome.config.run.polarisation).description() }),
         warnings: warnings(outcome),
     })
 }

@@ -1,6 +1,7 @@
 //! The table of a map: map.csv.
 
 use asperity_tally::Side;
+use asperity_tracer::Polarisation;
 
 use super::cell::{
     CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
@@ -52,7 +53,7 @@ pub(super) fn judged(outcome: &MapOutcome) -> impl Iterator<Item = JudgedModel<'
 }
 
 /// map.csv: a row per cell, model and comparison.
-pub(super) fn map<'a>() -> Table<'a, JudgedModel<'a>> {
+pub(super) fn map<'a>(polarisation: Polarisation) -> Table<'a, JudgedModel<'a>> {
     type Row<'a> = JudgedModel<'a>;
     let mut table = Table::new()
         .column(Column::new(
@@ -99,6 +100,9 @@ pub(super) fn map<'a>() -> Table<'a, JudgedModel<'a>> {
             .columns(energy_columns(side))
             .columns(peak_columns(side));
     }
+    if polarisation == Polarisation::Both {
+        table = table.columns(Side::BOTH.map(averaging_column));
+    }
     table
         .column(Column::new("surfaces", "surfaces", |row: &Row<'_>| {
             row.results.surfaces
@@ -113,6 +117,15 @@ pub(super) fn map<'a>() -> Table<'a, JudgedModel<'a>> {
             "rays that the model followed",
             |row: &Row<'_>| Some(row.model.rays).filter(|rays| *rays > 0),
         ))
+}
+
+/// What of the explicit flux of a side is due to tracking polarisation.
+fn averaging_column<'a>(side: Side) -> Column<'a, JudgedModel<'a>> {
+    Column::estimate(
+        format!("{side}_tracked_less_averaged"),
+        "explicit flux less what it would be if s and p were averaged at every interface",
+        move |row: &JudgedModel<'_>| Some(row.results.tracked_less_averaged?[side.index()]),
+    )
 }
 
 /// Energies on one side, and their difference.

@@ -51,6 +51,7 @@ fn results() -> CellResults {
         spacing: [1.0, 1.0],
         deviation_bound: None,
         lost: 0.0,
+        tracked_less_averaged: None,
         models: vec![model("heitz"), model("smith")],
     }
 }

@@ -35,6 +35,7 @@ impl Surfaces {
                 "phi_deg": incidence.phi_deg(),
                 "azimuth": config.light.azimuth.unwrap_or(Azimuth::Fixed),
                 "from": config.light.from,
+                "stokes": config.light.stokes,
             },
             "rays": run.target_error.is_none().then_some(run.rays),
             "target_error": run.target_error,

@@ -2,8 +2,8 @@
 //!
 //! Besides its flux a path carries numbers relative to it: three for its Stokes vector, and more where it also keeps what averaged light
 //! would do, or a whole Mueller matrix. They refer to [`asperity_optics::reference_axes`] of the ray in the
-//! world with +z on the incident side. Paths go on, by their random choices and by roulette, as unpolarised incident light
-//! does.
+//! world with +z on the incident side. Paths go on, by their random choices and by roulette, as the light that falls on the surface
+//! does; where Mueller matrices are kept, as unpolarised light does.
 
 use asperity_optics::{FacetMueller, Stokes, Turn};
 use glam::DVec3;
@@ -11,7 +11,7 @@ use glam::DVec3;
 use crate::settings::Polarisation;
 
 /// Most numbers that a path carries.
-const MOST: usize = MuellerLight::INCIDENT.len();
+const MOST: usize = 15;
 
 /// One interface, or one scattering in a medium, on the way of polarised light.
 #[derive(Clone, Copy)]
@@ -63,9 +63,6 @@ pub(crate) struct Passed<const N: usize> {
 
 /// What a path carries of its light besides its flux: `N` numbers.
 pub(crate) trait CarriedLight<const N: usize> {
-    /// Those of light that falls on the surface.
-    const INCIDENT: [f64; N];
-
     /// The light after a passage.
     fn after(light: [f64; N], passage: &Passage) -> Passed<N>;
 
@@ -73,12 +70,10 @@ pub(crate) trait CarriedLight<const N: usize> {
     fn depolarised(light: [f64; N]) -> [f64; N];
 }
 
-/// Q, U and V over I of incident light that is unpolarised.
+/// Q, U and V over I.
 pub(crate) struct TrackedLight;
 
 impl CarriedLight<3> for TrackedLight {
-    const INCIDENT: [f64; 3] = [0.0; 3];
-
     #[inline(always)]
     fn after([q, u, v]: [f64; 3], passage: &Passage) -> Passed<3> {
         let [i, q, u, v] = passage.apply([1.0, q, u, v]);
@@ -99,8 +94,6 @@ impl CarriedLight<3> for TrackedLight {
 pub(crate) struct BothLight;
 
 impl CarriedLight<4> for BothLight {
-    const INCIDENT: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
-
     #[inline(always)]
     fn after([q, u, v, averaged]: [f64; 4], passage: &Passage) -> Passed<4> {
         let Passed {
@@ -123,14 +116,17 @@ impl CarriedLight<4> for BothLight {
 /// The Mueller matrix of the path over its first element, column by column, without that element.
 pub(crate) struct MuellerLight;
 
-impl CarriedLight<15> for MuellerLight {
-    const INCIDENT: [f64; 15] = [
+impl MuellerLight {
+    /// The matrix of a path without any passage.
+    const INCIDENT: [f64; MOST] = [
         0.0, 0.0, 0.0, //
         0.0, 1.0, 0.0, 0.0, //
         0.0, 0.0, 1.0, 0.0, //
         0.0, 0.0, 0.0, 1.0,
     ];
+}
 
+impl CarriedLight<MOST> for MuellerLight {
     #[inline(always)]
     fn after(light: [f64; 15], passage: &Passage) -> Passed<15> {
         let [q, u, v, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = light;
@@ -176,23 +172,26 @@ impl LightState {
     /// Nothing is carried.
     pub(crate) const NONE: Self = Self([0.0; MOST]);
 
-    /// Light that falls on the surface.
+    /// Light that falls on the surface, of which `stokes` are Q, U and V over I; a Mueller matrix holds for any.
     #[inline]
-    pub(crate) const fn incident(polarisation: Polarisation) -> Self {
+    pub(crate) const fn incident(polarisation: Polarisation, stokes: [f64; 3]) -> Self {
+        let [q, u, v] = stokes;
         match polarisation {
             Polarisation::Averaged => Self::NONE,
-            Polarisation::Tracked => widened(TrackedLight::INCIDENT),
-            Polarisation::Both => widened(BothLight::INCIDENT),
+            Polarisation::Tracked => widened(stokes),
+            Polarisation::Both => widened([q, u, v, 1.0]),
             Polarisation::Mueller => Self(MuellerLight::INCIDENT),
         }
     }
 
-    /// The same light in axes that are turned about its ray, where Mueller matrices are kept.
-    pub(crate) fn turned(self, polarisation: Polarisation, turn: Turn) -> Self {
+    /// The same light in axes that are turned about its ray.
+    pub(crate) fn turned(mut self, polarisation: Polarisation, turn: Turn) -> Self {
+        let [q, u, v, rest @ ..] = self.0;
         if polarisation != Polarisation::Mueller {
+            let Stokes([_, q, u, v]) = Stokes([1.0, q, u, v]).turned(turn);
+            self.0[..3].copy_from_slice(&[q, u, v]);
             return self;
         }
-        let [q, u, v, rest @ ..] = self.0;
         let mut columns = [[1.0, q, u, v], [0.0; 4], [0.0; 4], [0.0; 4]];
         for (column, numbers) in columns[1..].iter_mut().zip(rest.chunks_exact(4)) {
             column.copy_from_slice(numbers);
@@ -214,8 +213,8 @@ impl LightState {
     pub(crate) const fn len(polarisation: Polarisation) -> usize {
         match polarisation {
             Polarisation::Averaged => 0,
-            Polarisation::Tracked => TrackedLight::INCIDENT.len(),
-            Polarisation::Both => BothLight::INCIDENT.len(),
+            Polarisation::Tracked => 3,
+            Polarisation::Both => 4,
             Polarisation::Mueller => MOST,
         }
     }

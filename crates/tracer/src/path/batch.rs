@@ -57,6 +57,8 @@ pub(super) struct Batch<'r, F> {
     pub(super) work: Work,
     pub(super) stream: PathStream,
     pub(super) instructions: Instructions,
+    /// Q, U and V over I of the light that falls on the surface.
+    pub(super) stokes: [f64; 3],
     /// Whether light is followed on behind the first facet that it has met, to shadowed facets.
     pub(super) traces_shadows: bool,
     /// Segments of paths in their first tile.
@@ -107,6 +109,7 @@ impl<'r, F: Copy> Batch<'r, F> {
             work: Work::default(),
             stream,
             instructions,
+            stokes: illumination.stokes,
             traces_shadows,
             segments: Segments::new(kept),
             searched: Vec::new(),

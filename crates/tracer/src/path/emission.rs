@@ -15,7 +15,6 @@ use super::state::{Arrival, PathRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
 use crate::interaction::polarised::LightState;
 use crate::sampling::Places;
-use crate::settings::Polarisation;
 use crate::vector::Stage;
 
 /// Adds the parallel rays of a beam to the segments, moved into the tile.
@@ -29,7 +28,7 @@ struct Emit<'a> {
     /// Number of the first path in its batch.
     first_ray: u32,
     into: &'a mut Segments,
-    polarisation: Polarisation,
+    light: LightState,
 }
 
 impl Stage for Emit<'_> {
@@ -56,7 +55,7 @@ impl Stage for Emit<'_> {
         }
         self.into.side[rows.clone()].fill(self.side);
         self.into.flux[rows.clone()].fill(1.0);
-        let light = LightState::incident(self.polarisation).0;
+        let light = self.light.0;
         for (column, number) in self.into.light.iter_mut().zip(light) {
             column[rows.clone()].fill(number);
         }
@@ -120,7 +119,7 @@ impl<G: Geometry> Tracer<'_, G> {
             starts,
             first_ray: rays,
             into: &mut batch.segments,
-            polarisation: self.settings.polarisation,
+            light: LightState::incident(self.settings.polarisation, batch.stokes),
         });
         batch
             .searched
@@ -129,9 +128,9 @@ impl<G: Geometry> Tracer<'_, G> {
 
     /// How light from an azimuth turned by `turn` is polarised, in the axes of its ray. Those of vertical rays do not turn
     /// with the azimuth, so the light does.
-    fn incident_light(&self, beam: &Beam, turn: DVec2) -> LightState {
+    fn incident_light(&self, beam: &Beam, turn: DVec2, stokes: [f64; 3]) -> LightState {
         let polarisation = self.settings.polarisation;
-        let light = LightState::incident(polarisation);
+        let light = LightState::incident(polarisation, stokes);
         if turn == DVec2::X || !beam.is_vertical() {
             return light;
         }
@@ -170,7 +169,7 @@ impl<G: Geometry> Tracer<'_, G> {
             scatterings: 0,
             ray,
             turn: DVec2::new(turn.x, -turn.y),
-            light: self.incident_light(beam, turn),
+            light: self.incident_light(beam, turn, batch.stokes),
         };
         match starts {
             Starts::FromAbove => {

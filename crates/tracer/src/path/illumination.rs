@@ -32,6 +32,9 @@ pub struct Illumination {
     pub sampling: Sampling,
     /// Where paths start.
     pub starts: Starts,
+    /// Q, U and V over I of the light, in the axes of its ray; zeros for unpolarised light. Paths that average ignore it, and a
+    /// Mueller matrix holds for any.
+    pub stokes: [f64; 3],
 }
 
 impl Illumination {
@@ -43,13 +46,14 @@ impl Illumination {
             any_azimuth,
             sampling: Sampling::Stratified,
             starts: Starts::FromAbove,
+            stokes: [0.0; 3],
         }
     }
 
-    /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes that a Mueller
-    /// matrix refers to.
+    /// Whether each ray has an azimuth of its own. Vertical light has none to draw, but for the axes to which its polarisation or a
+    /// Mueller matrix refers.
     pub(super) fn turns(&self, polarisation: Polarisation) -> bool {
-        let has_azimuth = !self.incidence.is_vertical() || polarisation == Polarisation::Mueller;
-        self.any_azimuth && has_azimuth
+        let has_axes = polarisation == Polarisation::Mueller || self.stokes != [0.0; 3];
+        self.any_azimuth && (has_axes || !self.incidence.is_vertical())
     }
 }

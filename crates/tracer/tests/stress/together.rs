@@ -5,7 +5,7 @@ use asperity_surface::Border;
 use asperity_tally::{Entry, HemisphereGrid, Side, TallySpec, TallyValues};
 use asperity_tracer::{
     AcceleratorKind, Branching, HalfSpace, Illumination, PathEnd, PathIntegrator, PathSettings,
-    PathStream, SmoothSurface, Surface, Tracer,
+    PathStream, Polarisation, SmoothSurface, Surface, Tracer,
 };
 use rand::RngExt;
 
@@ -63,7 +63,10 @@ fn follow_both_ways<G: Stressed>() {
             weakest: 1e-6,
             max_order: MAX_ORDER as usize,
         };
-        let settings = PathSettings::new(branching, light.weakest, MAX_ORDER).unwrap();
+        // Rays one by one have no polarisation.
+        let settings = PathSettings::new(branching, light.weakest, MAX_ORDER)
+            .unwrap()
+            .with_polarisation(Polarisation::Averaged);
         let tracer = Tracer::new(&surface, &*accelerator, material, incident, settings);
         let incidence = Incidence::from_degrees(theta_deg, 50.0 * number as f64).unwrap();
         let scheme = BySide(&*accelerator);

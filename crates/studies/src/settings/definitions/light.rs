@@ -68,6 +68,16 @@ pub(super) const LIGHT: &[Setting] = &[
         "The side that light comes from",
     )
     .default("above"),
+    setting(
+        "light",
+        "stokes",
+        Kind::Number,
+        TRACE,
+        "Stokes vector of the incident light",
+    )
+    .arity(Arity::ListIn(TRACE))
+    .value_name("I,Q,U,V")
+    .otherwise("unpolarised"),
 ];
 
 pub(super) const VIEW: &[Setting] = &[
