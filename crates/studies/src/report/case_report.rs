@@ -12,6 +12,7 @@ use crate::output::{Column, Format, Table, distance, with_error, wrapped};
 use crate::report::energies::{
     endings, errors_table, flux_with_error, lost_warning, recorded_orders,
 };
+use crate::report::polarised::polarised_text;
 use crate::verify::comparison::compared::{COMPARED, key};
 use crate::verify::comparison::conclusion::{conclusion, strongest_deviation, verdict_name};
 use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
@@ -83,6 +84,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push_str(&flux_table(outcome, case));
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
+    out.push_str(&polarised_text(&case.outcome.statistics));
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
