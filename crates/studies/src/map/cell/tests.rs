@@ -49,6 +49,7 @@ fn results(deviation_bound: Option<f64>, distances: &CellDistances) -> CellResul
         spacing: [1.0, 1.0],
         deviation_bound,
         lost: 0.0,
+        tracked_less_averaged: None,
         models: vec![CellModel {
             name: "smith".to_owned(),
             all_orders: false,
