@@ -200,6 +200,7 @@ mod tests {
                 any_azimuth: false,
                 sampling: Sampling::Stratified,
                 starts: Starts::FromAbove,
+                stokes: [0.0; 3],
             },
             control_variate: None,
         };
