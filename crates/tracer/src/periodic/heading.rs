@@ -21,7 +21,18 @@ impl Heading {
     /// The direction in the world, unmirrored.
     #[must_use]
     pub fn world_direction(&self) -> DVec3 {
-        unmirrored(self.direction, self.mirrored)
+        self.to_world(self.direction)
+    }
+
+    /// A direction in the tile, in the world.
+    pub(crate) fn to_world(self, direction: DVec3) -> DVec3 {
+        unmirrored(direction, self.mirrored)
+    }
+
+    /// A direction in the world, in the tile.
+    pub(crate) fn to_tile(self, direction: DVec3) -> DVec3 {
+        // Mirroring is its own inverse.
+        unmirrored(direction, self.mirrored)
     }
 
     /// The query for what the ray meets in the tile at the origin.

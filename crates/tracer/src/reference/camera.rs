@@ -21,6 +21,9 @@ impl<G: Geometry> PathIntegrator<'_, G> {
     /// With `beams` it also tells of light from their direction that is scattered into the path inside the
     /// layer. They are left out under a mirrored border, where a direction has several images, and in a medium
     /// of lower index, in which light may rise below the surface; they end after some tiles.
+    ///
+    /// Light counts as unpolarised at every interface, whatever the settings say: a path that begins at the eye does not know the
+    /// polarisation of the light that comes along it.
     pub fn trace_camera_ray<R: Rng>(
         &self,
         origin: DVec3,
@@ -34,7 +37,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
             .transmitting_index()
             .is_some_and(|eta| eta >= 1.0);
         let beams = beams.filter(|_| is_denser && self.geometry.border() != Border::Mirrored);
-        let mut path = PathState::new(origin, direction);
+        let mut path = PathState::new(origin, direction, None);
 
         // Find the first facet
         let hit = match self.next_event(&path, rng) {
@@ -46,16 +49,15 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         path.flight = 0.0;
 
         // Follow both branches
-        let wi = -path.heading.direction;
         let m = self.normal(&hit, path.space);
-        let scattered = self.scattered(hit.interface, path.space, wi, m, rng);
-        let mut absorbed = scattered.absorbed;
-        for branch in scattered.branches {
-            if branch.fraction > 0.0 {
+        let divided = self.divided(hit.interface, &path, m, rng);
+        let mut absorbed = divided.absorbed;
+        for lit in divided.branches {
+            if lit.branch.fraction > 0.0 {
                 let mut path = path;
-                path.flux = branch.fraction;
+                path.flux = lit.branch.fraction;
                 path.absorbed = std::mem::take(&mut absorbed);
-                path.leave_interface(Interface::Top, &branch);
+                path.leave_interface(Interface::Top, &lit);
                 let end = self.follow(&mut path, beams, rng, &mut contribute);
 
                 // Say whether the beams stand for where it came from

@@ -1,11 +1,13 @@
 //! Interface: moves a path to an interface, and says what the interface does with its light.
 
-use asperity_optics::{Bottom, Material, around, reflect};
+use asperity_optics::{Bottom, Material, around};
 use asperity_tally::Event;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
+use super::amplitudes::Amplitudes;
+use super::division::Division;
 use super::next_event::InterfaceHit;
 use super::result::PathEnd;
 use super::state::{PathState, Space};
@@ -51,48 +53,69 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         })
     }
 
-    /// What an interface does with light from `wi` that comes through `space`, at a place of normal `m`.
-    pub(super) fn scattered<R: Rng>(
+    /// What an interface does with the light of a path that has come to it, at a place of normal `m`.
+    pub(super) fn divided<R: Rng>(
         &self,
         interface: Interface,
-        space: Space,
-        wi: DVec3,
+        path: &PathState,
         m: DVec3,
         rng: &mut R,
-    ) -> Scattered {
-        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
-        match (interface, bottom) {
-            (Interface::Bottom, Some(bottom)) => at_bottom(bottom, space, wi, m, rng),
-            _ => scatter(self.material, space == Space::Above, wi, m),
+    ) -> Division {
+        let wi = -path.heading.direction;
+        let material = self.material(interface, path.space);
+        let scattered = match material {
+            Some(material) => scatter(material, true, wi, m),
+            None => self.scattered_at_bottom(m, rng),
+        };
+        let division = Division::averaged(&scattered);
+        match (path.fields, material) {
+            (None, _) => division,
+            (Some(fields), Some(material)) => {
+                let amplitudes = Amplitudes::of(material, wi.dot(m).clamp(0.0, 1.0));
+                division.polarised(&path.heading, &fields, m, &amplitudes)
+            }
+            (Some(_), None) => division.depolarised(&path.heading),
         }
     }
-}
 
-/// What a bottom does with light that comes through a space from `wi`, to a place of normal `m` on the side
-/// of `wi`.
-fn at_bottom<R: Rng>(bottom: Bottom, space: Space, wi: DVec3, m: DVec3, rng: &mut R) -> Scattered {
-    let (reflectance, wo) = match bottom {
-        Bottom::Interface { eta } => {
-            return scatter(Material::Dielectric { eta }, space == Space::Inside, wi, m);
+    /// The material of an interface for light that comes through `space`; `None` for a bottom that reflects
+    /// diffusely, or not at all.
+    fn material(&self, interface: Interface, space: Space) -> Option<Material> {
+        let bottom = self.layer.as_ref().and_then(TracedLayer::bottom);
+        let (material, incident) = match (interface, bottom) {
+            (Interface::Top, _) | (_, None) => (self.material, Space::Above),
+            (_, Some(Bottom::Interface { eta })) => (Material::Dielectric { eta }, Space::Inside),
+            (_, Some(Bottom::Mirror)) => (Material::Mirror, Space::Inside),
+            _ => return None,
+        };
+        Some(if space == incident {
+            material
+        } else {
+            material.reversed()
+        })
+    }
+
+    /// What a bottom does that is no interface, at a place of normal `m`.
+    fn scattered_at_bottom<R: Rng>(&self, m: DVec3, rng: &mut R) -> Scattered {
+        let (reflectance, wo) = match self.layer.as_ref().and_then(TracedLayer::bottom) {
+            // Lambert: the squared cosine to the normal is evenly distributed.
+            Some(Bottom::Lambertian { reflectance }) => {
+                let cos_theta_o = rng.random::<f64>().sqrt();
+                (reflectance, around(m, cos_theta_o, rng.random()))
+            }
+            _ => (0.0, DVec3::ZERO),
+        };
+        let branch = |event, fraction, direction| Branch {
+            event,
+            direction,
+            fraction,
+        };
+        Scattered {
+            branches: [
+                branch(Event::Transmission, 0.0, DVec3::ZERO),
+                branch(Event::Reflection, reflectance, wo),
+            ],
+            absorbed: 1.0 - reflectance,
         }
-        Bottom::Mirror => (1.0, reflect(wi, m)),
-        // Lambert: the squared cosine to the normal is evenly distributed.
-        Bottom::Lambertian { reflectance } => {
-            let cos_theta_o = rng.random::<f64>().sqrt();
-            (reflectance, around(m, cos_theta_o, rng.random()))
-        }
-        _ => (0.0, DVec3::ZERO),
-    };
-    let branch = |event, fraction, direction| Branch {
-        event,
-        direction,
-        fraction,
-    };
-    Scattered {
-        branches: [
-            branch(Event::Transmission, 0.0, DVec3::ZERO),
-            branch(Event::Reflection, reflectance, wo),
-        ],
-        absorbed: 1.0 - reflectance,
     }
 }

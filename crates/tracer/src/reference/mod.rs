@@ -8,24 +8,32 @@
 //! path may as well begin at the eye.
 //!
 //! `next_event.rs` finds what a path comes to, `interface.rs` scatters it there, `state.rs` is the path,
-//! `result.rs` its end, and `camera.rs` follows both branches of a first interaction.
+//! `result.rs` its end, and `camera.rs` follows both branches of a first interaction. Polarised light is followed by its
+//! electric fields: `fields.rs` has them, `amplitudes.rs` what interfaces multiply them by, and `division.rs` divides them between
+//! reflection and transmission.
 
+mod amplitudes;
 mod camera;
+mod division;
+mod fields;
 mod interface;
 mod next_event;
 mod result;
 mod state;
+#[cfg(test)]
+mod tests;
 
-use asperity_optics::Material;
+use asperity_optics::{Material, Stokes};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
+use self::fields::Fields;
 use self::next_event::NextEvent;
 use self::state::PathState;
 use crate::accelerators::Accelerator;
 use crate::geometry::Geometry;
 use crate::interaction::layer::TracedLayer;
-use crate::settings::PathSettings;
+use crate::settings::{PathSettings, Polarisation};
 use crate::visibility::light_beams::LightBeams;
 
 pub use self::next_event::FlightSearch;
@@ -33,7 +41,8 @@ pub use self::result::{BeamContribution, CameraContribution, PathEnd, PathResult
 
 /// Follows light that comes from above, one path at a time.
 ///
-/// Of the settings it takes the roulette threshold and the highest order; it always picks one branch.
+/// Of the settings it takes the roulette threshold, the highest order, and whether polarisation is averaged; it always picks
+/// one branch.
 pub struct PathIntegrator<'a, G: Geometry> {
     geometry: &'a G,
     accelerator: &'a dyn Accelerator<G>,
@@ -81,7 +90,37 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
     /// `origin`: tile coordinates of the upper surface, above it, possibly over another tile; `direction`: a
     /// unit vector in the world.
     pub fn trace<R: Rng>(&self, origin: DVec3, direction: DVec3, rng: &mut R) -> PathResult {
-        let mut path = PathState::new(origin, direction);
+        let is_averaged = self.settings.polarisation == Polarisation::Averaged;
+        let fields = (!is_averaged).then(|| Fields::unpolarised(direction));
+        self.trace_fields(PathState::new(origin, direction, fields), rng)
+    }
+
+    /// The same for incident light of any polarisation: `incident` is its Stokes vector in the
+    /// [`reference_axes`](asperity_optics::reference_axes) of `direction`, and its flux counts as one.
+    ///
+    /// # Panics
+    /// If the settings average polarisation, or if there is no light, or more polarised light than light.
+    pub fn trace_polarised<R: Rng>(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        incident: Stokes,
+        rng: &mut R,
+    ) -> PathResult {
+        assert!(
+            self.settings.polarisation != Polarisation::Averaged,
+            "averaged paths have no polarisation"
+        );
+        let Stokes([i, q, u, v]) = incident;
+        assert!(
+            i > 0.0 && q * q + u * u + v * v <= i * i * (1.0 + 1e-9),
+            "{incident:?} is no light"
+        );
+        let fields = Fields::from_stokes(direction, incident);
+        self.trace_fields(PathState::new(origin, direction, Some(fields)), rng)
+    }
+
+    fn trace_fields<R: Rng>(&self, mut path: PathState, rng: &mut R) -> PathResult {
         let end = self.follow(&mut path, None, rng, &mut |_| {});
         path.ended(end)
     }
@@ -112,19 +151,18 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     }
 
                     // Compute what the interface reflects, transmits and absorbs
-                    let wi = -path.heading.direction;
                     let m = self.normal(&hit, path.space);
-                    let scattered = self.scattered(hit.interface, path.space, wi, m, rng);
-                    let [transmission, reflection] = &scattered.branches;
-                    let kept = transmission.fraction + reflection.fraction;
-                    path.absorbed += path.flux * scattered.absorbed;
+                    let divided = self.divided(hit.interface, path, m, rng);
+                    let [transmission, reflection] = &divided.branches;
+                    let kept = transmission.branch.fraction + reflection.branch.fraction;
+                    path.absorbed += path.flux * divided.absorbed;
                     path.flux *= kept;
                     if path.flux == 0.0 {
                         return PathEnd::Absorbed;
                     }
 
                     // Sample reflection or transmission by their fractions
-                    let is_reflected = rng.random::<f64>() * kept < reflection.fraction;
+                    let is_reflected = rng.random::<f64>() * kept < reflection.branch.fraction;
                     let wo = if is_reflected {
                         reflection
                     } else {
@@ -159,7 +197,7 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
                     }
 
                     // Sample the phase function
-                    path.heading.direction = layer.scattered(path.heading.direction, rng);
+                    path.scatter_inside(layer, rng);
                 }
             }
 

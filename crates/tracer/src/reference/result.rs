@@ -1,5 +1,6 @@
 //! Result: the end of a path, and what it contributes to a camera.
 
+use asperity_optics::Stokes;
 use asperity_tally::EventPath;
 use glam::DVec3;
 
@@ -22,6 +23,9 @@ pub struct PathResult {
     /// Whether [`CameraContribution::Beam`] stands for where it has come from: it left above through one facet, straight
     /// after it was scattered inside no farther away than beams reach, and beams were given.
     pub sampled_by_beams: bool,
+    /// Polarisation of its light: the Stokes vector over its flux, in the
+    /// [`reference_axes`](asperity_optics::reference_axes) of `direction`; unpolarised where that is not tracked.
+    pub stokes: Stokes,
     /// Unit direction of its last stretch, in the world.
     pub direction: DVec3,
     /// Where that stretch began, in the coordinates of the upper surface's tile, continued beyond it

@@ -1,11 +1,15 @@
 //! Path state: where a path is, and what it carries.
 
+use asperity_optics::{PhaseFunction, Stokes};
 use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
+use rand::Rng;
 
+use super::division::LitBranch;
+use super::fields::Fields;
 use super::result::{PathEnd, PathResult};
-use crate::interaction::facet::Branch;
-use crate::interaction::layer::Interface;
+use crate::geometry::Geometry;
+use crate::interaction::layer::{Interface, TracedLayer};
 use crate::periodic::Heading;
 
 /// The three spaces that the surface and the bottom divide.
@@ -28,6 +32,8 @@ pub(super) struct PathState {
     /// The same place in the plane continued without end.
     pub(super) place: DVec2,
     pub(super) flux: f64,
+    /// The polarisation of its light; `None` if light counts as unpolarised at every interface.
+    pub(super) fields: Option<Fields>,
     pub(super) absorbed: f64,
     pub(super) truncated: f64,
     pub(super) events: EventPath,
@@ -39,7 +45,7 @@ pub(super) struct PathState {
 }
 
 impl PathState {
-    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+    pub(super) fn new(origin: DVec3, direction: DVec3, fields: Option<Fields>) -> Self {
         Self {
             space: Space::Above,
             heading: Heading {
@@ -49,6 +55,7 @@ impl PathState {
             },
             place: DVec2::new(origin.x, origin.y),
             flux: 1.0,
+            fields,
             absorbed: 0.0,
             truncated: 0.0,
             events: EventPath::default(),
@@ -58,9 +65,11 @@ impl PathState {
         }
     }
 
-    /// Leaves an interface along `branch`.
-    pub(super) fn leave_interface(&mut self, interface: Interface, branch: &Branch) {
+    /// Leaves an interface along a branch.
+    pub(super) fn leave_interface(&mut self, interface: Interface, lit: &LitBranch) {
+        let LitBranch { branch, fields } = *lit;
         self.heading.direction = branch.direction;
+        self.fields = fields;
         self.events = self.events.then(branch.event);
         self.events_since += 1;
         if branch.event == Event::Transmission {
@@ -74,8 +83,28 @@ impl PathState {
         }
     }
 
+    /// Is scattered by the medium of a layer: by dipoles for Rayleigh's phase function, while others depolarise.
+    pub(super) fn scatter_inside<G: Geometry, R: Rng>(
+        &mut self,
+        layer: &TracedLayer<'_, G>,
+        rng: &mut R,
+    ) {
+        match self.fields {
+            Some(fields) if layer.phase() == PhaseFunction::Rayleigh => {
+                let (direction, fields) = fields.rayleigh(rng);
+                self.heading.direction = self.heading.to_tile(direction);
+                self.fields = Some(fields);
+            }
+            fields => {
+                self.heading.direction = layer.scattered(self.heading.direction, rng);
+                self.fields = fields.map(|_| Fields::unpolarised(self.heading.world_direction()));
+            }
+        }
+    }
+
     /// The result of a path that ends here.
     pub(super) fn ended(&self, end: PathEnd) -> PathResult {
+        let direction = self.heading.world_direction();
         PathResult {
             end,
             flux: self.flux,
@@ -84,7 +113,10 @@ impl PathState {
             path: self.events,
             scatterings: self.scatterings,
             sampled_by_beams: false,
-            direction: self.heading.world_direction(),
+            stokes: self
+                .fields
+                .map_or(Stokes::UNPOLARISED, |fields| fields.stokes(direction)),
+            direction,
             origin: self.place.extend(self.heading.origin.z),
         }
     }
