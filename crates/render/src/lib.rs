@@ -34,7 +34,7 @@ use asperity_io::Picture;
 use asperity_optics::{Layer, Material};
 use asperity_tracer::{
     BuildAccelerator, FlightSearch, Geometry, LightBeams, MeshSurface, PathIntegrator,
-    SmoothSurface, Surface, can_traverse, tiles_crossed,
+    Polarisation, SmoothSurface, Surface, can_traverse, tiles_crossed,
 };
 
 pub use error::RenderError;
@@ -220,7 +220,7 @@ fn scene<'a, G: Geometry>(
         geometry,
         accelerator,
         matter.material,
-        settings.paths,
+        settings.paths.with_polarisation(Polarisation::Averaged),
         medium,
     );
     Ok(Scene {

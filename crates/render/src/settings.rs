@@ -22,7 +22,7 @@ pub struct RenderSettings {
     pub samples: u64,
     /// Seed of the lines and paths.
     pub seed: u64,
-    /// How paths are ended.
+    /// How paths are ended. Polarisation is averaged in any case: camera paths do not know that of the light.
     pub paths: PathSettings,
     /// How hits are found.
     pub accelerator: AcceleratorKind,

@@ -8,7 +8,7 @@ use asperity_surface::{Border, HeightField, Psd, SplineSurface, Synthesis};
 use asperity_tally::{BatchStatistics, Estimate, TallyResult, TallySpec};
 use asperity_tracer::{
     AcceleratorKind, BottomShape, Branching, BuildAccelerator, HalfSpace, Illumination, PathEnd,
-    PathSettings, PathStream, TracedLayer, Tracer,
+    PathSettings, PathStream, Polarisation, TracedLayer, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -216,7 +216,7 @@ fn albedo<G: BuildAccelerator>(surface: &G, layer: Option<&Layer>, towards: Inci
         &*hits,
         GLASS,
         HalfSpace::Above,
-        PathSettings::default(),
+        PathSettings::default().with_polarisation(Polarisation::Averaged),
     );
     if let Some(layer) = layer {
         let flat = BottomShape::Flat;
@@ -433,7 +433,8 @@ fn light_beams_agree_with_random_paths_under_a_sun() {
     let surface = Surface::new(field);
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let medium = TracedLayer::new(&surface, &layer, BottomShape::Flat, 100_000).unwrap();
-    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, settings.paths, Some(medium));
+    let paths = settings.paths.with_polarisation(Polarisation::Averaged);
+    let integrator = PathIntegrator::new(&surface, &*hits, GLASS, paths, Some(medium));
     let integrator = integrator.with_flight_search(FlightSearch::Nearby);
     let height = 16.0 / 4.0;
     let seen_depth = width / height;
