@@ -15,6 +15,7 @@ mod light_beams;
 mod meshes;
 mod physics;
 mod polarised;
+mod polarised_paths;
 mod smooth;
 mod smooth_paths;
 mod visibility;
