@@ -16,6 +16,7 @@ mod meshes;
 mod physics;
 mod polarised;
 mod polarised_paths;
+mod polarised_table;
 mod smooth;
 mod smooth_paths;
 mod visibility;
