@@ -64,8 +64,7 @@ impl Sum {
 
 #[test]
 fn mueller_matrices_by_side_and_order_agree_with_an_independent_program() {
-    let [table, heights] =
-        ["polarised_s2.json", "gauss_n512_tau16_s2.npy"].map(|name| shared(name));
+    let [table, heights] = ["polarised_s2.json", "gauss_n512_tau16_s2.npy"].map(shared);
     let (Ok(table), Ok(heights)) = (std::fs::read(&table), std::fs::read(&heights)) else {
         println!("skipped: {} or the heights are not there", table.display());
         return;
