@@ -4,6 +4,7 @@ pub(crate) mod beckmann;
 pub(crate) mod bsdf;
 pub(crate) mod half_vector;
 pub(crate) mod lambda;
+pub(crate) mod mueller;
 mod normals;
 pub(crate) mod slope_frame;
 pub(crate) mod slopes;

@@ -4,7 +4,7 @@ use asperity_optics::Material;
 use glam::DVec3;
 
 use crate::microfacet::beckmann::Beckmann;
-use crate::microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
+use crate::microfacet::half_vector::{Facet, scattering_facet};
 use crate::microfacet::slopes::SlopeCovariance;
 
 /// A distribution of facets and what they are made of.
@@ -49,25 +49,14 @@ impl MicrofacetInterface {
 
     /// The unshadowed BSDF where it is above zero, and the facet that scatters the light.
     fn scatter(&self, wi: DVec3, wo: DVec3) -> Option<(f64, Facet)> {
-        if wi.z <= 0.0 || wo.z == 0.0 {
-            return None;
-        }
-        // Find the half vector
-        let reflected = wo.z > 0.0;
-        let facet = if reflected {
-            reflecting_facet(wi, wo)
-        } else {
-            self.material
-                .transmitting_index()
-                .and_then(|eta| refracting_facet(wi, wo, eta))
-        }?;
+        let facet = scattering_facet(&self.material, wi, wo)?;
         // Evaluate D and F at it
         let d = self.distribution.d(facet.m);
         if d == 0.0 {
             return None;
         }
         let fresnel = self.material.fresnel(facet.cos_theta_i.min(1.0));
-        let f = if reflected {
+        let f = if wo.z > 0.0 {
             fresnel.reflected
         } else {
             fresnel.transmitted

@@ -62,6 +62,20 @@ pub fn refracting_facet(wi: DVec3, wo: DVec3, eta: f64) -> Option<Facet> {
     })
 }
 
+/// The facet that scatters light from `wi` into `wo`, by reflection if `wo.z > 0` and by refraction otherwise.
+///
+/// `None` unless `wi.z > 0`, `wo` is not horizontal, and a facet of `material` connects both.
+pub(crate) fn scattering_facet(material: &Material, wi: DVec3, wo: DVec3) -> Option<Facet> {
+    if wi.z <= 0.0 || wo.z == 0.0 {
+        None
+    } else if wo.z > 0.0 {
+        reflecting_facet(wi, wo)
+    } else {
+        let eta = material.transmitting_index()?;
+        refracting_facet(wi, wo, eta)
+    }
+}
+
 /// The direction into which the facet `m` scatters light from `wi`: mirrored, or refracted by `material` if
 /// `refracted` gives its index.
 ///

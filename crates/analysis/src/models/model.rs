@@ -1,12 +1,13 @@
 //! Model interface: what every scattering model offers.
 
-use asperity_optics::{Material, MaterialError};
+use asperity_optics::{Material, MaterialError, Mueller};
 use asperity_tally::{Sides, Tally};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::mueller::facet_mueller;
 use crate::microfacet::slopes::{SlopeCovariance, SlopeError};
 use crate::models::kinks::Kinks;
 
@@ -99,6 +100,31 @@ pub trait BsdfModel: ScatteringModel {
     ///
     /// Both are unit vectors; zero unless `wi.z > 0`.
     fn bsdf(&self, wi: DVec3, wo: DVec3) -> f64;
+
+    /// The BSDF of polarised light in 1/sr, as a Mueller matrix; its first element is [`Self::bsdf`].
+    ///
+    /// It takes the Stokes vector in the axes of the incident ray, [`reference_axes`](asperity_optics::reference_axes) of
+    /// `-wi`, to that in the axes of the ray that leaves, those of `wo`. One facet scatters the light, so the ratios of
+    /// the elements are those of its Fresnel matrix, whatever the density of the facets and their masking.
+    ///
+    /// # Examples
+    /// ```
+    /// use asperity_analysis::{SlopeCovariance, closed_form};
+    /// use asperity_optics::{Material, from_spherical};
+    ///
+    /// // Facets met at Brewster's angle reflect light that is fully polarised along s.
+    /// let glass = Material::dielectric(1.5)?;
+    /// let model = closed_form("smith", SlopeCovariance::isotropic(3.0)?, glass)?;
+    /// let brewster = 1.5_f64.atan();
+    /// let (wi, wo) = (from_spherical(brewster, 0.0), from_spherical(-brewster, 0.0));
+    /// let mueller = model.mueller(wi, wo).0;
+    /// assert_eq!(mueller[0][0], model.bsdf(wi, wo));
+    /// assert!((mueller[1][0] / mueller[0][0] - 1.0).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    fn mueller(&self, wi: DVec3, wo: DVec3) -> Mueller {
+        facet_mueller(self.material(), wi, wo, self.bsdf(wi, wo))
+    }
 
     /// Where the density has kinks; quadrature subdivides there.
     fn kinks(&self) -> Kinks {

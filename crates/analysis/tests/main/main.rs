@@ -26,6 +26,7 @@ mod models {
     mod heitz;
     mod heitz_explicit;
     mod heitz_rare;
+    mod mueller;
     mod neumann;
     mod reference;
     mod v_cavity;
