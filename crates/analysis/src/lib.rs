@@ -73,6 +73,7 @@ pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
 pub use microfacet::slopes::{SlopeCovariance, SlopeError};
 pub use models::heitz::Heitz;
+pub use models::heitz_polarised::HeitzPolarised;
 pub use models::kinks::Kinks;
 pub use models::model::{BsdfModel, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope};
 pub use models::neumann::{Attenuation, CookTorranceNeumann};

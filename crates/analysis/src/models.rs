@@ -1,6 +1,7 @@
 //! The scattering models, one per file, and the registry of their names.
 
 pub(crate) mod heitz;
+pub(crate) mod heitz_polarised;
 pub(crate) mod kinks;
 pub(crate) mod model;
 pub(crate) mod neumann;

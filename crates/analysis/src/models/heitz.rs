@@ -18,7 +18,8 @@
 //! is left of it. Russian roulette ends paths that have become weak relative to their own beginning.
 //!
 //! # Parameters
-//! The slope covariance and the material, dielectric or conductor.
+//! The slope covariance and the material, dielectric or conductor. The walk serves the model `heitz-polarised` as well,
+//! which differs in what it knows of the light: see `light.rs`.
 //!
 //! # Source
 //! Heitz, Hanika, d'Eon and Dachsbacher 2016, "Multiple-scattering microfacet BSDFs with the Smith model".
@@ -30,6 +31,7 @@
 mod analog;
 mod branch;
 mod height;
+pub(crate) mod light;
 
 use asperity_optics::Material;
 use asperity_tally::{EventPath, Exit, Loss, Side, Sides, Tally};
@@ -46,6 +48,7 @@ use crate::models::model::{
 use crate::models::smith::Smith;
 use branch::{Branch, FacetHit};
 use height::Height;
+use light::{Averaged, Light};
 
 /// Light of all orders on the Smith microsurface of Gaussian slopes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,12 +125,25 @@ impl ScatteringModel for Heitz {
 
 impl RandomWalk for Heitz {
     fn follow(&self, wi: DVec3, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) {
+        self.follow_light::<Averaged>(wi, rng, tally);
+    }
+}
+
+impl Heitz {
+    /// Follows one incident ray, see [`RandomWalk::follow`], with light of the kind `L`.
+    pub(crate) fn follow_light<L: Light>(
+        &self,
+        wi: DVec3,
+        rng: &mut ChaCha8Rng,
+        tally: &mut Tally<'_>,
+    ) {
         let lambda = self.distribution.lambda(wi);
         let first = FacetHit {
             side: Side::Reflected,
             height: Height::ABOVE_ALL.descended(lambda, rng.sample(Open01)),
             w: wi,
             weight: 1.0,
+            light: L::INCIDENT,
             path: EventPath::default(),
         };
         let branches = self.scatter(&first, rng, tally);
@@ -137,12 +153,15 @@ impl RandomWalk for Heitz {
             self.follow_branch(branch, threshold, rng, tally);
         }
     }
-}
 
-impl Heitz {
     /// Samples the facet at a hit, and tallies what it absorbs and what escapes from it. The remaining light has
     /// escaped neither by reflection nor by transmission.
-    fn scatter(&self, hit: &FacetHit, rng: &mut ChaCha8Rng, tally: &mut Tally<'_>) -> [Branch; 2] {
+    fn scatter<L: Light>(
+        &self,
+        hit: &FacetHit<L>,
+        rng: &mut ChaCha8Rng,
+        tally: &mut Tally<'_>,
+    ) -> [Branch<L>; 2] {
         let m = self.distribution.sample_visible(hit.w, rng);
         let (branches, absorbed) = branch::branches(&self.distribution, self.material, hit, m);
         if absorbed > 0.0 {
@@ -164,9 +183,9 @@ impl Heitz {
     }
 
     /// Follows the light that left the first facet by `branch` and did not escape.
-    fn follow_branch(
+    fn follow_branch<L: Light>(
         &self,
-        mut branch: Branch,
+        mut branch: Branch<L>,
         threshold: f64,
         rng: &mut ChaCha8Rng,
         tally: &mut Tally<'_>,
@@ -191,6 +210,7 @@ impl Heitz {
                 height: branch.next_height(rng.sample(Open01)),
                 w: -branch.direction,
                 weight,
+                light: branch.light,
                 path,
             };
             let [reflected, transmitted] = self.scatter(&hit, rng, tally);

@@ -6,6 +6,7 @@ use asperity_optics::Material;
 
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::heitz::Heitz;
+use crate::models::heitz_polarised::HeitzPolarised;
 use crate::models::model::{BsdfModel, Constructor, ModelEntry, ModelError, ScatteringModel};
 use crate::models::neumann::CookTorranceNeumann;
 use crate::models::smith::Smith;
@@ -21,6 +22,7 @@ const REGISTRY: &[ModelEntry] = &[
     Smith::ENTRY_CORRELATED,
     Smith::ENTRY_SEPARABLE,
     Heitz::ENTRY,
+    HeitzPolarised::ENTRY,
     VCavity::ENTRY,
     CookTorranceNeumann::ENTRY_GROOVES,
     CookTorranceNeumann::ENTRY_SMITH,

@@ -25,6 +25,7 @@ mod layer {
 mod models {
     mod heitz;
     mod heitz_explicit;
+    mod heitz_polarised;
     mod heitz_rare;
     mod mueller;
     mod neumann;

@@ -5,23 +5,26 @@ use asperity_tally::{Event, EventPath, Side};
 use glam::DVec3;
 
 use super::height::Height;
+use super::light::{Light, Scattered};
 use crate::microfacet::beckmann::Beckmann;
 
 /// Light that arrives at a facet.
-pub(super) struct FacetHit {
+pub(super) struct FacetHit<L> {
     /// The side of the medium that the light comes through. Directions are in the frame whose +z points into it.
     pub(super) side: Side,
     pub(super) height: Height,
     /// Unit direction towards the origin of the light.
     pub(super) w: DVec3,
     pub(super) weight: f64,
+    /// State of the light.
+    pub(super) light: L,
     /// Interactions before this facet.
     pub(super) path: EventPath,
 }
 
 /// Reflected or transmitted light of a facet, in the frame whose +z points into the medium that it enters.
 #[derive(Clone, Copy)]
-pub(super) struct Branch {
+pub(super) struct Branch<L> {
     pub(super) event: Event,
     /// Side of that medium.
     pub(super) side: Side,
@@ -31,6 +34,8 @@ pub(super) struct Branch {
     pub(super) escaping: f64,
     /// Fraction of the light at the facet that takes this branch and meets another facet.
     pub(super) remaining: f64,
+    /// State of the light on this branch.
+    pub(super) light: L,
     height: Height,
     lambda: f64,
     /// Probability of meeting another facet.
@@ -39,18 +44,22 @@ pub(super) struct Branch {
 
 /// Reflection and transmission at a facet of normal `m`, and the fraction of the light that is absorbed. A
 /// branch without light has zero fractions.
-pub(super) fn branches(
+pub(super) fn branches<L: Light>(
     distribution: &Beckmann,
     material: Material,
-    hit: &FacetHit,
+    hit: &FacetHit<L>,
     m: DVec3,
-) -> ([Branch; 2], f64) {
+) -> ([Branch<L>; 2], f64) {
     // Apply Fresnel's equations, seen from the side of the hit
     let material = match hit.side {
         Side::Reflected => material,
         Side::Transmitted => material.reversed(),
     };
-    let fresnel = material.fresnel(hit.w.dot(m).clamp(0.0, 1.0));
+    let Scattered {
+        fresnel,
+        reflected,
+        transmitted,
+    } = hit.light.scattered(material, hit.w, m);
     // Reflect
     let dark = Branch {
         event: Event::Reflection,
@@ -58,6 +67,7 @@ pub(super) fn branches(
         direction: reflect(hit.w, m),
         escaping: 0.0,
         remaining: 0.0,
+        light: reflected,
         height: hit.height,
         lambda: 0.0,
         blocked: 0.0,
@@ -71,6 +81,7 @@ pub(super) fn branches(
                 event: Event::Transmission,
                 side: opposite(hit.side),
                 direction: mirrored(d),
+                light: transmitted,
                 height: hit.height.seen_from_behind(),
                 ..dark
             };
@@ -82,7 +93,7 @@ pub(super) fn branches(
     }
 }
 
-impl Branch {
+impl<L> Branch<L> {
     /// This branch, taken by `fraction` of the light at the facet.
     fn carrying(self, fraction: f64, distribution: &Beckmann) -> Self {
         let lambda = distribution.lambda(self.direction);

@@ -1,0 +1,191 @@
+//! The polarised random walk: against a walk with complex field vectors, against quadrature where s and p do not mix,
+//! and against the averaged walk, where both must agree and where they must not.
+
+mod field_walk;
+mod grooves;
+
+use asperity_analysis::{
+    Heitz, HeitzPolarised, RandomWalk, ScatteringModel, SlopeCovariance, sidak_z_threshold,
+};
+use asperity_optics::{Material, from_spherical};
+use asperity_tally::{
+    Azimuth, Component, Entry, HemisphereGrid, Side, Tally, TallyResult, TallySpec,
+    TallyStatistics, TallyValues,
+};
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+
+use field_walk::FieldWalk;
+
+const BATCHES: u64 = 100;
+
+fn spec() -> TallySpec {
+    let grid = HemisphereGrid::new(3, 4).unwrap();
+    TallySpec::new(grid, TallySpec::DEFAULT_HALF_WIDTH).unwrap()
+}
+
+fn glass(eta: f64) -> Material {
+    Material::dielectric(eta).unwrap()
+}
+
+fn gold() -> Material {
+    Material::conductor(0.43, 2.455).unwrap()
+}
+
+/// It reflects little, and s far more than p.
+fn dark_metal() -> Material {
+    Material::conductor(1.4, 0.5).unwrap()
+}
+
+fn isotropic(s: f64) -> SlopeCovariance {
+    SlopeCovariance::isotropic(s).unwrap()
+}
+
+fn turned() -> SlopeCovariance {
+    SlopeCovariance::new(0.5, 2.0, 0.6).unwrap()
+}
+
+fn sampled(walk: &dyn RandomWalk, wi: DVec3, rays: u64, seed: u64) -> TallyStatistics {
+    let mut rng = ChaCha8Rng::seed_from_u64(seed);
+    let mut statistics = TallyStatistics::new(spec());
+    for _ in 0..BATCHES {
+        let mut tally = Tally::new(spec(), Azimuth::From(0.0));
+        for _ in 0..rays / BATCHES {
+            walk.follow(wi, &mut rng, &mut tally);
+        }
+        statistics.push(&tally.into_fractions(rays / BATCHES));
+    }
+    statistics
+}
+
+/// The first ray of a seed.
+fn one_ray(walk: &dyn RandomWalk, wi: DVec3, seed: u64) -> TallyValues {
+    let mut tally = Tally::new(spec(), Azimuth::From(0.0));
+    walk.follow(wi, &mut ChaCha8Rng::seed_from_u64(seed), &mut tally);
+    tally.into_fractions(1)
+}
+
+#[test]
+fn the_budget_of_each_ray_closes() {
+    for slopes in [isotropic(0.3), isotropic(3.0), turned()] {
+        for material in [Material::Mirror, glass(1.5), glass(0.5), gold()] {
+            let model = HeitzPolarised::new(slopes, material).unwrap();
+            for seed in 0..300 {
+                let wi = from_spherical(0.3 * (seed % 5) as f64, seed as f64);
+                let budget = one_ray(&model, wi, seed).budget();
+                // Some tens of products and sums a path.
+                assert!((budget.total() - 1.0).abs() < 1e-13, "{}", budget.total());
+                assert!(budget.parts()[..3].iter().all(|&v| v >= 0.0) && budget.lost == 0.0);
+                let is_metal = material == gold();
+                assert_eq!(budget.absorbed > 0.0, is_metal);
+            }
+        }
+    }
+}
+
+#[test]
+fn single_scattering_is_that_of_the_averaged_walk() {
+    let spec = spec();
+    for material in [Material::Mirror, glass(1.5), glass(1.0 / 1.5), gold()] {
+        let [averaged, polarised]: [Box<dyn ScatteringModel>; 2] = [
+            Box::new(Heitz::new(turned(), material).unwrap()),
+            Box::new(HeitzPolarised::new(turned(), material).unwrap()),
+        ];
+        let (wi, wo) = (from_spherical(0.7, 0.2), from_spherical(0.5, 3.0));
+        let density = |model: &dyn ScatteringModel| model.density().unwrap().bsdf(wi, wo);
+        assert_eq!(density(&*averaged), density(&*polarised));
+        for seed in 0..500 {
+            // Each ray has its own random numbers, which serve the first facet alike.
+            let [a, b] = [&averaged, &polarised]
+                .map(|model| one_ray(model.random_walk().unwrap(), wi, seed));
+            let bins = spec.grid_entries(Component::Single);
+            let tolerance = if material == gold() { 1e-15 } else { 0.0 };
+            for i in bins.iter() {
+                assert!((a[i] - b[i]).abs() <= tolerance, "{material:?} {seed}");
+            }
+            // A mirror reflects all light, whatever its polarisation.
+            if material == Material::Mirror {
+                assert_eq!(a, b);
+            }
+        }
+    }
+}
+
+/// Entries of both sides: orders 2 to 4, all light scattered more than once, and each path of two and three facets.
+fn multiple_entries(spec: TallySpec) -> Vec<Entry> {
+    let of_side = |side| {
+        let orders = (2..5).map(move |order| spec.order_entry(side, order));
+        let paths = spec
+            .listed_paths()
+            .filter(|path| matches!(path.order(), 2 | 3))
+            .map(move |path| spec.event_path_entry(side, path));
+        let multiple = spec.flux_entry(side, Component::Multiple);
+        orders.chain(paths).chain([multiple])
+    };
+    Side::BOTH.into_iter().flat_map(of_side).collect()
+}
+
+/// The deviations of `found` from `expected` in standard errors, where `expected` is known to an eighth.
+fn z_values(found: &TallyStatistics, expected: &TallyStatistics) -> Vec<f64> {
+    let z = |&i: &Entry| {
+        let (a, b) = (found.at(i), expected.at(i));
+        let error = b.se.unwrap();
+        (b.mean > 8.0 * error).then(|| (a.mean - b.mean) / a.se.unwrap().hypot(error))
+    };
+    let entries = multiple_entries(spec());
+    entries.iter().filter_map(z).collect()
+}
+
+#[test]
+fn the_walk_with_complex_fields_agrees_and_the_averaged_walk_does_not() {
+    let cases = [
+        (isotropic(2.0), glass(1.5), 30.0),
+        (turned(), glass(1.5), 50.0),
+        (turned(), dark_metal(), 70.0),
+        (isotropic(2.0), dark_metal(), 0.0),
+        (isotropic(1.0), glass(1.0 / 1.5), 60.0),
+    ];
+    let (mut polarised, mut averaged) = (Vec::new(), Vec::new());
+    for (seed, (slopes, material, theta)) in (1..).zip(cases) {
+        let wi = from_spherical(f64::to_radians(theta), 0.4);
+        let fields = FieldWalk::new(slopes, material);
+        let expected = sampled(&fields, wi, 200_000, 100 + seed);
+        let model = HeitzPolarised::new(slopes, material).unwrap();
+        let found = sampled(&model, wi, 100_000, 200 + seed);
+        polarised.extend(z_values(&found, &expected));
+        let model = Heitz::new(slopes, material).unwrap();
+        let found = sampled(&model, wi, 100_000, 300 + seed);
+        averaged.push(z_values(&found, &expected));
+    }
+    let bound = sidak_z_threshold(1e-3, polarised.len());
+    println!("{} z, bound {bound:.2}: {polarised:.2?}", polarised.len());
+    assert!(polarised.len() > 40 && polarised.iter().all(|z| z.abs() < bound));
+    // The test resolves what averaging costs, but for light that leaves the denser medium: most of that is reflected totally.
+    for (z, resolved) in averaged.iter().zip([true, true, true, true, false]) {
+        println!("averaged: {z:.1?}");
+        assert!(!resolved || z.iter().any(|z| z.abs() > bound));
+    }
+}
+
+#[test]
+fn polarisation_raises_the_reflection_of_glass_from_the_second_order_on() {
+    // What the first facet reflects is polarised along s there; on isotropic slopes most second facets have nearly the same
+    // plane of incidence and reflect more of it: the mean of a product of two reflectances that vary together.
+    let spec = spec();
+    for (theta, orders) in [(0.0, 2..4), (30.0, 2..4), (60.0, 2..3)] {
+        let wi = from_spherical(f64::to_radians(theta), 0.0);
+        let averaged = Heitz::new(isotropic(2.0), glass(1.5)).unwrap();
+        let polarised = HeitzPolarised::new(isotropic(2.0), glass(1.5)).unwrap();
+        let walks: [&dyn RandomWalk; 2] = [&averaged, &polarised];
+        let sampled = walks.map(|walk| sampled(walk, wi, 120_000, 9));
+        for n in orders {
+            let entry = spec.order_entry(Side::Reflected, n);
+            let [a, b] = [0, 1].map(|i| sampled[i].at(entry));
+            let error = a.se.unwrap().hypot(b.se.unwrap());
+            let ratio = a.mean / b.mean;
+            println!("{theta} deg, order {n}: averaged {ratio:.3} of polarised");
+            assert!(b.mean - a.mean > 4.5 * error, "{theta} {n}");
+        }
+    }
+}
