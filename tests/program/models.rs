@@ -20,6 +20,7 @@ fn every_model_says_where_it_holds() {
         "smith",
         "smith-separable",
         "heitz",
+        "heitz-polarised",
         "v-cavity",
         "cook-torrance-neumann",
         "cook-torrance-neumann-smith",
@@ -29,8 +30,8 @@ fn every_model_says_where_it_holds() {
         assert!(text.lines().any(|line| line == name), "{name} in {text}");
     }
     // Name, description, range.
-    assert_eq!(text.lines().count(), 33);
-    assert_eq!(text.matches("\n  for ").count(), 11);
+    assert_eq!(text.lines().count(), 36);
+    assert_eq!(text.matches("\n  for ").count(), 12);
 }
 
 #[test]

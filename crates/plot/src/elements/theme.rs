@@ -52,17 +52,19 @@ const CRIMSON: RGBColor = RGBColor(168, 12, 60);
 const DARK_GREEN: RGBColor = RGBColor(8, 84, 52);
 const LIME: RGBColor = RGBColor(132, 190, 48);
 const SLATE: RGBColor = RGBColor(124, 148, 172);
+const ROSE: RGBColor = RGBColor(240, 130, 150);
 
 /// Colours of explicit results by component: black for all light, and no colour of a model.
 pub(crate) const COMPONENT_COLOURS: [RGBColor; 4] = [BLACK, ORANGE, SKY_BLUE, MUTED];
 /// Colours of models: neighbours in a list of models differ most.
-pub(crate) const MODEL_COLOURS: [RGBColor; 11] = [
+pub(crate) const MODEL_COLOURS: [RGBColor; 12] = [
     BLUE,
     VERMILLION,
     BLUISH_GREEN,
     REDDISH_PURPLE,
     BROWN,
     OLIVE,
+    ROSE,
     VIOLET,
     CRIMSON,
     LIME,
@@ -80,7 +82,7 @@ pub(crate) const PLAIN_COLOURS: [RGBColor; 8] = [
     BLACK,
     MUTED,
 ];
-/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 55 different lines.
+/// Lengths on and off; as many patterns as make, with [`MODEL_COLOURS`], 60 different lines.
 pub(crate) const LINE_DASHES: [&[f64]; 5] = [
     &[],
     &[9.0, 4.0],
