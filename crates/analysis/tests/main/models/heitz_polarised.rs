@@ -69,8 +69,11 @@ fn one_ray(walk: &dyn RandomWalk, wi: DVec3, seed: u64) -> TallyValues {
 
 #[test]
 fn the_budget_of_each_ray_closes() {
-    for slopes in [isotropic(0.3), isotropic(3.0), turned()] {
-        for material in [Material::Mirror, glass(1.5), glass(0.5), gold()] {
+    let steep = SlopeCovariance::new(1e8, 1e8, 0.0).unwrap();
+    let extreme = [glass(1e-6), glass(1e6)];
+    let usual = [Material::Mirror, glass(1.5), glass(0.5), gold()];
+    for slopes in [isotropic(0.3), isotropic(3.0), turned(), steep] {
+        for material in usual.into_iter().chain(extreme) {
             let model = HeitzPolarised::new(slopes, material).unwrap();
             for seed in 0..300 {
                 let wi = from_spherical(0.3 * (seed % 5) as f64, seed as f64);
