@@ -37,6 +37,7 @@ mod finder;
 mod grid;
 mod in_plane;
 
+mod measured_places;
 mod measures;
 mod places;
 mod polarimetry;

@@ -1,29 +1,17 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
-use asperity_simulate::{ErrorBudget, Errors};
-use asperity_tally::{
-    Component, Entry, Estimate, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
-};
+use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use serde_json::Value;
 
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
 use crate::report::error::ReportError;
+use crate::report::fluxes::Fluxes;
 use crate::report::polarised::{polarised_columns, write_polarised};
 use crate::verify::CaseOutcome;
 use crate::verify::comparison::compared::{COMPARED, key};
 use crate::verify::comparison::models::ModelOutcome;
-
-/// The fluxes of one case with their errors.
-#[derive(Clone, Copy)]
-pub(crate) struct Fluxes<'a> {
-    pub(crate) spec: &'a TallySpec,
-    pub(crate) statistics: &'a TallyStatistics,
-    pub(crate) errors: &'a ErrorBudget,
-    /// Incident rays.
-    pub(crate) rays: u64,
-}
 
 /// The tables of the fluxes of one case.
 #[derive(Clone, Copy)]
@@ -74,71 +62,6 @@ fn places<'a>(
 ) -> impl Iterator<Item = AngularBin> + 'a {
     let of_side = move |side| (0..count(side)).map(move |index| AngularBin { side, index });
     spec.sides().flat_map(of_side)
-}
-
-impl<'a> Fluxes<'a> {
-    /// A column of an entry of the spec, by row.
-    fn column<R: 'a>(
-        self,
-        name: impl Into<std::borrow::Cow<'a, str>>,
-        about: &'static str,
-        entry: impl Fn(&R) -> Entry + 'a,
-    ) -> Column<'a, R> {
-        let estimate = move |row: &R| Some(self.statistics.at(entry(row)));
-        Column::estimate(name, about, estimate)
-    }
-
-    /// Columns of each of `components`.
-    fn components<R: 'a>(
-        self,
-        components: &'static [Component],
-        entry: impl Fn(Component, &R) -> Entry + Copy + 'a,
-    ) -> impl Iterator<Item = Column<'a, R>> {
-        components.iter().map(move |&component| {
-            let name = format!("flux_{component}");
-            self.column(name, component.description(), move |row| {
-                entry(component, row)
-            })
-        })
-    }
-
-    /// A column of what tracking polarisation changes, if that is kept.
-    fn averaging<R: 'a>(
-        self,
-        entry: impl Fn(&R) -> Entry + 'a,
-    ) -> impl Iterator<Item = Column<'a, R>> {
-        let is_kept = self.spec.polarimetry() == Polarimetry::Averaging;
-        let difference = move |row: &R| {
-            let measured = self.spec.measure_entry(entry(row), Measure::Averaging)?;
-            Some(self.statistics.at(measured))
-        };
-        let about = "flux less what it would be if s and p were averaged at every interface";
-        let column = Column::estimate("flux_tracked_less_averaged", about, difference);
-        is_kept.then_some(column).into_iter()
-    }
-
-    /// Columns that tell where the error of `flux` comes from.
-    fn errors<R: 'a>(self, entry: impl Fn(&R) -> Entry + Copy + 'a) -> [Column<'a, R>; 3] {
-        let column = |name, about, of: fn(Errors) -> Option<f64>| {
-            let value = move |row: &R| of(self.errors.at(entry(row)));
-            Column::new(name, about, value)
-        };
-        [
-            column("flux_se_rays", "its error by the number of rays", |e| {
-                e.rays
-            }),
-            column(
-                "flux_se_surfaces",
-                "its error by the number of surfaces",
-                |e| e.surfaces,
-            ),
-            column(
-                "flux_mesh",
-                "what the spacing of the mesh adds to it",
-                |e| e.mesh,
-            ),
-        ]
-    }
 }
 
 /// histogram.csv: a row per bin.

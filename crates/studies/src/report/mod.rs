@@ -7,6 +7,7 @@ pub(crate) mod error;
 pub(crate) mod figures;
 pub(crate) mod files;
 pub(crate) mod flux_tables;
+pub(crate) mod fluxes;
 pub(crate) mod polarised;
 pub(crate) mod roughness;
 pub(crate) mod summary;

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use crate::output::{Column, Place, Table, bin_columns, two_digits, with_error, wrapped};
 use crate::report::error::ReportError;
-use crate::report::flux_tables::Fluxes;
+use crate::report::fluxes::Fluxes;
 
 /// Tables of Mueller matrices: per bin, per ring and per in-plane bin.
 const MUELLER_TABLES: [&str; 3] = ["mueller.csv", "mueller_theta.csv", "mueller_in_plane.csv"];

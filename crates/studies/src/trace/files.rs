@@ -10,7 +10,8 @@ use crate::output::Place;
 use crate::report::error::ReportError;
 use crate::report::figures::{self, PlottedCase};
 use crate::report::files::{TABLES, plot_files};
-use crate::report::flux_tables::{FluxTables, Fluxes};
+use crate::report::flux_tables::FluxTables;
+use crate::report::fluxes::Fluxes;
 use crate::report::polarised::polarised_tables;
 use crate::report::summary::Summary;
 

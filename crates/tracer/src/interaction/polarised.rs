@@ -8,10 +8,8 @@
 use asperity_optics::{FacetMueller, Stokes, Turn};
 use glam::DVec3;
 
-use crate::settings::Polarisation;
-
 /// Most numbers that a path carries.
-const MOST: usize = 15;
+pub(crate) const MOST: usize = 15;
 
 /// One interface, or one scattering in a medium, on the way of polarised light.
 #[derive(Clone, Copy)]
@@ -118,7 +116,7 @@ pub(crate) struct MuellerLight;
 
 impl MuellerLight {
     /// The matrix of a path without any passage.
-    const INCIDENT: [f64; MOST] = [
+    pub(crate) const INCIDENT: [f64; MOST] = [
         0.0, 0.0, 0.0, //
         0.0, 1.0, 0.0, 0.0, //
         0.0, 0.0, 1.0, 0.0, //
@@ -162,124 +160,4 @@ fn inverse_flux([i, q, u, v]: [f64; 4]) -> f64 {
     let polarised = (q * q + u * u + v * v).sqrt();
     let flux = if i > polarised { i } else { polarised };
     1.0 / if flux > 0.0 { flux } else { 1.0 }
-}
-
-/// What a single path carries: as many numbers as its treatment of polarisation needs, and zeros.
-#[derive(Clone, Copy)]
-pub(crate) struct LightState(pub(crate) [f64; MOST]);
-
-impl LightState {
-    /// Nothing is carried.
-    pub(crate) const NONE: Self = Self([0.0; MOST]);
-
-    /// Light that falls on the surface, of which `stokes` are Q, U and V over I; a Mueller matrix holds for any.
-    #[inline]
-    pub(crate) const fn incident(polarisation: Polarisation, stokes: [f64; 3]) -> Self {
-        let [q, u, v] = stokes;
-        match polarisation {
-            Polarisation::Averaged => Self::NONE,
-            Polarisation::Tracked => widened(stokes),
-            Polarisation::Both => widened([q, u, v, 1.0]),
-            Polarisation::Mueller => Self(MuellerLight::INCIDENT),
-        }
-    }
-
-    /// The same light in axes that are turned about its ray.
-    pub(crate) fn turned(mut self, polarisation: Polarisation, turn: Turn) -> Self {
-        let [q, u, v, rest @ ..] = self.0;
-        if polarisation != Polarisation::Mueller {
-            let Stokes([_, q, u, v]) = Stokes([1.0, q, u, v]).turned(turn);
-            self.0[..3].copy_from_slice(&[q, u, v]);
-            return self;
-        }
-        let mut columns = [[1.0, q, u, v], [0.0; 4], [0.0; 4], [0.0; 4]];
-        for (column, numbers) in columns[1..].iter_mut().zip(rest.chunks_exact(4)) {
-            column.copy_from_slice(numbers);
-        }
-        let turned = columns.map(|column| Stokes(column).turned(turn).0);
-        let mut numbers = turned.into_iter().flatten().skip(1);
-        Self([(); MOST].map(|()| numbers.next().unwrap_or(0.0)))
-    }
-
-    /// Q, U and V over I, of light that is tracked.
-    #[inline]
-    pub(crate) const fn stokes(&self) -> [f64; 3] {
-        let [q, u, v, ..] = self.0;
-        [q, u, v]
-    }
-
-    /// How many numbers a path carries.
-    #[inline]
-    pub(crate) const fn len(polarisation: Polarisation) -> usize {
-        match polarisation {
-            Polarisation::Averaged => 0,
-            Polarisation::Tracked => 3,
-            Polarisation::Both => 4,
-            Polarisation::Mueller => MOST,
-        }
-    }
-
-    /// The first of its numbers that is a measure.
-    #[inline]
-    pub(crate) const fn first_measure(polarisation: Polarisation) -> usize {
-        match polarisation {
-            Polarisation::Tracked | Polarisation::Both => 3,
-            Polarisation::Averaged | Polarisation::Mueller => 0,
-        }
-    }
-
-    /// The measures of a tally over the flux, as [`Polarisation::polarimetry`] orders them, and more numbers of no meaning.
-    #[inline]
-    pub(crate) fn measures(&self, polarisation: Polarisation) -> [f64; MOST] {
-        match polarisation {
-            Polarisation::Both => [1.0 - self.0[3]; MOST],
-            _ => self.0,
-        }
-    }
-
-    /// The light after a passage, and its flux per flux that has arrived.
-    #[inline]
-    pub(crate) fn after(self, polarisation: Polarisation, passage: &Passage) -> (Self, f64) {
-        match polarisation {
-            Polarisation::Averaged => (self, passage.facet.m00),
-            Polarisation::Tracked => self.after_as::<TrackedLight, 3>(passage),
-            Polarisation::Both => self.after_as::<BothLight, 4>(passage),
-            Polarisation::Mueller => self.after_as::<MuellerLight, MOST>(passage),
-        }
-    }
-
-    #[inline]
-    fn after_as<L: CarriedLight<N>, const N: usize>(self, passage: &Passage) -> (Self, f64) {
-        let Passed { fraction, light } = L::after(self.narrowed(), passage);
-        (widened(light), fraction)
-    }
-
-    /// The light after its polarisation was lost.
-    #[inline]
-    pub(crate) fn depolarised(self, polarisation: Polarisation) -> Self {
-        match polarisation {
-            Polarisation::Averaged => self,
-            Polarisation::Tracked => widened(TrackedLight::depolarised(self.narrowed())),
-            Polarisation::Both => widened(BothLight::depolarised(self.narrowed())),
-            Polarisation::Mueller => Self(MuellerLight::depolarised(self.0)),
-        }
-    }
-
-    /// The first `N` numbers.
-    #[inline]
-    fn narrowed<const N: usize>(self) -> [f64; N] {
-        std::array::from_fn(|i| self.0[i])
-    }
-}
-
-/// A state of so many numbers.
-#[inline]
-const fn widened<const N: usize>(light: [f64; N]) -> LightState {
-    let mut state = [0.0; MOST];
-    let mut i = 0;
-    while i < N {
-        state[i] = light[i];
-        i += 1;
-    }
-    LightState(state)
 }

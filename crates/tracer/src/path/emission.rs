@@ -10,10 +10,10 @@ use super::Tracer;
 use super::batch::{Batch, MAX_IN_FLIGHT};
 use super::beam::{Beam, axes_turned};
 use super::illumination::Starts;
+use super::light_state::LightState;
 use super::segments::Segments;
 use super::state::{Arrival, PathRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
-use crate::interaction::polarised::LightState;
 use crate::sampling::Places;
 use crate::vector::Stage;
 

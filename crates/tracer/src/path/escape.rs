@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3};
 
 use super::Tracer;
 use super::batch::Batch;
+use super::light_state::LightState;
 use super::segments::{Segments, gather_column};
 use super::state::{Departure, RayKind, Region};
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
-use crate::interaction::polarised::LightState;
 use crate::periodic::begin;
 use crate::settings::Polarisation;
 use crate::vector::Stage;

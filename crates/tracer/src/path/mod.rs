@@ -26,6 +26,7 @@ mod escape;
 mod flight;
 mod illumination;
 mod interaction;
+mod light_state;
 mod masking;
 mod random_pairs;
 mod roulette;

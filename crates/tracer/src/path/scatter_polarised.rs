@@ -263,9 +263,11 @@ impl<const N: usize> Rows<N> {
     fn load<F>(&mut self, arrivals: &Arrivals<F>, incident: f64, block: Range<usize>) {
         let Arrivals { at, normal, .. } = arrivals;
         let len = block.len();
-        for axis in 0..3 {
-            self.k[axis][..len].copy_from_slice(&at.direction[axis][block.clone()]);
-            self.normal[axis][..len].copy_from_slice(&normal[axis][block.clone()]);
+        let vectors = [(&mut self.k, &at.direction), (&mut self.normal, normal)];
+        for (rows, columns) in vectors {
+            for (row, column) in rows.iter_mut().zip(columns) {
+                row[..len].copy_from_slice(&column[block.clone()]);
+            }
         }
         self.side[..len].copy_from_slice(&at.side[block.clone()]);
         for (row, column) in self.light.iter_mut().zip(&at.light) {

@@ -3,8 +3,8 @@
 use asperity_tally::EventPath;
 use glam::{DVec2, DVec3};
 
+use super::light_state::LightState;
 use super::state::PathState;
-use crate::interaction::polarised::LightState;
 use crate::periodic::Heading;
 use crate::ray::{HalfSpace, RayColumns};
 use crate::settings::Polarisation;

@@ -4,9 +4,9 @@ use asperity_tally::{Event, EventPath};
 use glam::{DVec2, DVec3};
 
 use super::beam::axes_turned;
+use super::light_state::LightState;
 use crate::interaction::facet::Branch;
 use crate::interaction::layer::Interface;
-use crate::interaction::polarised::LightState;
 use crate::periodic::{Heading, Traversal};
 use crate::random::Step;
 use crate::ray::{HalfSpace, Query};

@@ -1,0 +1,88 @@
+//! The fluxes of one case with their errors, as columns of tables.
+
+use std::borrow::Cow;
+
+use asperity_simulate::{ErrorBudget, Errors};
+use asperity_tally::{
+    Component, Entry, Measure, Polarimetry, TallyResult, TallySpec, TallyStatistics,
+};
+
+use crate::output::Column;
+
+/// The fluxes of one case with their errors.
+#[derive(Clone, Copy)]
+pub(crate) struct Fluxes<'a> {
+    pub(crate) spec: &'a TallySpec,
+    pub(crate) statistics: &'a TallyStatistics,
+    pub(crate) errors: &'a ErrorBudget,
+    /// Incident rays.
+    pub(crate) rays: u64,
+}
+
+impl<'a> Fluxes<'a> {
+    /// A column of an entry of the spec, by row.
+    pub(crate) fn column<R: 'a>(
+        self,
+        name: impl Into<Cow<'a, str>>,
+        about: &'static str,
+        entry: impl Fn(&R) -> Entry + 'a,
+    ) -> Column<'a, R> {
+        let estimate = move |row: &R| Some(self.statistics.at(entry(row)));
+        Column::estimate(name, about, estimate)
+    }
+
+    /// Columns of each of `components`.
+    pub(crate) fn components<R: 'a>(
+        self,
+        components: &'static [Component],
+        entry: impl Fn(Component, &R) -> Entry + Copy + 'a,
+    ) -> impl Iterator<Item = Column<'a, R>> {
+        components.iter().map(move |&component| {
+            let name = format!("flux_{component}");
+            self.column(name, component.description(), move |row| {
+                entry(component, row)
+            })
+        })
+    }
+
+    /// A column of what tracking polarisation changes, if that is kept.
+    pub(crate) fn averaging<R: 'a>(
+        self,
+        entry: impl Fn(&R) -> Entry + 'a,
+    ) -> impl Iterator<Item = Column<'a, R>> {
+        let is_kept = self.spec.polarimetry() == Polarimetry::Averaging;
+        let difference = move |row: &R| {
+            let measured = self.spec.measure_entry(entry(row), Measure::Averaging)?;
+            Some(self.statistics.at(measured))
+        };
+        let about = "flux less what it would be if s and p were averaged at every interface";
+        let column = Column::estimate("flux_tracked_less_averaged", about, difference);
+        is_kept.then_some(column).into_iter()
+    }
+
+    /// Columns that tell where the error of `flux` comes from.
+    pub(crate) fn errors<R: 'a>(
+        self,
+        entry: impl Fn(&R) -> Entry + Copy + 'a,
+    ) -> [Column<'a, R>; 3] {
+        let column = |name, about, of: fn(Errors) -> Option<f64>| {
+            let value = move |row: &R| of(self.errors.at(entry(row)));
+            Column::new(name, about, value)
+        };
+        [
+            column("flux_se_rays", "its error by the number of rays", |e| {
+                e.rays
+            }),
+            column(
+                "flux_se_surfaces",
+                "its error by the number of surfaces",
+                |e| e.surfaces,
+            ),
+            column(
+                "flux_mesh",
+                "what the spacing of the mesh adds to it",
+                |e| e.mesh,
+            ),
+        ]
+    }
+}
