@@ -1,12 +1,16 @@
-//! Polarised light of the reference on a rough surface, against Mueller matrices by an independent program where its table is present.
+//! Polarised light on a rough surface, by the reference and by the path engine, against Mueller matrices by an independent program
+//! where its table is present.
 
 use std::path::PathBuf;
 
 use asperity_optics::{Incidence, Material, Mueller, Stokes};
 use asperity_surface::HeightField;
+use asperity_tally::{
+    Component, Entry, Estimate, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
+};
 use asperity_tracer::{
-    AcceleratorKind, BuildAccelerator, Geometry, PathEnd, PathIntegrator, PathResult, PathSettings,
-    Surface,
+    AcceleratorKind, BuildAccelerator, Geometry, HalfSpace, Illumination, PathEnd, PathIntegrator,
+    PathResult, PathSettings, PathStream, Polarisation, Surface, Tracer,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -15,6 +19,11 @@ use serde_json::Value;
 
 /// Paths of one incident state.
 const PATHS: u32 = 60_000;
+
+/// Batches of the path engine, each of the square of so many rays.
+const BATCHES: u64 = 36;
+const STRATA: u32 = 85;
+const RAYS: f64 = BATCHES as f64 * (STRATA * STRATA) as f64;
 
 /// |z| that one of 1000 comparisons exceeds once in 1000 runs, by Sidak.
 const BOUND: f64 = 4.9;
@@ -64,13 +73,9 @@ impl Sum {
 
 #[test]
 fn mueller_matrices_by_side_and_order_agree_with_an_independent_program() {
-    let [table, heights] = ["polarised_s2.json", "gauss_n512_tau16_s2.npy"].map(shared);
-    let (Ok(table), Ok(heights)) = (std::fs::read(&table), std::fs::read(&heights)) else {
-        println!("skipped: {} or the heights are not there", table.display());
+    let Some((table, surface)) = table_and_surface() else {
         return;
     };
-    let table: Value = serde_json::from_slice(&table).unwrap();
-    let surface = surface(&heights);
     let (mut worst, mut compared) = (0.0_f64, 0);
     for row in table["configs"].as_array().unwrap() {
         for incident in INCIDENT {
@@ -95,6 +100,100 @@ fn mueller_matrices_by_side_and_order_agree_with_an_independent_program() {
     assert!((500..=1000).contains(&compared));
 }
 
+#[test]
+fn the_path_engine_agrees_with_it_in_all_elements() {
+    let Some((table, surface)) = table_and_surface() else {
+        return;
+    };
+    let (mut worst, mut squares, mut compared) = (0.0_f64, 0.0, 0.0);
+    for row in table["configs"].as_array().unwrap() {
+        let found = statistics(&surface, row);
+        for (side, name) in Side::BOTH.into_iter().zip(["R", "T"]) {
+            for (component, order) in Component::ORDERS.into_iter().zip(ORDERS) {
+                let flux = found.spec().flux_entry(side, component);
+                if found.at(flux).mean * RAYS < 1000.0 {
+                    continue;
+                }
+                let expected = &row["total"][name][order];
+                let [matrix, errors] = ["v", "se"].map(|key| matrix(&expected[key]));
+                for (number, z) in z_of_elements(&found, flux, matrix, errors) {
+                    let at = format!("{} {} {name}{order}", row["n"], row["theta_i_deg"]);
+                    assert!(z.abs() < BOUND, "{at} {number}: z = {z:.2}");
+                    worst = worst.max(z.abs());
+                    squares += z * z;
+                    compared += 1.0;
+                }
+            }
+        }
+    }
+    println!(
+        "largest |z| of {compared}: {worst:.2}, chi-squared {:.3}",
+        squares / compared
+    );
+    assert!((300.0..1000.0).contains(&compared) && (squares / compared - 1.0).abs() < 0.3);
+}
+
+/// Mueller matrices of the light of one row of the table by the path engine.
+fn statistics(surface: &Surface, row: &Value) -> TallyStatistics {
+    let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
+    let settings = PathSettings::default().with_polarisation(Polarisation::Mueller);
+    let tracer = Tracer::new(surface, &*hits, material(row), HalfSpace::Above, settings);
+    let spec = TallySpec::default().with_polarimetry(Polarimetry::Mueller);
+    let mut statistics = TallyStatistics::new(spec);
+    for batch in 0..BATCHES {
+        let rays = u64::from(STRATA * STRATA);
+        let stream = PathStream::new(1, 0).from_path(batch * rays);
+        let light = Illumination::new(incidence(row), false);
+        statistics.push(&tracer.batch(&light, STRATA, spec, None, stream).0);
+    }
+    statistics
+}
+
+/// Number and z of each element whose error is not far below the digits of the table.
+fn z_of_elements(
+    found: &TallyStatistics,
+    flux: Entry,
+    Mueller(expected): Mueller,
+    Mueller(errors): Mueller,
+) -> impl Iterator<Item = (usize, f64)> {
+    (0..16).filter_map(move |number| {
+        let (row, column) = (number / 4, number % 4);
+        let measure = Measure::Element { row, column };
+        let entry = match number {
+            0 => flux,
+            _ => found.spec().measure_entry(flux, measure)?,
+        };
+        let Estimate { mean, se } = found.at(entry);
+        let error = se?.hypot(errors[row][column]);
+        (error > DIGITS).then(|| (number, (mean - expected[row][column]) / error.hypot(DIGITS)))
+    })
+}
+
+/// The table and its surface; says so where they are missing.
+fn table_and_surface() -> Option<(Value, Surface)> {
+    let [table, heights] = ["polarised_s2.json", "gauss_n512_tau16_s2.npy"].map(shared);
+    let (Ok(table), Ok(heights)) = (std::fs::read(&table), std::fs::read(&heights)) else {
+        println!("skipped: {} or the heights are not there", table.display());
+        return None;
+    };
+    Some((serde_json::from_slice(&table).unwrap(), surface(&heights)))
+}
+
+fn material(row: &Value) -> Material {
+    let material = match row["n"].as_str().unwrap() {
+        "1.5" => Material::dielectric(1.5),
+        "1/1.5" => Material::dielectric(1.0 / 1.5),
+        "gold" => Material::conductor(0.43, 2.455),
+        other => panic!("{other}"),
+    };
+    material.unwrap()
+}
+
+fn incidence(row: &Value) -> Incidence {
+    let theta_deg = row["theta_i_deg"].as_f64().unwrap();
+    Incidence::from_degrees(theta_deg, 180.0).unwrap()
+}
+
 fn shared(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
         .join("../../../shared/reference")
@@ -110,17 +209,10 @@ fn surface(file: &[u8]) -> Surface {
 
 /// The light of one row of the table, by side and order.
 fn trace(surface: &Surface, row: &Value, incident: Stokes) -> [[Sum; 4]; 2] {
-    let material = match row["n"].as_str().unwrap() {
-        "1.5" => Material::dielectric(1.5),
-        "1/1.5" => Material::dielectric(1.0 / 1.5),
-        "gold" => Material::conductor(0.43, 2.455),
-        other => panic!("{other}"),
-    };
     let hits = surface.accelerator(AcceleratorKind::Auto).unwrap();
     let settings = PathSettings::default();
-    let integrator = PathIntegrator::new(surface, &*hits, material.unwrap(), settings, None);
-    let theta_deg = row["theta_i_deg"].as_f64().unwrap();
-    let k = -Incidence::from_degrees(theta_deg, 180.0).unwrap().wi();
+    let integrator = PathIntegrator::new(surface, &*hits, material(row), settings, None);
+    let k = -incidence(row).wi();
     let ([cx, cy], [_, high]) = (surface.extent(), surface.z_range());
     let mut rng = ChaCha8Rng::seed_from_u64(1);
     let mut sums = [[Sum::default(); 4]; 2];
