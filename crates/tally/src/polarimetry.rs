@@ -12,7 +12,8 @@ pub enum Polarimetry {
     Nothing,
     /// The flux less what it would be if light were unpolarised at every interface.
     Averaging,
-    /// Mueller matrices; the flux is their first element.
+    /// Mueller matrices. Their first element is the flux of unpolarised light without any control variate, as the others are, so that
+    /// ratios are those of the same paths.
     Mueller,
 }
 
@@ -21,7 +22,7 @@ pub enum Polarimetry {
 pub enum Measure {
     /// The flux less what it would be if light were unpolarised at every interface.
     Averaging,
-    /// The element of a Mueller matrix of that row and column, from 0 to 3; not both zero.
+    /// The element of a Mueller matrix of that row and column, from 0 to 3.
     Element {
         /// 0 for I, 1 for Q, 2 for U, 3 for V of the light that leaves.
         row: usize,
@@ -37,7 +38,7 @@ impl Polarimetry {
         match self {
             Self::Nothing => 0,
             Self::Averaging => 1,
-            Self::Mueller => 15,
+            Self::Mueller => 16,
         }
     }
 
@@ -47,7 +48,7 @@ impl Polarimetry {
         self.len() == 0
     }
 
-    /// Number of a measure among those of a place, if it is kept: elements column by column, without the first.
+    /// Number of a measure among those of a place, if it is kept: elements column by column.
     #[must_use]
     pub(crate) const fn index(self, measure: Measure) -> Option<usize> {
         match (self, measure) {
@@ -57,7 +58,7 @@ impl Polarimetry {
                     row < 4 && column < 4,
                     "a Mueller matrix has four rows and columns"
                 );
-                (4 * column + row).checked_sub(1)
+                Some(4 * column + row)
             }
             _ => None,
         }
@@ -69,8 +70,8 @@ impl Polarimetry {
         match self {
             Self::Nothing | Self::Averaging => Measure::Averaging,
             Self::Mueller => Measure::Element {
-                row: (index + 1) % 4,
-                column: (index + 1) / 4,
+                row: index % 4,
+                column: index / 4,
             },
         }
     }

@@ -32,7 +32,7 @@ pub struct TallyStatistics {
     batches: u64,
     means: TallyValues,
     squares: TallyValues,
-    /// Co-moments of measures with the flux of their place, in the order of their entries.
+    /// Co-moments of measures with what they are compared with, in the order of their entries: see [`TallyStatistics::over_flux`].
     products: Vec<f64>,
     /// The flux entries of all places of measures.
     flux_of_places: Vec<usize>,
@@ -103,6 +103,10 @@ impl TallyStatistics {
         let measures = self.spec().polarimetry().len().max(1);
         let weight = 1.0 - 1.0 / self.batches as f64;
         for (place, &flux) in self.flux_of_places.iter().enumerate() {
+            let flux = match self.spec().polarimetry() {
+                Polarimetry::Mueller => start + place * measures,
+                Polarimetry::Nothing | Polarimetry::Averaging => flux,
+            };
             let of_flux = weight * (batch[flux] - means[flux]);
             for number in place * measures..(place + 1) * measures {
                 let entry = start + number;
@@ -111,12 +115,15 @@ impl TallyStatistics {
         }
     }
 
-    /// A measure over the flux of its place; `None` where nothing has arrived, or the measure is not kept.
+    /// A measure over the flux of its place; `None` where nothing has arrived, or the measure is not kept. Elements of a Mueller matrix are
+    /// taken over its first one.
     ///
     /// The standard error is that of the ratio of two means, by the scatter of both and what they have in common.
     #[must_use]
     pub fn over_flux(&self, flux: Entry, measure: Measure) -> Option<Estimate> {
         let entry = self.spec().measure_entry(flux, measure)?;
+        let first = Measure::Element { row: 0, column: 0 };
+        let flux = self.spec().measure_entry(flux, first).unwrap_or(flux);
         let number = entry.0 - (self.means.as_slice().len() - self.products.len());
         let (below, above) = (self.means[flux], self.means[entry]);
         if below == 0.0 {

@@ -240,7 +240,6 @@ pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static s
 /// A Mueller matrix as `mean` and `se`, and over its first element as `normalised` and `normalised_se`.
 fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
     let spec = statistics.spec();
-    let first = statistics.at(flux);
     let element = |row, column| {
         let entry = spec.measure_entry(flux, Measure::Element { row, column });
         entry.map(|entry| statistics.at(entry))
@@ -250,16 +249,11 @@ fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
         let rows = (0..4).map(|row| (0..4).map(|column| of(row, column)).collect::<Vec<_>>());
         json!(rows.collect::<Vec<_>>())
     };
-    let or_first =
-        |row, column, of: &dyn Fn() -> Option<f64>, first: Option<f64>| match (row, column) {
-            (0, 0) => first,
-            _ => of(),
-        };
     json!({
-        "mean": matrix(&|r, c| or_first(r, c, &|| Some(element(r, c)?.mean), Some(first.mean))),
-        "se": matrix(&|r, c| or_first(r, c, &|| element(r, c)?.se, first.se)),
-        "normalised": matrix(&|r, c| or_first(r, c, &|| Some(over(r, c)?.mean), Some(1.0))),
-        "normalised_se": matrix(&|r, c| or_first(r, c, &|| over(r, c)?.se, Some(0.0))),
+        "mean": matrix(&|row, column| Some(element(row, column)?.mean)),
+        "se": matrix(&|row, column| element(row, column)?.se),
+        "normalised": matrix(&|row, column| Some(over(row, column)?.mean)),
+        "normalised_se": matrix(&|row, column| over(row, column)?.se),
     })
 }
 

@@ -5,7 +5,6 @@ use glam::{DVec2, DVec3};
 
 use super::Tracer;
 use super::batch::Batch;
-use super::light_state::LightState;
 use super::segments::{Segments, gather_column};
 use super::state::{Departure, RayKind, Region};
 use crate::geometry::{Geometry, Outlook};
@@ -90,15 +89,20 @@ impl Stage for Leave<'_> {
 /// Takes the measures of polarised light, as many as are kept.
 #[inline(always)]
 fn measure(rows: &mut [&mut [f64]], segments: &Segments, which: &[u32]) {
-    let polarisation = segments.kept.polarisation;
-    let light = &segments.light[LightState::first_measure(polarisation)..];
-    for (row, column) in rows.iter_mut().zip(light) {
-        gather_column(row, column, which);
-        if polarisation == Polarisation::Both {
-            for averaged in row.iter_mut() {
+    match (segments.kept.polarisation, rows) {
+        (Polarisation::Both, [difference]) => {
+            gather_column(difference, &segments.light[3], which);
+            for averaged in difference.iter_mut() {
                 *averaged = 1.0 - *averaged;
             }
         }
+        (Polarisation::Mueller, [flux, elements @ ..]) => {
+            flux.fill(1.0);
+            for (row, column) in elements.iter_mut().zip(&segments.light) {
+                gather_column(row, column, which);
+            }
+        }
+        _ => {}
     }
 }
 

@@ -62,22 +62,15 @@ impl LightState {
         }
     }
 
-    /// The first of its numbers that is a measure.
-    #[inline]
-    pub(super) const fn first_measure(polarisation: Polarisation) -> usize {
-        match polarisation {
-            Polarisation::Tracked | Polarisation::Both => 3,
-            Polarisation::Averaged | Polarisation::Mueller => 0,
-        }
-    }
-
     /// The measures of a tally over the flux, as [`Polarisation::polarimetry`] orders them, and more numbers of no meaning.
     #[inline]
-    pub(super) fn measures(&self, polarisation: Polarisation) -> [f64; MOST] {
+    pub(super) fn measures(&self, polarisation: Polarisation) -> [f64; MOST + 1] {
+        let mut measures = [1.0; MOST + 1];
         match polarisation {
-            Polarisation::Both => [1.0 - self.0[3]; MOST],
-            _ => self.0,
+            Polarisation::Both => measures[0] -= self.0[3],
+            _ => measures[1..].copy_from_slice(&self.0),
         }
+        measures
     }
 
     /// The light after a passage, and its flux per flux that has arrived.

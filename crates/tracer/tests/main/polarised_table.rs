@@ -159,10 +159,7 @@ fn z_of_elements(
     (0..16).filter_map(move |number| {
         let (row, column) = (number / 4, number % 4);
         let measure = Measure::Element { row, column };
-        let entry = match number {
-            0 => flux,
-            _ => found.spec().measure_entry(flux, measure)?,
-        };
+        let entry = found.spec().measure_entry(flux, measure)?;
         let Estimate { mean, se } = found.at(entry);
         let error = se?.hypot(errors[row][column]);
         (error > DIGITS).then(|| (number, (mean - expected[row][column]) / error.hypot(DIGITS)))
