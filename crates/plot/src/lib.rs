@@ -1,4 +1,4 @@
-//! Figures of the project: height maps, polar lobes, in-plane curves, hemispheres, plain curves, errors over
+//! Figures of the project: height maps, polar lobes, in-plane curves, grids of them, hemispheres, plain curves, errors over
 //! run time, validity maps, and diagrams.
 //!
 //! Every figure takes plain numbers and returns a [`Figure`], which renders to an SVG string or to the bytes of
@@ -13,6 +13,7 @@
 //! | [`ValidityMap`] | [`MappedCell`]s: distances and verdicts | where models hold, over smoothness and angle |
 //! | [`Hemispheres`] | [`Hemisphere`]s: values of bins | light over whole hemispheres, in rows and columns |
 //! | [`ProfileGrid`] | [`ProfileComponent`]s: [`Point`]s per panel | components of light in the plane of incidence |
+//! | [`AngleGrid`] | [`AnglePanel`]s: [`Curve`]s per panel | several quantities in the plane of incidence, in rows and columns |
 //! | [`Curves`] | [`Curve`]s: points with errors, lines | anything over two linear axes |
 //! | [`Diagram`] | [`DiagramPath`]s and [`DiagramLabel`]s | lines, arrows and words, to scale |
 //! | [`ErrorOverTime`] | [`TimedMethod`]s: seconds and errors | what each method costs, fitted slopes |
@@ -55,11 +56,13 @@ mod error;
 mod figures;
 
 pub use elements::curve::{Colour, Curve, Point, Style};
+pub use elements::curve_axis::CurveAxis;
 pub use elements::render::Figure;
 pub use elements::series::{Series, Side, Source};
 pub use elements::verdict::MapVerdict;
 pub use error::PlotError;
-pub use figures::curves::{CurveAxis, Curves};
+pub use figures::angle_grid::{AngleGrid, AnglePanel};
+pub use figures::curves::Curves;
 pub use figures::diagram::{Diagram, DiagramLabel, DiagramPanel, DiagramPath, Stroke};
 pub use figures::error_over_time::{ErrorOverTime, PowerLaw, TimedError, TimedMethod};
 pub use figures::height_map::HeightMapFigure;

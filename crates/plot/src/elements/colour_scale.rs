@@ -10,19 +10,75 @@ use super::text::text_width;
 use super::theme;
 use crate::PlotError;
 
-/// A range of values, linear or logarithmic, in the colours of *viridis*: equal steps appear equally large, also in
-/// grey. Values beyond an end have its colour.
+/// The colours of a scale, from its low end to its high end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Colours {
+    /// *viridis*: equal steps appear equally large, also in grey.
+    Viridis,
+    /// Blue, light grey in the middle, red: values to either side of zero. Both ends are equally dark, and blue against
+    /// red is told apart by the common kinds of colour vision. The middle is darker than white, which is no value.
+    Diverging,
+}
+
+/// Colours at equal steps along [`Colours::Diverging`].
+const DIVERGING: [RGBColor; 5] = [
+    RGBColor(14, 52, 122),
+    RGBColor(78, 146, 204),
+    RGBColor(230, 230, 230),
+    RGBColor(212, 118, 66),
+    RGBColor(126, 14, 28),
+];
+
+impl Colours {
+    /// The colour at a place from 0, the low end, to 1, the high end.
+    fn at(self, place: f64) -> RGBColor {
+        match self {
+            Colours::Viridis => ViridisRGB.get_color(place),
+            Colours::Diverging => {
+                let along = place * (DIVERGING.len() - 1) as f64;
+                let first = (along as usize).min(DIVERGING.len() - 2);
+                let (RGBColor(r, g, b), RGBColor(to_r, to_g, to_b)) =
+                    (DIVERGING[first], DIVERGING[first + 1]);
+                let t = along - first as f64;
+                let mix =
+                    |a: u8, b: u8| ((1.0 - t) * f64::from(a) + t * f64::from(b)).round() as u8;
+                RGBColor(mix(r, to_r), mix(g, to_g), mix(b, to_b))
+            }
+        }
+    }
+
+    /// `n` colours from the low end of a scale to the high end.
+    pub(crate) fn palette(self, n: usize) -> impl Iterator<Item = RGBColor> {
+        (0..n).map(move |i| self.at(i as f64 / (n - 1) as f64))
+    }
+}
+
+/// A range of values, linear or logarithmic, in colours. Values beyond an end have its colour.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ColourScale {
     pub(crate) lo: f64,
     pub(crate) hi: f64,
     pub(crate) log: bool,
+    pub(crate) colours: Colours,
 }
 
 impl ColourScale {
     pub(crate) fn linear(lo: f64, hi: f64) -> Self {
-        ColourScale { lo, hi, log: false }
+        ColourScale {
+            lo,
+            hi,
+            log: false,
+            colours: Colours::Viridis,
+        }
     }
+
+    /// From -1 to 1, on both sides of zero.
+    pub(crate) const RATIOS: ColourScale = ColourScale {
+        lo: -1.0,
+        hi: 1.0,
+        log: false,
+        colours: Colours::Diverging,
+    };
 
     /// Whole decades, one at least and `most` at most, that hold `least` > 0 if they can, and `largest`.
     pub(crate) fn decades(least: f64, largest: f64, most: i32) -> Self {
@@ -32,6 +88,7 @@ impl ColourScale {
             lo: 10.0_f64.powi(first),
             hi: 10.0_f64.powi(last),
             log: true,
+            colours: Colours::Viridis,
         }
     }
 
@@ -46,18 +103,13 @@ impl ColourScale {
     }
 
     pub(crate) fn colour(&self, value: f64) -> RGBColor {
-        ViridisRGB.get_color(self.fraction(value))
+        self.colours.at(self.fraction(value))
     }
 
     /// Index of a value in a palette of `n` colours.
     pub(crate) fn index(&self, value: f64, n: usize) -> u8 {
         ((n - 1) as f64 * self.fraction(value)).round() as u8
     }
-}
-
-/// `n` colours from the low end of a scale to the high end.
-pub(crate) fn palette(n: usize) -> impl Iterator<Item = RGBColor> {
-    (0..n).map(move |i| ViridisRGB.get_color(i as f64 / (n - 1) as f64))
 }
 
 /// The first of the titles that fits into a length, or the last one.
@@ -79,11 +131,12 @@ pub(crate) fn bar_ticks(height: f64, axis: impl Fn(usize) -> Axis) -> Axis {
         .unwrap_or_else(|| axis(count))
 }
 
-/// Draws a bar of colours with ticks at its right; its axis has the ends of the scale. The title is the first of
+/// Draws a bar of `colours` with ticks at its right; its axis has the ends of the scale. The title is the first of
 /// `titles` that fits.
 pub(crate) fn draw_bar(
     scene: &mut Scene,
     bar: Rect,
+    colours: Colours,
     axis: &Axis,
     titles: &[&str],
 ) -> Result<(), PlotError> {
@@ -91,7 +144,7 @@ pub(crate) fn draw_bar(
         frame: bar,
         columns: 1,
         pixels: (0..=255).rev().collect(),
-        palette: palette(256).collect(),
+        palette: colours.palette(256).collect(),
     });
     let pen = Pen::solid(theme::INK, theme::FRAME_WIDTH);
     scene.rect_outline(bar, pen);
@@ -109,4 +162,37 @@ pub(crate) fn draw_bar(
     let title = that_fits(titles, bar.height())?;
     scene.text_upwards(title, (x, bar.centre().1), style);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Luminance of sRGB (IEC 61966-2-1), 0 to 1.
+    fn luminance(RGBColor(r, g, b): RGBColor) -> f64 {
+        let linear = |c: u8| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.04045 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
+        };
+        0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b)
+    }
+
+    #[test]
+    fn diverging_colours_darken_alike_from_a_neutral_middle() {
+        let colours: Vec<RGBColor> = Colours::Diverging.palette(255).collect();
+        let light: Vec<f64> = colours.iter().map(|c| luminance(*c)).collect();
+        assert!(light[..128].is_sorted_by(|a, b| a <= b));
+        assert!(light[127..].is_sorted_by(|a, b| a >= b));
+        for (low, high) in light.iter().zip(light.iter().rev()) {
+            assert!((low - high).abs() < 0.02, "{low} {high}");
+        }
+        let RGBColor(r, g, b) = ColourScale::RATIOS.colour(0.0);
+        assert!(r == g && g == b && r < 240);
+        assert_eq!(ColourScale::RATIOS.colour(-1.0), DIVERGING[0]);
+        assert_eq!(ColourScale::RATIOS.colour(7.0), DIVERGING[4]);
+    }
 }

@@ -5,7 +5,7 @@ use std::iter::once;
 
 use plotters::style::RGBColor;
 
-use super::colour_scale::{self, ColourScale};
+use super::colour_scale::ColourScale;
 use super::theme;
 
 /// Fraction of the solid angle that may lie beyond a linear scale, and how many times above its end something must:
@@ -21,13 +21,13 @@ const COLOURS: usize = 255;
 /// times above what all but a fiftieth of the solid angle stays below, logarithmic. `None` if no value is above zero.
 pub(crate) fn scale<'a>(
     [rings, sectors]: [usize; 2],
-    hemispheres: impl Iterator<Item = &'a [f64]>,
+    hemispheres: impl Iterator<Item = &'a [Option<f64>]>,
 ) -> Option<ColourScale> {
     let edge = |ring: usize| (FRAC_PI_2 * ring as f64 / rings as f64).cos();
     let areas: Vec<f64> = (0..rings).map(|ring| edge(ring) - edge(ring + 1)).collect();
     let mut bins: Vec<(f64, f64)> = hemispheres
         .flat_map(|values| values.iter().enumerate())
-        .map(|(bin, value)| (*value, areas[bin / sectors]))
+        .filter_map(|(bin, value)| Some(((*value)?, areas[bin / sectors])))
         .collect();
     bins.sort_by(|a, b| b.0.total_cmp(&a.0));
     let most = bins.first().map(|bin| bin.0).filter(|most| *most > 0.0)?;
@@ -46,16 +46,17 @@ pub(crate) fn scale<'a>(
     }
 }
 
-/// The disc over a square of `n` by `n` pixels, for [`palette`]: 0 outside, 1 to 255 along the scale.
+/// The disc over a square of `n` by `n` pixels, for [`palette`]: 0 outside and where there is no value, 1 to 255 along the
+/// scale.
 pub(crate) fn pixels(
     [rings, sectors]: [usize; 2],
-    values: &[f64],
+    values: &[Option<f64>],
     n: usize,
     scale: &ColourScale,
 ) -> Vec<u8> {
     let colours: Vec<u8> = values
         .iter()
-        .map(|value| 1 + scale.index(*value, COLOURS))
+        .map(|value| value.map_or(0, |value| 1 + scale.index(value, COLOURS)))
         .collect();
     let place = |i: usize| 2.0 * (i as f64 + 0.5) / n as f64 - 1.0;
     let pixel = |i: usize| {
@@ -74,10 +75,10 @@ pub(crate) fn pixels(
     (0..n * n).map(pixel).collect()
 }
 
-/// White for what lies outside of a disc, then the colours of the scale.
-pub(crate) fn palette() -> Vec<RGBColor> {
+/// White for what lies outside of a disc or has no value, then the colours of the scale.
+pub(crate) fn palette(scale: &ColourScale) -> Vec<RGBColor> {
     once(theme::WHITE)
-        .chain(colour_scale::palette(COLOURS))
+        .chain(scale.colours.palette(COLOURS))
         .collect()
 }
 
@@ -85,23 +86,13 @@ pub(crate) fn palette() -> Vec<RGBColor> {
 mod tests {
     use super::*;
 
-    const UNIT: ColourScale = ColourScale {
-        lo: 0.0,
-        hi: 1.0,
-        log: false,
-    };
-
     /// Bins of equal solid angle get equal areas: rings of 45 degrees hold 1 - cos 45 and cos 45. A picture of
     /// 400 x 400 tells areas to a thousandth: its outline of 1257 pixels over 125664.
     #[test]
     fn discs_have_equal_areas_and_azimuth_runs_counterclockwise() {
         let n = 400;
-        let pixels = pixels(
-            [2, 4],
-            &[0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.0, 0.0],
-            n,
-            &UNIT,
-        );
+        let values = [0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.0, 0.0].map(Some);
+        let pixels = pixels([2, 4], &values, n, &ColourScale::linear(0.0, 1.0));
         let inside = pixels.iter().filter(|p| **p > 0).count() as f64;
         assert!((inside / (n * n) as f64 - 0.25 * std::f64::consts::PI).abs() < 1e-3);
         // A quarter of the inner cap: (1 - cos 45 deg) / 4 of the disc.
@@ -123,6 +114,18 @@ mod tests {
     }
 
     #[test]
+    fn bins_without_a_value_have_no_colour() {
+        let n = 40;
+        let zero = pixels([1, 2], &[Some(0.0), None], n, &ColourScale::RATIOS);
+        let [upper, lower] = [&zero[..n * n / 2], &zero[n * n / 2..]];
+        assert!(lower.iter().all(|pixel| *pixel == 0));
+        assert!(upper.contains(&128) && upper.iter().all(|pixel| [0, 128].contains(pixel)));
+        assert_eq!(palette(&ColourScale::RATIOS)[0], theme::WHITE);
+        assert_ne!(palette(&ColourScale::RATIOS)[128], theme::WHITE);
+        assert_eq!(scale([1, 2], once([None, None].as_slice())), None);
+    }
+
+    #[test]
     fn a_logarithmic_scale_gives_equal_ratios_equal_steps() {
         let scale = ColourScale::decades(1e-3, 10.0, DECADES);
         assert!((scale.lo / 1e-3 - 1.0).abs() < 1e-12 && (scale.hi / 10.0 - 1.0).abs() < 1e-12);
@@ -133,12 +136,15 @@ mod tests {
         assert_eq!([0.0, -1.0, 1e-9].map(|v| scale.fraction(v)), [0.0; 3]);
         // Ten decades are too many to tell colours apart.
         assert!((ColourScale::decades(1e-9, 10.0, DECADES).lo / 1e-3 - 1.0).abs() < 1e-12);
-        assert_eq!(palette().len(), 256);
+        assert_eq!(palette(&scale).len(), 256);
     }
 
     #[test]
     fn few_bins_that_outshine_all_make_the_scale_logarithmic() {
-        let of = |values: &[f64]| scale([18, 36], std::iter::once(values));
+        let of = |values: &[f64]| {
+            let values: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
+            scale([18, 36], once(values.as_slice()))
+        };
         let linear = |hi| Some(ColourScale::linear(0.0, hi));
         // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
         let mut values = vec![0.3; 18 * 36];

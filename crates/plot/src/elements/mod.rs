@@ -1,13 +1,15 @@
 //! Elements that figures are made of. Nothing here knows a figure.
 //!
 //! From below: [`theme`] (sizes, colours), [`geometry`], [`numbers`], [`text`]; [`scene`], the list of shapes that
-//! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`legend`], [`colour_scale`]; [`panel`], [`polar`],
-//! [`matrix`] and [`page`], on which figures stand. [`series`], [`disc`], [`units`] and [`verdict`] show light in the
-//! plane of incidence, light over a hemisphere, lengths and verdicts.
+//! [`render`] turns into SVG and PNG; [`axis`], [`curve`], [`curve_axis`], [`legend`], [`colour_scale`]; [`panel`],
+//! [`panel_grid`], [`polar`], [`matrix`] and [`page`], on which figures stand. [`series`], [`directions`], [`disc`], [`units`]
+//! and [`verdict`] show light and directions in the plane of incidence, light over a hemisphere, lengths and verdicts.
 
 pub(crate) mod axis;
 pub(crate) mod colour_scale;
 pub(crate) mod curve;
+pub(crate) mod curve_axis;
+pub(crate) mod directions;
 pub(crate) mod disc;
 pub(crate) mod geometry;
 pub(crate) mod legend;
@@ -15,6 +17,7 @@ pub(crate) mod matrix;
 pub(crate) mod numbers;
 pub(crate) mod page;
 pub(crate) mod panel;
+pub(crate) mod panel_grid;
 pub(crate) mod polar;
 pub(crate) mod render;
 pub(crate) mod scene;

@@ -1,21 +1,11 @@
 //! Lines and points over two linear axes.
 
-use crate::elements::axis::{Axis, extent};
 use crate::elements::curve::{Curve, curve_entries};
+use crate::elements::curve_axis::CurveAxis;
 use crate::elements::legend::Entry;
-use crate::elements::numbers::{display_exponent, power_of_ten};
 use crate::elements::page::Chart;
 use crate::error::Valid;
 use crate::{Figure, PlotError};
-
-/// One axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurveAxis {
-    /// What it measures, with the unit.
-    pub label: String,
-    /// From where to where; around everything unless given.
-    pub range: Option<[f64; 2]>,
-}
 
 /// Curves over two linear axes, with a legend at the right.
 ///
@@ -60,8 +50,6 @@ const PANEL: (f64, f64) = (560.0, 420.0);
 const LEGEND_WIDTH: f64 = 262.0;
 const X_TICKS: usize = 9;
 const Y_TICKS: usize = 6;
-/// Free space around the data of an axis, as a fraction of it.
-const PADDING: f64 = 0.04;
 
 impl Curves {
     /// Lays the figure out.
@@ -86,36 +74,5 @@ impl Curves {
             entries,
         }
         .draw()
-    }
-}
-
-impl CurveAxis {
-    /// The axis around `values`, unless its range is given.
-    fn axis(
-        &self,
-        name: &str,
-        values: impl Iterator<Item = f64>,
-        ticks: usize,
-    ) -> Result<Axis, PlotError> {
-        let Some(around) = extent(values) else {
-            return Err(PlotError::nothing_to_draw("no point on any curve"));
-        };
-        let [lo, hi] = self.range.unwrap_or_else(|| {
-            let span = around[1] - around[0];
-            let room = match span > 0.0 {
-                true => PADDING * span,
-                false => 0.5 * around[0].abs().max(1.0),
-            };
-            [around[0] - room, around[1] + room]
-        });
-        let what = format!("range of the {name} axis");
-        Valid::Finite.check_all(&what, [lo, hi])?;
-        Valid::Positive.check(&what, 0, hi - lo)?;
-        let exponent = display_exponent(lo.abs().max(hi.abs()));
-        let label = match exponent {
-            0 => self.label.clone(),
-            e => format!("{} × {}", self.label, power_of_ten(-e)),
-        };
-        Ok(Axis::linear(lo, hi, ticks, exponent).with_label(&label))
     }
 }

@@ -1,7 +1,7 @@
 //! A surface seen from above.
 
 use crate::elements::axis::extent;
-use crate::elements::colour_scale::{ColourScale, bar_ticks, draw_bar, palette};
+use crate::elements::colour_scale::{ColourScale, Colours, bar_ticks, draw_bar};
 use crate::elements::geometry::Rect;
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH, y_axis_room};
@@ -114,12 +114,18 @@ impl HeightMapFigure<'_> {
             frame: map,
             columns,
             pixels: means.iter().map(|h| scale.index(*h, 256)).collect(),
-            palette: palette(256).collect(),
+            palette: Colours::Viridis.palette(256).collect(),
         });
         Panel::new(map, x_axis, y_axis)?.draw_frame(&mut page.scene);
         let bar = Rect::at((map.right + BAR_GAP, top), BAR_WIDTH, band);
         let axis = bar_ticks(band, |n| vertical.axis(scale.lo, scale.hi, n));
-        draw_bar(&mut page.scene, bar, &axis, &[&vertical.label("height")])?;
+        draw_bar(
+            &mut page.scene,
+            bar,
+            Colours::Viridis,
+            &axis,
+            &[&vertical.label("height")],
+        )?;
         Ok(page.finish((map.bottom + X_AXIS_DEPTH).max(bar.bottom)))
     }
 

@@ -22,14 +22,20 @@ pub enum SharedColours {
     Common,
     /// Those of a row.
     Rows,
+    /// All but the first, which hold ratios from -1 to 1 to it: blue below zero, red above. The first has a scale of
+    /// its own.
+    OverFirst {
+        /// Title of the scale of ratios.
+        name: &'static str,
+    },
 }
 
 /// Scattered light over one hemisphere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hemisphere {
     /// Values of the bins in 1/sr, ring by ring from the normal of the side on which the light leaves, and within
-    /// a ring by azimuth from 0.
-    pub values: Vec<f64>,
+    /// a ring by azimuth from 0; `None` leaves a bin blank.
+    pub values: Vec<Option<f64>>,
     /// Azimuth of the direction towards the light, degrees: the tick mark; `None` where it has no meaning.
     pub light_deg: Option<f64>,
     /// Words beneath the disc. May be empty.
@@ -39,8 +45,8 @@ pub struct Hemisphere {
 /// A matrix of hemispheres, each a disc of equal areas: as much paper as solid angle.
 ///
 /// Discs show the hemisphere from above, azimuth 0 to the right and 90 degrees up; transmitted light is seen
-/// through the surface, light straight down in the middle. The colours are *viridis*, from zero to the largest
-/// value of those that share them; values below zero, which come from noise, have the colour of zero. Where a few bins outshine
+/// through the surface, light straight down in the middle. The colours of values in 1/sr are *viridis*, from zero to the
+/// largest value of those that share them; values below zero, which come from noise, have the colour of zero. Where a few bins outshine
 /// all others by far, as mirror peaks do, the scale is logarithmic, over four decades at most. Faint circles are at
 /// 30 and 60 degrees from the normal.
 ///
@@ -48,7 +54,7 @@ pub struct Hemisphere {
 /// use asperity_plot::{SharedColours, Hemisphere, Hemispheres, Side};
 ///
 /// let lambert = |albedo: f64| Some(Hemisphere {
-///     values: vec![albedo / std::f64::consts::PI; 6 * 12],
+///     values: vec![Some(albedo / std::f64::consts::PI); 6 * 12],
 ///     light_deg: Some(0.0),
 ///     note: format!("{albedo} reflected"),
 /// });
@@ -138,32 +144,23 @@ impl Hemispheres {
         page.y += 8.0;
         self.draw_column_names(&mut page, &layout)?;
 
-        let rows = self.rows.len();
+        let (rows, columns) = (self.rows.len(), self.columns.len());
         let top = page.y;
         let bottom = top + rows as f64 * row_height - GAP - (row_height - diameter - GAP);
-        let scales: Vec<Option<ColourScale>> = match self.colours {
-            SharedColours::Common => vec![self.scale(0..rows); rows],
-            SharedColours::Rows => (0..rows).map(|row| self.scale(row..row + 1)).collect(),
-        };
-        let bar_left = right + TICK + BAR_GAP;
+        let scales = self.scales();
         for (row, name) in self.rows.iter().enumerate() {
             let y = top + row as f64 * row_height;
             let middle = y + 0.5 * diameter;
             let style = TextStyle::new(theme::TICK_SIZE, Align::Right, Level::Middle);
             page.scene.text(name, (left - TICK - 6.0, middle), style);
-            for (column, cell) in self.row(row).iter().enumerate() {
+            for column in 0..columns {
+                let number = row * columns + column;
                 let centre = (layout.centre(column), middle);
-                self.draw_cell(&mut page.scene, centre, 0.5 * diameter, cell, scales[row]);
-            }
-            if self.colours == SharedColours::Rows {
-                let bar = Rect::at((bar_left, y), BAR_WIDTH, diameter);
-                self.draw_colour_bar(&mut page.scene, bar, scales[row])?;
+                let (cell, scale) = (&self.cells[number], scales[number]);
+                self.draw_cell(&mut page.scene, centre, 0.5 * diameter, cell, scale);
             }
         }
-        if self.colours == SharedColours::Common {
-            let bar = Rect::at((bar_left, top), BAR_WIDTH, bottom - top);
-            self.draw_colour_bar(&mut page.scene, bar, scales[0])?;
-        }
+        self.draw_colour_bars(&mut page.scene, &layout, [top, bottom], &scales)?;
         let style = TextStyle::new(theme::LABEL_SIZE, Align::Centre, Level::Top).muted();
         let row_title_at = (theme::MARGIN, 0.5 * (top + bottom));
         page.scene
@@ -184,7 +181,8 @@ impl Hemispheres {
         check_length("matrix of hemispheres", self.cells.len(), cells)?;
         for cell in self.cells.iter().flatten() {
             check_length("hemisphere", cell.values.len(), bins)?;
-            Valid::Finite.check_all("value of a hemisphere", cell.values.iter().copied())?;
+            let values = cell.values.iter().copied().flatten();
+            Valid::Finite.check_all("value of a hemisphere", values)?;
             Valid::Finite.check_all("azimuth of the light", cell.light_deg)?;
         }
         Ok(())
@@ -207,14 +205,24 @@ impl Hemispheres {
         })
     }
 
-    fn row(&self, row: usize) -> &[Option<Hemisphere>] {
-        &self.cells[row * self.columns.len()..][..self.columns.len()]
-    }
-
-    /// The scale that some rows share; `None` if nothing in them is above zero.
-    fn scale(&self, rows: std::ops::Range<usize>) -> Option<ColourScale> {
-        let cells = rows.flat_map(|row| self.row(row)).flatten();
-        disc::scale(self.bins, cells.map(|cell| cell.values.as_slice()))
+    /// The scale of each cell; `None` if nothing that shares it is above zero.
+    fn scales(&self) -> Vec<Option<ColourScale>> {
+        let shared = |cells: &[Option<Hemisphere>]| {
+            let values = cells.iter().flatten().map(|cell| cell.values.as_slice());
+            vec![disc::scale(self.bins, values); cells.len()]
+        };
+        match self.colours {
+            SharedColours::Common => shared(&self.cells),
+            SharedColours::Rows => {
+                let rows = self.cells.chunks(self.columns.len());
+                rows.flat_map(shared).collect()
+            }
+            SharedColours::OverFirst { .. } => {
+                let mut scales = shared(&self.cells[..1]);
+                scales.resize(self.cells.len(), Some(ColourScale::RATIOS));
+                scales
+            }
+        }
     }
 
     fn draw_column_names(&self, page: &mut Page, layout: &Layout) -> Result<(), PlotError> {
@@ -250,13 +258,14 @@ impl Hemispheres {
             scene.text("not measured yet", centre, style);
             return;
         };
-        if let Some(scale) = scale {
+        let lit = cell.values.iter().any(Option::is_some);
+        if let Some(scale) = scale.filter(|_| lit) {
             let columns = (2.0 * PIXELS * radius) as usize;
             scene.pictures.push(Picture {
                 frame: Rect::around(centre, radius, radius),
                 columns,
                 pixels: disc::pixels(self.bins, &cell.values, columns, &scale),
-                palette: disc::palette(),
+                palette: disc::palette(&scale),
             });
         } else {
             // Without a value above zero there is no scale: colours would have no meaning.
@@ -278,14 +287,51 @@ impl Hemispheres {
         scene.text(&cell.note, (centre.0, centre.1 + radius + 7.0), style);
     }
 
-    /// The bar of a scale, if there is one.
+    /// The bars of all scales between `top` and `bottom`, right of the discs; `scales` are those of the cells.
+    fn draw_colour_bars(
+        &self,
+        scene: &mut Scene,
+        layout: &Layout,
+        [top, bottom]: [f64; 2],
+        scales: &[Option<ColourScale>],
+    ) -> Result<(), PlotError> {
+        let left = layout.right + TICK + BAR_GAP;
+        let bar = |from: f64, to: f64| Rect::at((left, from), BAR_WIDTH, to - from);
+        match self.colours {
+            SharedColours::Common => self.draw_colour_bar(scene, bar(top, bottom), scales[0]),
+            SharedColours::Rows => {
+                let rows = scales.iter().step_by(self.columns.len());
+                for (row, scale) in rows.enumerate() {
+                    let y = top + row as f64 * layout.row_height;
+                    self.draw_colour_bar(scene, bar(y, y + layout.diameter), *scale)?;
+                }
+                Ok(())
+            }
+            SharedColours::OverFirst { name } => {
+                let middle = 0.5 * (top + bottom);
+                self.draw_colour_bar(scene, bar(top, middle - 0.5 * GAP), scales[0])?;
+                let ratios = bar(middle + 0.5 * GAP, bottom);
+                let ColourScale { lo, hi, .. } = ColourScale::RATIOS;
+                let axis = bar_ticks(ratios.height(), |n| Axis::linear(lo, hi, n, 0));
+                draw_bar(scene, ratios, ColourScale::RATIOS.colours, &axis, &[name])
+            }
+        }
+    }
+
+    /// The bar of a scale of values in 1/sr, if there is one.
     fn draw_colour_bar(
         &self,
         scene: &mut Scene,
         bar: Rect,
         scale: Option<ColourScale>,
     ) -> Result<(), PlotError> {
-        let Some(ColourScale { lo, hi, log }) = scale else {
+        let Some(ColourScale {
+            lo,
+            hi,
+            log,
+            colours,
+        }) = scale
+        else {
             return Ok(());
         };
         let axis = match log {
@@ -296,7 +342,7 @@ impl Hemispheres {
                 per_steradian_axis(&self.quantity, lo, hi, n)
             }),
         };
-        draw_bar(scene, bar, &axis, &[&axis.label])
+        draw_bar(scene, bar, colours, &axis, &[&axis.label])
     }
 
     /// How to read the discs.
@@ -308,6 +354,9 @@ impl Hemispheres {
         let shared = match self.colours {
             SharedColours::Common => "one colour scale for all",
             SharedColours::Rows => "one colour scale per row",
+            SharedColours::OverFirst { .. } => {
+                "the first disc has a colour scale of its own, the others share one, on which grey is zero"
+            }
         };
         let logarithmic = match logarithmic {
             true => ", logarithmic where a peak would hide the rest",
@@ -317,9 +366,14 @@ impl Hemispheres {
             true => " The tick mark is at the azimuth of the light.",
             false => "",
         };
+        let mut values = self.cells.iter().flatten().flat_map(|c| &c.values);
+        let blank = match values.any(Option::is_none) {
+            true => " Bins without light are left white.",
+            false => "",
+        };
         format!(
             "{seen}, in equal areas, azimuth 0° to the right and 90° up; circles at 30° and 60° from the normal; \
-             {shared}{logarithmic}.{ticks}"
+             {shared}{logarithmic}.{ticks}{blank}"
         )
     }
 }
@@ -348,7 +402,7 @@ mod tests {
             bins,
             colours: SharedColours::Common,
             cells: vec![Some(Hemisphere {
-                values,
+                values: values.into_iter().map(Some).collect(),
                 light_deg: Some(90.0),
                 note: String::new(),
             })],
@@ -381,6 +435,34 @@ mod tests {
         // Without a value above zero colours would have no meaning.
         let dark = of_one(vec![-1.0; 8], [2, 4]).draw().unwrap();
         assert!(dark.svg().unwrap().contains("no light"));
+    }
+
+    fn ratios(first: Option<f64>, second: Option<f64>) -> Hemispheres {
+        let mut figure = of_one(vec![0.0; 8], [2, 4]);
+        let mut second_cell = figure.cells[0].clone();
+        for (cell, value) in [(&mut figure.cells[0], first), (&mut second_cell, second)] {
+            cell.as_mut().unwrap().values = vec![value; 8];
+        }
+        figure.cells.push(second_cell);
+        figure.columns.push("second".into());
+        figure.colours = SharedColours::OverFirst { name: "over all" };
+        figure
+    }
+
+    #[test]
+    fn ratios_have_a_scale_around_zero_and_the_first_disc_its_own() {
+        let figure = ratios(Some(0.3), Some(0.0));
+        let own = Some(ColourScale::linear(0.0, 0.3));
+        assert_eq!(figure.scales(), [own, Some(ColourScale::RATIOS)]);
+        let svg = figure.draw().unwrap().svg().unwrap();
+        for text in ["BRDF (", "over all", "−1.0", "grey is zero"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(!svg.contains("left white") && !svg.contains("no light"));
+        let svg = |first, second| ratios(first, second).draw().unwrap().svg().unwrap();
+        let dark = svg(Some(0.0), None);
+        assert_eq!(dark.matches("no light").count(), 2);
+        assert!(svg(Some(0.3), None).contains("left white"));
     }
 
     /// One bin of 12 x 24 holds 0.04 % of the solid angle or more.

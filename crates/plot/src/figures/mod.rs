@@ -1,5 +1,6 @@
 //! Figures, one per file.
 
+pub(crate) mod angle_grid;
 pub(crate) mod curves;
 pub(crate) mod diagram;
 pub(crate) mod error_over_time;

@@ -2,10 +2,11 @@
 
 use crate::elements::axis::{Axis, extent, per_steradian_axis};
 use crate::elements::curve::{Colour, Curve, Point, Style, curve_entries};
-use crate::elements::geometry::Rect;
+use crate::elements::directions::Directions;
 use crate::elements::legend::{Entry, Key};
 use crate::elements::page::Page;
 use crate::elements::panel::{Panel, X_AXIS_DEPTH};
+use crate::elements::panel_grid::PanelGrid;
 use crate::elements::scene::{Align, Level, TextStyle};
 use crate::elements::theme;
 use crate::error::{Valid, check_length};
@@ -86,10 +87,11 @@ impl ProfileGrid {
     pub fn draw(&self) -> Result<Figure, PlotError> {
         self.check()?;
         let layout = self.layout();
-        let mut page = Page::new(&self.title, &self.subtitle, layout.page_width().max(560.0))?;
+        let page_width = (layout.right() + theme::MARGIN).max(560.0);
+        let mut page = Page::new(&self.title, &self.subtitle, page_width)?;
         page.y += 8.0;
         let mut curves: Vec<Curve> = self.curves(0, -f64::MAX).collect();
-        curves.extend(self.guides(0.0, 1.0));
+        curves.extend(self.directions().guides(0.0, 1.0));
         let (notes, entries): (Vec<_>, Vec<_>) = curve_entries(&curves)
             .into_iter()
             .partition(|entry| matches!(entry.key, Key::Note));
@@ -106,8 +108,8 @@ impl ProfileGrid {
         Ok(page.finish(bottom))
     }
 
-    fn layout(&self) -> Layout {
-        let (width, height) = match self.panels.len() {
+    fn layout(&self) -> PanelGrid {
+        let size = match self.panels.len() {
             1 => (SINGLE_PANEL_WIDTH, PANEL.1),
             _ => PANEL,
         };
@@ -115,10 +117,11 @@ impl ProfileGrid {
             true => 0.0,
             false => NAME_DEPTH,
         };
-        Layout {
+        PanelGrid {
+            left: theme::MARGIN + Y_AXIS_ROOM,
             columns: self.panels.len().min(MOST_IN_A_ROW),
-            width,
-            height,
+            size,
+            gap: GAP,
             name_depth,
         }
     }
@@ -142,7 +145,7 @@ impl ProfileGrid {
         &self,
         page: &mut Page,
         i: usize,
-        layout: &Layout,
+        layout: &PanelGrid,
         top: f64,
         axes: &ValueAxes,
     ) -> Result<(), PlotError> {
@@ -160,7 +163,7 @@ impl ProfileGrid {
             _ => axes.of(i).clone().without_texts(),
         };
         let panel = Panel::new(frame, angles, values)?;
-        let guides = self.guides(panel.y.lo, panel.y.hi);
+        let guides = self.directions().guides(panel.y.lo, panel.y.hi);
         let least = match axes.is_log(i) {
             true => 1e-3 * panel.y.lo,
             false => -f64::MAX,
@@ -219,18 +222,12 @@ impl ProfileGrid {
         })
     }
 
-    fn guides(&self, lo: f64, hi: f64) -> impl Iterator<Item = Curve> {
-        let lines = [
-            (
-                self.mirror_deg,
-                "reflection at a flat surface",
-                Style::Guide,
-            ),
-            (self.light_deg, "towards the light", Style::Faint),
-        ];
-        lines.into_iter().filter_map(move |(angle, name, style)| {
-            Some(Curve::guide(name, style, [(angle?, lo), (angle?, hi)]))
-        })
+    fn directions(&self) -> Directions {
+        Directions {
+            light_deg: self.light_deg,
+            flat_deg: self.mirror_deg,
+            flat_name: "reflection at a flat surface",
+        }
     }
 
     /// Whether each value stands at the opposite angle as well, as for vertical light averaged over azimuth.
@@ -273,39 +270,6 @@ impl ProfileGrid {
         let low = values.get(values.len() / 10).copied().unwrap_or(hi);
         let lo = (0.5 * low).clamp(LEAST * hi, 0.05 * hi);
         Axis::log10(lo, hi).with_label(&format!("{} (1/sr), logarithmic", self.quantity))
-    }
-}
-
-/// Places of the panels.
-struct Layout {
-    columns: usize,
-    width: f64,
-    height: f64,
-    name_depth: f64,
-}
-
-impl Layout {
-    const LEFT: f64 = theme::MARGIN + Y_AXIS_ROOM;
-
-    fn page_width(&self) -> f64 {
-        Self::LEFT + self.columns as f64 * (self.width + GAP) - GAP + theme::MARGIN
-    }
-
-    fn row_height(&self) -> f64 {
-        self.name_depth + self.height + GAP + 6.0
-    }
-
-    /// Height of the rows that hold `panels` panels, without the axis below them.
-    fn depth(&self, panels: usize) -> f64 {
-        panels.div_ceil(self.columns) as f64 * self.row_height() - GAP - 6.0
-    }
-
-    /// The frame of panel `i`.
-    fn frame(&self, i: usize, top: f64) -> Rect {
-        let (row, column) = (i / self.columns, i % self.columns);
-        let x = Self::LEFT + column as f64 * (self.width + GAP);
-        let y = top + row as f64 * self.row_height();
-        Rect::at((x, y + self.name_depth), self.width, self.height)
     }
 }
 

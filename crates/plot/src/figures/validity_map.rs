@@ -260,7 +260,7 @@ impl ValidityMap {
         scale: &ColourScale,
     ) -> Result<(), PlotError> {
         let axis = Axis::log10(scale.lo, scale.hi);
-        draw_bar(scene, bar, &axis, &["total variation", "TV"])?;
+        draw_bar(scene, bar, scale.colours, &axis, &["total variation", "TV"])?;
         let y = bar.bottom - scale.fraction(self.tolerance) * bar.height();
         for (colour, width) in [(theme::WHITE, 3.4), (theme::INK, 1.6)] {
             let pen = Pen::solid(colour, width);

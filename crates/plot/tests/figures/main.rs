@@ -4,6 +4,7 @@
     reason = "helpers of tests fail like the tests themselves"
 )]
 
+mod angle_grid;
 mod curves;
 mod diagram;
 mod error_over_time;

@@ -3,8 +3,7 @@
 use asperity_simulate::short;
 
 use asperity_plot::{
-    Figure, Hemisphere, Hemispheres, PlotError, Point, ProfileComponent, ProfileGrid,
-    SharedColours, Side as PlotSide,
+    Figure, Hemisphere, Hemispheres, PlotError, Point, ProfileComponent, ProfileGrid, SharedColours,
 };
 use asperity_tally::{Side, TallySpec};
 use rayon::prelude::*;
@@ -16,8 +15,9 @@ use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
 use crate::output::{Place, over, projected_solid_angle};
+use crate::report::disc_bins::{disc_bins, disc_shape};
 use crate::report::error::ReportError;
-use crate::report::figures::save;
+use crate::report::figures::{plot_side, save};
 
 /// Folder of the plots.
 pub(super) const PLOTS: &str = "plots";
@@ -87,13 +87,6 @@ fn quantity(side: Side) -> &'static str {
     match side {
         Side::Reflected => "BRDF",
         Side::Transmitted => "BTDF",
-    }
-}
-
-fn plot_side(side: Side) -> PlotSide {
-    match side {
-        Side::Reflected => PlotSide::Reflected,
-        Side::Transmitted => PlotSide::Transmitted,
     }
 }
 
@@ -174,7 +167,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             .iter()
             .map(|angle| format!("{}°", short(*angle)))
             .collect(),
-        bins: bins(&outcome.spec),
+        bins: disc_shape(&outcome.spec),
         colours: match outcome.config.output.scale {
             PlotScale::Common => SharedColours::Common,
             PlotScale::Rows => SharedColours::Rows,
@@ -209,7 +202,7 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
         row_title: String::new(),
         column_title,
         rows: names.iter().map(|name| name.to_string()).collect(),
-        bins: bins(&outcome.spec),
+        bins: disc_shape(&outcome.spec),
         colours: SharedColours::Rows,
         cells: cells.collect(),
         columns,
@@ -279,10 +272,6 @@ fn meaning(spec: &TallySpec) -> &'static str {
     }
 }
 
-fn bins(spec: &TallySpec) -> [usize; 2] {
-    [spec.grid().n_theta(), spec.grid().n_phi()]
-}
-
 /// The BSDF of one component of one direction, ring by ring from the normal of `side`.
 fn hemisphere(
     outcome: &GonioOutcome,
@@ -292,11 +281,6 @@ fn hemisphere(
 ) -> Option<Hemisphere> {
     let spec = &outcome.spec;
     let component = &direction.results.as_ref()?.components[component];
-    let [rings, sectors] = bins(spec);
-    let values = (0..rings).flat_map(|ring| {
-        let ring = row_of(side, ring, rings);
-        (0..sectors).map(move |sector| ring * sectors + sector)
-    });
     let bsdf = |bin| {
         let flux = component.bin(spec, bin)?;
         Some(flux.mean / projected_solid_angle(&spec.grid(), bin))
@@ -307,19 +291,12 @@ fn hemisphere(
         Side::Transmitted => "T",
     };
     Some(Hemisphere {
-        values: values.map(bsdf).collect::<Option<_>>()?,
+        values: disc_bins(spec, side)
+            .map(|bin| bsdf(bin).map(Some))
+            .collect::<Option<_>>()?,
         light_deg: (!direction.incidence.is_vertical()).then(|| direction.incidence.phi_deg()),
         note: format!("{letter} = {}", percent(fraction)),
     })
-}
-
-/// Row of the grid's bins that holds ring `ring` of `rings` from the normal of `side`: its rings count from +z, first
-/// those of reflected light.
-const fn row_of(side: Side, ring: usize, rings: usize) -> usize {
-    match side {
-        Side::Reflected => ring,
-        Side::Transmitted => rings + rings - 1 - ring,
-    }
 }
 
 /// A fraction of the light, to three digits.
@@ -327,26 +304,4 @@ fn percent(fraction: f64) -> String {
     let percent = 100.0 * fraction;
     let digits = if percent.abs() >= 10.0 { 1 } else { 2 };
     format!("{percent:.digits$} %")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use asperity_tally::HemisphereGrid;
-    use std::f64::consts::{FRAC_PI_2, PI};
-
-    #[test]
-    fn rings_of_a_disc_count_from_the_normal_of_its_side() {
-        let grid = HemisphereGrid::new(3, 4).unwrap();
-        for (side, ring, edge) in [
-            (Side::Reflected, 0, 0.0),
-            (Side::Reflected, 2, FRAC_PI_2),
-            (Side::Transmitted, 0, PI),
-            (Side::Transmitted, 2, FRAC_PI_2),
-        ] {
-            let bin = grid.bin(row_of(side, ring, 3) * 4);
-            assert_eq!(bin.side, side);
-            assert!(bin.theta.contains(&edge), "{side} {ring}: {:?}", bin.theta);
-        }
-    }
 }

@@ -55,7 +55,8 @@ impl PlottedCase {
         }
     }
 
-    fn subtitle(&self) -> String {
+    /// Parameters, and where the light comes from if that is below.
+    pub(crate) fn subtitle(&self) -> String {
         let turned = match self.from {
             Incident::Above => "",
             Incident::Below => "; light from below the surface, drawn with its side up",
@@ -78,7 +79,7 @@ impl PlottedCase {
     }
 
     /// Where a flat surface would send the light of `side`, signed degrees from its normal.
-    fn flat_direction(&self, side: Side) -> Option<f64> {
+    pub(crate) fn flat_direction(&self, side: Side) -> Option<f64> {
         match side {
             Side::Reflected => Some(self.incidence.theta_deg()),
             Side::Transmitted => {
@@ -202,7 +203,8 @@ pub(crate) fn lobes_and_curves(
     lobes.and(curves)
 }
 
-const fn plot_side(side: Side) -> PlotSide {
+/// The side as figures name it.
+pub(crate) const fn plot_side(side: Side) -> PlotSide {
     match side {
         Side::Reflected => PlotSide::Reflected,
         Side::Transmitted => PlotSide::Transmitted,
@@ -313,7 +315,11 @@ fn model_bins(model: &ModelOutcome, side: Side, component: Component) -> Vec<Poi
 }
 
 /// Cosine-weighted BSDF of a component in the plane of incidence, bin by bin.
-fn in_plane_points(statistics: &TallyStatistics, side: Side, component: Component) -> Vec<Point> {
+pub(crate) fn in_plane_points(
+    statistics: &TallyStatistics,
+    side: Side,
+    component: Component,
+) -> Vec<Point> {
     let view = statistics.in_plane(side, component);
     let filter = view.filter();
     let point = |(i, flux): (usize, asperity_tally::Estimate)| {

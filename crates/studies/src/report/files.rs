@@ -17,6 +17,7 @@ use crate::report::figures::{self, PlottedCase};
 use crate::report::flux_tables::{FluxTables, comparison_columns, write_comparison};
 use crate::report::fluxes::Fluxes;
 use crate::report::polarised::polarised_tables;
+use crate::report::polarised_figures::{draw_polarised, polarised_figures};
 use crate::report::summary::Summary;
 use crate::verify::comparison::json::ComparisonJson;
 use crate::verify::{CaseOutcome, VerifyOutcome};
@@ -28,7 +29,8 @@ pub(crate) const TABLES: [&str; 3] = ["histogram.csv", "theta.csv", "in_plane.cs
 pub(crate) fn plot_files(spec: &TallySpec) -> impl Iterator<Item = String> {
     let curves = spec.sides().map(|side| format!("in_plane_{side}"));
     let names = ["height_map", "lobes"].map(str::to_owned).into_iter();
-    names.chain(curves).flat_map(|name| figure_files(&name))
+    let names = names.chain(curves).chain(polarised_figures(spec));
+    names.flat_map(|name| figure_files(&name))
 }
 
 impl VerifyConfig {
@@ -158,7 +160,10 @@ fn write_case(
             return Ok(());
         }
         let light = PlottedCase::of_case(&case.case, &outcome.config);
-        figures::lobes_and_curves(place, &light, spec, &case.outcome.statistics, &case.models)
+        let statistics = &case.outcome.statistics;
+        let curves = || figures::lobes_and_curves(place, &light, spec, statistics, &case.models);
+        let (curves, polarised) = rayon::join(curves, || draw_polarised(place, &light, statistics));
+        curves.and(polarised)
     };
     let (tables, plots) = rayon::join(tables, plots);
     tables?;

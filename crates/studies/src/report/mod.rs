@@ -2,6 +2,7 @@
 
 pub(crate) mod case_report;
 pub(crate) mod config_json;
+pub(crate) mod disc_bins;
 pub(crate) mod energies;
 pub(crate) mod error;
 pub(crate) mod figures;
@@ -9,5 +10,6 @@ pub(crate) mod files;
 pub(crate) mod flux_tables;
 pub(crate) mod fluxes;
 pub(crate) mod polarised;
+pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
 pub(crate) mod summary;

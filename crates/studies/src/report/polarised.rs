@@ -159,7 +159,7 @@ fn with_elements<'a, R: 'a>(
 }
 
 /// Row and column of each element but the first.
-fn elements() -> impl Iterator<Item = [usize; 2]> {
+pub(crate) fn elements() -> impl Iterator<Item = [usize; 2]> {
     (1..16).map(|i| [i / 4, i % 4])
 }
 

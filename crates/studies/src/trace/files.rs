@@ -13,6 +13,7 @@ use crate::report::files::{TABLES, plot_files};
 use crate::report::flux_tables::FluxTables;
 use crate::report::fluxes::Fluxes;
 use crate::report::polarised::polarised_tables;
+use crate::report::polarised_figures::draw_polarised;
 use crate::report::summary::Summary;
 
 impl TraceConfig {
@@ -68,7 +69,7 @@ fn tables(outcome: &TraceOutcome) -> FluxTables<'_> {
     }
 }
 
-/// Draws the height map, of a surface that has one, and the curves of the light.
+/// Draws the height map, of a surface that has one, the curves of the light, and its Mueller matrices if they are kept.
 fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
     let case = &outcome.outcome.case;
     let light = PlottedCase {
@@ -85,8 +86,9 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
     };
     let statistics = &outcome.outcome.statistics;
     let lobes = || figures::lobes_and_curves(place, &light, &outcome.spec, statistics, &[]);
-    let (map, lobes) = rayon::join(map, lobes);
-    map.and(lobes)
+    let polarised = || draw_polarised(place, &light, statistics);
+    let (map, (lobes, polarised)) = rayon::join(map, || rayon::join(lobes, polarised));
+    map.and(lobes).and(polarised)
 }
 
 /// The contents of summary.json.
