@@ -77,7 +77,7 @@ const GAP: f64 = 44.0;
 const Y_AXIS_ROOM: f64 = 76.0;
 /// From the name of a panel to its frame.
 const NAME_DEPTH: f64 = theme::LEGEND_SIZE + 10.0;
-const Y_TICKS: usize = 4;
+const Y_TICKS: usize = 5;
 
 impl AngleGrid {
     /// Lays the figure out.
@@ -152,7 +152,7 @@ impl AngleGrid {
             false => angles.without_texts(),
         };
         let mut values = axes[i].clone();
-        if i % self.columns > 0 {
+        if !i.is_multiple_of(self.columns) {
             values = match [values.lo, values.hi] == [axes[i - 1].lo, axes[i - 1].hi] {
                 true => values.without_texts(),
                 false => values.with_label(""),

@@ -18,8 +18,10 @@ use crate::report::polarised::elements;
 
 /// What the axes s and p of all matrices are.
 const AXES: &str = "s along z × k, p = k × s (docs/polarisation.md)";
-/// Largest standard error of an element that a curve shows: half of the way from zero to either end of its axis.
+/// Largest standard error of an element that a curve shows: half of the largest element.
 const MOST_ERROR: f64 = 0.5;
+/// End of the axis of elements: points at -1 and 1 are seen whole.
+const ELEMENT_END: f64 = 1.08;
 /// Light scattered once.
 const SINGLE: Component = Component::ORDERS[0];
 /// The Stokes parameters, in the order of rows and columns.
@@ -99,7 +101,7 @@ fn in_plane(light: &PlottedCase, statistics: &TallyStatistics, side: Side) -> An
         shown.iter().enumerate().map(curve).collect()
     };
     let unpolarised = AnglePanel {
-        name: "m00: BSDF of unpolarised light, f |cos θₒ|".to_owned(),
+        name: "m00, unpolarised light".to_owned(),
         y: CurveAxis {
             label: "f |cos θₒ| (1/sr)".to_owned(),
             range: None,
@@ -110,7 +112,7 @@ fn in_plane(light: &PlottedCase, statistics: &TallyStatistics, side: Side) -> An
         name: name(element),
         y: CurveAxis {
             label: "over m00".to_owned(),
-            range: Some([-1.0, 1.0]),
+            range: Some([-ELEMENT_END, ELEMENT_END]),
         },
         curves: curves(&|component| element_points(statistics, side, component, element)),
     });
@@ -203,4 +205,26 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
 /// Name of an element.
 fn name([row, column]: [usize; 2]) -> String {
     format!("m{row}{column}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use asperity_tally::HemisphereGrid;
+
+    #[test]
+    fn only_kept_matrices_of_recorded_sides_are_drawn() {
+        let spec = TallySpec::new(HemisphereGrid::new(3, 4).unwrap(), 0.1).unwrap();
+        assert!(polarised_figures(&spec).is_empty());
+        let averaging = spec.with_polarimetry(Polarimetry::Averaging);
+        assert!(polarised_figures(&averaging).is_empty());
+        let kept = spec.with_polarimetry(Polarimetry::Mueller);
+        let names = [
+            "mueller_in_plane_reflected",
+            "mueller_reflected",
+            "mueller_in_plane_transmitted",
+            "mueller_transmitted",
+        ];
+        assert_eq!(polarised_figures(&kept), names);
+    }
 }
