@@ -70,13 +70,9 @@ fn mueller() -> PathSettings {
 /// The matrix in the place of a flux entry.
 fn matrix(values: &TallyValues, flux: Entry) -> [[f64; 4]; 4] {
     let spec = *values.spec();
-    let element = |row: usize, column: usize| match row + column {
-        0 => values[flux],
-        _ => {
-            values[spec
-                .measure_entry(flux, Measure::Element { row, column })
-                .unwrap()]
-        }
+    let element = |row: usize, column: usize| {
+        let measure = Measure::Element { row, column };
+        values[spec.measure_entry(flux, measure).unwrap()]
     };
     [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| element(row, column)))
 }
