@@ -240,6 +240,39 @@ impl TallyResult for TallyStatistics {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Component, Side};
+
+    #[test]
+    fn a_ratio_has_the_error_of_what_both_do_not_share() {
+        let spec = TallySpec::default().with_polarimetry(Polarimetry::Mueller);
+        let flux = spec.flux_entry(Side::Reflected, Component::All);
+        let [first, m10] = [0, 1].map(|row| Measure::Element { row, column: 0 });
+        let entry = |measure| spec.measure_entry(flux, measure).unwrap();
+        let fluxes = [0.1, 0.2, 0.4, 0.3];
+        let noise = [0.01, -0.02, 0.015, -0.005];
+        let mut statistics = TallyStatistics::new(spec);
+        for (flux, noise) in fluxes.into_iter().zip(noise) {
+            let mut batch = TallyValues::zeros(spec);
+            batch[entry(first)] = flux;
+            batch[entry(m10)] = 0.5 * flux + noise;
+            statistics.push(&batch);
+        }
+        let ratio = statistics.over_flux(flux, m10).unwrap();
+        assert!((ratio.mean - 0.5).abs() < 1e-15);
+        // Deviations from a line through zero: their squares over n (n - 1) and the mean.
+        let squares: f64 = noise.iter().map(|x| x * x).sum();
+        let expected = (squares / 12.0).sqrt() / 0.25;
+        assert!((ratio.se.unwrap() - expected).abs() < 1e-15, "{ratio:?}");
+        let one = statistics.over_flux(flux, first).unwrap();
+        assert_eq!((one.mean, one.se), (1.0, Some(0.0)));
+
+        // The same after saving; nothing of what is not kept, or where nothing has arrived.
+        let restored = SavedStatistics::from(&statistics).restore(spec).unwrap();
+        assert_eq!(restored.over_flux(flux, m10), Some(ratio));
+        assert_eq!(statistics.over_flux(flux, Measure::Averaging), None);
+        let transmitted = spec.flux_entry(Side::Transmitted, Component::All);
+        assert_eq!(statistics.over_flux(transmitted, m10), None);
+    }
 
     const LOST: Entry = TallySpec::BUDGET.lost;
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use asperity_analysis::ModelError;
 use asperity_optics::{Layer, Material};
 use asperity_tally::{Side, Sides};
-use asperity_tracer::{AcceleratorKind, HalfSpace};
+use asperity_tracer::{AcceleratorKind, HalfSpace, Polarisation};
 
 use crate::config::case_model::CaseModel;
 use crate::config::error::ConfigError;
@@ -42,10 +42,11 @@ impl VerifyConfig {
     }
 
     /// Whether the azimuth of what leaves has no meaning in a case, so that its light is spread evenly
-    /// over azimuth: vertical light, of any azimuth.
+    /// over azimuth: vertical light, of any azimuth. Axes of Mueller matrices have one all the same.
     #[must_use]
     pub fn free_azimuth(&self, case: &SweepCase) -> bool {
-        self.any_azimuth() && case.incidence.is_vertical()
+        let has_axes = self.run.polarisation == Polarisation::Mueller;
+        self.any_azimuth() && case.incidence.is_vertical() && !has_axes
     }
 
     fn check(&self, cases: &[SweepCase]) -> Result<(), ConfigError> {

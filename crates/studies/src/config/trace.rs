@@ -150,7 +150,7 @@ impl TraceConfig {
                 .map(f64::to_string)
                 .collect::<Vec<_>>()
                 .join(",");
-            ConfigError::Contradiction(format!("--stokes {text}: {why}"))
+            ConfigError::Contradiction(format!("stokes {text}: {why}"))
         };
         let &[i, q, u, v] = given.as_slice() else {
             return Err(refused("takes four numbers, I,Q,U,V"));

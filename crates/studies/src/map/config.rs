@@ -1,6 +1,7 @@
 //! The configuration of a map: what `asperity map` reads from a file.
 
 use asperity_simulate::check_results;
+use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -96,6 +97,11 @@ impl MapConfig {
     /// The cells, in the order of [`VerifyConfig::cases`].
     pub(super) fn cells(&self) -> Result<Vec<CellPlan>, ConfigError> {
         let contradiction = |text: String| Err(ConfigError::Contradiction(text));
+        if self.run.polarisation == Polarisation::Mueller {
+            return contradiction(
+                "--polarisation mueller: a map compares fluxes alone; take tracked, averaged or both, or verify for the matrices".into(),
+            );
+        }
         if self.compare.models.is_empty() {
             return contradiction("a map needs models to compare with; name one or several".into());
         }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use asperity_analysis::{Comparison, SignFlipTest};
 use asperity_simulate::{Cells, Stopping, counted, short};
-use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec};
+use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::PathSettings;
 
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
@@ -88,6 +88,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }
+    out.push_str(&averaging_lines(case));
     if !case.models.is_empty() {
         for component in COMPARED {
             let table = distribution_table(&outcome.spec, case, component, &orders);
@@ -101,6 +102,39 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         let _ = writeln!(out, "\n{}", conclusion(&outcome.spec, case));
     }
     out
+}
+
+/// What averaging explains of the deviation of each model that describes all light, where that is traced.
+fn averaging_lines(case: &CaseOutcome) -> String {
+    let statistics = &case.outcome.statistics;
+    let spec = statistics.spec();
+    let mut out = String::new();
+    let models = case.models.iter();
+    for model in models.filter(|model| model.judged_component() == Component::All) {
+        for side in spec
+            .sides()
+            .filter(|&side| model.model.sides().includes(side))
+        {
+            let flux = spec.flux_entry(side, Component::All);
+            let Some(entry) = spec.measure_entry(flux, Measure::Averaging) else {
+                return out;
+            };
+            let expected = model.expectation.statistics().means()[flux];
+            let deviation = signed(statistics.at(flux).mean - expected);
+            let averaging = with_error(statistics.at(entry));
+            let line = format!(
+                "{side} flux less that of {}: {deviation}; {averaging} of it would vanish if surfaces averaged s and p",
+                model.model.name()
+            );
+            let _ = writeln!(out, "{}", wrapped(&line));
+        }
+    }
+    out
+}
+
+/// A number with its sign, to three digits.
+fn signed(value: f64) -> String {
+    format!("{value:+.3e}")
 }
 
 /// What the cells of the surfaces make of their slopes.

@@ -152,7 +152,7 @@ fn with_elements<'a, R: 'a>(
             Column::estimate(
                 "angle_of_polarisation_deg",
                 "of its linear part, from s towards p",
-                move |row: &R| Polarised::of(statistics, entry(row)).map(|p| p.angle_deg()),
+                move |row: &R| Polarised::of(statistics, entry(row))?.angle_deg(),
             )
             .unit("deg"),
         )
@@ -173,28 +173,33 @@ impl Polarised {
         Some(Self([over(1)?, over(2)?, over(3)?]))
     }
 
-    /// Degree of polarisation, with the error of its longest part.
+    /// Degree of polarisation, with its error by those of the parts.
     fn degree(&self) -> Estimate {
         let degree = length(&self.0.map(|part| part.mean));
         let parts = self.0.map(|part| Some(part.mean * part.se?));
+        let se = all(parts).map(|parts| length(&parts) / degree);
         Estimate {
             mean: degree,
-            se: all(parts).map(|parts| length(&parts) / degree),
+            se: se.filter(|_| degree > 0.0),
         }
     }
 
-    /// Angle of the linear part from s towards p, degrees in (-90, 90].
-    fn angle_deg(&self) -> Estimate {
+    /// Angle of the linear part from s towards p, degrees in (-90, 90]; `None` without a linear part.
+    fn angle_deg(&self) -> Option<Estimate> {
         let [q, u, _] = self.0;
+        if q.mean == 0.0 && u.mean == 0.0 {
+            return None;
+        }
         let across = all([u.se.map(|se| q.mean * se), q.se.map(|se| u.mean * se)]);
         let square = q.mean * q.mean + u.mean * u.mean;
-        Estimate {
+        Some(Estimate {
             mean: 0.5 * u.mean.atan2(q.mean).to_degrees(),
             se: across.map(|parts| (0.5 * length(&parts) / square).to_degrees()),
-        }
+        })
     }
 }
 
+/// All numbers, if each is known.
 fn all<const N: usize>(parts: [Option<f64>; N]) -> Option<[f64; N]> {
     let mut numbers = [0.0; N];
     for (number, part) in numbers.iter_mut().zip(parts) {
@@ -203,6 +208,7 @@ fn all<const N: usize>(parts: [Option<f64>; N]) -> Option<[f64; N]> {
     Some(numbers)
 }
 
+/// Root of the sum of squares.
 fn length(parts: &[f64]) -> f64 {
     parts.iter().map(|part| part * part).sum::<f64>().sqrt()
 }
@@ -214,6 +220,9 @@ pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static s
         let sides = spec.sides().map(|side| {
             let flux = |component| spec.flux_entry(side, component);
             let mut value = of(flux(Component::All));
+            if value.is_null() {
+                return (side.to_string(), value);
+            }
             value["orders"] = Component::ORDERS
                 .into_iter()
                 .map(|component| (component.name().into_owned(), of(flux(component))))
@@ -237,7 +246,7 @@ pub(crate) fn polarised_json(statistics: &TallyStatistics) -> Option<(&'static s
     }
 }
 
-/// A Mueller matrix as `mean` and `se`, and over its first element as `normalised` and `normalised_se`.
+/// A Mueller matrix, null where no light leaves, as `mean` and `se`, and over its first element as `normalised` and `normalised_se`.
 fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
     let spec = statistics.spec();
     let element = |row, column| {
@@ -245,6 +254,9 @@ fn matrix_json(statistics: &TallyStatistics, flux: Entry) -> Value {
         entry.map(|entry| statistics.at(entry))
     };
     let over = |row, column| statistics.over_flux(flux, Measure::Element { row, column });
+    if over(0, 0).is_none() {
+        return Value::Null;
+    }
     let matrix = |of: &dyn Fn(usize, usize) -> Option<f64>| {
         let rows = (0..4).map(|row| (0..4).map(|column| of(row, column)).collect::<Vec<_>>());
         json!(rows.collect::<Vec<_>>())
@@ -281,23 +293,22 @@ pub(crate) fn polarised_text(statistics: &TallyStatistics) -> String {
     out
 }
 
-/// The matrix of all light of a side over the flux, four lines.
+/// The matrix of all light of a side over the flux, four lines; nothing where no light leaves.
 fn matrix_text(out: &mut String, statistics: &TallyStatistics, side: Side) {
     let flux = statistics.spec().flux_entry(side, Component::All);
     let over = |row, column| statistics.over_flux(flux, Measure::Element { row, column });
+    if over(0, 0).is_none() {
+        return;
+    }
     let errors = elements().filter_map(|[row, column]| over(row, column)?.se);
-    let largest = errors.fold(0.0, f64::max);
+    let largest = two_digits(errors.fold(0.0, f64::max));
     let _ = writeln!(
         out,
-        "{side}, Mueller matrix over the flux, errors up to {}:",
-        two_digits(largest)
+        "{side}, Mueller matrix over the flux, errors up to {largest}:"
     );
     for row in 0..4 {
-        let numbers = (0..4).map(|column| match over(row, column) {
-            _ if row + column == 0 => format!("{:>10.5}", 1.0),
-            Some(estimate) => format!("{:>10.5}", estimate.mean),
-            None => format!("{:>10}", "-"),
-        });
+        let numbers = (0..4).filter_map(|column| over(row, column));
+        let numbers = numbers.map(|element| format!("{:>10.5}", element.mean));
         let _ = writeln!(out, "{}", numbers.collect::<String>());
     }
 }

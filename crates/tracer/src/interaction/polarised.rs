@@ -9,7 +9,7 @@ use asperity_optics::{FacetMueller, Stokes, Turn};
 use glam::DVec3;
 
 /// Most numbers that a path carries.
-pub(crate) const MOST: usize = 15;
+pub(crate) const MAX_NUMBERS: usize = 15;
 
 /// One interface, or one scattering in a medium, on the way of polarised light.
 #[derive(Clone, Copy)]
@@ -98,10 +98,11 @@ impl CarriedLight<4> for BothLight {
             fraction,
             light: [q, u, v],
         } = TrackedLight::after([q, u, v], passage);
-        let inverse = 1.0 / if fraction > 0.0 { fraction } else { 1.0 };
+        // Exactly one where unpolarised light arrives.
+        let ratio = passage.facet.m00 / if fraction > 0.0 { fraction } else { 1.0 };
         Passed {
             fraction,
-            light: [q, u, v, averaged * passage.facet.m00 * inverse],
+            light: [q, u, v, averaged * ratio],
         }
     }
 
@@ -116,7 +117,7 @@ pub(crate) struct MuellerLight;
 
 impl MuellerLight {
     /// The matrix of a path without any passage.
-    pub(crate) const INCIDENT: [f64; MOST] = [
+    pub(crate) const INCIDENT: [f64; MAX_NUMBERS] = [
         0.0, 0.0, 0.0, //
         0.0, 1.0, 0.0, 0.0, //
         0.0, 0.0, 1.0, 0.0, //
@@ -124,7 +125,7 @@ impl MuellerLight {
     ];
 }
 
-impl CarriedLight<MOST> for MuellerLight {
+impl CarriedLight<MAX_NUMBERS> for MuellerLight {
     #[inline(always)]
     fn after(light: [f64; 15], passage: &Passage) -> Passed<15> {
         let [q, u, v, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = light;

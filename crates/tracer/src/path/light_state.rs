@@ -3,17 +3,17 @@
 use asperity_optics::{Stokes, Turn};
 
 use crate::interaction::polarised::{
-    BothLight, CarriedLight, MOST, MuellerLight, Passage, Passed, TrackedLight,
+    BothLight, CarriedLight, MAX_NUMBERS, MuellerLight, Passage, Passed, TrackedLight,
 };
 use crate::settings::Polarisation;
 
 /// What a single path carries: as many numbers as its treatment of polarisation needs, and zeros.
 #[derive(Clone, Copy)]
-pub(super) struct LightState(pub(super) [f64; MOST]);
+pub(super) struct LightState(pub(super) [f64; MAX_NUMBERS]);
 
 impl LightState {
     /// Nothing is carried.
-    pub(super) const NONE: Self = Self([0.0; MOST]);
+    pub(super) const NONE: Self = Self([0.0; MAX_NUMBERS]);
 
     /// Light that falls on the surface, of which `stokes` are Q, U and V over I; a Mueller matrix holds for any.
     #[inline]
@@ -41,7 +41,7 @@ impl LightState {
         }
         let turned = columns.map(|column| Stokes(column).turned(turn).0);
         let mut numbers = turned.into_iter().flatten().skip(1);
-        Self([(); MOST].map(|()| numbers.next().unwrap_or(0.0)))
+        Self([(); MAX_NUMBERS].map(|()| numbers.next().unwrap_or(0.0)))
     }
 
     /// Q, U and V over I, of light that is tracked.
@@ -58,14 +58,14 @@ impl LightState {
             Polarisation::Averaged => 0,
             Polarisation::Tracked => 3,
             Polarisation::Both => 4,
-            Polarisation::Mueller => MOST,
+            Polarisation::Mueller => MAX_NUMBERS,
         }
     }
 
     /// The measures of a tally over the flux, as [`Polarisation::polarimetry`] orders them, and more numbers of no meaning.
     #[inline]
-    pub(super) fn measures(&self, polarisation: Polarisation) -> [f64; MOST + 1] {
-        let mut measures = [1.0; MOST + 1];
+    pub(super) fn measures(&self, polarisation: Polarisation) -> [f64; MAX_NUMBERS + 1] {
+        let mut measures = [1.0; MAX_NUMBERS + 1];
         match polarisation {
             Polarisation::Both => measures[0] -= self.0[3],
             _ => measures[1..].copy_from_slice(&self.0),
@@ -80,7 +80,7 @@ impl LightState {
             Polarisation::Averaged => (self, passage.facet.m00),
             Polarisation::Tracked => self.after_as::<TrackedLight, 3>(passage),
             Polarisation::Both => self.after_as::<BothLight, 4>(passage),
-            Polarisation::Mueller => self.after_as::<MuellerLight, MOST>(passage),
+            Polarisation::Mueller => self.after_as::<MuellerLight, MAX_NUMBERS>(passage),
         }
     }
 
@@ -111,7 +111,7 @@ impl LightState {
 /// A state of so many numbers.
 #[inline]
 const fn widened<const N: usize>(light: [f64; N]) -> LightState {
-    let mut state = [0.0; MOST];
+    let mut state = [0.0; MAX_NUMBERS];
     let mut i = 0;
     while i < N {
         state[i] = light[i];
