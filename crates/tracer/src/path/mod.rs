@@ -152,7 +152,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// give the same result.
     ///
     /// # Panics
-    /// If there is both a layer and a control, the tally keeps other measures than [`Polarisation::polarimetry`], or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    /// If there is both a layer and a control, the tally keeps other measures than [`crate::Polarisation::polarimetry`], or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
     pub fn batch(
         &self,
         illumination: &Illumination,
