@@ -20,6 +20,7 @@ mod map;
 mod media;
 mod meshes;
 mod models;
+mod polarised;
 mod polarised_figures;
 mod reference;
 mod refusals;
