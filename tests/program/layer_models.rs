@@ -148,7 +148,7 @@ fn verified(flags: &str) -> Value {
     // The plane of incidence in the middle of a sector, not between two.
     let all = format!(
         "verify --tau 8 --size 64 --realisations 12 --eta 1.5 --theta 35 --phi 30 --bins 3x6 \
-         --mean-free-path 20 --albedo 0.9 --g 0.3 --no-plots -o out {flags}"
+         --mean-free-path 20 --albedo 0.9 --g 0.3 --polarisation averaged --no-plots -o out {flags}"
     );
     succeed(folder.path(), &words(&all));
     let summary = fs::read_to_string(folder.path().join("out/summary.json")).unwrap();
@@ -252,7 +252,9 @@ fn rays_through_flat_layers_agree_with_the_model_in_every_bin() {
             "--eta 1.5 --theta 35 --phi 20 --mean-free-path 20 --albedo 0.9 --g 0.3 {bottom} --bins 6x8"
         );
         let layer = layer.replace("  ", " ");
-        let trace = format!("trace --flat {layer} --rays 6.4e4 --no-plots -o {i}");
+        // The models of layers average s and p.
+        let trace =
+            format!("trace --flat {layer} --rays 6.4e4 --polarisation averaged --no-plots -o {i}");
         succeed(folder.path(), &words(&trace));
         let model = format!("model flat-layer {layer} -o {i}.csv");
         succeed(folder.path(), &words(&model));

@@ -1,4 +1,4 @@
-//! Explicit results against those of an independent tracer.
+//! Explicit results against those of an independent tracer, which averages s and p at every facet.
 //!
 //! The large reference files are no part of the project: where `../shared` is missing, the tests that
 //! need it say so and pass. The essentials, the ensemble means of random surfaces, stand here.
@@ -13,6 +13,7 @@ use asperity_simulate::{
 use asperity_studies::{VerifyConfig, verify};
 use asperity_surface::{Border, MissingPolicy};
 use asperity_tally::{Component, Entry, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tracer::{PathSettings, Polarisation};
 use serde_json::Value;
 
 fn shared(name: &str) -> Option<PathBuf> {
@@ -126,6 +127,9 @@ fn one_surface_agrees_with_an_independent_tracer() {
             tally: spec,
             estimator: Estimator::Plain,
             seed,
+            paths: PathSettings::default()
+                .with_polarisation(Polarisation::Averaged)
+                .into(),
             effort: Effort::rays(1_000_000),
             ..Settings::default()
         };
@@ -254,6 +258,7 @@ fn random_surfaces_agree_with_an_independent_ensemble() {
         realisations = 24
         rays = 2e5
         seed = 3
+        polarisation = \"averaged\"
         [compare]
         models = []
         ",
