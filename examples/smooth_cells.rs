@@ -16,7 +16,7 @@ use asperity_surface::{Psd, SplineSynthesis, Synthesis};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyValues};
 use asperity_tracer::{
     AcceleratorKind, BuildAccelerator, HalfSpace, Illumination, PathSettings, PathStream,
-    SmoothSurface, Surface, Tracer,
+    Polarisation, SmoothSurface, Surface, Tracer,
 };
 use std::error::Error;
 
@@ -44,7 +44,8 @@ fn trace<G: BuildAccelerator>(
     let (_, eta, theta_deg) = case;
     let accelerator = surface.accelerator(AcceleratorKind::Auto)?;
     let material = Material::dielectric(eta)?;
-    let settings = PathSettings::default();
+    // s and p are averaged at every facet, as most models do.
+    let settings = PathSettings::default().with_polarisation(Polarisation::Averaged);
     let tracer = Tracer::new(surface, &*accelerator, material, HalfSpace::Above, settings);
     let light = Illumination::new(Incidence::from_degrees(theta_deg, 0.0)?, false);
     let stream = PathStream::new(1, number);

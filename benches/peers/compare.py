@@ -97,7 +97,9 @@ def trace_asperity(branching, task, seed, versions):
     """Traces with every tally. Segments include those that are known to escape without a search."""
     for theta in task.thetas:
         command = [ASPERITY, "trace", task.heights(), "--eta", 1.5, "--theta", theta, "--rays", RAYS, "--seed", seed]
-        command += ["--estimator", "plain", "--branching", branching, "--threads", 1, "--json", "--quiet"]
+        # The peers average s and p at every facet.
+        command += ["--estimator", "plain", "--branching", branching, "--polarisation", "averaged"]
+        command += ["--threads", 1, "--json", "--quiet"]
         summary = json.loads(execute(command))
         work, reflected = summary["work"], summary["energy"]["reflected"]
         versions["asperity"] = f"{summary['version']} ({summary['commit'][:7]}, {work['instructions']})"

@@ -22,7 +22,8 @@ use asperity_surface::{Psd, Synthesis};
 use asperity_tally::TallySpec;
 use asperity_tracer::{
     Accelerator, AcceleratorKind, BuildAccelerator, Facet, HalfSpace, Hit, Illumination,
-    Instructions, PathSettings, PathStream, Pyramid, Query, RayColumns, Surface, Tracer, Work,
+    Instructions, PathSettings, PathStream, Polarisation, Pyramid, Query, RayColumns, Surface,
+    Tracer, Work,
 };
 
 /// Correlation length of all surfaces, samples.
@@ -218,7 +219,7 @@ fn paths(
 ) -> Work {
     let glass = Material::dielectric(1.5).unwrap();
     let incidence = Incidence::from_degrees(theta, 180.0).unwrap();
-    let settings = PathSettings::default();
+    let settings = PathSettings::default().with_polarisation(Polarisation::Averaged);
     let tracer = Tracer::new(surface, accelerator, glass, HalfSpace::Above, settings);
     tracer
         .batch(
