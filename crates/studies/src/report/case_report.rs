@@ -104,7 +104,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out
 }
 
-/// What averaging explains of the deviation of each model that describes all light, where that is traced.
+/// The deviation from each model that describes all light, and what it would be with averaged light, where both are traced.
 fn averaging_lines(case: &CaseOutcome) -> String {
     let statistics = &case.outcome.statistics;
     let spec = statistics.spec();
@@ -120,21 +120,16 @@ fn averaging_lines(case: &CaseOutcome) -> String {
                 return out;
             };
             let expected = model.expectation.statistics().means()[flux];
-            let deviation = signed(statistics.at(flux).mean - expected);
-            let averaging = with_error(statistics.at(entry));
-            let line = format!(
-                "{side} flux less that of {}: {deviation}; {averaging} of it would vanish if surfaces averaged s and p",
-                model.model.name()
+            let deviation = statistics.at(flux).mean - expected;
+            let averaged = deviation - statistics.at(entry).mean;
+            let _ = writeln!(
+                out,
+                "{side} flux less that of {}: {deviation:+.2e} tracked, {averaged:+.2e} averaged",
+                model.model.name(),
             );
-            let _ = writeln!(out, "{}", wrapped(&line));
         }
     }
     out
-}
-
-/// A number with its sign, to three digits.
-fn signed(value: f64) -> String {
-    format!("{value:+.3e}")
 }
 
 /// What the cells of the surfaces make of their slopes.
