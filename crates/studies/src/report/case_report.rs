@@ -6,8 +6,9 @@ use std::fmt::Write;
 use asperity_analysis::{Comparison, SignFlipTest};
 use asperity_simulate::{Cells, Stopping, counted, short};
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
-use asperity_tracer::PathSettings;
+use asperity_tracer::{PathSettings, Polarisation};
 
+use crate::config::case_model::CaseModel;
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
 use crate::report::energies::{
     endings, errors_table, flux_with_error, lost_warning, recorded_orders,
@@ -24,6 +25,14 @@ pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<Strin
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
     warnings.extend(case.outcome.errors.mesh_warning().map(str::to_owned));
+    let is_tracked = outcome.config.run.polarisation != Polarisation::Averaged;
+    let mut models = case.models.iter();
+    if is_tracked && models.any(|model| matches!(model.model, CaseModel::Layer(_))) {
+        warnings.push(
+            "models of layers average s and p at each face; --polarisation averaged compares like with like"
+                .to_owned(),
+        );
+    }
     let left_out = outcome.left_out.len();
     if left_out > 0 {
         let of = outcome.cases.len() + left_out;
