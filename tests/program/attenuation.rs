@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{files, json, refused, succeed, words};
+use crate::support::{json, succeed, words};
 use asperity_analysis::{SlopeCovariance, smith_correlated_g2};
 use asperity_optics::{from_spherical, reflect};
 use serde_json::Value;
@@ -16,9 +16,10 @@ const PAPER: &str = "attenuation --tau 0.5 --length 12.8 --spacing 0.05";
 const SMALLEST: &str = "attenuation --tau 4 --spacing 1 --size 32";
 
 /// The same, given.
-const SMALL: &str = "attenuation --tau 4 --spacing 1 --size 32 --sigma 1.5 --realisations 3";
+pub(crate) const SMALL: &str =
+    "attenuation --tau 4 --spacing 1 --size 32 --sigma 1.5 --realisations 3";
 
-fn outcome(command: &str) -> Value {
+pub(crate) fn outcome(command: &str) -> Value {
     json(&succeed(
         Path::new("."),
         &words(&format!("{command} --json")),
@@ -46,7 +47,7 @@ fn z(row: &Value, key: &str, expected: f64) -> f64 {
     z
 }
 
-fn rows(outcome: &Value) -> &Vec<Value> {
+pub(crate) fn rows(outcome: &Value) -> &Vec<Value> {
     outcome["rows"].as_array().unwrap()
 }
 
@@ -453,176 +454,5 @@ fn the_table_of_smith_is_that_of_the_reference() {
             }
         }
         assert_eq!(rows(&found).len(), table.len());
-    }
-}
-
-#[test]
-fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let command = "attenuation --tau 4 --spacing 1 --size 96 --sigma 1,2 --realisations 3 --theta 10,45,80 --view-theta 30,60 --view-phi 90 --heights --demarcation";
-    let text = succeed(folder, &words(&format!("{command} --threads 1 -o one")));
-    succeed(
-        folder,
-        &words(&format!("{command} --threads 2 --quiet -o two")),
-    );
-    assert_eq!(
-        files(&folder.join("one")),
-        [
-            "attenuation.csv",
-            "attenuation_models.png",
-            "attenuation_models.svg",
-            "attenuation_sigma.png",
-            "attenuation_sigma.svg",
-            "attenuation_theta.png",
-            "attenuation_theta.svg",
-            "demarcation.csv",
-            "manifest.json",
-            "report.txt",
-            "summary.json",
-            "visibility.csv",
-            "visibility.png",
-            "visibility.svg",
-        ]
-    );
-    for name in files(&folder.join("one")) {
-        let [one, two] = ["one", "two"].map(|run| fs::read(folder.join(run).join(&name)).unwrap());
-        if name == "summary.json" {
-            let [mut one, mut two] =
-                [one, two].map(|bytes| json(&String::from_utf8(bytes).unwrap()));
-            for summary in [&mut one, &mut two] {
-                for key in ["seconds", "threads"] {
-                    summary["work"].as_object_mut().unwrap().remove(key);
-                }
-            }
-            assert_eq!(one, two);
-            assert_eq!(
-                (&one["schema"], &one["command"]),
-                (&Value::from(2), &"attenuation".into())
-            );
-            assert_eq!(one["config"]["run"]["seed"], 1);
-        } else {
-            assert!(one == two, "{name} differs");
-        }
-    }
-    let report = fs::read_to_string(folder.join("one/report.txt")).unwrap();
-    assert_eq!(text, format!("{report}results in one\n"));
-    let table = fs::read_to_string(folder.join("one/attenuation.csv")).unwrap();
-    let lines: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
-    assert_eq!(lines, vec![41; 1 + 2 * 3 * 2]);
-    // A run of less leaves nothing of an earlier one behind.
-    let less = format!("{SMALL} --theta 45 --no-plots --quiet -o one");
-    assert_eq!(succeed(folder, &words(&less)), "");
-    assert_eq!(
-        files(&folder.join("one")),
-        [
-            "attenuation.csv",
-            "manifest.json",
-            "report.txt",
-            "summary.json"
-        ]
-    );
-    // Another seed, other surfaces.
-    let other = outcome(&format!("{SMALL} --theta 45 --seed 2"));
-    assert_ne!(
-        rows(&other)[0]["lit"],
-        rows(&outcome(&format!("{SMALL} --theta 45")))[0]["lit"]
-    );
-}
-
-#[test]
-fn a_file_says_the_same_as_flags_and_flags_override_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    let text = "
-        [surface]
-        sigma = 1.5
-        tau = 4
-        size = 32
-        spacing = 1
-        [light]
-        theta = [20, 60]
-        [view]
-        theta = 30
-        phi = 45
-        [run]
-        realisations = 2
-        mirror = false
-    ";
-    fs::write(folder.join("a.toml"), text).unwrap();
-    let flags = "attenuation --sigma 1.5 --tau 4 --length 32 --spacing 1 --theta 20,60 --view-theta 30 --view-phi 45 --realisations 2 --no-mirror --json";
-    let [from_file, from_flags] = ["attenuation a.toml --json", flags]
-        .map(|line| json(&succeed(folder, &words(line)))["rows"].clone());
-    assert_eq!(from_file, from_flags);
-    let overridden = json(&succeed(
-        folder,
-        &words("attenuation a.toml --theta 10 --json"),
-    ));
-    assert_eq!(rows(&overridden).len(), 1);
-}
-
-#[test]
-fn contradicting_settings_are_refused_in_one_sentence() {
-    let folder = tempfile::tempdir().unwrap();
-    let folder = folder.path();
-    fs::write(folder.join("key.toml"), "[light]\nthetas = 3\n").unwrap();
-    fs::write(
-        folder.join("both.toml"),
-        "[surface]\nsize = 64\nlength = 3.2\n",
-    )
-    .unwrap();
-    fs::write(
-        folder.join("figure.toml"),
-        "[output]\nmodels_at_sigma = 0.7\n",
-    )
-    .unwrap();
-    for (line, expected) in [
-        ("--length 12.82", "not a multiple of the spacing"),
-        ("--length 0", "must be a number above 0"),
-        ("--spacing 0", "must be a number above 0"),
-        ("--spacing -0.05", "must be a number above 0"),
-        ("--length 1", "correlation lengths"),
-        ("--spacing 0.2", "correlation length"),
-        ("--theta 90", "below 90"),
-        ("--theta -1", "theta"),
-        ("--theta 30,30", "given twice"),
-        ("--view-theta 95", "below 90"),
-        ("--sigma 0", "sigma"),
-        ("--sigma -1", "sigma"),
-        ("--tau 0", "tau"),
-        ("--realisations 0", "1 or more"),
-        ("--method best", "rays or horizons"),
-        ("--border mirrored", "periodic or open"),
-        ("--border open --size 40,2 --insist", "none inside"),
-        ("--length 12.8 --size 256", "--size"),
-        ("--sigma 1e-300", "smoothness"),
-        ("--realisations 1e15", "take fewer"),
-        ("key.toml", "unknown key `thetas`"),
-        ("both.toml", "excludes"),
-        ("figure.toml", "0.7 is not among"),
-        ("missing.toml", "missing.toml"),
-    ] {
-        let code = if line == "missing.toml" { 1 } else { 2 };
-        let sentence = refused(folder, &words(&format!("attenuation {line}")), code);
-        assert!(sentence.contains(expected), "{line}: {sentence}");
-    }
-    // Light that would cross too many tiles, and more points than memory holds.
-    let line = "attenuation --theta 89.9999 --sigma 1 --realisations 1";
-    assert!(refused(folder, &words(line), 1).contains("tiles"));
-    let line = "attenuation --size 40000 --demarcation --theta 45";
-    assert!(refused(folder, &words(line), 1).contains("memory"));
-    assert!(files(folder).iter().all(|name| name.ends_with(".toml")));
-}
-
-#[test]
-fn the_examples_are_understood() {
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    for (name, directions) in [("geometric_attenuation", 20), ("visibility", 4)] {
-        let path = examples.join(name).with_extension("toml");
-        let text = fs::read_to_string(path).unwrap();
-        let config = asperity_studies::AttenuationConfig::from_toml(&text).unwrap();
-        config.check().unwrap();
-        let thetas = serde_json::to_value(&config.light.theta).unwrap();
-        assert_eq!(thetas.as_array().unwrap().len(), directions);
     }
 }

@@ -7,6 +7,7 @@
 )]
 
 mod attenuation;
+mod attenuation_files;
 mod cells;
 mod commands;
 mod converge;
