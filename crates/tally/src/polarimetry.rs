@@ -10,17 +10,17 @@ pub enum Polarimetry {
     /// Nothing.
     #[default]
     Nothing,
-    /// The flux less what it would be if light were unpolarised at every interface.
+    /// The difference between tracked and averaged flux (s and p averaged at every interface).
     Averaging,
-    /// Mueller matrices. Their first element is the flux of unpolarised light without any control variate, as the others are, so that
-    /// ratios are those of the same paths.
+    /// Mueller matrices. All elements, m00 included, are estimated without a control variate, so that normalised elements come from the
+    /// same paths.
     Mueller,
 }
 
 /// A quantity that is kept in each place besides the flux.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// The flux less what it would be if light were unpolarised at every interface.
+    /// Tracked flux minus averaged flux (s and p averaged at every interface).
     Averaging,
     /// The element of a Mueller matrix of that row and column, from 0 to 3.
     Element {

@@ -11,6 +11,16 @@ impl Stokes {
     /// Unpolarised light of unit flux.
     pub const UNPOLARISED: Self = Self([1.0, 0.0, 0.0, 0.0]);
 
+    /// The number by which Q, U and V are divided to normalise the vector: I, or the length of (Q, U, V) if rounding has made that
+    /// longer, so that the degree of polarisation never exceeds one.
+    #[must_use]
+    #[inline(always)]
+    pub fn norm(self) -> f64 {
+        let Self([i, q, u, v]) = self;
+        let polarised = (q * q + u * u + v * v).sqrt();
+        if i > polarised { i } else { polarised }
+    }
+
     /// The same light in axes that are turned about the ray.
     #[must_use]
     #[inline(always)]

@@ -1,9 +1,9 @@
-//! Polarised light: what paths carry of it, and what interfaces and media do with that.
+//! Polarised light: the polarisation that a path carries, and how interfaces and media change it.
 //!
-//! Besides its flux a path carries numbers relative to it: three for its Stokes vector, and more where it also keeps what averaged light
-//! would do, or a whole Mueller matrix. They refer to [`asperity_optics::reference_axes`] of the ray in the
-//! world with +z on the incident side. Paths go on, by their random choices and by roulette, as the light that falls on the surface
-//! does; where Mueller matrices are kept, as unpolarised light does.
+//! In addition to its flux a path carries Q, U and V divided by the flux. On request it also carries the averaged flux, or instead a
+//! whole Mueller matrix, normalised in the same way. They refer to [`asperity_optics::reference_axes`] of the ray in the world, with
+//! +z on the incident side. Branches and Russian roulette are decided by the intensity of the incident light; with Mueller matrices
+//! by that of unpolarised incident light.
 
 use asperity_optics::{FacetMueller, Stokes, Turn};
 use glam::DVec3;
@@ -68,14 +68,14 @@ pub(crate) trait CarriedLight<const N: usize> {
     fn depolarised(light: [f64; N]) -> [f64; N];
 }
 
-/// Q, U and V over I.
+/// Normalised Stokes parameters Q/I, U/I, V/I.
 pub(crate) struct TrackedLight;
 
 impl CarriedLight<3> for TrackedLight {
     #[inline(always)]
     fn after([q, u, v]: [f64; 3], passage: &Passage) -> Passed<3> {
         let [i, q, u, v] = passage.apply([1.0, q, u, v]);
-        let inverse = inverse_flux([i, q, u, v]);
+        let inverse = inverse_norm([i, q, u, v]);
         Passed {
             fraction: if i > 0.0 { i } else { 0.0 },
             light: [q * inverse, u * inverse, v * inverse],
@@ -88,7 +88,7 @@ impl CarriedLight<3> for TrackedLight {
     }
 }
 
-/// The same, then the flux that the path would carry if light were unpolarised at each interface, over its flux.
+/// The same, followed by the ratio of the averaged flux of the path (s and p averaged at every interface) to its flux.
 pub(crate) struct BothLight;
 
 impl CarriedLight<4> for BothLight {
@@ -112,11 +112,11 @@ impl CarriedLight<4> for BothLight {
     }
 }
 
-/// The Mueller matrix of the path over its first element, column by column, without that element.
+/// The normalised Mueller matrix of the path, column by column, without m00 = 1.
 pub(crate) struct MuellerLight;
 
 impl MuellerLight {
-    /// The matrix of a path without any passage.
+    /// The identity matrix: no interaction yet.
     pub(crate) const INCIDENT: [f64; MAX_NUMBERS] = [
         0.0, 0.0, 0.0, //
         0.0, 1.0, 0.0, 0.0, //
@@ -133,7 +133,7 @@ impl CarriedLight<MAX_NUMBERS> for MuellerLight {
         let [a0, a1, a2, a3] = passage.apply([a0, a1, a2, a3]);
         let [b0, b1, b2, b3] = passage.apply([b0, b1, b2, b3]);
         let [c0, c1, c2, c3] = passage.apply([c0, c1, c2, c3]);
-        let inverse = inverse_flux([i, q, u, v]);
+        let inverse = inverse_norm([i, q, u, v]);
         let mut light = [q, u, v, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3];
         for number in &mut light {
             *number *= inverse;
@@ -152,13 +152,9 @@ impl CarriedLight<MAX_NUMBERS> for MuellerLight {
     }
 }
 
-/// One over the flux of a Stokes vector.
-///
-/// Where nearly all light is lost, rounding may leave more polarised light than light: then one over that, so that no path ever
-/// carries more.
+/// Reciprocal of the norm of a Stokes vector; one if there is no light.
 #[inline(always)]
-fn inverse_flux([i, q, u, v]: [f64; 4]) -> f64 {
-    let polarised = (q * q + u * u + v * v).sqrt();
-    let flux = if i > polarised { i } else { polarised };
-    1.0 / if flux > 0.0 { flux } else { 1.0 }
+fn inverse_norm(stokes: [f64; 4]) -> f64 {
+    let norm = Stokes(stokes).norm();
+    1.0 / if norm > 0.0 { norm } else { 1.0 }
 }

@@ -1,4 +1,4 @@
-//! Light state: what a single path carries of its polarisation, by the setting that asks for it.
+//! Light state: the polarisation of a single path, as required by the polarisation setting.
 
 use asperity_optics::{Stokes, Turn};
 
@@ -62,7 +62,7 @@ impl LightState {
         }
     }
 
-    /// The measures of a tally over the flux, as [`Polarisation::polarimetry`] orders them, and more numbers of no meaning.
+    /// The measures of the tally divided by the flux, in the order of [`Polarisation::polarimetry`]; entries beyond its length are unused.
     #[inline]
     pub(super) fn measures(&self, polarisation: Polarisation) -> [f64; MAX_NUMBERS + 1] {
         let mut measures = [1.0; MAX_NUMBERS + 1];
@@ -108,7 +108,7 @@ impl LightState {
     }
 }
 
-/// A state of so many numbers.
+/// Pads an array of numbers with zeros to a full state.
 #[inline]
 const fn widened<const N: usize>(light: [f64; N]) -> LightState {
     let mut state = [0.0; MAX_NUMBERS];

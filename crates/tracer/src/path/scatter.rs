@@ -21,7 +21,7 @@ pub(super) struct ScatteredLight {
 }
 
 impl ScatteredLight {
-    /// Makes room for what happens to so many arrivals.
+    /// Resizes all columns to `n` arrivals.
     pub(super) fn resize(&mut self, n: usize) {
         let columns = self.wo.iter_mut().chain(&mut self.wt);
         for column in columns.chain([&mut self.reflected, &mut self.transmitted]) {

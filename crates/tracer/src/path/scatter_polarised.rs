@@ -21,7 +21,7 @@ use crate::vector::{Instructions, Stage};
 /// Rows of a block.
 const BLOCK: usize = 32;
 
-/// Computes what becomes of all arrivals whose paths carry `N` numbers of kind `L`.
+/// Scatters all arrivals, whose paths carry `N` numbers of polarisation of kind `L`.
 pub(super) struct ScatterPolarised<'a, F, L, const N: usize> {
     arrivals: &'a Arrivals<F>,
     /// Sign of the half space of the light.

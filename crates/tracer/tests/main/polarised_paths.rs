@@ -54,7 +54,7 @@ impl Scene {
         Incidence::from_degrees(self.theta_deg, 25.0).unwrap()
     }
 
-    /// Follows so many paths that begin at random places.
+    /// Traces `paths` paths from random starting points.
     fn trace(&self, paths: u64) -> Vec<PathResult> {
         let hits = self.surface.accelerator(AcceleratorKind::Auto).unwrap();
         let layer = self.layer.as_ref().map(|layer| {

@@ -20,7 +20,7 @@ use serde_json::Value;
 /// Paths of one incident state.
 const PATHS: u32 = 60_000;
 
-/// Batches of the path engine, each of the square of so many rays.
+/// Number of batches of the path engine, and rays along each side of a batch.
 const BATCHES: u64 = 36;
 const STRATA: u32 = 85;
 const RAYS: f64 = BATCHES as f64 * (STRATA * STRATA) as f64;

@@ -102,16 +102,12 @@ impl Polarised {
     }
 }
 
-/// The flux of `stokes`, and its state of unit flux; unpolarised where there is none.
-///
-/// Where hardly any light is left, rounding may leave a negative flux or more polarised flux than there is.
+/// Splits a Stokes vector into its flux and the normalised vector `[1, Q/I, U/I, V/I]`; unpolarised if the flux is zero.
 fn split(stokes: Stokes) -> (f64, Stokes) {
     let Stokes([flux, q, u, v]) = stokes;
-    let polarised = (q * q + u * u + v * v).sqrt();
-    let largest = flux.max(polarised);
-    if largest > 0.0 {
-        let state = [q, u, v].map(|part| part / largest);
-        (flux.max(0.0), Stokes([1.0, state[0], state[1], state[2]]))
+    let norm = stokes.norm();
+    if norm > 0.0 {
+        (flux.max(0.0), Stokes([1.0, q / norm, u / norm, v / norm]))
     } else {
         (0.0, Stokes::UNPOLARISED)
     }
