@@ -1,20 +1,8 @@
-//! Random numbers of ray blocks, points and pictures.
+//! Random numbers of points and pictures.
 
 use asperity_analysis::fnv1a;
-use asperity_tracer::PathStream;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-
-/// Paths of a block, at the most.
-const MAX_PATHS_OF_BLOCK: u64 = 1 << 20;
-
-/// The numbers of the paths of block `block` of realisation `realisation` under `seed`.
-///
-/// # Panics
-/// If `block` is not below `2^36`.
-pub(crate) fn ray_stream(seed: u64, realisation: u64, block: u64) -> PathStream {
-    PathStream::new(seed, realisation).from_path(block * MAX_PATHS_OF_BLOCK)
-}
 
 /// The stream that seeds repeat `repeat` of the run `name` of a convergence measurement under `seed`.
 pub fn convergence_stream(seed: u64, name: &str, repeat: u64) -> ChaCha8Rng {

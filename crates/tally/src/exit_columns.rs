@@ -2,32 +2,38 @@
 
 use glam::DVec3;
 
+use crate::places::Places;
+use crate::target::Target;
 use crate::{EventPath, Exit, Polarimetry, Side};
 
 /// Light that left the surface, field by field, so that bins are found by loops that take vector instructions.
 ///
-/// [`crate::Tally::locate`] finds the bins, and [`crate::Tally::add_located`] adds the light to them.
+/// [`crate::Tallies::locate`] finds the bins, and [`crate::Tallies::add_located`] adds the light to them.
 ///
 /// # Examples
 /// ```
 /// use asperity_optics::from_spherical;
 /// use asperity_tally::{
-///     Azimuth, Component, Event, EventPath, Exit, ExitColumns, Side, Tally, TallyResult, TallySpec,
+///     Azimuth, Component, Event, EventPath, Exit, ExitColumns, Side, Tallies, Tally, TallyResult, TallySpec,
 /// };
 ///
 /// let mut exits = ExitColumns::default();
-/// exits.push(&Exit {
+/// let exit = Exit {
 ///     side: Side::Reflected,
 ///     wo: from_spherical(0.3, 0.0),
 ///     flux: 1.0,
 ///     path: EventPath::default().then(Event::Reflection),
 ///     scatterings: 0,
-/// });
-/// let mut tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
-/// tally.locate(&mut exits);
-/// tally.add_located(&mut exits);
+/// };
+/// exits.push(&exit, 1);
+/// let tally = Tally::new(TallySpec::default(), Azimuth::From(0.0));
+/// let mut tallies = Tallies::new(tally, 2);
+/// tallies.locate(&mut exits);
+/// tallies.add_located(&mut exits);
 /// assert!(exits.is_empty());
-/// assert_eq!(tally.into_fractions(1).flux(Side::Reflected, Component::Single), 1.0);
+/// let fractions = tallies.into_fractions(1);
+/// let single = [0, 1].map(|batch: usize| fractions[batch].flux(Side::Reflected, Component::Single));
+/// assert_eq!(single, [0.0, 1.0]);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct ExitColumns {
@@ -37,12 +43,37 @@ pub struct ExitColumns {
     pub(crate) path: Vec<EventPath>,
     pub(crate) scatterings: Vec<u32>,
     pub(crate) is_masked: Vec<bool>,
+    /// Number of the batch among those that are traced together.
+    pub(crate) batch: Vec<u32>,
     /// Measures over the flux, as many as are kept.
     pub(crate) measures: Vec<Vec<f64>>,
-    /// What was found by [`crate::Tally::locate`].
+    /// What was found by [`crate::Tallies::locate`].
     pub(crate) ring: Vec<u32>,
     pub(crate) sector: Vec<u32>,
     pub(crate) slice: Vec<InSlice>,
+    pub(crate) targets: TargetColumns,
+}
+
+/// Entries of exits, field by field.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct TargetColumns {
+    order: Vec<u32>,
+    path: Vec<u32>,
+    ring: Vec<u32>,
+    bin: Vec<u32>,
+}
+
+impl TargetColumns {
+    fn clear(&mut self) {
+        for column in [
+            &mut self.order,
+            &mut self.path,
+            &mut self.ring,
+            &mut self.bin,
+        ] {
+            column.clear();
+        }
+    }
 }
 
 /// Exits that are about to be written: the fields of [`Exit`].
@@ -58,6 +89,8 @@ pub struct ExitRows<'a> {
     pub path: &'a mut [EventPath],
     /// Scatterings in the medium below.
     pub scatterings: &'a mut [u32],
+    /// Numbers of the batches among those that are traced together.
+    pub batch: &'a mut [u32],
     /// Measures over the flux: those of [`crate::Polarimetry`], in the order of a place.
     pub measures: Vec<&'a mut [f64]>,
 }
@@ -83,6 +116,43 @@ impl ExitColumns {
         }
     }
 
+    /// Computes the entries of all exits from their rings and sectors.
+    #[inline(always)]
+    pub(crate) fn find_targets(&mut self, places: &Places) {
+        let n = self.len();
+        let TargetColumns {
+            order,
+            path,
+            ring,
+            bin,
+        } = &mut self.targets;
+        let [order, path, ring, bin] = [order, path, ring, bin].map(|column| {
+            column.resize(n, 0);
+            &mut column[..n]
+        });
+        let (sides, paths) = (&self.side[..n], &self.path[..n]);
+        let (rings, sectors) = (&self.ring[..n], &self.sector[..n]);
+        for i in 0..n {
+            let side = u32::from(sides[i] == Side::Transmitted);
+            let target = places.target(side, paths[i], rings[i], sectors[i]);
+            order[i] = target.order;
+            path[i] = target.path;
+            ring[i] = target.ring;
+            bin[i] = target.bin;
+        }
+    }
+
+    /// The entries of exit number `i`, once they are found.
+    #[inline(always)]
+    pub(crate) fn target(&self, i: usize) -> Target {
+        Target {
+            order: self.targets.order[i],
+            path: self.targets.path[i],
+            ring: self.targets.ring[i],
+            bin: self.targets.bin[i],
+        }
+    }
+
     /// Number of exits.
     #[must_use]
     pub const fn len(&self) -> usize {
@@ -95,16 +165,16 @@ impl ExitColumns {
         self.flux.is_empty()
     }
 
-    /// Adds light for [`crate::Tally::add_exit`].
+    /// Adds light of batch number `batch` for [`crate::Tally::add_exit`].
     #[inline]
-    pub fn push(&mut self, exit: &Exit) {
-        self.push_as(exit, false);
+    pub fn push(&mut self, exit: &Exit, batch: u32) {
+        self.push_as(exit, batch, false);
     }
 
     /// The same with its measures over the flux, of which there are at least as many as are kept.
     #[inline]
-    pub fn push_measured(&mut self, exit: &Exit, measures: &[f64]) {
-        self.push_as(exit, false);
+    pub fn push_measured(&mut self, exit: &Exit, batch: u32, measures: &[f64]) {
+        self.push_as(exit, batch, false);
         for (column, measure) in self.measures.iter_mut().zip(measures) {
             if let Some(last) = column.last_mut() {
                 *last = *measure;
@@ -112,14 +182,14 @@ impl ExitColumns {
         }
     }
 
-    /// Adds light for [`crate::Tally::add_masked`].
+    /// Adds light of batch number `batch` for [`crate::Tally::add_masked`].
     #[inline]
-    pub fn push_masked(&mut self, exit: &Exit) {
-        self.push_as(exit, true);
+    pub fn push_masked(&mut self, exit: &Exit, batch: u32) {
+        self.push_as(exit, batch, true);
     }
 
     #[inline(always)]
-    fn push_as(&mut self, exit: &Exit, is_masked: bool) {
+    fn push_as(&mut self, exit: &Exit, batch: u32, is_masked: bool) {
         for (column, w) in self.wo.iter_mut().zip(exit.wo.to_array()) {
             column.push(w);
         }
@@ -128,6 +198,7 @@ impl ExitColumns {
         self.path.push(exit.path);
         self.scatterings.push(exit.scatterings);
         self.is_masked.push(is_masked);
+        self.batch.push(batch);
         self.measures.iter_mut().for_each(|column| column.push(0.0));
     }
 
@@ -143,12 +214,14 @@ impl ExitColumns {
         self.path.resize(len, EventPath::default());
         self.scatterings.resize(len, 0);
         self.is_masked.resize(len, false);
+        self.batch.resize(len, 0);
         ExitRows {
             wo: self.wo.each_mut().map(|column| &mut column[first..]),
             flux: &mut self.flux[first..],
             side: &mut self.side[first..],
             path: &mut self.path[first..],
             scatterings: &mut self.scatterings[first..],
+            batch: &mut self.batch[first..],
             measures: self
                 .measures
                 .iter_mut()
@@ -186,9 +259,11 @@ impl ExitColumns {
         self.path.clear();
         self.scatterings.clear();
         self.is_masked.clear();
+        self.batch.clear();
         self.measures.iter_mut().for_each(Vec::clear);
         self.ring.clear();
         self.sector.clear();
         self.slice.clear();
+        self.targets.clear();
     }
 }

@@ -45,8 +45,10 @@ mod result;
 mod sides;
 mod spec;
 mod statistics;
+mod tallies;
 mod tally;
 mod tally_statistics;
+mod target;
 mod values;
 
 pub use budget::Budget;
@@ -65,6 +67,7 @@ pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
 pub use sides::Sides;
 pub use spec::{SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};
+pub use tallies::Tallies;
 pub use tally::{Azimuth, Tally};
 pub use tally_statistics::{SavedStatistics, TallyStatistics};
 pub use values::{ByEntry, SideFluxes, TallyValues};

@@ -15,7 +15,7 @@ impl Tally<'_> {
         exit: &Exit,
         measures: &[Vec<f64>],
         i: usize,
-        direction: Direction,
+        at: &Direction,
     ) {
         let spec = &self.spec;
         if !spec.records(exit.side) {
@@ -24,19 +24,18 @@ impl Tally<'_> {
         let places = spec.places();
         let (side, group) = (exit.side.index(), Component::order_group(exit.path.order()));
         let all = Some(Places::measured_flux(side, group));
-        let ring = Some(places.measured_ring(side, group) + direction.ring);
-        let in_plane = direction
-            .in_plane
+        let ring = Some(places.measured_ring(side, group) + at.ring);
+        let in_plane = at
+            .in_plane(spec, exit.side)
             .map(|in_plane| places.measured_in_plane(side, group) + in_plane);
         let bin = self
             .slice
             .is_some()
-            .then(|| places.measured_bins(direction.bin));
+            .then(|| places.measured_bins(at.bin(spec, exit)));
         for place in [all, ring, in_plane, bin].into_iter().flatten() {
             let start = places.measures_start() + place * measures.len();
-            let sums = &mut self.values[start..start + measures.len()];
-            for (sum, column) in sums.iter_mut().zip(measures) {
-                *sum += column[i] * exit.flux;
+            for (entry, column) in (start..).zip(measures) {
+                self.add(entry, column[i] * exit.flux);
             }
         }
     }

@@ -116,6 +116,12 @@ impl Places {
         self.hits_base() + place * self.grid.len()
     }
 
+    /// The entry of the rays in the bin of single or multiple light whose flux has the entry `bin`.
+    #[inline]
+    pub(crate) const fn hits_of_bin(&self, bin: usize) -> usize {
+        bin - BINS_START + self.hits_base()
+    }
+
     /// First entry of the rings of one of [`Component::ORDERS`], or of all light, by number.
     #[inline]
     pub(crate) const fn rings_start(&self, side: Side, place: usize) -> usize {
@@ -164,7 +170,7 @@ impl Places {
     }
 
     #[inline]
-    const fn rings_base(&self) -> usize {
+    pub(crate) const fn rings_base(&self) -> usize {
         BINS_START + BIN_COMPONENTS * self.grid.len()
     }
 

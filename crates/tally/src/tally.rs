@@ -8,6 +8,7 @@ use crate::exit_columns::{ExitColumns, InSlice};
 use crate::filters::Half;
 use crate::finder::BinFinder;
 use crate::in_plane::InPlaneSlice;
+use crate::target::Target;
 use crate::values::TallyValues;
 use crate::{Component, ControlVariate, Side, TallySpec};
 
@@ -62,7 +63,11 @@ pub struct Tally<'c> {
     finder: BinFinder,
     /// `None` where the azimuth is free.
     pub(crate) slice: Option<InPlaneSlice>,
+    /// Sums of all batches: those of one entry side by side, since paths that start side by side often end in the same bin.
     pub(crate) values: Vec<f64>,
+    /// Number of batches, and of the one that is added to.
+    batches: usize,
+    batch: usize,
 }
 
 impl<'c> Tally<'c> {
@@ -80,6 +85,8 @@ impl<'c> Tally<'c> {
                 Azimuth::Free => None,
             },
             values: vec![0.0; spec.len()],
+            batches: 1,
+            batch: 0,
         }
     }
 
@@ -107,58 +114,52 @@ impl<'c> Tally<'c> {
     /// Adds light that left the surface: to its bins, or, on a side that is not recorded, to the flux
     /// that went there.
     pub fn add_exit(&mut self, exit: &Exit) {
-        let direction = self.direction(exit);
-        self.book(
-            exit,
-            self.weight(exit, direction.ring) * exit.flux,
-            direction,
-        );
+        let at = self.direction(exit);
+        self.book(exit, self.weight(exit, at.ring) * exit.flux, &at);
     }
 
     /// Subtracts, under a control variate, light that a facet would send away if nothing were in its
     /// way, but that is shadowed or masked. A direction that leads into the surface is no exit of the
     /// control variate.
     pub fn add_masked(&mut self, exit: &Exit) {
-        let direction = self.direction(exit);
-        self.book(
-            exit,
-            self.masked_weight(exit, direction.ring) * exit.flux,
-            direction,
-        );
+        let at = self.direction(exit);
+        self.book(exit, self.masked_weight(exit, at.ring) * exit.flux, &at);
     }
 
     /// Finds the bins of exits, in loops that take the vector instructions of the function that calls this one.
     #[inline(always)]
-    pub fn locate(&self, exits: &mut ExitColumns) {
+    pub(crate) fn locate(&self, exits: &mut ExitColumns) {
         self.finder.locate(exits, self.slice.is_some());
         if let Some(slice) = &self.slice {
             slice.locate(exits);
         }
+        exits.find_targets(&self.spec.places());
     }
 
-    /// Adds exits to the bins that [`Tally::locate`] has found, in their order, and removes them:
-    /// as [`Tally::add_exit`] and [`Tally::add_masked`] do.
-    pub fn add_located(&mut self, exits: &mut ExitColumns) {
-        for i in 0..exits.len() {
-            let exit = exits.exit(i);
-            let ring = exits.ring[i] as usize;
-            let weight = if exits.is_masked[i] {
-                self.masked_weight(&exit, ring)
-            } else {
-                self.weight(&exit, ring)
-            };
-            let half = match exits.slice.get(i) {
-                Some(InSlice::Forward) => Some(Half::Forward),
-                Some(InSlice::Backward) => Some(Half::Backward),
-                _ => None,
-            };
-            let direction = self.direction_at(exit.side, ring, exits.sector[i] as usize, half);
-            self.book(&exit, weight * exit.flux, direction);
-            if !exits.measures.is_empty() && !exits.is_masked[i] {
-                self.book_measures(&exit, &exits.measures, i, direction);
-            }
+    /// Adds exit number `i` to the bins that [`Tally::locate`] has found: as [`Tally::add_exit`] and [`Tally::add_masked`] do.
+    #[inline(always)]
+    pub(crate) fn add_located(&mut self, exits: &ExitColumns, i: usize) {
+        let exit = exits.exit(i);
+        let ring = exits.ring[i] as usize;
+        let weight = if exits.is_masked[i] {
+            self.masked_weight(&exit, ring)
+        } else {
+            self.weight(&exit, ring)
+        };
+        let half = match exits.slice.get(i) {
+            Some(InSlice::Forward) => Some(Half::Forward),
+            Some(InSlice::Backward) => Some(Half::Backward),
+            _ => None,
+        };
+        let at = Direction {
+            ring,
+            half,
+            target: exits.target(i),
+        };
+        self.book(&exit, weight * exit.flux, &at);
+        if !exits.measures.is_empty() && !exits.is_masked[i] {
+            self.book_measures(&exit, &exits.measures, i, &at);
         }
-        exits.clear();
     }
 
     /// The factor with which light that left through a ring counts.
@@ -186,28 +187,75 @@ impl<'c> Tally<'c> {
     /// Where an exit counts.
     fn direction(&self, exit: &Exit) -> Direction {
         let ring = self.finder.ring(exit.side, exit.wo);
+        // Without azimuths the first bin counts for its ring until the tally is closed.
         let (sector, half) = match &self.slice {
             None => (0, None),
             Some(slice) => (self.finder.sector(exit.wo), slice.half(exit.wo)),
         };
-        self.direction_at(exit.side, ring, sector, half)
-    }
-
-    #[inline(always)]
-    fn direction_at(
-        &self,
-        side: Side,
-        ring: usize,
-        sector: usize,
-        half: Option<Half>,
-    ) -> Direction {
-        let grid = self.spec.grid();
-        // Without azimuths the first bin counts for its ring until the tally is closed.
-        let first = (side.index() * grid.n_theta() + ring) * grid.n_phi();
+        let places = self.spec.places();
+        let side = exit.side.index() as u32;
         Direction {
             ring,
-            bin: first + sector,
-            in_plane: half.map(|half| self.spec.in_plane_filter(side).number(ring, half)),
+            half,
+            target: places.target(side, exit.path, ring as u32, sector as u32),
+        }
+    }
+
+    /// Adds `flux` to all entries that `exit` belongs to.
+    #[inline(always)]
+    fn book(&mut self, exit: &Exit, flux: f64, at: &Direction) {
+        // Where the control variate cancels all of it, no ray of the bin is left either.
+        if flux == 0.0 {
+            return;
+        }
+        let spec = self.spec;
+        if !spec.records(exit.side) {
+            self.add_loss(Loss::NotRecorded, flux);
+            return;
+        }
+        let target = at.target;
+        let bin = target.bin as usize;
+        self.add(target.order as usize, flux);
+        self.add(target.path as usize, flux);
+        self.add(target.ring as usize, flux);
+        if self.slice.is_some() {
+            self.add(bin, flux);
+        }
+        self.add(spec.places().hits_of_bin(bin), 1.0);
+        if let Some(in_plane) = at.in_plane(&spec, exit.side) {
+            let group = Component::order_group(exit.path.order());
+            let start = spec.places().in_plane_start(exit.side, group);
+            self.add(start + in_plane, flux);
+        }
+        if !spec.components().is_empty() {
+            self.book_components(exit, flux, at);
+        }
+    }
+
+    /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
+    fn book_components(&mut self, exit: &Exit, flux: f64, at: &Direction) {
+        let spec = self.spec;
+        let side = exit.side;
+        let bin = at.bin(&spec, exit);
+        let in_plane = at.in_plane(&spec, side);
+        for (place, component) in spec.components().iter().enumerate() {
+            if !component.accepts(exit) {
+                continue;
+            }
+            let start = spec.places().component_start(place);
+            self.add(start + side.index(), flux);
+            self.add(
+                spec.places().rings_of_component(start, side) + at.ring,
+                flux,
+            );
+            let bins = start + 2;
+            self.add(bins + spec.grid().len() + bin, 1.0);
+            if self.slice.is_some() {
+                self.add(bins + bin, flux);
+            }
+            if let Some(i) = in_plane {
+                self.add(spec.places().in_plane_of_component(start, side) + i, flux);
+            }
         }
     }
 
@@ -228,83 +276,60 @@ impl<'c> Tally<'c> {
             .map_or(0.0, ControlVariate::absorbed_fraction)
     }
 
-    /// Adds `flux` to all entries that `exit` belongs to.
-    #[inline(always)]
-    fn book(&mut self, exit: &Exit, flux: f64, direction: Direction) {
-        let Exit { side, path, .. } = *exit;
-        // Where the control variate cancels all of it, no ray of the bin is left either.
-        if flux == 0.0 {
-            return;
-        }
-        let spec = &self.spec;
-        if !spec.records(side) {
-            self.add_loss(Loss::NotRecorded, flux);
-            return;
-        }
-        let Direction {
-            ring,
-            bin,
-            in_plane,
-        } = direction;
-        let group = Component::order_group(path.order());
-        let multiple = usize::from(path.order() > 1);
-        self.values[spec.order_entry(side, path.order() as usize).0] += flux;
-        self.values[spec.event_path_entry(side, path).0] += flux;
-        self.values[spec.places().rings_start(side, group) + ring] += flux;
-        if self.slice.is_some() {
-            self.values[spec.places().bins_start(multiple) + bin] += flux;
-        }
-        if let Some(i) = in_plane {
-            self.values[spec.places().in_plane_start(side, group) + i] += flux;
-        }
-        self.values[spec.places().hits_start(multiple) + bin] += 1.0;
-        if !spec.components().is_empty() {
-            self.book_components(exit, flux, direction);
-        }
-    }
-
-    /// Adds `flux` to the entries of each component kept in full that `exit` belongs to.
-    fn book_components(&mut self, exit: &Exit, flux: f64, direction: Direction) {
-        let spec = &self.spec;
-        let side = exit.side;
-        let Direction {
-            ring,
-            bin,
-            in_plane,
-        } = direction;
-        for (place, component) in spec.components().iter().enumerate() {
-            if !component.accepts(exit) {
-                continue;
-            }
-            let start = spec.places().component_start(place);
-            self.values[start + side.index()] += flux;
-            self.values[spec.places().rings_of_component(start, side) + ring] += flux;
-            let bins = start + 2;
-            self.values[bins + spec.grid().len() + bin] += 1.0;
-            if self.slice.is_some() {
-                self.values[bins + bin] += flux;
-            }
-            if let Some(i) = in_plane {
-                self.values[spec.places().in_plane_of_component(start, side) + i] += flux;
-            }
-        }
-    }
-
     /// Adds flux that ended without an exit.
     pub fn add_loss(&mut self, loss: Loss, flux: f64) {
         const BUDGET: crate::Budget<crate::Entry> = TallySpec::BUDGET;
         match loss {
-            Loss::Absorbed => self.values[BUDGET.absorbed.0] += flux,
-            Loss::Truncated => self.values[BUDGET.truncated.0] += flux,
-            Loss::Lost => self.values[BUDGET.lost.0] += flux,
+            Loss::Absorbed => self.add(BUDGET.absorbed.0, flux),
+            Loss::Truncated => self.add(BUDGET.truncated.0, flux),
+            Loss::Lost => self.add(BUDGET.lost.0, flux),
             Loss::LeftPatch => {
-                self.values[BUDGET.truncated.0] += flux;
-                self.values[BUDGET.left_patch.0] += flux;
+                self.add(BUDGET.truncated.0, flux);
+                self.add(BUDGET.left_patch.0, flux);
             }
             Loss::NotRecorded => {
-                self.values[BUDGET.truncated.0] += flux;
-                self.values[BUDGET.not_recorded.0] += flux;
+                self.add(BUDGET.truncated.0, flux);
+                self.add(BUDGET.not_recorded.0, flux);
             }
+        }
+    }
+
+    /// Adds to the sum of an entry.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, entry: usize, value: f64) {
+        self.values[entry * self.batches + self.batch] += value;
+    }
+
+    /// The same for several batches: an empty tally of each.
+    pub(crate) fn for_batches(self, batches: usize) -> Self {
+        Self {
+            values: vec![0.0; self.spec.len() * batches],
+            batches,
+            ..self
+        }
+    }
+
+    /// Has what follows added to the sums of a batch.
+    #[inline(always)]
+    pub(crate) fn turn_to(&mut self, batch: usize) {
+        assert!(batch < self.batches, "no tally of batch {batch}");
+        self.batch = batch;
+    }
+
+    /// The tally of one of several batches.
+    pub(crate) fn of_batch(&self, batch: usize) -> Self {
+        Self {
+            spec: self.spec,
+            control_variate: self.control_variate,
+            finder: self.finder.clone(),
+            slice: self.slice,
+            values: self.values[batch..]
+                .iter()
+                .step_by(self.batches)
+                .copied()
+                .collect(),
+            batches: 1,
+            batch: 0,
         }
     }
 
@@ -419,12 +444,26 @@ impl<'c> Tally<'c> {
     }
 }
 
-/// Where an exit counts: its ring, its bin among those of both sides, and its in-plane bin, if it has one.
+/// Where an exit counts: its ring, the half of the in-plane slice that holds it, and its entries.
 #[derive(Clone, Copy)]
 pub(crate) struct Direction {
     pub(crate) ring: usize,
-    pub(crate) bin: usize,
-    pub(crate) in_plane: Option<usize>,
+    pub(crate) half: Option<Half>,
+    pub(crate) target: Target,
+}
+
+impl Direction {
+    /// Number of its bin among those of both sides.
+    pub(crate) fn bin(&self, spec: &TallySpec, exit: &Exit) -> usize {
+        let multiple = usize::from(exit.path.order() > 1);
+        self.target.bin as usize - spec.places().bins_start(multiple)
+    }
+
+    /// Number of its in-plane bin, if it has one.
+    pub(crate) fn in_plane(&self, spec: &TallySpec, side: Side) -> Option<usize> {
+        let number = |half| spec.in_plane_filter(side).number(self.ring, half);
+        self.half.map(number)
+    }
 }
 
 #[cfg(test)]

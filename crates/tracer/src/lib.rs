@@ -62,7 +62,7 @@ pub use ray::{HalfSpace, Hit, Query, RayBatch, RayColumns, TileRay};
 pub use reference::{
     BeamContribution, CameraContribution, FlightSearch, PathEnd, PathIntegrator, PathResult,
 };
-pub use sampling::Sampling;
+pub use sampling::{BatchedRays, Sampling};
 pub use settings::{Branching, PathSettings, PathSettingsError, Polarisation};
 pub use vector::Instructions;
 pub use visibility::horizon::{Horizon, HorizonError, Horizons};

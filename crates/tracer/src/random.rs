@@ -64,6 +64,9 @@ pub struct PathStream {
 /// Paths of one surface have numbers below this.
 const MAX_PATHS: u64 = 1 << 56;
 
+/// Binary digits of the number of a path in its batch.
+const BATCH_DIGITS: u32 = 20;
+
 impl PathStream {
     /// The numbers of all paths on surface number `realisation` under `seed`.
     #[must_use]
@@ -72,6 +75,34 @@ impl PathStream {
             key: [seed, realisation],
             first: 0,
         }
+    }
+
+    /// Most paths of a batch that is traced together with others: those of batch `n` have numbers from `n` times this on.
+    pub const MAX_PATHS_OF_BATCH: u64 = 1 << BATCH_DIGITS;
+
+    /// The same, from the first path of batch number `batch` on, where batches have up to [`PathStream::MAX_PATHS_OF_BATCH`] paths.
+    ///
+    /// # Panics
+    /// If `batch` is not below `2^36`.
+    #[must_use]
+    pub const fn from_batch(self, batch: u64) -> Self {
+        assert!(
+            batch < MAX_PATHS >> BATCH_DIGITS,
+            "batches have numbers below 2^36"
+        );
+        self.from_path(batch << BATCH_DIGITS)
+    }
+
+    /// Number of the path that is number `path` of batch number `batch`, counted from the first path of the stream.
+    #[inline(always)]
+    pub(crate) const fn ray(batch: u32, path: u32) -> u32 {
+        batch << BATCH_DIGITS | path
+    }
+
+    /// The batch of a path of that number.
+    #[inline(always)]
+    pub(crate) const fn batch_of(ray: u32) -> u32 {
+        ray >> BATCH_DIGITS
     }
 
     /// The same, from path number `first` on.

@@ -1,20 +1,6 @@
-//! How rays are divided into blocks, and how the blocks of one surface are run.
+//! How rays are divided into blocks, and blocks into groups that are traced together.
 
-use asperity_tally::{ControlVariate, TallyValues};
-use asperity_tracer::{Geometry, Illumination, Sampling, Tracer, Work};
-use rayon::prelude::*;
-
-use crate::input::limits::TALLY_BUDGET;
-use crate::input::settings::Settings;
-use crate::observer::Observer;
-use crate::stream::ray_stream;
-
-/// One mesh of a surface with the light that falls on it.
-pub(crate) struct LitMesh<'a, G: Geometry> {
-    pub(crate) tracer: Tracer<'a, G>,
-    pub(crate) light: Illumination,
-    pub(crate) control_variate: Option<&'a ControlVariate>,
-}
+use asperity_tracer::{BatchedRays, Sampling};
 
 /// A division of rays into blocks of `strata * strata` rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,12 +18,18 @@ const MAX_STRATA: u64 = 512;
 /// Blocks that a single surface gets at least, since its errors come from them.
 pub(crate) const MIN_BLOCKS_OF_ONE: u64 = 64;
 
-/// Blocks per thread that are run side by side, if their tallies fit: at the end threads wait for the
-/// last block, on average for half of one.
-const BLOCKS_PER_THREAD: usize = 32;
+/// Most rays of blocks that are traced together: enough for rays that start side by side to read the same cells of a large surface,
+/// few enough for a run to stop soon.
+const MAX_RAYS_OF_GROUP: u64 = 1 << 20;
 
-/// Blocks of a run that is to stop: from fewer there is no error.
-const MIN_BLOCKS: usize = 2;
+/// Most values in the tallies of blocks that are traced together, so that they stay in cache: 1 MiB.
+const MAX_VALUES_OF_GROUP: usize = 1 << 17;
+
+/// Fewest rays of a part of a group, which has a tally of each block.
+const MIN_RAYS_OF_PART: u64 = 1 << 13;
+
+/// Most parts of a group: enough to keep threads busy, few enough for their tallies to cost little.
+const MAX_PARTS: u64 = 8;
 
 impl Blocks {
     /// At least `rays` rays in at least `fewest` blocks, where there are as many rays.
@@ -65,167 +57,69 @@ impl Blocks {
     pub(crate) const fn rays(self) -> u64 {
         self.count * (self.strata as u64).pow(2)
     }
-}
 
-/// What one block of rays found.
-pub(crate) struct FinishedBlock {
-    pub(crate) number: u64,
-    /// A tally of each mesh.
-    pub(crate) tallies: Vec<TallyValues>,
-    pub(crate) work: Work,
-}
-
-/// Runs the blocks of one surface in parallel and hands each to `each`, in the order of their number.
-///
-/// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
-/// and has a tally of each; the work counted is that of the first.
-///
-/// If the run is to stop, those that are under way are finished, and the first ones in any case.
-pub(crate) fn run_blocks<G: Geometry>(
-    meshes: &[LitMesh<'_, G>],
-    settings: &Settings,
-    realisation: u64,
-    blocks: Blocks,
-    observer: &dyn Observer,
-    mut each: impl FnMut(FinishedBlock) + Send,
-) {
-    let mut take = |finished: Vec<Option<FinishedBlock>>| {
-        for mut block in finished.into_iter().flatten() {
-            for (tally, mesh) in block.tallies.iter_mut().zip(meshes) {
-                if let Some(control_variate) = mesh.control_variate {
-                    control_variate.complete(tally);
-                }
-            }
-            each(block);
-        }
-    };
-    let trace = |block: usize| {
-        if block >= MIN_BLOCKS && observer.stop().is_some() {
-            return None;
-        }
-        let number = blocks.first + block as u64;
-        let mut work_of_first = None;
-        let mut tallies = Vec::new();
-        for mesh in meshes {
-            let stream = ray_stream(settings.seed, realisation, number);
-            let spec = settings.tally;
-            let (tally, work) = mesh.tracer.batch(
-                &mesh.light,
-                blocks.strata,
-                spec,
-                mesh.control_variate,
-                stream,
-            );
-            tallies.push(tally);
-            work_of_first.get_or_insert(work);
-        }
-        observer.advance(u64::from(blocks.strata).pow(2));
-        Some(FinishedBlock {
-            number,
-            tallies,
-            work: work_of_first.unwrap_or_default(),
-        })
-    };
-    // Waves bound how many tallies are held at once; those of one are taken while the next is traced.
-    let values = meshes.len() * settings.tally.len();
-    let tallies = TALLY_BUDGET / (2 * values * size_of::<f64>());
-    let wave = tallies.clamp(1, BLOCKS_PER_THREAD * rayon::current_num_threads());
-    let count = blocks.count as usize;
-    let mut finished = Vec::new();
-    for first in (0..count).step_by(wave) {
-        if first > 0 && observer.stop().is_some() {
-            break;
-        }
-        let last = (first + wave).min(count);
-        // One block at a time, so that a thread without work finds any that is left.
-        let blocks = (first..last).into_par_iter().with_max_len(1);
-        let before = std::mem::take(&mut finished);
-        (finished, ()) = rayon::join(|| blocks.map(trace).collect(), || take(before));
+    /// Rays of one block.
+    pub(crate) const fn rays_of_one(self) -> u64 {
+        (self.strata as u64).pow(2)
     }
-    take(finished);
+
+    /// The blocks in groups that are traced together, for tallies of `values` values. Groups do not depend on threads.
+    pub(crate) fn groups(
+        self,
+        sampling: Sampling,
+        values: usize,
+    ) -> impl Iterator<Item = BlockGroup> {
+        let of_rays = MAX_RAYS_OF_GROUP / self.rays_of_one();
+        let of_values = (MAX_VALUES_OF_GROUP / values) as u64;
+        let most = match sampling {
+            Sampling::Stratified => of_rays.min(of_values),
+            Sampling::Random | Sampling::QuasiRandom => 1,
+        };
+        let most = most.clamp(1, BatchedRays::MAX_BATCHES.into());
+        let last = self.first + self.count;
+        let firsts = (self.first..last).step_by(most as usize);
+        firsts.map(move |first| BlockGroup {
+            first,
+            count: most.min(last - first) as u32,
+            strata: self.strata,
+        })
+    }
+}
+
+/// Blocks that are traced together, in parts of the surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct BlockGroup {
+    /// Number of the first block.
+    pub(crate) first: u64,
+    /// Number of blocks.
+    pub(crate) count: u32,
+    strata: u32,
+}
+
+impl BlockGroup {
+    /// Rays of a whole block.
+    const fn rays_of_block(self) -> u32 {
+        self.strata * self.strata
+    }
+
+    /// Number of parts; a single block is one part.
+    pub(crate) fn parts(self) -> u32 {
+        let rays = u64::from(self.count) * u64::from(self.rays_of_block());
+        let most = MAX_PARTS.min(self.count.into());
+        (rays / MIN_RAYS_OF_PART).clamp(1, most) as u32
+    }
+
+    /// The rays of one of its parts.
+    pub(crate) fn part(self, number: u32) -> BatchedRays {
+        let strata = u64::from(self.rays_of_block());
+        let begin = |part: u32| (strata * u64::from(part) / u64::from(self.parts())) as u32;
+        BatchedRays::new(self.strata, self.count, begin(number)..begin(number + 1))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::{AtomicU64, Ordering};
-
-    use asperity_optics::{Incidence, Material};
-    use asperity_surface::HeightField;
-    use asperity_tally::TallyResult;
-    use asperity_tracer::{
-        AcceleratorKind, BuildAccelerator, HalfSpace, PathSettings, Starts, Surface,
-    };
-
     use super::*;
-    use crate::output::stopped_by::StoppedBy;
-    use crate::output::surface_tallies::CaseOnSurface;
-
-    /// Lets a run go on for its first `questions` questions whether to stop, then stops it.
-    struct Patience {
-        questions: u64,
-        asked: AtomicU64,
-        advanced: AtomicU64,
-    }
-
-    impl Observer for Patience {
-        fn begin(&self, _stage: &str, _total: u64) {}
-        fn advance(&self, steps: u64) {
-            self.advanced.fetch_add(steps, Ordering::Relaxed);
-        }
-        fn end(&self) {}
-        fn stop(&self) -> Option<StoppedBy> {
-            let asked = self.asked.fetch_add(1, Ordering::Relaxed);
-            (asked >= self.questions).then_some(StoppedBy::Time)
-        }
-    }
-
-    /// Each block but the first two asks once before it begins, so a run that is told to stop at the
-    /// question after `n` has traced `2 + n` blocks, whatever the threads; all of them are handed on.
-    #[test]
-    fn a_stopped_run_begins_no_block_but_the_first_two() {
-        let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
-        let surface = Surface::new(field);
-        let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
-        let settings = Settings::default();
-        let mesh = LitMesh {
-            tracer: Tracer::new(
-                &surface,
-                &*accelerator,
-                Material::Mirror,
-                HalfSpace::Above,
-                settings.paths.without_pilot(),
-            ),
-            light: Illumination {
-                incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
-                any_azimuth: false,
-                sampling: Sampling::Stratified,
-                starts: Starts::FromAbove,
-                stokes: [0.0; 3],
-            },
-            control_variate: None,
-        };
-        let blocks = Blocks {
-            first: 0,
-            count: 20,
-            strata: 3,
-        };
-        for (questions, expected) in [(0, 2), (5, 7), (u64::MAX, 20)] {
-            let progress = Patience {
-                questions,
-                asked: AtomicU64::new(0),
-                advanced: AtomicU64::new(0),
-            };
-            let mut found = CaseOnSurface::new(PathSettings::default(), settings.tally, 1);
-            let meshes = std::slice::from_ref(&mesh);
-            run_blocks(meshes, &settings, 0, blocks, &progress, |block| {
-                found.push(&block.tallies, block.work);
-            });
-            assert_eq!(found.tally.batches(), expected);
-            assert_eq!(found.work.rays, 9 * expected);
-            assert_eq!(progress.advanced.into_inner(), 9 * expected);
-            assert_eq!(found.tally.means().budget().reflected, 1.0);
-        }
-    }
 
     #[test]
     fn blocks_hold_the_requested_rays_and_few_more() {
@@ -250,6 +144,52 @@ mod tests {
                 assert!(u64::from(blocks.strata) <= MAX_STRATA);
                 assert!(blocks.count >= fewest.min(rays), "{rays} {blocks:?}");
                 assert_eq!(blocks, Blocks::plan(rays, fewest, Sampling::Random));
+            }
+        }
+    }
+
+    /// Blocks, groups and parts: no more rays, blocks and tallies than allowed, and each stratum of each block once.
+    #[test]
+    fn groups_and_their_parts_cover_all_blocks_once() {
+        for (count, strata) in [(1, 512), (64, 40), (64, 256), (70, 256), (5, 512), (100, 3)] {
+            for values in [7413, 1 << 16, 1 << 20] {
+                for sampling in [
+                    Sampling::Stratified,
+                    Sampling::Random,
+                    Sampling::QuasiRandom,
+                ] {
+                    let blocks = Blocks {
+                        first: 7,
+                        count,
+                        strata,
+                    };
+                    let mut next = 7;
+                    for group in blocks.groups(sampling, values) {
+                        assert_eq!(group.first, next);
+                        next += u64::from(group.count);
+                        let rays = u64::from(group.count) * blocks.rays_of_one();
+                        assert!(group.count == 1 || rays <= MAX_RAYS_OF_GROUP);
+                        assert!(
+                            group.count == 1
+                                || group.count as usize * values <= MAX_VALUES_OF_GROUP
+                        );
+                        if sampling != Sampling::Stratified {
+                            assert_eq!(group.count, 1);
+                        }
+                        let parts: Vec<BatchedRays> =
+                            (0..group.parts()).map(|part| group.part(part)).collect();
+                        assert!(parts.len() as u32 <= group.count);
+                        assert!(parts.len() == 1 || rays >= parts.len() as u64 * MIN_RAYS_OF_PART);
+                        let mut stratum = 0;
+                        for part in &parts {
+                            assert_eq!((part.strata(), part.batches()), (strata, group.count));
+                            assert_eq!(part.part().start, stratum);
+                            stratum = part.part().end;
+                        }
+                        assert_eq!(stratum, strata * strata);
+                    }
+                    assert_eq!(next, 7 + count);
+                }
             }
         }
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use asperity_tally::ControlVariate;
 use asperity_tracer::{Accelerator, AcceleratorKind, BuildAccelerator, Surface, Tracer};
 
-use super::blocks::LitMesh;
+use super::block_run::LitMesh;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::layer::SearchedSurface;

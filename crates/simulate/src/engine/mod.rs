@@ -2,11 +2,12 @@
 //!
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
 //! surfaces, drawn by the recipes in [`draw`], and [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
-//! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, and [`built_surface`] is what
+//! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, [`block_run`] traces them, and [`built_surface`] is what
 //! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
 //! its outcome.
 
+pub(crate) mod block_run;
 pub(crate) mod blocks;
 pub(crate) mod built_surface;
 pub(crate) mod context;

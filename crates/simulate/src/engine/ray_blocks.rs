@@ -7,7 +7,8 @@ use std::time::Instant;
 
 use asperity_tracer::Geometry;
 
-use super::blocks::{Blocks, FinishedBlock, LitMesh, run_blocks};
+use super::block_run::{FinishedGroup, LitMesh, run_blocks};
+use super::blocks::Blocks;
 use super::context::Context;
 use super::rounds::Batches;
 use crate::error::SimulateError;
@@ -68,9 +69,9 @@ impl<G: Geometry> RayBlocks<'_, G> {
             self.realisation,
             blocks,
             context.observer,
-            |block| {
-                saving.before(&block, found);
-                found.push(&block.tallies, block.work);
+            |group| {
+                saving.before(&group, found);
+                found.push(&group.blocks, group.work);
             },
         );
         let complete = found.tally.batches() == count;
@@ -91,9 +92,9 @@ impl<G: Geometry> RayBlocks<'_, G> {
         };
         let (blocks, traced) = (found.tally.batches(), self.found.tally.batches());
         // A run that was stopped while it was planned may have divided its rays in another way, on other paths.
-        let same_blocks = found.work.rays == blocks * self.rays_of_block();
+        let same_blocks = found.work.rays == blocks * self.planned.rays_of_one();
         if same_blocks && found.paths == self.method.paths && (traced..=count).contains(&blocks) {
-            let rays = (blocks - traced) * self.rays_of_block();
+            let rays = (blocks - traced) * self.planned.rays_of_one();
             context.observer.advance(rays);
             self.seconds_before = saved.seconds.trace;
             self.found = found;
@@ -106,10 +107,6 @@ impl<G: Geometry> RayBlocks<'_, G> {
             stage: Stage::Result,
             number: self.round,
         }
-    }
-
-    const fn rays_of_block(&self) -> u64 {
-        self.planned.rays() / self.planned.count
     }
 
     /// Seconds spent on tracing.
@@ -129,7 +126,7 @@ impl<G: Geometry> Batches for RayBlocks<'_, G> {
     fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
         if self.round > 0 {
             let more = count - self.found.tally.batches();
-            let rays = more * self.rays_of_block();
+            let rays = more * self.planned.rays_of_one();
             context.observer.begin("adding", rays);
         }
         self.resume(count, context);
@@ -161,13 +158,13 @@ struct Saving<'a> {
 }
 
 impl Saving<'_> {
-    /// Before `block` is added to what was `found` before: saves that if it is time to, or if blocks are missing
+    /// Before `group` is added to what was `found` before: saves that if it is time to, or if blocks are missing
     /// in between.
-    fn before(&mut self, block: &FinishedBlock, found: &CaseOnSurface) {
+    fn before(&mut self, group: &FinishedGroup, found: &CaseOnSurface) {
         let Some(store) = self.store.filter(|_| !self.is_over) else {
             return;
         };
-        self.is_over = block.number != found.tally.batches();
+        self.is_over = group.first != found.tally.batches();
         if self.is_over || store.is_due() {
             self.save(store, found);
         }

@@ -7,7 +7,8 @@ use std::time::Instant;
 use asperity_io::available_memory;
 use rayon::prelude::*;
 
-use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE, run_blocks};
+use super::block_run::run_blocks;
+use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::{BuiltSurface, SurfaceMeshes};
 use super::context::Context;
 use super::draw::{Draw, RefinedSplines};
@@ -292,7 +293,7 @@ impl SurfaceGroup<'_> {
                 number,
                 self.blocks(),
                 observer,
-                |block| found.push(&block.tallies, block.work),
+                |group| found.push(&group.blocks, group.work),
             );
             cases.push(found);
         }
@@ -314,7 +315,7 @@ mod tests {
     use asperity_optics::{Incidence, Material};
     use asperity_surface::{Psd, Synthesis};
     use asperity_tally::TallySpec;
-    use asperity_tracer::{Branching, HalfSpace, PathSettings};
+    use asperity_tracer::{Branching, HalfSpace, PathSettings, Sampling};
 
     use super::*;
     use crate::input::case::{Case, Light};
@@ -323,7 +324,7 @@ mod tests {
     use crate::observer::Silent;
 
     /// Runs four surfaces, nearly flat, on one thread, one after the other: 1024 rays on each in four
-    /// blocks, one random branch of each path.
+    /// blocks, which are not traced together since they are not stratified; one random branch of each path.
     fn run(observer: &dyn Observer) -> (Blocks, CaseTallies) {
         let psd = Psd::gaussian(1e-9, 4.0).unwrap();
         let synthesis = Synthesis::new(psd, [32, 32], [1.0, 1.0], false).unwrap();
@@ -339,6 +340,7 @@ mod tests {
             paths: PathSettings::default()
                 .with(Branching::Pick, PathSettings::DEFAULT_ROULETTE)
                 .into(),
+            sampling: Sampling::Random,
             ..Settings::default()
         };
         let cases = [TracedCase {

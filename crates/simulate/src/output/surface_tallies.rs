@@ -39,11 +39,13 @@ impl CaseOnSurface {
         }
     }
 
-    /// Adds one block: a tally of each mesh, and the work done.
-    pub(crate) fn push(&mut self, tallies: &[TallyValues], work: Work) {
-        self.tally.push(&tallies[0]);
-        if let Some(shifts) = &mut self.shifts {
-            shifts.push(tallies);
+    /// Adds blocks: of each a tally of each mesh, and the work done for all.
+    pub(crate) fn push(&mut self, blocks: &[Vec<TallyValues>], work: Work) {
+        for tallies in blocks {
+            self.tally.push(&tallies[0]);
+            if let Some(shifts) = &mut self.shifts {
+                shifts.push(tallies);
+            }
         }
         self.work += work;
     }

@@ -270,7 +270,7 @@ fn a_side_that_is_not_recorded_fills_no_bin() {
     }
 }
 
-/// Many exits at once are counted as one after the other: in directions over both hemispheres, on edges of bins and of
+/// Many exits of several batches at once are counted as one after the other: in directions over both hemispheres, on edges of bins and of
 /// the slice, vertical and grazing.
 #[test]
 fn located_exits_count_as_single_ones() {
@@ -316,16 +316,19 @@ fn located_exits_count_as_single_ones() {
         .collect();
     for azimuth in [Azimuth::From(0.3), Azimuth::Free] {
         for control_variate in [None, Some(&control_variate)] {
-            let mut single = Tally::new(spec, azimuth).with_control_variate(control_variate);
-            let mut located = single.clone();
+            let empty = Tally::new(spec, azimuth).with_control_variate(control_variate);
+            let mut single = vec![empty.clone(); 3];
+            let mut located = crate::Tallies::new(empty, 3);
             let mut columns = ExitColumns::default();
             for (i, (exit, is_masked)) in exits.iter().enumerate() {
+                let batch = i as u32 % 13 % 3;
+                let single = &mut single[batch as usize];
                 if *is_masked {
                     single.add_masked(exit);
-                    columns.push_masked(exit);
+                    columns.push_masked(exit, batch);
                 } else {
                     single.add_exit(exit);
-                    columns.push(exit);
+                    columns.push(exit, batch);
                 }
                 if i % 1000 == 700 {
                     located.locate(&mut columns);
@@ -334,7 +337,8 @@ fn located_exits_count_as_single_ones() {
             }
             located.locate(&mut columns);
             located.add_located(&mut columns);
-            assert_eq!(single.into_fractions(10), located.into_fractions(10));
+            let single = single.into_iter().map(|tally| tally.into_fractions(10));
+            assert_eq!(single.collect::<Vec<_>>(), located.into_fractions(10));
         }
     }
 }

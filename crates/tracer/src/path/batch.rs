@@ -1,23 +1,24 @@
 //! Batch: everything that changes while a batch of paths is traced.
 
-use asperity_tally::{ExitColumns, Tally};
+use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 
 use super::arrivals::Arrivals;
 use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
 use super::segments::{Kept, Segments};
 use super::sightlines::Sightlines;
-use super::state::{LayerRay, SingleSegment};
+use super::state::{LayerRay, PathState, SingleSegment};
 use super::work::Work;
 use crate::geometry::Outlook;
 use crate::random::PathStream;
 use crate::ray::{Hit, RayBatch};
+use crate::sampling::Start;
 use crate::settings::Polarisation;
 use crate::vector::Instructions;
 
 /// New paths start while fewer segments are in flight: enough to fill lanes in every stage, few enough for them and
 /// the surface around them to stay in cache.
-pub(super) const MAX_IN_FLIGHT: usize = 1024;
+pub(super) const MAX_IN_FLIGHT: usize = 2048;
 
 /// Memory for the interactions of one round.
 #[derive(Default)]
@@ -51,9 +52,9 @@ impl<F> Default for SingleSearch<F> {
     }
 }
 
-/// The state of one batch.
+/// The state of one batch, or of several that are traced together.
 pub(super) struct Batch<'r, F> {
-    pub(super) tally: Tally<'r>,
+    pub(super) tallies: Tallies<'r>,
     pub(super) work: Work,
     pub(super) stream: PathStream,
     pub(super) instructions: Instructions,
@@ -70,7 +71,7 @@ pub(super) struct Batch<'r, F> {
     /// Lines of sight of this round from starts on the surface.
     pub(super) sightlines: Sightlines<F>,
     /// Starts of this round.
-    pub(super) starts: Vec<[f64; 3]>,
+    pub(super) starts: Vec<Start>,
     /// Facets that light has arrived at.
     pub(super) arrivals: Arrivals<F>,
     /// Rays that begin inside the layer.
@@ -92,7 +93,7 @@ pub(super) struct Batch<'r, F> {
 
 impl<'r, F: Copy> Batch<'r, F> {
     pub(super) fn new(
-        tally: Tally<'r>,
+        tallies: Tallies<'r>,
         stream: PathStream,
         instructions: Instructions,
         illumination: &Illumination,
@@ -103,9 +104,9 @@ impl<'r, F: Copy> Batch<'r, F> {
             polarisation,
         };
         let traces_shadows =
-            tally.control_variate().is_some() && illumination.starts == Starts::FromAbove;
+            tallies.control_variate().is_some() && illumination.starts == Starts::FromAbove;
         Self {
-            tally,
+            tallies,
             work: Work::default(),
             stream,
             instructions,
@@ -128,6 +129,17 @@ impl<'r, F: Copy> Batch<'r, F> {
             single_search: SingleSearch::default(),
             interactions: Interactions::default(),
         }
+    }
+
+    /// The tally of the batch that path number `ray` belongs to.
+    #[inline(always)]
+    pub(super) fn tally_of(&mut self, ray: u32) -> &mut Tally<'r> {
+        self.tallies.of(PathStream::batch_of(ray))
+    }
+
+    /// Tallies flux of a path that ended without an exit.
+    pub(super) fn add_loss(&mut self, of: &PathState, loss: Loss, flux: f64) {
+        self.tally_of(of.ray).add_loss(loss, flux);
     }
 
     /// Whether any segment is left.

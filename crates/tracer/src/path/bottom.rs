@@ -127,7 +127,7 @@ impl<G: Geometry> Tracer<'_, G> {
     fn is_truncated(&self, state: &PathState, batch: &mut Batch<'_, G::Facet>) -> bool {
         let is_last = state.events.order() >= self.settings.max_order;
         if is_last {
-            batch.tally.add_loss(Loss::Truncated, state.flux);
+            batch.add_loss(state, Loss::Truncated, state.flux);
         }
         is_last
     }
@@ -140,9 +140,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) -> [f64; 2] {
         let state = place.state;
-        batch
-            .tally
-            .add_loss(Loss::Absorbed, state.flux * scattered.absorbed);
+        batch.add_loss(state, Loss::Absorbed, state.flux * scattered.absorbed);
         let [transmitted, reflected] = scattered.branches;
         let pair = batch.stream.pair(state.ray, state.step(), Use::Interaction);
         let divides = matches!(place.bottom, Bottom::Interface { .. });
@@ -154,8 +152,8 @@ impl<G: Geometry> Tracer<'_, G> {
             ([transmitted.fraction, reflected.fraction], pair)
         };
         let roulette = Roulette::below(self.settings.roulette_below);
-        let mut survive =
-            |b: usize| roulette.play(state.flux * shares[b], numbers[b], &mut batch.tally);
+        let tally = batch.tally_of(state.ray);
+        let mut survive = |b: usize| roulette.play(state.flux * shares[b], numbers[b], tally);
         [survive(0), survive(1)]
     }
 

@@ -14,7 +14,7 @@ use super::light_state::LightState;
 use super::segments::Segments;
 use super::state::{Arrival, PathRay, PathState, RayKind, Region};
 use crate::geometry::Geometry;
-use crate::sampling::Places;
+use crate::sampling::{Places, Start};
 use crate::vector::Stage;
 
 /// Adds the parallel rays of a beam to the segments, moved into the tile.
@@ -24,9 +24,7 @@ struct Emit<'a> {
     extent: [f64; 2],
     /// Sign of the half space of the light.
     side: f64,
-    starts: &'a [[f64; 3]],
-    /// Number of the first path in its batch.
-    first_ray: u32,
+    starts: &'a [Start],
     into: &'a mut Segments,
     light: LightState,
 }
@@ -43,7 +41,8 @@ impl Stage for Emit<'_> {
             .map(|column| &mut column[rows.clone()]);
         let in_tile = |place: f64, size: f64| place - (place / size).floor() * size;
         let [size_x, size_y] = self.extent;
-        for (i, &[u, v, _]) in self.starts.iter().enumerate() {
+        for (i, start) in self.starts.iter().enumerate() {
+            let [u, v, _] = start.place;
             let origin = self.beam.origin([u, v], DVec2::X);
             x[i] = in_tile(origin.x, size_x);
             y[i] = in_tile(origin.y, size_y);
@@ -67,8 +66,8 @@ impl Stage for Emit<'_> {
         ] {
             column[rows.clone()].fill(0);
         }
-        for (ray, number) in self.into.ray[rows].iter_mut().zip(self.first_ray..) {
-            *ray = number;
+        for (ray, start) in self.into.ray[rows].iter_mut().zip(self.starts) {
+            *ray = start.ray;
         }
     }
 }
@@ -92,13 +91,14 @@ impl<G: Geometry> Tracer<'_, G> {
         if are_parallel {
             self.emit_parallel(beam, &drawn, batch);
         } else {
-            for &[u, v, azimuth] in &drawn {
+            for start in &drawn {
+                let [u, v, azimuth] = start.place;
                 let turn = if batch.segments.kept.turn {
                     DVec2::from_angle(TAU * azimuth)
                 } else {
                     DVec2::X
                 };
-                self.emit(beam, starts, [u, v], turn, batch);
+                self.emit(beam, starts, (start.ray, [u, v]), turn, batch);
                 batch.work.rays += 1;
             }
             self.begin_sightlines(batch);
@@ -107,9 +107,8 @@ impl<G: Geometry> Tracer<'_, G> {
     }
 
     /// Starts paths at the highest point of a periodic surface, all in the same direction, in its tile.
-    fn emit_parallel(&self, beam: &Beam, starts: &[[f64; 3]], batch: &mut Batch<'_, G::Facet>) {
+    fn emit_parallel(&self, beam: &Beam, starts: &[Start], batch: &mut Batch<'_, G::Facet>) {
         let first = batch.segments.len;
-        let rays = batch.work.rays as u32;
         batch.work.rays += starts.len() as u64;
         batch.segments.make_room(first + starts.len());
         batch.instructions.run(Emit {
@@ -117,7 +116,6 @@ impl<G: Geometry> Tracer<'_, G> {
             extent: self.geometry.extent(),
             side: self.incident.sign(),
             starts,
-            first_ray: rays,
             into: &mut batch.segments,
             light: LightState::incident(self.settings.polarisation, batch.stokes),
         });
@@ -151,18 +149,17 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.searched.iter().filter(continues).count() + singles.count() + batch.arrivals.len()
     }
 
-    /// Starts one path at `place` in the period, with the light turned by `turn` about the vertical.
+    /// Starts path number `ray` at `place` in the period, with the light turned by `turn` about the vertical.
     #[inline]
     fn emit(
         &self,
         beam: &Beam,
         starts: Starts,
-        place: [f64; 2],
+        (ray, place): (u32, [f64; 2]),
         turn: DVec2,
         batch: &mut Batch<'_, G::Facet>,
     ) {
         let region = Region::top(self.incident);
-        let ray = batch.work.rays as u32;
         let state = |flux| PathState {
             flux,
             events: EventPath::default(),

@@ -1,6 +1,6 @@
 //! Escape: which segments leave without a search, and how light that leaves for good is told to the tally.
 
-use asperity_tally::{EventPath, Exit, ExitColumns, Loss, Side, Tally};
+use asperity_tally::{EventPath, Exit, ExitColumns, Loss, Side, Tallies};
 use glam::{DVec2, DVec3};
 
 use super::Tracer;
@@ -10,6 +10,7 @@ use super::state::{Departure, RayKind, Region};
 use crate::geometry::{Geometry, Outlook};
 use crate::interaction::layer::Interface;
 use crate::periodic::begin;
+use crate::random::PathStream;
 use crate::settings::Polarisation;
 use crate::vector::Stage;
 
@@ -55,6 +56,10 @@ impl Stage for Leave<'_> {
         gather_column(wz, dz, which);
         gather_column(rows.flux, &segments.flux, which);
         gather_column(rows.scatterings, &segments.scatterings, which);
+        gather_column(rows.batch, &segments.ray, which);
+        for batch in rows.batch {
+            *batch = PathStream::batch_of(*batch);
+        }
         let mut measures = rows.measures;
         measure(&mut measures, segments, which);
         for (k, &i) in which.iter().enumerate() {
@@ -122,14 +127,14 @@ fn turn_measures(rows: &mut [&mut [f64]], k: usize, segments: &Segments, i: usiz
 
 /// Finds the bins of all exits.
 struct Locate<'a, 't> {
-    tally: &'a Tally<'t>,
+    tallies: &'a Tallies<'t>,
     exits: &'a mut ExitColumns,
 }
 
 impl Stage for Locate<'_, '_> {
     #[inline(always)]
     fn run(self) {
-        self.tally.locate(self.exits);
+        self.tallies.locate(self.exits);
     }
 }
 
@@ -141,7 +146,10 @@ impl<G: Geometry> Tracer<'_, G> {
             segments: &batch.segments,
             outlooks: &mut batch.outlooks,
         });
-        if !Side::BOTH.into_iter().all(|side| batch.tally.records(side)) {
+        if !Side::BOTH
+            .into_iter()
+            .all(|side| batch.tallies.records(side))
+        {
             self.end_unrecorded(batch);
         }
         // Sort segments without branches, since they come as they like
@@ -197,11 +205,10 @@ impl<G: Geometry> Tracer<'_, G> {
             let segments = &batch.segments;
             let is_last = segments.order[i] >= self.settings.max_order && segments.flux[i] > 0.0;
             let side = self.side_of(Region::top(segments.half_space(i)));
-            if is_last && !batch.tally.records(side) {
+            if is_last && !batch.tallies.records(side) {
                 let departure = self.departure(batch, i);
-                batch
-                    .tally
-                    .add_loss(Loss::NotRecorded, departure.state.flux);
+                let state = &departure.state;
+                batch.add_loss(state, Loss::NotRecorded, state.flux);
                 self.tally_masked(&departure, batch);
                 batch.work.branches_not_recorded += 1;
                 batch.segments.flux[i] = 0.0;
@@ -228,10 +235,10 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Adds all exits to the tally.
     pub(super) fn tally_exits(&self, batch: &mut Batch<'_, G::Facet>) {
         batch.instructions.run(Locate {
-            tally: &batch.tally,
+            tallies: &batch.tallies,
             exits: &mut batch.exits,
         });
-        batch.tally.add_located(&mut batch.exits);
+        batch.tallies.add_located(&mut batch.exits);
     }
 
     /// Adds light that departs to the exits.
@@ -241,7 +248,10 @@ impl<G: Geometry> Tracer<'_, G> {
         let wo = departure.direction * upright;
         let light = departure.state.light_that_leaves(wo, polarisation);
         let measures = light.measures(polarisation);
-        batch.exits.push_measured(&self.exit(departure), &measures);
+        let number = PathStream::batch_of(departure.state.ray);
+        batch
+            .exits
+            .push_measured(&self.exit(departure), number, &measures);
     }
 
     /// The exit of a path that departs.

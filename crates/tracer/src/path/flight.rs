@@ -87,7 +87,7 @@ impl<G: Geometry> Tracer<'_, G> {
             let ray = flight.heading.query(self.geometry, HalfSpace::Below).ray;
             flight.heading.origin += reach * ray.direction;
             if !wrap(self.geometry, &mut flight.heading) {
-                batch.tally.add_loss(Loss::LeftPatch, flight.state.flux);
+                batch.add_loss(&flight.state, Loss::LeftPatch, flight.state.flux);
                 return;
             }
             if to_bottom <= flight.length {
@@ -150,7 +150,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 }
                 Ahead::Lost => {
                     batch.work.segments += 1;
-                    batch.tally.add_loss(Loss::Lost, flight.state.flux);
+                    batch.add_loss(&flight.state, Loss::Lost, flight.state.flux);
                     return true;
                 }
             }
@@ -174,7 +174,7 @@ impl<G: Geometry> Tracer<'_, G> {
                 Border::Open => Loss::LeftPatch,
                 Border::Periodic | Border::Mirrored => Loss::Lost,
             };
-            batch.tally.add_loss(loss, flight.state.flux);
+            batch.add_loss(&flight.state, loss, flight.state.flux);
         }
     }
 
@@ -188,12 +188,12 @@ impl<G: Geometry> Tracer<'_, G> {
         batch: &mut Batch<'_, G::Facet>,
     ) -> bool {
         let kept = state.flux * layer.albedo();
-        batch.tally.add_loss(Loss::Absorbed, state.flux - kept);
+        batch.add_loss(state, Loss::Absorbed, state.flux - kept);
         if kept == 0.0 {
             return false;
         }
         if state.scatterings == layer.max_scatterings() {
-            batch.tally.add_loss(Loss::Truncated, kept);
+            batch.add_loss(state, Loss::Truncated, kept);
             return false;
         }
         state.flux = kept;
@@ -202,7 +202,7 @@ impl<G: Geometry> Tracer<'_, G> {
         batch.work.max_scatterings = batch.work.max_scatterings.max(state.scatterings);
         let threshold = (ROULETTE_FACTOR * self.settings.roulette_below).min(1.0);
         let u = draws.random();
-        state.flux = Roulette::below(threshold).play(state.flux, u, &mut batch.tally);
+        state.flux = Roulette::below(threshold).play(state.flux, u, batch.tally_of(state.ray));
         state.flux > 0.0
     }
 
@@ -269,7 +269,7 @@ impl<G: Geometry> Tracer<'_, G> {
         };
         if end == Some(TraversalEnd::Lost) && segment.traversal.entered() <= reach {
             batch.work.segments += 1;
-            batch.tally.add_loss(Loss::Lost, segment.state.flux);
+            batch.add_loss(&segment.state, Loss::Lost, segment.state.flux);
             return;
         }
         let ahead = TracedLayer::<G>::interfaces_ahead(from.direction);

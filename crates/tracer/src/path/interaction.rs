@@ -1,6 +1,6 @@
 //! Interaction: what happens to light at the facets at which it has arrived, from scattering to Russian roulette.
 
-use asperity_tally::{Loss, Tally};
+use asperity_tally::{Loss, Tallies};
 
 use super::Tracer;
 use super::arrivals::{Arrivals, Move};
@@ -15,6 +15,7 @@ use crate::geometry::Geometry;
 use crate::interaction::facet::{Scattered, scatter};
 use crate::interaction::layer::Interface;
 use crate::interaction::polarised::{BothLight, MuellerLight, TrackedLight};
+use crate::random::PathStream;
 use crate::ray::HalfSpace;
 use crate::settings::{Branching, Polarisation};
 
@@ -100,7 +101,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let at = &mut batch.arrivals.at;
         for i in 0..at.len {
             if at.order[i] >= self.settings.max_order {
-                batch.tally.add_loss(Loss::Truncated, at.flux[i]);
+                let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+                tally.add_loss(Loss::Truncated, at.flux[i]);
                 at.flux[i] = 0.0;
             }
         }
@@ -111,10 +113,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         let Arrivals { at, .. } = &batch.arrivals;
         for i in 0..at.len {
             let absorbed = at.flux[i] * (1.0 - batch.interactions.scattered.reflected[i]);
+            let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
             if at.order[i] == 0 {
-                batch.tally.add_first_absorbed(absorbed);
+                tally.add_first_absorbed(absorbed);
             } else {
-                batch.tally.add_loss(Loss::Absorbed, absorbed);
+                tally.add_loss(Loss::Absorbed, absorbed);
             }
         }
     }
@@ -141,10 +144,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             scattered,
             pairs,
         });
-        let roulette = self.roulette(&batch.tally);
+        let roulette = self.roulette(&batch.tallies);
         for (i, [_, u]) in pairs.iter().enumerate() {
             if roulette.decides(at.flux[i], at.order[i] == 1) {
-                at.flux[i] = roulette.play(at.flux[i], *u, &mut batch.tally);
+                let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
+                at.flux[i] = roulette.play(at.flux[i], *u, tally);
             }
         }
     }
@@ -172,7 +176,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             });
 
         // Decide by Russian roulette over branches of little flux
-        let roulette = self.roulette(&batch.tally);
+        let roulette = self.roulette(&batch.tallies);
         which.clear();
         which.extend((0..n as u32).filter(|&i| {
             let i = i as usize;
@@ -190,10 +194,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         });
         for (&i, pair) in which.iter().zip(&*pairs) {
             let i = i as usize;
+            let tally = batch.tallies.of(PathStream::batch_of(at.ray[i]));
             let fluxes = [&mut scattered.transmitted[i], &mut scattered.reflected[i]];
             for (flux, u) in fluxes.into_iter().zip(pair) {
                 if roulette.decides(*flux, at.order[i] == 0) {
-                    *flux = roulette.play(*flux, *u, &mut batch.tally);
+                    *flux = roulette.play(*flux, *u, tally);
                 }
             }
         }
@@ -226,9 +231,9 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     }
 
     /// Russian roulette of this tracer.
-    fn roulette(&self, tally: &Tally<'_>) -> Roulette {
+    fn roulette(&self, tallies: &Tallies<'_>) -> Roulette {
         let roulette = Roulette::below(self.settings.roulette_below);
-        match tally.control_variate() {
+        match tallies.control_variate() {
             Some(_) => roulette.sparing_first(),
             None => roulette,
         }

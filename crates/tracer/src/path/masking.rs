@@ -10,7 +10,7 @@ use super::state::{Arrival, Departure, PathRay, PathState, RayKind, SingleSegmen
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Traversal, TraversalEnd, begin};
-use crate::random::Use;
+use crate::random::{PathStream, Use};
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Traces a visibility ray from a facet towards the light.
@@ -53,7 +53,7 @@ impl<G: Geometry> Tracer<'_, G> {
             }
             TraversalEnd::LeftPatch | TraversalEnd::Lost => {
                 self.tally_shadowed(at, state, batch);
-                batch.tally.add_loss(Loss::Lost, state.flux);
+                batch.add_loss(state, Loss::Lost, state.flux);
             }
         }
     }
@@ -61,7 +61,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Continues the straight lines of incident light behind the first facets of this round, each with the probability
     /// that the control variate sets.
     pub(super) fn trace_behind_first_facets(&self, batch: &mut Batch<'_, G::Facet>) {
-        let Some(control) = batch.tally.control_variate() else {
+        let Some(control) = batch.tallies.control_variate() else {
             return;
         };
         let probability = control.shadow_probability();
@@ -89,9 +89,10 @@ impl<G: Geometry> Tracer<'_, G> {
     /// Tallies that light is masked on its way from its first facet.
     #[inline(always)]
     pub(super) fn tally_masked(&self, departure: &Departure, batch: &mut Batch<'_, G::Facet>) {
-        if departure.state.events.order() == 1 && batch.tally.control_variate().is_some() {
+        if departure.state.events.order() == 1 && batch.tallies.control_variate().is_some() {
             let exit = self.exit(departure);
-            batch.exits.push_masked(&exit);
+            let number = PathStream::batch_of(departure.state.ray);
+            batch.exits.push_masked(&exit, number);
         }
     }
 
@@ -103,7 +104,7 @@ impl<G: Geometry> Tracer<'_, G> {
         state: &PathState,
         batch: &mut Batch<'_, G::Facet>,
     ) {
-        if batch.tally.control_variate().is_none() {
+        if batch.tallies.control_variate().is_none() {
             return;
         }
         let scattered = self.scattered(at);
@@ -115,11 +116,13 @@ impl<G: Geometry> Tracer<'_, G> {
                     direction: ray.heading.world_direction(),
                     state: ray.state,
                 });
-                batch.exits.push_masked(&exit);
+                batch
+                    .exits
+                    .push_masked(&exit, PathStream::batch_of(state.ray));
             }
         }
         batch
-            .tally
+            .tally_of(state.ray)
             .add_shadowed_absorbed(state.flux * scattered.absorbed);
     }
 }

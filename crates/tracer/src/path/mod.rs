@@ -49,11 +49,11 @@ use crate::geometry::Geometry;
 use crate::interaction::layer::{Interface, TracedLayer};
 use crate::random::PathStream;
 use crate::ray::HalfSpace;
-use crate::sampling::Places;
+use crate::sampling::{BatchedRays, Places};
 use crate::settings::PathSettings;
 use crate::vector::Instructions;
 use asperity_optics::Material;
-use asperity_tally::{Azimuth, ControlVariate, Tally, TallySpec, TallyValues};
+use asperity_tally::{Azimuth, ControlVariate, Tallies, Tally, TallySpec, TallyValues};
 
 pub use illumination::{Illumination, Starts};
 pub use work::Work;
@@ -142,17 +142,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
-    /// Traces one batch of `strata * strata` rays.
-    ///
-    /// Returns flux fractions, and the work done; under a `control`, the fractions that it
-    /// leaves, which [`ControlVariate::complete`] turns into flux fractions.
-    ///
-    /// Directions are those of the incident medium's frame: its side is +z, also when it is below
-    /// the surface. The rays are the paths of `stream` from its first on. All accelerators and all instructions
-    /// give the same result.
+    /// Traces one batch of `strata * strata` rays: as [`Tracer::batches`].
     ///
     /// # Panics
-    /// If there is both a layer and a control, the tally keeps other measures than [`crate::Polarisation::polarimetry`], or the sampling is quasi-random and `strata` is not a [`crate::Sampling::quasi_random_strata`].
+    /// As [`Tracer::batches`] and [`BatchedRays::of_one`].
     pub fn batch(
         &self,
         illumination: &Illumination,
@@ -161,6 +154,33 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         control: Option<&ControlVariate>,
         stream: PathStream,
     ) -> (TallyValues, Work) {
+        let rays = BatchedRays::of_one(strata);
+        let (mut tallies, work) = self.batches(illumination, &rays, spec, control, stream);
+        (tallies.swap_remove(0), work)
+    }
+
+    /// Traces rays of several batches together.
+    ///
+    /// Returns what they add to the flux fractions of each whole batch, and the work done; under a `control`, to the
+    /// fractions that it leaves, which [`ControlVariate::complete`] turns into flux fractions.
+    ///
+    /// Directions are those of the incident medium's frame: its side is +z, also when it is below
+    /// the surface. The rays are paths of `stream`, those of the first batch from its first on, those of the others
+    /// each [`PathStream::MAX_PATHS_OF_BATCH`] further. All accelerators and all instructions give the same result. Batches that
+    /// are traced together differ from batches traced alone by rounding.
+    ///
+    /// # Panics
+    /// If there is both a layer and a control, the tally keeps other measures than [`crate::Polarisation::polarimetry`], the
+    /// sampling is quasi-random and the strata along a side are not [`crate::Sampling::quasi_random_strata`], or it is not stratified and
+    /// the rays are not one whole batch.
+    pub fn batches(
+        &self,
+        illumination: &Illumination,
+        rays: &BatchedRays,
+        spec: TallySpec,
+        control: Option<&ControlVariate>,
+        stream: PathStream,
+    ) -> (Vec<TallyValues>, Work) {
         assert!(
             self.layer.is_none() || control.is_none(),
             "there are no control variates for layers"
@@ -178,10 +198,11 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         } else {
             Azimuth::From(incidence.phi() + PI)
         };
-        let mut places = Places::new(illumination.sampling, strata, turns, stream);
+        let mut places = Places::new(illumination.sampling, rays, turns, stream);
         let tally = Tally::new(spec, azimuth).with_control_variate(control);
+        let tallies = Tallies::new(tally, rays.batches() as usize);
         let mut batch = Batch::new(
-            tally,
+            tallies,
             stream,
             self.instructions,
             illumination,
@@ -200,8 +221,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             self.tally_exits(&mut batch);
         }
         self.tally_exits(&mut batch);
-        let rays = batch.work.rays;
-        (batch.tally.into_fractions(rays), batch.work)
+        let fractions = batch.tallies.into_fractions(rays.rays_of_batch());
+        (fractions, batch.work)
     }
 
     /// The surface that is an interface, and how hits on it are found; `None` for a flat bottom.

@@ -49,7 +49,7 @@ impl<G: Geometry> Tracer<'_, G> {
         let (searched, hits) = (&batch.searched, &mut batch.hits);
         self.accelerator
             .closest_hits(self.geometry, rays, searched, hits);
-        let cancels = batch.tally.control_variate().is_some();
+        let cancels = batch.tallies.control_variate().is_some();
         let searched = std::mem::take(&mut batch.searched);
         batch.met.clear();
         batch.elsewhere.clear();

@@ -106,11 +106,11 @@ impl<G: Geometry> Tracer<'_, G> {
                 self.push_exit(departure, batch);
             }
             (RayKind::Path, TraversalEnd::LeftPatch) => {
-                batch.tally.add_loss(Loss::LeftPatch, state.flux);
+                batch.add_loss(state, Loss::LeftPatch, state.flux);
                 self.tally_masked(departure, batch);
             }
             (RayKind::Path, TraversalEnd::Lost) => {
-                batch.tally.add_loss(Loss::Lost, state.flux);
+                batch.add_loss(state, Loss::Lost, state.flux);
                 self.tally_masked(departure, batch);
             }
         }

@@ -8,11 +8,15 @@ use serde::{Deserialize, Serialize};
 
 use self::net::Net;
 use crate::random::{PathStream, Step, Use};
-use crate::sampling::morton::{MortonSquare, morton_place};
-use crate::vector::{Instructions, Stage};
+use crate::sampling::morton::morton_place;
+use crate::vector::Instructions;
 
 pub(crate) mod morton;
 mod net;
+mod strata;
+
+pub use self::strata::BatchedRays;
+use self::strata::Strata;
 
 /// How the rays of a batch are spread over the mean plane and, where it is free, over azimuth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -66,26 +70,28 @@ impl FromStr for Sampling {
     }
 }
 
-/// Places of the `strata * strata` rays of a batch, neighbours together.
-///
-/// A start is `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions
-/// of the period along x and y, and of a full turn. Each start taken at random is uniform; where no
-/// azimuth is requested, it is 0. Order: along a Morton curve.
+/// Where a path starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Start {
+    /// `[u, v, azimuth]`, each at least 0 and below 1, or 1 where rounding makes it so: fractions of the period along x and y, and
+    /// of a full turn. Each start taken at random is uniform; where no azimuth is requested, it is 0.
+    pub(crate) place: [f64; 3],
+    /// Number of the path, counted from the first of its stream.
+    pub(crate) ray: u32,
+}
+
+/// Places of rays, neighbours together: along a Morton curve.
 pub(crate) struct Places {
     order: Order,
     any_azimuth: bool,
     stream: PathStream,
-    /// Number of the next start.
+    /// Number of the next start, where there is one batch.
     next: u32,
 }
 
 enum Order {
     Random(Shuffle),
-    Stratified {
-        places: MortonSquare,
-        /// Side of a stratum.
-        width: f64,
-    },
+    Stratified(Strata),
     QuasiRandom(Net),
 }
 
@@ -93,19 +99,21 @@ impl Places {
     /// Places of the paths of `stream`, from its first on.
     ///
     /// # Panics
-    /// As [`crate::Tracer::batch`].
+    /// As [`crate::Tracer::batches`].
     pub(crate) fn new(
         sampling: Sampling,
-        strata: u32,
+        rays: &BatchedRays,
         any_azimuth: bool,
         stream: PathStream,
     ) -> Self {
+        assert!(
+            sampling == Sampling::Stratified || rays.is_one_batch(),
+            "only stratified rays of several batches are traced together"
+        );
+        let strata = rays.strata();
         let order = match sampling {
-            Sampling::Random => Order::Random(Shuffle::new(u64::from(strata).pow(2))),
-            Sampling::Stratified => Order::Stratified {
-                places: MortonSquare::new(strata),
-                width: 1.0 / f64::from(strata),
-            },
+            Sampling::Random => Order::Random(Shuffle::new(rays.rays_of_batch())),
+            Sampling::Stratified => Order::Stratified(Strata::new(rays)),
             Sampling::QuasiRandom => {
                 assert!(
                     Sampling::quasi_random_strata(strata),
@@ -128,21 +136,11 @@ impl Places {
         &mut self,
         count: usize,
         instructions: Instructions,
-        starts: &mut Vec<[f64; 3]>,
+        starts: &mut Vec<Start>,
     ) {
         starts.clear();
-        if let (Order::Stratified { places, width }, false) = (&mut self.order, self.any_azimuth) {
-            starts.extend(places.take(count).map(|place| {
-                let [column, row] = place.map(f64::from);
-                [column, row, 0.0]
-            }));
-            instructions.run(Jitter {
-                stream: self.stream,
-                first: self.next,
-                width: *width,
-                starts,
-            });
-            self.next += starts.len() as u32;
+        if let (Order::Stratified(strata), false) = (&mut self.order, self.any_azimuth) {
+            strata.draw_many(count, self.stream, instructions, starts);
         } else {
             starts.extend(std::iter::from_fn(|| self.draw()).take(count));
         }
@@ -150,48 +148,28 @@ impl Places {
 
     /// The next start; `None` after the last.
     #[inline]
-    pub(crate) fn draw(&mut self) -> Option<[f64; 3]> {
+    pub(crate) fn draw(&mut self) -> Option<Start> {
         let any_azimuth = self.any_azimuth;
-        let rng = &mut self.stream.draws(self.next, Step::START, Use::Start);
-        self.next += 1;
-        let [u, v] = match &mut self.order {
-            Order::Random(shuffle) => shuffle.draw(rng)?,
-            Order::Stratified { places, width } => {
-                let [column, row] = places.next()?;
-                [jittered(column, *width, rng), jittered(row, *width, rng)]
+        let ray = self.next;
+        let rng = &mut self.stream.draws(ray, Step::START, Use::Start);
+        let place = match &mut self.order {
+            Order::Stratified(strata) => return strata.draw(self.stream, any_azimuth),
+            Order::Random(shuffle) => {
+                let [u, v] = shuffle.draw(rng)?;
+                let azimuth = if any_azimuth { rng.random() } else { 0.0 };
+                [u, v, azimuth]
             }
-            Order::QuasiRandom(net) => return net.draw(any_azimuth, rng),
+            Order::QuasiRandom(net) => net.draw(any_azimuth, rng)?,
         };
-        let azimuth = if any_azimuth { rng.random() } else { 0.0 };
-        Some([u, v, azimuth])
-    }
-}
-
-/// Puts starts, which are columns and rows of strata, into the strata.
-struct Jitter<'a> {
-    stream: PathStream,
-    /// Number of the path of the first start.
-    first: u32,
-    /// Side of a stratum.
-    width: f64,
-    starts: &'a mut [[f64; 3]],
-}
-
-impl Stage for Jitter<'_> {
-    #[inline(always)]
-    fn run(self) {
-        for ([u, v, _], path) in self.starts.iter_mut().zip(self.first..) {
-            let [along_u, along_v] = self.stream.pair(path, Step::START, Use::Start);
-            *u = (*u + along_u) * self.width;
-            *v = (*v + along_v) * self.width;
-        }
+        self.next += 1;
+        Some(Start { place, ray })
     }
 }
 
 /// A random number between `index` and `index + 1`, in units of `width`.
 #[inline]
-fn jittered<R: Rng>(index: u32, width: f64, rng: &mut R) -> f64 {
-    (f64::from(index) + rng.random::<f64>()) * width
+fn jittered<R: Rng>(index: impl Into<f64>, width: f64, rng: &mut R) -> f64 {
+    (index.into() + rng.random::<f64>()) * width
 }
 
 /// Independent uniform points of the unit square, as if drawn and then sorted along a Morton curve,
@@ -236,7 +214,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::sampling::morton::morton_code;
+    use crate::sampling::morton::{MortonSquare, morton_code};
 
     const ALL: [Sampling; 3] = [
         Sampling::Random,
@@ -250,8 +228,9 @@ mod tests {
     }
 
     fn starts_with(sampling: Sampling, strata: u32, any_azimuth: bool, seed: u64) -> Vec<[f64; 3]> {
-        let mut starts = Places::new(sampling, strata, any_azimuth, PathStream::new(seed, 0));
-        std::iter::from_fn(|| starts.draw()).collect()
+        let rays = BatchedRays::of_one(strata);
+        let mut starts = Places::new(sampling, &rays, any_azimuth, PathStream::new(seed, 0));
+        std::iter::from_fn(|| starts.draw().map(|start| start.place)).collect()
     }
 
     /// `(x - dof) / sqrt(2 dof)` of a chi-squared of counts that are all expected to be equal; near to
@@ -271,7 +250,7 @@ mod tests {
         let stream = PathStream::new(7, 0);
         for any_azimuth in [false, true] {
             let plain: Vec<[f64; 3]> = (0..)
-                .zip(MortonSquare::new(5))
+                .zip(MortonSquare::new(5, 0))
                 .map(|(path, [column, row])| {
                     let mut draws = stream.draws(path, Step::START, Use::Start);
                     let u = (f64::from(column) + draws.random::<f64>()) * (1.0 / 5.0);
@@ -292,7 +271,7 @@ mod tests {
                     let starts = starts_with(sampling, strata, any_azimuth, 3);
                     assert_eq!(starts.len(), (strata * strata) as usize);
                     for ([u, v, azimuth], place) in
-                        starts.into_iter().zip(MortonSquare::new(strata))
+                        starts.into_iter().zip(MortonSquare::new(strata, 0))
                     {
                         let stratum = [u, v].map(|x| (x * f64::from(strata)) as u32);
                         assert_eq!(stratum, place, "{sampling} {strata}");

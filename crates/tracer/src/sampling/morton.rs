@@ -9,12 +9,32 @@ pub(crate) struct MortonSquare {
 }
 
 impl MortonSquare {
-    /// A square of `side` by `side`.
-    pub(crate) fn new(side: u32) -> Self {
-        let padded = u64::from(side.next_power_of_two());
+    /// A square of `side` by `side`, from place number `first` on.
+    pub(crate) fn new(side: u32, first: u32) -> Self {
+        let padded = side.next_power_of_two();
+        let end = u64::from(padded).pow(2);
+        // Go down to ever smaller quarters, past those that come before the place
+        let [mut column, mut row] = [0, 0];
+        let mut before = u64::from(first);
+        let mut code = 0;
+        let mut size = padded;
+        while size > 1 {
+            size /= 2;
+            for quarter in 0..4 {
+                let [x, y] = [column + size * (quarter & 1), row + size * (quarter >> 1)];
+                let inside = |low: u32| u64::from(side.saturating_sub(low).min(size));
+                let places = inside(x) * inside(y);
+                if before < places || quarter == 3 {
+                    [column, row] = [x, y];
+                    code += u64::from(quarter) * u64::from(size).pow(2);
+                    break;
+                }
+                before -= places;
+            }
+        }
         Self {
             side,
-            codes: 0..padded * padded,
+            codes: (code + before).min(end)..end,
         }
     }
 }
@@ -70,19 +90,30 @@ mod tests {
     #[test]
     fn every_place_comes_once_and_quarters_come_whole() {
         for side in [1, 2, 5, 8, 13] {
-            let mut places: Vec<_> = MortonSquare::new(side).collect();
+            let mut places: Vec<_> = MortonSquare::new(side, 0).collect();
             assert_eq!(places.len(), (side * side) as usize);
             places.sort_unstable();
             places.dedup();
             assert_eq!(places.len(), (side * side) as usize);
         }
-        let quarter: Vec<_> = MortonSquare::new(8).take(16).collect();
+        let quarter: Vec<_> = MortonSquare::new(8, 0).take(16).collect();
         assert!(quarter.iter().all(|[x, y]| *x < 4 && *y < 4));
     }
 
     #[test]
+    fn any_place_can_be_the_first() {
+        for side in [1, 2, 5, 8, 13] {
+            let places: Vec<_> = MortonSquare::new(side, 0).collect();
+            for first in 0..=side * side {
+                let from: Vec<_> = MortonSquare::new(side, first).collect();
+                assert_eq!(from, places[first as usize..], "{first} of {side}");
+            }
+        }
+    }
+
+    #[test]
     fn codes_and_places_belong_together() {
-        for (code, place) in (0..).zip(MortonSquare::new(16)) {
+        for (code, place) in (0..).zip(MortonSquare::new(16, 0)) {
             assert_eq!(morton_code(place), code);
         }
         for place in [[u32::MAX, 0], [0, u32::MAX], [0x1234_5678, 0x9abc_def0]] {

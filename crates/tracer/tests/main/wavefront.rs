@@ -6,15 +6,18 @@ use asperity_tally::{
     ControlVariate, Side, TallySpec, TallyValues, UnshadowedFluxes, VisibleFractions,
 };
 use asperity_tracer::{
-    AcceleratorKind, BottomShape, Branching, BuildAccelerator, Escape, Geometry, HalfSpace,
-    Illumination, Instructions, Outlook, PathSettings, PathStream, Polarisation, Query, RayBatch,
-    Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
+    AcceleratorKind, BatchedRays, BottomShape, Branching, BuildAccelerator, Escape, Geometry,
+    HalfSpace, Illumination, Instructions, Outlook, PathSettings, PathStream, Polarisation, Query,
+    RayBatch, Sampling, Starts, Surface, TileRay, TracedLayer, Tracer, Triangles, Work,
 };
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::common::{rugged, waves};
+
+/// Strata along a side of a batch.
+const STRATA: u32 = 30;
 
 const INSTRUCTIONS: [Instructions; 3] = [
     Instructions::Portable,
@@ -48,8 +51,19 @@ impl Scene {
         }
     }
 
-    /// Traces 900 rays with the given instructions.
+    /// Traces one batch with the given instructions.
     fn trace(&self, instructions: Instructions) -> (TallyValues, Work) {
+        let (mut tallies, work) = self.trace_batches(&BatchedRays::of_one(STRATA), 7, instructions);
+        (tallies.remove(0), work)
+    }
+
+    /// Traces rays of several batches of 900, of which `first` is the number of the first.
+    fn trace_batches(
+        &self,
+        rays: &BatchedRays,
+        first: u64,
+        instructions: Instructions,
+    ) -> (Vec<TallyValues>, Work) {
         let accelerator = self.surface.accelerator(AcceleratorKind::Mesh).unwrap();
         let settings = PathSettings::new(self.branching, 0.02, 30)
             .unwrap()
@@ -73,8 +87,8 @@ impl Scene {
                 .over(TracedLayer::new(&self.surface, &layer, BottomShape::Flat, 1000).unwrap());
         }
         let control_variate = self.has_control_variate.then(|| half_of_all(spec));
-        let stream = PathStream::new(3, 1).from_path(1000);
-        tracer.batch(&self.light, 30, spec, control_variate.as_ref(), stream)
+        let stream = PathStream::new(3, 1).from_batch(first);
+        tracer.batches(&self.light, rays, spec, control_variate.as_ref(), stream)
     }
 }
 
@@ -157,6 +171,38 @@ fn all_instructions_give_the_same_bytes() {
             let differ = differ.filter(|(a, b)| a.to_bits() != b.to_bits()).count();
             assert_eq!(differ, 0, "scene {number}, {instructions}");
         }
+    }
+}
+
+/// Three batches that are traced together, in two parts, have the tallies of each alone but for rounding: the sum of n numbers
+/// that add to one at the most is right to n roundings in any order.
+#[test]
+fn batches_traced_together_have_the_tallies_of_each_alone() {
+    for (number, scene) in scenes().iter().enumerate() {
+        if scene.light.sampling != Sampling::Stratified {
+            continue;
+        }
+        let best = Instructions::best();
+        let alone =
+            [7, 8, 9].map(|batch| scene.trace_batches(&BatchedRays::of_one(STRATA), batch, best));
+        let [first, second] = [0..511, 511..STRATA * STRATA]
+            .map(|part| scene.trace_batches(&BatchedRays::new(STRATA, 3, part), 7, best));
+        let mut segments = 0;
+        for (batch, (tallies, work)) in alone.iter().enumerate() {
+            let numbers = work.segments + work.segments_skipped + work.scatterings;
+            let tolerance = 2.0 * numbers as f64 * f64::EPSILON;
+            segments += work.segments + work.segments_skipped;
+            let mut together = first.0[batch].clone();
+            together += &second.0[batch];
+            for (i, (a, b)) in tallies[0].iter().zip(together.iter()).enumerate() {
+                assert!(
+                    (a - b).abs() <= tolerance,
+                    "scene {number}, batch {batch}, entry {i}: {a} {b}"
+                );
+            }
+        }
+        let work = [first.1, second.1].map(|work| work.segments + work.segments_skipped);
+        assert_eq!(work[0] + work[1], segments, "scene {number}");
     }
 }
 

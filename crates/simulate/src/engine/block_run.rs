@@ -1,0 +1,277 @@
+//! How the blocks of one surface are traced: in groups, and these in parts, side by side.
+
+use std::sync::OnceLock;
+
+use asperity_tally::{ControlVariate, TallyValues};
+use asperity_tracer::{Geometry, Illumination, PathStream, Tracer, Work};
+use rayon::prelude::*;
+
+use super::blocks::{BlockGroup, Blocks};
+use crate::input::limits::TALLY_BUDGET;
+use crate::input::settings::Settings;
+use crate::observer::Observer;
+
+/// One mesh of a surface with the light that falls on it.
+pub(crate) struct LitMesh<'a, G: Geometry> {
+    pub(crate) tracer: Tracer<'a, G>,
+    pub(crate) light: Illumination,
+    pub(crate) control_variate: Option<&'a ControlVariate>,
+}
+
+/// Parts per thread that are traced side by side, if their tallies fit: at the end threads wait for the
+/// last part, on average for half of one.
+const PARTS_PER_THREAD: usize = 32;
+
+/// Blocks of a run that is to stop: from fewer there is no error.
+const MIN_BLOCKS: u64 = 2;
+
+/// What a group of blocks of rays found.
+pub(crate) struct FinishedGroup {
+    /// Number of the first block.
+    pub(crate) first: u64,
+    /// Of each block, a tally of each mesh.
+    pub(crate) blocks: Vec<Vec<TallyValues>>,
+    pub(crate) work: Work,
+}
+
+/// Traces the blocks of one surface in parallel and hands each group to `each`, in the order of their number.
+///
+/// Of a surface with several meshes, each block is traced on all of them with the same random numbers,
+/// and has a tally of each; the work counted is that of the first.
+///
+/// If the run is to stop, the groups that are under way are finished, and the first blocks in any case.
+pub(crate) fn run_blocks<G: Geometry>(
+    meshes: &[LitMesh<'_, G>],
+    settings: &Settings,
+    realisation: u64,
+    blocks: Blocks,
+    observer: &dyn Observer,
+    mut each: impl FnMut(FinishedGroup) + Send,
+) {
+    let run = BlockRun {
+        meshes,
+        settings,
+        stream: PathStream::new(settings.seed, realisation),
+        first: blocks.first,
+        observer,
+    };
+    let values = meshes.len() * settings.tally.len();
+    let mut groups = blocks.groups(settings.sampling, values).peekable();
+    // Waves bound how many tallies are held at once; those of one are added while the next is traced.
+    let tallies = TALLY_BUDGET / (2 * values * size_of::<f64>());
+    let parts = PARTS_PER_THREAD * rayon::current_num_threads();
+    let wave = groups.peek().map_or(1, |group| {
+        let of_parts = parts.div_ceil(group.parts() as usize);
+        let of_tallies = tallies / (group.parts() * group.count) as usize;
+        of_parts.min(of_tallies).max(1)
+    });
+    let mut traced = Vec::new();
+    let must_go_on = |group: &BlockGroup| group.first - blocks.first < MIN_BLOCKS;
+    while let Some(next) = groups.peek()
+        && (must_go_on(next) || observer.stop().is_none())
+    {
+        let wave: Vec<BlockGroup> = groups.by_ref().take(wave).collect();
+        let before = std::mem::take(&mut traced);
+        (traced, ()) = rayon::join(
+            || run.trace(&wave),
+            || run.finish(before).for_each(&mut each),
+        );
+    }
+    run.finish(traced).for_each(each);
+}
+
+/// The blocks of one surface that are traced.
+struct BlockRun<'a, G: Geometry> {
+    meshes: &'a [LitMesh<'a, G>],
+    settings: &'a Settings,
+    stream: PathStream,
+    /// Number of the first block.
+    first: u64,
+    observer: &'a dyn Observer,
+}
+
+/// What a part of a group of blocks found.
+struct TracedPart {
+    group: BlockGroup,
+    /// Of each mesh, a tally of each block.
+    tallies: Vec<Vec<TallyValues>>,
+    work: Work,
+}
+
+impl<G: Geometry> BlockRun<'_, G> {
+    /// Traces groups, all parts side by side; those of a group are none or all there.
+    fn trace(&self, groups: &[BlockGroup]) -> Vec<TracedPart> {
+        let begun: Vec<OnceLock<bool>> = vec![OnceLock::new(); groups.len()];
+        let parts = groups
+            .iter()
+            .zip(&begun)
+            .flat_map(|(&group, begun)| (0..group.parts()).map(move |part| (group, part, begun)));
+        let parts: Vec<_> = parts.collect();
+        // One part at a time, so that a thread without work finds any that is left.
+        let parts = parts.into_par_iter().with_max_len(1);
+        let traced = parts.filter_map(|(group, part, begun)| {
+            let begins = || group.first - self.first < MIN_BLOCKS || self.observer.stop().is_none();
+            begun
+                .get_or_init(begins)
+                .then(|| self.trace_part(group, part))
+        });
+        traced.collect()
+    }
+
+    fn trace_part(&self, group: BlockGroup, part: u32) -> TracedPart {
+        let rays = group.part(part);
+        let stream = self.stream.from_batch(group.first);
+        let traced = self.meshes.iter().map(|mesh| {
+            let spec = self.settings.tally;
+            mesh.tracer
+                .batches(&mesh.light, &rays, spec, mesh.control_variate, stream)
+        });
+        let (tallies, works): (Vec<_>, Vec<_>) = traced.unzip();
+        self.observer
+            .advance(works.first().map_or(0, |work| work.rays));
+        TracedPart {
+            group,
+            tallies,
+            work: works.first().copied().unwrap_or_default(),
+        }
+    }
+
+    /// Adds the parts of each group, in the order of their number.
+    fn finish(&self, parts: Vec<TracedPart>) -> impl Iterator<Item = FinishedGroup> {
+        let mut parts = parts.into_iter().peekable();
+        std::iter::from_fn(move || {
+            let mut sum = parts.next()?;
+            while let Some(part) = parts.next_if(|part| part.group == sum.group) {
+                let pairs = sum
+                    .tallies
+                    .iter_mut()
+                    .flatten()
+                    .zip(part.tallies.iter().flatten());
+                pairs.for_each(|(sum, part)| *sum += part);
+                sum.work += part.work;
+            }
+            Some(self.complete(sum))
+        })
+    }
+
+    /// Adds what control variates have subtracted, and puts the tallies in the order of blocks.
+    fn complete(&self, traced: TracedPart) -> FinishedGroup {
+        let mut blocks = vec![Vec::with_capacity(self.meshes.len()); traced.group.count as usize];
+        for (mesh, tallies) in self.meshes.iter().zip(traced.tallies) {
+            for (block, mut tally) in blocks.iter_mut().zip(tallies) {
+                if let Some(control_variate) = mesh.control_variate {
+                    control_variate.complete(&mut tally);
+                }
+                block.push(tally);
+            }
+        }
+        FinishedGroup {
+            first: traced.group.first,
+            blocks,
+            work: traced.work,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicU64, Ordering};
+
+    use asperity_optics::{Incidence, Material};
+    use asperity_surface::HeightField;
+    use asperity_tally::TallyResult;
+    use asperity_tracer::{
+        AcceleratorKind, BuildAccelerator, HalfSpace, PathSettings, Sampling, Starts, Surface,
+    };
+
+    use super::*;
+    use crate::output::stopped_by::StoppedBy;
+    use crate::output::surface_tallies::CaseOnSurface;
+
+    /// Lets a run go on for its first `questions` questions whether to stop, then stops it.
+    struct Patience {
+        questions: u64,
+        asked: AtomicU64,
+        advanced: AtomicU64,
+    }
+
+    impl Observer for Patience {
+        fn begin(&self, _stage: &str, _total: u64) {}
+        fn advance(&self, steps: u64) {
+            self.advanced.fetch_add(steps, Ordering::Relaxed);
+        }
+        fn end(&self) {}
+        fn stop(&self) -> Option<StoppedBy> {
+            let asked = self.asked.fetch_add(1, Ordering::Relaxed);
+            (asked >= self.questions).then_some(StoppedBy::Time)
+        }
+    }
+
+    /// Runs 20 blocks of 9 rays that are told to stop at the question after so many, and counts those that were traced.
+    fn blocks_until(questions: u64, sampling: Sampling) -> u64 {
+        let field = HeightField::new(vec![0.0; 16], [4, 4], [1.0, 1.0]).unwrap();
+        let surface = Surface::new(field);
+        let accelerator = surface.accelerator(AcceleratorKind::Auto).unwrap();
+        let settings = Settings {
+            sampling,
+            ..Settings::default()
+        };
+        let mesh = LitMesh {
+            tracer: Tracer::new(
+                &surface,
+                &*accelerator,
+                Material::Mirror,
+                HalfSpace::Above,
+                settings.paths.without_pilot(),
+            ),
+            light: Illumination {
+                incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
+                any_azimuth: false,
+                sampling,
+                starts: Starts::FromAbove,
+                stokes: [0.0; 3],
+            },
+            control_variate: None,
+        };
+        let blocks = Blocks {
+            first: 0,
+            count: 20,
+            strata: 3,
+        };
+        let progress = Patience {
+            questions,
+            asked: AtomicU64::new(0),
+            advanced: AtomicU64::new(0),
+        };
+        let mut found = CaseOnSurface::new(PathSettings::default(), settings.tally, 1);
+        let meshes = std::slice::from_ref(&mesh);
+        run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
+            found.push(&group.blocks, group.work);
+        });
+        let traced = found.tally.batches();
+        assert_eq!(found.work.rays, 9 * traced);
+        assert_eq!(progress.advanced.into_inner(), 9 * traced);
+        assert!((found.tally.means().budget().reflected - 1.0).abs() < 1e-15);
+        traced
+    }
+
+    /// Each block but the first two asks once before it begins, so a run that is told to stop at the
+    /// question after `n` has traced `2 + n` blocks, whatever the threads; all of them are handed on.
+    #[test]
+    fn a_stopped_run_begins_no_block_but_the_first_two() {
+        for (questions, expected) in [(0, 2), (5, 7), (u64::MAX, 20)] {
+            assert_eq!(blocks_until(questions, Sampling::Random), expected);
+        }
+    }
+
+    /// Of the default tally 17 blocks are traced together, and ask once.
+    #[test]
+    fn a_stopped_run_finishes_the_groups_that_it_has_begun() {
+        let values = Settings::default().tally.len();
+        let together = (1 << 17) / values as u64;
+        assert!((2..20).contains(&together));
+        for (questions, expected) in [(0, together), (1, 20)] {
+            assert_eq!(blocks_until(questions, Sampling::Stratified), expected);
+        }
+    }
+}
