@@ -39,6 +39,7 @@ mod in_plane;
 
 mod measured_places;
 mod measures;
+mod mirror;
 mod places;
 mod polarimetry;
 mod result;
@@ -61,6 +62,7 @@ pub use exit_columns::{ExitColumns, ExitRows};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 
+pub use mirror::Mirror;
 pub use places::MAX_LISTED_PATH;
 pub use polarimetry::{Measure, Polarimetry};
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use asperity_tally::{ControlVariate, TallyValues};
+use asperity_tally::{ControlVariate, Mirror, TallyValues};
 use asperity_tracer::{Geometry, Illumination, PathStream, Tracer, Work};
 use rayon::prelude::*;
 
@@ -16,6 +16,7 @@ pub(crate) struct LitMesh<'a, G: Geometry> {
     pub(crate) tracer: Tracer<'a, G>,
     pub(crate) light: Illumination,
     pub(crate) control_variate: Option<&'a ControlVariate>,
+    pub(crate) mirror: Option<Mirror>,
 }
 
 /// Parts per thread that are traced side by side, if their tallies fit: at the end threads wait for the
@@ -154,13 +155,16 @@ impl<G: Geometry> BlockRun<'_, G> {
         })
     }
 
-    /// Adds what control variates have subtracted, and puts the tallies in the order of blocks.
+    /// Adds what control variates have subtracted, folds bins, and puts the tallies in the order of blocks.
     fn complete(&self, traced: TracedPart) -> FinishedGroup {
         let mut blocks = vec![Vec::with_capacity(self.meshes.len()); traced.group.count as usize];
         for (mesh, tallies) in self.meshes.iter().zip(traced.tallies) {
             for (block, mut tally) in blocks.iter_mut().zip(tallies) {
                 if let Some(control_variate) = mesh.control_variate {
                     control_variate.complete(&mut tally);
+                }
+                if let Some(mirror) = mesh.mirror {
+                    mirror.fold(&mut tally);
                 }
                 block.push(tally);
             }
@@ -232,6 +236,7 @@ mod tests {
                 stokes: [0.0; 3],
             },
             control_variate: None,
+            mirror: None,
         };
         let blocks = Blocks {
             first: 0,

@@ -158,6 +158,7 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
                 tracer,
                 light: method.illumination(light, settings.sampling),
                 control_variate,
+                mirror: method.mirror,
             })
         };
         (0..self.top.accelerators.len()).map(mesh).collect()

@@ -10,7 +10,7 @@
 //! The surfaces of the pilot run are none of those of the result. Costs are counted, not measured, so
 //! that the same seed plans the same on any machine.
 
-use asperity_tally::{ControlVariate, Entry, TallySpec};
+use asperity_tally::{ControlVariate, Entry, TallySpec, TallyValues};
 use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
@@ -63,10 +63,10 @@ const FEWEST: f64 = 8.0;
 
 /// Variance is planned to lie so far below that of the target, since variances of a pilot run are
 /// uncertain themselves.
-const MARGIN: f64 = 1.25;
+const MARGIN: f64 = 1.1;
 
-/// Variance between surfaces is taken to be at least this part of the scatter of records: below, a pilot
-/// run cannot tell it from none.
+/// Variance between surfaces is taken to be at least its own standard error, below which a pilot run cannot tell it from none; of
+/// few entries, whose scatter is little known, at least this part of the scatter.
 const LEAST_OF_SURFACES: f64 = 0.1;
 
 /// What a pilot run found of one case.
@@ -126,7 +126,8 @@ impl Figures {
         }
         // The noise of the means adds to their squares.
         let norm = target.of().norm((square - scatter / n).max(0.5 * square));
-        let of_surfaces = (scatter - of_rays).max(LEAST_OF_SURFACES * scatter);
+        let least = scatter_error(&entries, &fine.surfaces).min(LEAST_OF_SURFACES * scatter);
+        let of_surfaces = (scatter - of_rays).max(least);
         let work = &fine.work;
         let relative = |square: f64| ratio(square, norm * norm);
         Self {
@@ -247,6 +248,34 @@ fn difference(entries: &[Entry], fine: &CaseTallies, coarse: &CaseTallies) -> f6
     ((squares - noise).max(0.0) + 2.0 * (2.0 * noise_squares).sqrt()).sqrt()
 }
 
+/// Standard error of the scatter of records: of the sum of the variances of `entries` over surfaces.
+///
+/// With the covariance `C` of the entries and normal records, its square is `2 tr(C^2) / (n - 1)`. Of the sample covariance `S`,
+/// `tr(S^2)` is `tr(C^2) n / (n - 1) + tr(C)^2 / (n - 1)` on average. Both traces follow from the products of records with each other.
+fn scatter_error(entries: &[Entry], records: &[TallyValues]) -> f64 {
+    let n = records.len() as f64;
+    let centred: Vec<Vec<f64>> = {
+        let mean = |i: &Entry| records.iter().map(|record| record[*i]).sum::<f64>() / n;
+        let means: Vec<f64> = entries.iter().map(mean).collect();
+        let less_mean = |record: &TallyValues| {
+            let values = entries.iter().zip(&means);
+            values.map(|(&i, mean)| record[i] - mean).collect()
+        };
+        records.iter().map(less_mean).collect()
+    };
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let [mut trace, mut trace_of_square] = [0.0; 2];
+    for (r, a) in centred.iter().enumerate() {
+        trace += product(a, a) / (n - 1.0);
+        for b in &centred[..=r] {
+            let of_pair = (product(a, b) / (n - 1.0)).powi(2);
+            trace_of_square += if std::ptr::eq(a, b) { of_pair } else { 2.0 * of_pair };
+        }
+    }
+    let of_expected = (trace_of_square - trace * trace / (n - 1.0)).max(0.0) * (n - 1.0) / n;
+    (2.0 * of_expected / (n - 1.0)).sqrt()
+}
+
 fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let n = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / n;
@@ -269,6 +298,9 @@ pub(crate) fn entries_with_least_error(
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
     use super::*;
 
     pub(crate) fn figures(v_s: f64, v_r: f64, mesh: Option<f64>) -> Figures {
@@ -296,6 +328,37 @@ pub(crate) mod tests {
         assert!(variance <= error * error && variance > 0.7 * error * error);
         let time = |n: f64| (v_s + v_r / n) * (1e6 + 100.0 * n);
         assert!(time(n) < time(1.2 * n) && time(n) < time(n / 1.2), "{n}");
+    }
+
+    /// Of `k` independent entries of equal variance the relative error is `sqrt(2 / ((n - 1) k))`.
+    #[test]
+    fn the_error_of_the_scatter_falls_with_the_number_of_independent_entries() {
+        let spec = TallySpec::default();
+        let bins = spec.recorded_entries(asperity_tally::Component::All);
+        let mut rng = ChaCha8Rng::seed_from_u64(1);
+        for (k, copies) in [(1, 1), (20, 1), (200, 1), (20, 10)] {
+            let entries: Vec<Entry> = bins.iter().take(k * copies).collect();
+            let runs = 200;
+            let mean: f64 = (0..runs)
+                .map(|_| {
+                    let record = |_| {
+                        let mut record = TallyValues::zeros(spec);
+                        for same in entries.chunks(copies) {
+                            // Twelve uniform numbers are nearly normal.
+                            let value: f64 = (0..12).map(|_| rng.random::<f64>()).sum();
+                            same.iter().for_each(|&i| record[i] = value);
+                        }
+                        record
+                    };
+                    let records: Vec<TallyValues> = (0..16).map(record).collect();
+                    (scatter_error(&entries, &records) / (k * copies) as f64).powi(2)
+                })
+                .sum::<f64>()
+                / f64::from(runs);
+            let expected = 2.0 / (15.0 * k as f64);
+            println!("{k} x {copies}: {mean:.3e}, expected {expected:.3e}");
+            assert!((mean / expected - 1.0).abs() < 0.3, "{k} {copies}");
+        }
     }
 
     #[test]

@@ -35,6 +35,8 @@ pub struct Settings {
     pub estimator: Estimator,
     /// How rays are spread over the mean plane and over azimuth.
     pub sampling: Sampling,
+    /// Whether bins on either side of the plane of incidence are averaged where the statistics of random surfaces are symmetric about it.
+    pub fold: bool,
     /// Whether every surface is also traced at half its spacing, whose results are then reported, and at
     /// twice its spacing, if its number of cells is even. The differences are the error of the mesh.
     pub refine: bool,
@@ -58,6 +60,7 @@ impl Default for Settings {
             accelerator: AcceleratorKind::Auto,
             estimator: Estimator::Auto,
             sampling: Sampling::Stratified,
+            fold: true,
             refine: false,
             seed: 1,
             max_scatterings: DEFAULT_MAX_SCATTERINGS,

@@ -1,9 +1,11 @@
-//! How a case is estimated: where its paths start, how they branch, and what is subtracted from them.
+//! How a case is estimated: where its paths start, how they branch, what is subtracted from them, and whether bins are folded.
+
+use std::f64::consts::FRAC_PI_2;
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::Incidence;
 use asperity_surface::Psd;
-use asperity_tally::{ControlVariate, TallyResult, TallyStatistics};
+use asperity_tally::{ControlVariate, Mirror, TallyResult, TallyStatistics};
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts};
 use serde::Serialize;
 
@@ -13,12 +15,14 @@ use crate::input::estimator::Estimator;
 use crate::input::settings::{Effort, Settings};
 use crate::slopes::slopes;
 
-/// Where paths start, how they branch and end, and the control variate of what they give, if there is one.
+/// Where paths start, how they branch and end, and what is done with the tallies that they give.
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
     pub(crate) starts: Starts,
     pub(crate) paths: PathSettings,
     pub(crate) control_variate: Option<(ControlVariate, ControlVariateMean)>,
+    /// Averages bins on either side of the plane of incidence, where the light on both is the same on average.
+    pub(crate) mirror: Option<Mirror>,
 }
 
 /// Where the mean of a control variate comes from.
@@ -46,6 +50,7 @@ impl Method {
             starts: Starts::FromAbove,
             paths: settings.paths.without_pilot(),
             control_variate: None,
+            mirror: None,
         }
     }
 
@@ -58,10 +63,25 @@ impl Method {
     }
 
     /// The method for a case of random surfaces.
+    pub(crate) fn of_random(
+        case: &Case,
+        psd: &Psd,
+        settings: &Settings,
+    ) -> Result<Self, SimulateError> {
+        let mirror = if settings.fold {
+            symmetry(&case.light, psd, settings)
+        } else {
+            None
+        };
+        let method = Self::with_any_control(case, psd, settings)?;
+        Ok(Self { mirror, ..method })
+    }
+
+    /// The method for a case of random surfaces, before its bins are folded.
     ///
     /// No control variate knows of a layer. The result of one surface alone is reported as it is, without the
     /// mean of others, unless the estimator is named.
-    pub(crate) fn of_random(
+    fn with_any_control(
         case: &Case,
         psd: &Psd,
         settings: &Settings,
@@ -135,6 +155,7 @@ impl Method {
                     .with_shadow_probability(worth.shadow_probability),
                 mean,
             )),
+            mirror: None,
         }
     }
 
@@ -183,6 +204,27 @@ impl Method {
             None => Estimator::Plain,
         }
     }
+}
+
+/// The plane of incidence, if light and random surfaces are symmetric about it on average, and bins are mirrored onto bins.
+///
+/// Light of random azimuth on isotropic surfaces is; light of fixed azimuth along an axis of the samples that is also an axis
+/// of the spectrum. Off the axes, tiles repeat in other directions on the one side than on the other. Polarised light is symmetric
+/// without U and V.
+fn symmetry(light: &Light, psd: &Psd, settings: &Settings) -> Option<Mirror> {
+    let azimuth = light.incidence.phi();
+    let quarters = azimuth / FRAC_PI_2;
+    let along_axis = (quarters - quarters.round()).abs() < 1e-9;
+    let axes_agree = |[_, angle]: [f64; 2]| (2.0 * angle).sin().abs() < 1e-9;
+    let is_symmetric = if light.random_azimuth {
+        psd.is_isotropic()
+    } else {
+        along_axis && psd.anisotropy().is_none_or(axes_agree)
+    };
+    let [_, u, v] = light.stokes;
+    (is_symmetric && [u, v] == [0.0; 2])
+        .then(|| Mirror::about(azimuth, &settings.tally.grid()))
+        .flatten()
 }
 
 /// What a control variate is expected to bring to rays from above.

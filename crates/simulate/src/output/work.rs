@@ -35,6 +35,8 @@ pub struct SummaryWork {
     pub estimator: Estimator,
     /// Where the mean of its control variate comes from; `None` without one.
     pub control_variate: Option<ControlVariateMean>,
+    /// Whether bins on either side of the plane of incidence are averaged.
+    pub folded: bool,
     /// Which branches its paths follow.
     pub branching: Branching,
     /// Flux below which Russian roulette decides.
@@ -96,6 +98,7 @@ impl SummaryWork {
             instructions: used.instructions,
             estimator: method.estimator(),
             control_variate: method.control_variate_mean(),
+            folded: method.mirror.is_some(),
             branching: method.paths.branching(),
             roulette: method.paths.roulette(),
             starts: method.starts,

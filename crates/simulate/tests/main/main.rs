@@ -8,6 +8,7 @@
 
 mod after;
 mod budget;
+mod fold;
 mod mesh_error;
 mod paths;
 mod resuming;

@@ -88,7 +88,7 @@ fn a_target_error_chooses_the_spacing_of_smooth_cells() {
         run(case(cells, 3.0, 48, glass(), 30.0), &settings)
     };
     let mut of_coarse: f64 = 0.0;
-    for (error, size) in [(0.05, 36), (1.1e-3, 48)] {
+    for (error, size) in [(0.05, 36), (7e-4, 48)] {
         let smooth = outcome(Cells::Smooth, error);
         assert_eq!(smooth.case.surface.cells(), Some(Cells::Smooth));
         assert_eq!(smooth.case.surface.size(), Some([size; 2]), "{error}");

@@ -160,6 +160,9 @@ pub struct RunConfig {
     pub estimator: Estimator,
     /// How rays are spread over the mean plane and over azimuth.
     pub sampling: Sampling,
+    /// Average bins on either side of the plane of incidence where random surfaces are symmetric about it.
+    #[serde(default = "yes")]
+    pub fold: bool,
     /// Trace every surface at half the spacing as well, and report that.
     #[serde(default)]
     pub refine: bool,
@@ -200,6 +203,7 @@ impl RunConfig {
             accelerator: self.accelerator,
             estimator: self.estimator,
             sampling: self.sampling,
+            fold: self.fold,
             refine: self.refine,
             seed: self.seed,
             effort: target.map_or(
@@ -323,6 +327,10 @@ impl VerifyConfig {
 
 const fn one() -> Count {
     Count(1)
+}
+
+const fn yes() -> bool {
+    true
 }
 
 #[cfg(test)]

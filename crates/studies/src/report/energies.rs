@@ -175,8 +175,13 @@ pub(crate) fn work_line(work: &SummaryWork) -> String {
     } else {
         String::new()
     };
+    let folded = if work.folded {
+        ", bins at mirrored azimuths averaged"
+    } else {
+        ""
+    };
     wrapped(&format!(
-        "{} rays, {estimator}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
+        "{} rays, {estimator}{folded}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
         work.rays,
         work.segments,
         work.segments_skipped,

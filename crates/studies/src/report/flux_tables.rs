@@ -94,7 +94,11 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
             })
             .unit("1/sr"),
         )
-        .column(Column::new("rays", "rays found in the bin", hits))
+        .column(Column::new(
+            "rays",
+            "rays that the bin rests on; where bins are folded, those of its mirror image too",
+            hits,
+        ))
         .columns(fluxes.components(&Component::SURFACE, move |c, bin| entry(c)(bin)))
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))
         .columns(fluxes.averaging(entry(Component::All)))

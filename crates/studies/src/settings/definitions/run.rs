@@ -11,6 +11,8 @@ use crate::settings::setting::{Flag, Setting, setting};
 
 const SECTION: &str = "run";
 const AIMED: Commands = TRACE.and(VERIFY).and(MAP);
+/// Commands that draw surfaces and record bins.
+const RANDOM: Commands = VERIFY.and(MAP).and(GONIO);
 
 pub(super) const SETTINGS: &[Setting] = &[
     setting(
@@ -172,6 +174,15 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Also trace at half the spacing, for the error of the mesh",
     )
     .default("false"),
+    setting(
+        SECTION,
+        "fold",
+        Kind::Switch,
+        RANDOM,
+        "Do not average bins on either side of the plane of incidence",
+    )
+    .flag(Flag::Off("no-fold"))
+    .default("true"),
     setting(
         SECTION,
         "method",

@@ -1,0 +1,264 @@
+//! Mirror: bins on either side of the plane of incidence, averaged where the light on both is the same on average.
+
+use crate::values::TallyValues;
+use crate::{Component, Entries, HemisphereGrid, Measure, Side};
+
+/// How far the edges of bins may be from their mirror images, in widths of a bin: rounding of degrees and radians.
+const ROUNDING: f64 = 1e-9;
+
+/// The plane of incidence as a mirror between bins: each has a partner at the mirrored azimuth.
+///
+/// Where the statistics of a surface are symmetric about that plane, a bin and its partner have the same expected flux, and their
+/// average is one estimate with up to half the variance of either.
+///
+/// # Examples
+/// ```
+/// use asperity_tally::{Component, HemisphereGrid, Mirror, Side, TallySpec, TallyResult, TallyValues};
+///
+/// let spec = TallySpec::new(HemisphereGrid::new(2, 4)?, 0.1)?;
+/// let mut values = TallyValues::zeros(spec);
+/// let bins = spec.bin_entries(Side::Reflected, Component::All);
+/// values[bins.get(0)] = 0.2;
+/// Mirror::about(0.0, &spec.grid()).unwrap().fold(&mut values);
+/// assert_eq!(values[bins], [0.1, 0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mirror {
+    /// Numbers of a sector and its partner add to this, modulo the number of sectors.
+    sum: usize,
+}
+
+impl Mirror {
+    /// The vertical plane at `azimuth` (radians) as a mirror between the bins of `grid`; `None` if it maps edges of
+    /// bins onto no edges.
+    #[must_use]
+    pub fn about(azimuth: f64, grid: &HemisphereGrid) -> Option<Self> {
+        let sectors = grid.n_phi() as f64;
+        // The edge at azimuth zero is mapped onto this one, counted from itself.
+        let image = 2.0 * azimuth / std::f64::consts::TAU * sectors;
+        if !(image - image.round()).abs().le(&ROUNDING) {
+            return None;
+        }
+        Some(Self {
+            sum: (image.round() - 1.0).rem_euclid(sectors) as usize,
+        })
+    }
+
+    /// The sector of azimuth that is mirrored onto `sector`, out of `sectors`.
+    #[must_use]
+    pub const fn partner(&self, sector: usize, sectors: usize) -> usize {
+        (self.sum + sectors - sector) % sectors
+    }
+
+    /// Replaces bins and their partners by their average. The rays of both count for each, since both estimates rest on all of
+    /// them. Elements of Mueller matrices that change sign in a mirror are averaged with the opposite sign.
+    ///
+    /// Sums of bins over a ring stay as they are but for those elements, whose sums vanish. All that is no bin stays as it is.
+    pub fn fold(&self, values: &mut TallyValues) {
+        let spec = *values.spec();
+        for side in spec.sides() {
+            let surface = [Component::Single, Component::Multiple];
+            for component in surface.iter().chain(spec.components()) {
+                self.pair_bins(values, spec.bin_entries(side, *component), Pairing::Mean);
+                self.pair_bins(values, spec.hit_entries(side, *component), Pairing::Sum);
+            }
+            let all = spec.bin_entries(side, Component::All);
+            self.pair_bins(values, all, Pairing::Mean);
+            self.pair_measures(values, side);
+        }
+    }
+
+    /// Combines the values of each bin of a side and its partner; `bins` follow ring by ring.
+    fn pair_bins(&self, values: &mut TallyValues, bins: Entries, pairing: Pairing) {
+        let sectors = values.spec().grid().n_phi();
+        for ring in bins.range().step_by(sectors) {
+            self.pair(values, |sector| ring + sector, pairing);
+        }
+    }
+
+    /// The same of what is kept of polarised light in the bins of a side.
+    fn pair_measures(&self, values: &mut TallyValues, side: Side) {
+        let spec = *values.spec();
+        let (places, grid, polarimetry) = (spec.places(), spec.grid(), spec.polarimetry());
+        for row in 0..grid.n_theta() {
+            let first = (side.index() * grid.n_theta() + row) * grid.n_phi();
+            for measure in 0..polarimetry.len() {
+                let place = |sector: usize| {
+                    let bin = places.measured_bins(first + sector);
+                    places.measures_start() + bin * polarimetry.len() + measure
+                };
+                self.pair(values, place, Pairing::of(polarimetry.measure(measure)));
+            }
+        }
+    }
+
+    /// Combines the values of all sectors of one ring and their partners.
+    fn pair(&self, values: &mut TallyValues, place: impl Fn(usize) -> usize, pairing: Pairing) {
+        let sectors = values.spec().grid().n_phi();
+        let values = values.as_mut_slice();
+        for sector in 0..sectors {
+            let partner = self.partner(sector, sectors);
+            let [a, b] = [sector, partner].map(&place);
+            match pairing {
+                // A sector of its own partner is as it was.
+                _ if sector > partner => {}
+                Pairing::Mean => {
+                    let mean = 0.5 * (values[a] + values[b]);
+                    [values[a], values[b]] = [mean; 2];
+                }
+                Pairing::Opposite => {
+                    let half = 0.5 * (values[a] - values[b]);
+                    [values[a], values[b]] = [half, -half];
+                }
+                Pairing::Sum if sector < partner => {
+                    let sum = values[a] + values[b];
+                    [values[a], values[b]] = [sum; 2];
+                }
+                Pairing::Sum => {}
+            }
+        }
+    }
+}
+
+/// What becomes of the values of a bin and its partner.
+#[derive(Clone, Copy)]
+enum Pairing {
+    /// Their average.
+    Mean,
+    /// The average of one and the negative other.
+    Opposite,
+    /// Their sum.
+    Sum,
+}
+
+impl Pairing {
+    /// Elements that couple I and Q with U and V change sign in a mirror.
+    const fn of(measure: Measure) -> Self {
+        match measure {
+            Measure::Element { row, column } if (row < 2) != (column < 2) => Self::Opposite,
+            _ => Self::Mean,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::{Polarimetry, TallyResult, TallySpec};
+
+    fn grid(sectors: usize) -> HemisphereGrid {
+        HemisphereGrid::new(2, sectors).unwrap()
+    }
+
+    #[test]
+    fn partners_lie_at_mirrored_azimuths() {
+        for (sectors, degrees) in [
+            (36, 0.0),
+            (36, 90.0),
+            (36, 35.0),
+            (7, 0.0),
+            (7, 180.0),
+            (12, -45.0),
+            (1, 0.0),
+        ] {
+            let azimuth = f64::to_radians(degrees);
+            let mirror = Mirror::about(azimuth, &grid(sectors)).unwrap();
+            let width = TAU / sectors as f64;
+            for sector in 0..sectors {
+                let partner = mirror.partner(sector, sectors);
+                let centre = |sector: usize| (sector as f64 + 0.5) * width;
+                let turned = (2.0 * azimuth - centre(sector) - centre(partner)) / TAU;
+                assert!(
+                    (turned - turned.round()).abs() < 1e-12,
+                    "{sectors} {degrees} {sector}"
+                );
+                assert_eq!(mirror.partner(partner, sectors), sector);
+            }
+        }
+        for (sectors, degrees) in [(36, 1.0), (7, 90.0), (36, f64::NAN)] {
+            assert_eq!(
+                Mirror::about(f64::to_radians(degrees), &grid(sectors)),
+                None
+            );
+        }
+    }
+
+    #[test]
+    fn folding_averages_bins_adds_their_rays_and_keeps_the_rest() {
+        let spec = TallySpec::new(grid(5), 0.2)
+            .unwrap()
+            .with_medium()
+            .with_polarimetry(Polarimetry::Mueller);
+        let before = TallyValues::zeros(spec).with_numbers();
+        let mirror = Mirror::about(0.0, &spec.grid()).unwrap();
+        let mut after = before.clone();
+        mirror.fold(&mut after);
+        let mut changed = vec![false; spec.len()];
+        for side in Side::BOTH {
+            let components = [Component::Single, Component::Multiple, Component::All];
+            for component in components.iter().chain(spec.components()) {
+                let bins = spec.bin_entries(side, *component);
+                for i in 0..10 {
+                    let partner = i / 5 * 5 + 4 - i % 5;
+                    let [a, b] = [i, partner].map(|i| bins.get(i));
+                    changed[a.0] = true;
+                    assert_eq!(after[a], 0.5 * (before[a] + before[b]));
+                    for (row, column, sign) in
+                        [(0, 0, 1.0), (1, 2, -1.0), (3, 2, 1.0), (3, 0, -1.0)]
+                    {
+                        let measure = Measure::Element { row, column };
+                        let of = |flux| spec.measure_entry(flux, measure);
+                        if let (Some(a), Some(b)) = (of(a), of(b)) {
+                            assert_eq!(after[a], 0.5 * (before[a] + sign * before[b]));
+                        }
+                    }
+                    if *component != Component::All {
+                        let hits = spec.hit_entries(side, *component);
+                        let [a, b] = [i, partner].map(|i| hits.get(i));
+                        changed[a.0] = true;
+                        let expected = if a == b {
+                            before[a]
+                        } else {
+                            before[a] + before[b]
+                        };
+                        assert_eq!(after[a], expected);
+                    }
+                }
+            }
+        }
+        let measures = spec.places().measures_start();
+        let bins = measures + 16 * spec.places().measured_bins(0);
+        for (i, changed) in changed.iter().enumerate().take(bins) {
+            assert!(
+                *changed || after.as_slice()[i] == before.as_slice()[i],
+                "{i}"
+            );
+        }
+        let ring = |values: &TallyValues| {
+            values
+                .bins(Side::Reflected, Component::All)
+                .iter()
+                .take(5)
+                .sum::<f64>()
+        };
+        assert_eq!(ring(&after), ring(&before));
+        let folded = after.clone();
+        after.clear_hits();
+        let mut again = after.clone();
+        mirror.fold(&mut again);
+        assert_eq!(again, after);
+        assert_ne!(folded, after);
+    }
+
+    impl TallyValues {
+        /// A number of its own in each entry.
+        fn with_numbers(mut self) -> Self {
+            let values = self.as_mut_slice().iter_mut();
+            values.enumerate().for_each(|(i, value)| *value = i as f64);
+            self
+        }
+    }
+}
