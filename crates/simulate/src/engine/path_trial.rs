@@ -12,7 +12,7 @@ use crate::input::target::{Target, ratio};
 use crate::output::chosen_paths::TriedPaths;
 
 /// What a trial may cost, of the run that it is to shorten.
-const MOST_OF_RUN: f64 = 0.05;
+const MOST_OF_RUN: f64 = 0.08;
 
 /// Whether a trial of cost `trial` is worth it for a run of cost `run`.
 pub(crate) fn is_worth(trial: f64, run: f64) -> bool {

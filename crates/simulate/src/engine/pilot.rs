@@ -269,7 +269,11 @@ fn scatter_error(entries: &[Entry], records: &[TallyValues]) -> f64 {
         trace += product(a, a) / (n - 1.0);
         for b in &centred[..=r] {
             let of_pair = (product(a, b) / (n - 1.0)).powi(2);
-            trace_of_square += if std::ptr::eq(a, b) { of_pair } else { 2.0 * of_pair };
+            trace_of_square += if std::ptr::eq(a, b) {
+                of_pair
+            } else {
+                2.0 * of_pair
+            };
         }
     }
     let of_expected = (trace_of_square - trace * trace / (n - 1.0)).max(0.0) * (n - 1.0) / n;

@@ -8,6 +8,7 @@ use serde_json::{Map, Value, json};
 
 use super::mesh_error::MeshErrors;
 use super::refinement::Refinement;
+use crate::input::target::{Quantity, ratio};
 use crate::methods::method::{ControlVariateMean, Method};
 
 /// The errors of one number, flux fractions; `None` where one is not known.
@@ -220,14 +221,49 @@ impl ErrorBudget {
         &self.explanation.mesh
     }
 
-    /// `error_budget` of summary.json.
+    /// The errors of several results `q` together, relative to `sqrt(sum q^2)` over `means`, as [`Quantity`] has them for targets.
+    ///
+    /// Each is the root of the sum of squares over all entries; of surfaces, of what the scatter of surfaces in all entries shows beyond
+    /// that of rays. `mesh` is therefore without a sign; `mesh_se` and `mesh_removed` are not given.
     #[must_use]
-    pub fn to_json(&self) -> Value {
+    pub fn relative(&self, of: Quantity, means: &TallyValues) -> Errors {
+        let entries = of.entries(self.spec());
+        let norm = of.norm(entries.iter().map(|&i| means[i].powi(2)).sum());
+        let sum = |square: &dyn Fn(Entry) -> f64| {
+            let sum: f64 = entries.iter().map(|&i| square(i)).sum();
+            (!sum.is_nan()).then(|| sum.max(0.0))
+        };
+        let rays = sum(&|i| self.rays[i]);
+        let of_surfaces = self.surfaces.as_ref();
+        let surfaces = of_surfaces.and_then(|squares| sum(&|i| squares[i]));
+        let mesh = sum(&|i| self.mesh.remaining[i].map_or(f64::NAN, |mesh| mesh.powi(2)));
+        let total = match &self.bounds {
+            Some(bounds) => sum(&|i| bounds[i].powi(2)),
+            None => rays.map(|rays| rays + surfaces.unwrap_or(0.0) + mesh.unwrap_or(0.0)),
+        };
+        let [rays, surfaces, mesh, total] =
+            [rays, surfaces, mesh, total].map(|square| Some(ratio(square?.sqrt(), norm)));
+        Errors {
+            rays,
+            surfaces,
+            mesh,
+            mesh_se: None,
+            mesh_removed: None,
+            total,
+        }
+    }
+
+    /// `error_budget` of summary.json, of results with these means.
+    #[must_use]
+    pub fn to_json(&self, means: &TallyValues) -> Value {
         let spec = self.spec();
         let mut out = Map::new();
         for (name, entry) in totals(spec) {
             let errors = entry.map(|i| self.errors(i));
             out.insert(name.to_owned(), json!(errors));
+        }
+        for of in [Quantity::Bins, Quantity::Rings, Quantity::InPlane] {
+            out.insert(of.to_string(), json!(self.relative(of, means)));
         }
         out.insert("explanations".to_owned(), json!(self.explanation));
         if let Some(refinement) = &self.mesh.refinement {

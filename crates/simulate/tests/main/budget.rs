@@ -1,6 +1,6 @@
 //! Errors by where they come from.
 
-use asperity_simulate::{Effort, Errors, Estimator, Outcome, Settings};
+use asperity_simulate::{Effort, Errors, Estimator, Outcome, Quantity, Settings};
 use asperity_tally::{Component, Side, TallyResult, TallySpec};
 use asperity_tracer::{Branching, PathSettings, Sampling};
 
@@ -83,6 +83,40 @@ fn parts_add_to_the_error_that_surfaces_show_or_rays_explain_all() {
             }
         }
     }
+}
+
+/// The error of all bins together is that of a target, and the part of surfaces in it does not depend on rays: what chance shows in single
+/// bins cancels.
+#[test]
+fn errors_of_several_results_are_those_of_targets() {
+    let settings = Settings {
+        estimator: Estimator::Plain,
+        sampling: Sampling::Random,
+        ..Settings::default()
+    };
+    let [few, many] = [30_000, 480_000].map(|rays| run(smooth(1.5), rays, 64, settings));
+    for of in [Quantity::Bins, Quantity::Rings, Quantity::InPlane] {
+        let errors = few.errors.relative(of, few.statistics.means());
+        let [rays, surfaces, total] =
+            [errors.rays, errors.surfaces, errors.total].map(Option::unwrap);
+        let sampled = rays.hypot(surfaces);
+        assert!((total / sampled.hypot(errors.mesh.unwrap_or(0.0)) - 1.0).abs() < 1e-12);
+        let target = of.error(&few.statistics).unwrap();
+        assert!(
+            (sampled / target - 1.0).abs() < 1e-9,
+            "{of} {sampled} {target}"
+        );
+    }
+    let [few, many] = [few, many].map(|outcome| {
+        let errors = outcome
+            .errors
+            .relative(Quantity::Bins, outcome.statistics.means());
+        [errors.rays, errors.surfaces].map(Option::unwrap)
+    });
+    println!("{few:?} {many:?}");
+    assert!((few[0] / many[0] / 4.0 - 1.0).abs() < 0.1);
+    // Squares of the few are known to some 6 % of 4.5 times that of surfaces.
+    assert!((few[1] / many[1] - 1.0).abs() < 0.3);
 }
 
 /// Branches picked at random are all that differs; the squares of both errors are known to some

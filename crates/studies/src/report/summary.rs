@@ -107,7 +107,7 @@ impl Summary {
                 left_patch: budget.left_patch,
                 not_recorded: budget.not_recorded,
             },
-            error_budget: outcome.errors.to_json(),
+            error_budget: outcome.errors.to_json(outcome.statistics.means()),
             orders: BySide::of(orders),
             paths: paths(statistics),
             components: spec.has_medium().then(|| of_components(statistics)),

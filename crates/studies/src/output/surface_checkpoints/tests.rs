@@ -155,7 +155,8 @@ fn damaged_files_are_not_resumed_and_those_of_other_settings_or_epochs_are_refus
     assert!(text.contains(&epoch));
     write_bytes(
         &path,
-        text.replacen(&epoch, "\"results_epoch\":1000", 1).as_bytes(),
+        text.replacen(&epoch, "\"results_epoch\":1000", 1)
+            .as_bytes(),
     )
     .unwrap();
     let message = refusal(&config);
