@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::DVec3;
 
+use crate::elementary::sin_cos_of_turn;
+
 /// The unit vector of polar angle `theta` from +z and azimuth `phi` from +x, both in radians.
 #[must_use]
 pub fn from_spherical(theta: f64, phi: f64) -> DVec3 {
@@ -40,14 +42,14 @@ pub fn azimuth(w: DVec3) -> f64 {
 /// # Source
 /// The frame is that of Duff et al. 2017, Building an Orthonormal Basis, Revisited.
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn around(axis: DVec3, mu: f64, turn: f64) -> DVec3 {
     let sign = 1.0_f64.copysign(axis.z);
     let a = -1.0 / (sign + axis.z);
     let b = axis.x * axis.y * a;
     let s = DVec3::new(1.0 + sign * axis.x * axis.x * a, sign * b, -sign * axis.x);
     let t = DVec3::new(b, sign + axis.y * axis.y * a, -axis.y);
-    let (sin_phi, cos_phi) = (TAU * turn).sin_cos();
+    let [sin_phi, cos_phi] = sin_cos_of_turn(turn);
     let sin_theta = ((1.0 - mu) * (1.0 + mu)).max(0.0).sqrt();
     let w = sin_theta * (cos_phi * s + sin_phi * t) + mu * axis;
     // Its length squared is 1 + e with e from rounding alone, which must not add up over many turns.

@@ -87,7 +87,7 @@ impl PhaseFunction {
     /// The direction after scattering of light that travels along the unit vector `d`, by two uniform
     /// numbers in `[0, 1)`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sample(self, d: DVec3, [u, v]: [f64; 2]) -> DVec3 {
         let s = 2.0 * u - 1.0;
         match self {
@@ -101,6 +101,7 @@ impl PhaseFunction {
 
 /// Inverse of the cumulative distribution of the cosine for Henyey-Greenstein at `(1 + s) / 2`, expanded so
 /// that nothing cancels for small `g`.
+#[inline(always)]
 fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
     let g2 = g * g;
     let numerator = 2.0 * s * (1.0 + g2) + g * (s * s * (1.0 + g2) + 3.0 - g2);
@@ -109,6 +110,7 @@ fn henyey_greenstein_cosine(g: f64, s: f64) -> f64 {
 }
 
 /// As [`henyey_greenstein_cosine`], for Rayleigh: the real root of `mu^3 + 3 mu = 4 s`.
+#[inline(always)]
 fn rayleigh_cosine(s: f64) -> f64 {
     (2.0 * ((2.0 * s).asinh() / 3.0).sinh()).clamp(-1.0, 1.0)
 }

@@ -142,7 +142,13 @@ impl PathStream {
     /// The two numbers in `[0, 1)` of a step of path number `ray` of this stream.
     #[inline(always)]
     pub(crate) fn pair(self, ray: u32, step: Step, of: Use) -> [f64; 2] {
-        threefry(self.key, self.counter(ray, step, of, 0)).map(unit)
+        self.pair_number(0, ray, step, of)
+    }
+
+    /// The pair of random numbers of [`PathStream::draws`] that comes after `pair` others, which are fewer than 16.
+    #[inline(always)]
+    pub(crate) fn pair_number(self, pair: u64, ray: u32, step: Step, of: Use) -> [f64; 2] {
+        threefry(self.key, self.counter(ray, step, of, pair)).map(unit)
     }
 
     /// Any number of random numbers of a step of path number `ray` of this stream.
@@ -340,7 +346,10 @@ mod tests {
         let stream = PathStream::new(1, 2);
         let mut draws = stream.draws(3, Step::START, Use::Scramble);
         let numbers: Vec<f64> = (0..5000).map(|_| draws.random()).collect();
-        assert_eq!(numbers[..2], stream.pair(3, Step::START, Use::Scramble));
+        for (pair, numbers) in (0..16).zip(numbers.chunks(2)) {
+            let found = stream.pair_number(pair, 3, Step::START, Use::Scramble);
+            assert_eq!(numbers, found);
+        }
         let mut sorted = numbers;
         sorted.sort_by(f64::total_cmp);
         sorted.dedup();

@@ -1,6 +1,6 @@
 //! Layer: a medium below a surface, and the bottom that it ends on, in the tile coordinates of the surface.
 
-use asperity_optics::{Bottom, Layer, PhaseFunction};
+use asperity_optics::{Bottom, Layer, PhaseFunction, ln_of_normal};
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
@@ -206,14 +206,17 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.max_scatterings
     }
 
-    /// How far light goes before it interacts, tile coordinates: exponentially distributed.
-    #[inline]
-    pub(crate) fn free_flight<R: Rng>(&self, rng: &mut R) -> f64 {
-        if self.mean_free_path.is_infinite() {
-            return f64::INFINITY;
-        }
+    /// How far light goes before it interacts, tile coordinates: exponentially distributed, by a uniform number in
+    /// `[0, 1)` that is a multiple of `2^-53`.
+    #[inline(always)]
+    pub(crate) fn free_flight(&self, u: f64) -> f64 {
         // One minus a number below one is above zero.
-        -(1.0 - rng.random::<f64>()).ln() * self.mean_free_path
+        let depth = -ln_of_normal(1.0 - u);
+        if self.mean_free_path.is_infinite() {
+            f64::INFINITY
+        } else {
+            depth * self.mean_free_path
+        }
     }
 
     /// The direction of light after it was scattered inside while travelling along `d`.
@@ -228,12 +231,13 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.phase.density(mu)
     }
 
-    /// Distance to a flat bottom; infinite if there is none ahead.
-    #[inline]
-    pub(crate) fn to_flat_bottom(&self, heading: &Heading) -> f64 {
-        let fall = -heading.direction.z;
+    /// Distance from a height to a flat bottom, along a direction that rises by `dz`; infinite if there is none ahead.
+    #[inline(always)]
+    pub(crate) fn to_flat_bottom(&self, z: f64, dz: f64) -> f64 {
+        let to_plane = (z - self.bottom_z) / -dz;
+        let to_plane = if to_plane > 0.0 { to_plane } else { 0.0 };
         match self.shape {
-            BottomShape::Flat if fall > 0.0 => ((heading.origin.z - self.bottom_z) / fall).max(0.0),
+            BottomShape::Flat if dz < 0.0 => to_plane,
             _ => f64::INFINITY,
         }
     }
@@ -246,29 +250,53 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
     /// A heading in the coordinates of the upper surface, in those of `interface`.
     #[inline]
     pub(crate) fn to_interface(&self, interface: Interface, mut heading: Heading) -> Heading {
-        if interface == Interface::Bottom {
-            heading.origin.z += self.shift;
-        }
+        heading.origin.z += self.shift_to(interface);
         heading
     }
 
     /// The same heading in the coordinates of the upper surface.
     #[inline]
     pub(crate) fn to_upper_surface(&self, interface: Interface, mut heading: Heading) -> Heading {
-        if interface == Interface::Bottom {
-            heading.origin.z -= self.shift;
-        }
+        heading.origin.z -= self.shift_to(interface);
         heading
     }
 
-    /// The interfaces in the order in which light inside comes to them.
-    #[inline]
-    pub(crate) fn interfaces_ahead(direction: DVec3) -> [Interface; 2] {
-        if direction.z > 0.0 {
-            [Interface::Bottom, Interface::Top]
-        } else {
-            [Interface::Top, Interface::Bottom]
+    /// What is added to z to come from the coordinates of the upper surface to those of `interface`.
+    #[inline(always)]
+    pub(crate) const fn shift_to(&self, interface: Interface) -> f64 {
+        match interface {
+            Interface::Top => 0.0,
+            Interface::Bottom => self.shift,
         }
+    }
+
+    /// How many interfaces have a surface.
+    #[inline]
+    pub(crate) const fn interfaces(&self) -> u32 {
+        match self.shape {
+            BottomShape::Flat => 1,
+            BottomShape::Surface { .. } => 2,
+        }
+    }
+
+    /// The interface that comes as number `place` of those with a surface, from zero, to light inside that rises by `dz`.
+    #[inline(always)]
+    pub(crate) fn interface_ahead(&self, dz: f64, place: u32) -> Interface {
+        let is_top = match self.shape {
+            BottomShape::Flat => true,
+            BottomShape::Surface { .. } => (place == 0) == (dz <= 0.0),
+        };
+        if is_top {
+            Interface::Top
+        } else {
+            Interface::Bottom
+        }
+    }
+
+    /// As which of those interfaces `interface` comes.
+    #[inline]
+    pub(crate) fn place_ahead(&self, dz: f64, interface: Interface) -> u32 {
+        u32::from(self.interface_ahead(dz, 0) != interface)
     }
 }
 

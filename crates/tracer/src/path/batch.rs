@@ -3,11 +3,12 @@
 use asperity_tally::{ExitColumns, Loss, Tallies, Tally};
 
 use super::arrivals::Arrivals;
+use super::flights::{Flights, Numbers};
 use super::illumination::{Illumination, Starts};
 use super::scatter::ScatteredLight;
 use super::segments::{Kept, Segments};
 use super::sightlines::Sightlines;
-use super::state::{LayerRay, PathState, SingleSegment};
+use super::state::{PathState, SingleSegment};
 use super::work::Work;
 use crate::geometry::Outlook;
 use crate::random::PathStream;
@@ -74,8 +75,10 @@ pub(super) struct Batch<'r, F> {
     pub(super) starts: Vec<Start>,
     /// Facets that light has arrived at.
     pub(super) arrivals: Arrivals<F>,
-    /// Rays that begin inside the layer.
-    pub(super) inside: Vec<LayerRay>,
+    /// Light that begins inside the layer, in the coordinates of the upper surface, before its free flights.
+    pub(super) entering: Segments,
+    /// Flights inside the layer.
+    pub(super) flights: Flights,
     /// Light that has left, not yet in the tally.
     pub(super) exits: ExitColumns,
     /// Memory that stages use again and again.
@@ -89,6 +92,10 @@ pub(super) struct Batch<'r, F> {
     pub(super) escape: Vec<bool>,
     pub(super) single_search: SingleSearch<F>,
     pub(super) interactions: Interactions,
+    /// Flights of the round before, which of them are searched, and random numbers of the medium.
+    pub(super) flown: Flights,
+    pub(super) searched_flights: Vec<u32>,
+    pub(super) numbers: Numbers,
 }
 
 impl<'r, F: Copy> Batch<'r, F> {
@@ -118,7 +125,8 @@ impl<'r, F: Copy> Batch<'r, F> {
             sightlines: Sightlines::new(kept),
             starts: Vec::new(),
             arrivals: Arrivals::new(kept),
-            inside: Vec::new(),
+            entering: Segments::new(kept),
+            flights: Flights::new(kept),
             exits: ExitColumns::new(polarisation.polarimetry()),
             outlooks: Vec::new(),
             hits: Vec::new(),
@@ -128,6 +136,9 @@ impl<'r, F: Copy> Batch<'r, F> {
             escape: Vec::new(),
             single_search: SingleSearch::default(),
             interactions: Interactions::default(),
+            flown: Flights::new(kept),
+            searched_flights: Vec::new(),
+            numbers: Numbers::default(),
         }
     }
 
@@ -148,5 +159,6 @@ impl<'r, F: Copy> Batch<'r, F> {
             && self.singles.is_empty()
             && self.sightlines.need_no_search()
             && self.arrivals.is_empty()
+            && self.flights.at.len + self.entering.len == 0
     }
 }

@@ -10,7 +10,7 @@ use super::batch::Batch;
 use super::flight::below_the_bottom;
 use super::light_state::LightState;
 use super::roulette::Roulette;
-use super::state::{Arrival, LayerRay, PathState, RayKind};
+use super::state::{Arrival, PathState, RayKind};
 use crate::geometry::Geometry;
 use crate::interaction::facet::{Branch, Scattered, scatter};
 use crate::interaction::layer::{Interface, TracedLayer};
@@ -90,7 +90,7 @@ impl<G: Geometry> Tracer<'_, G> {
             let state = state.after(&branch, 1.0);
             heading.direction = branch.direction;
             match branch.event {
-                Event::Reflection => batch.inside.push(LayerRay { heading, state }),
+                Event::Reflection => batch.entering.push(&heading, HalfSpace::Below, &state),
                 Event::Transmission => {
                     let departure = below_the_bottom(&heading, state);
                     self.push_exit(&departure, batch);

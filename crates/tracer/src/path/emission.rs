@@ -146,7 +146,11 @@ impl<G: Geometry> Tracer<'_, G> {
         let singles = batch.singles.iter().filter(|single| {
             !matches!(single.kind, RayKind::Path) || single.state.events.order() < max_order
         });
-        batch.searched.iter().filter(continues).count() + singles.count() + batch.arrivals.len()
+        let inside = batch.flights.at.len + batch.entering.len;
+        batch.searched.iter().filter(continues).count()
+            + singles.count()
+            + batch.arrivals.len()
+            + inside
     }
 
     /// Starts path number `ray` at `place` in the period, with the light turned by `turn` about the vertical.

@@ -10,7 +10,8 @@ use super::random_pairs::DrawPairs;
 use super::roulette::Roulette;
 use super::scatter::Scatter;
 use super::scatter_polarised::ScatterPolarised;
-use super::state::{Arrival, LayerRay, PathState, Region};
+use super::segments::Segments;
+use super::state::{Arrival, PathState, Region};
 use crate::geometry::Geometry;
 use crate::interaction::facet::{Scattered, scatter};
 use crate::interaction::layer::Interface;
@@ -18,6 +19,21 @@ use crate::interaction::polarised::{BothLight, MuellerLight, TrackedLight};
 use crate::random::PathStream;
 use crate::ray::HalfSpace;
 use crate::settings::{Branching, Polarisation};
+use crate::vector::Stage;
+
+/// Adds segments to those that begin inside the layer, by their numbers.
+struct Enter<'a> {
+    segments: &'a Segments,
+    which: &'a [u32],
+    entering: &'a mut Segments,
+}
+
+impl Stage for Enter<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.entering.gather(self.segments, self.which);
+    }
+}
 
 impl<'a, G: Geometry> Tracer<'a, G> {
     /// Lets a path interact with the facet at which it has arrived: at the upper surface with all others of the round.
@@ -219,14 +235,24 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Takes what has entered the layer out of the segments.
     fn enter_layer(&self, batch: &mut Batch<'_, G::Facet>) {
-        for i in 0..batch.segments.len {
-            if batch.segments.side[i] < 0.0 && batch.segments.flux[i] > 0.0 {
-                batch.inside.push(LayerRay {
-                    heading: batch.segments.heading(i),
-                    state: batch.segments.state(i),
-                });
-                batch.segments.flux[i] = 0.0;
-            }
+        let segments = &mut batch.segments;
+        let (side, flux) = (&segments.side, &segments.flux);
+        batch.met.clear();
+        let inside = (0..segments.len as u32).filter(|&i| {
+            let i = i as usize;
+            side[i] < 0.0 && flux[i] > 0.0
+        });
+        batch.met.extend(inside);
+        batch
+            .entering
+            .make_room(batch.entering.len + batch.met.len());
+        batch.instructions.run(Enter {
+            segments,
+            which: &batch.met,
+            entering: &mut batch.entering,
+        });
+        for &i in &batch.met {
+            segments.flux[i as usize] = 0.0;
         }
     }
 

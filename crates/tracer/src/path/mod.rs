@@ -8,11 +8,11 @@
 //! | start new paths | `emission.rs` |
 //! | search for the facets that segments meet | `search.rs` |
 //! | reflect and refract at them, with Russian roulette | `interaction.rs`, `scatter.rs`, `scatter_polarised.rs`, `branch.rs`, `roulette.rs` |
-//! | fly and scatter inside the layer below | `flight.rs`, `bottom.rs` |
+//! | fly and scatter inside the layer below | `flight.rs`, `flights.rs`, `lookout.rs`, `medium.rs`, `bottom.rs` |
 //! | find what escapes, and tally it | `escape.rs` |
 //!
-//! What is rare is traced one by one (`traversal.rs`): segments beyond their first tile, inside the layer, and those
-//! that a control variate needs (`masking.rs`). `state.rs` names what passes between the stages. Random
+//! What is rare is traced one by one (`traversal.rs`): segments beyond their first tile, and those that a control
+//! variate needs (`masking.rs`). `state.rs` names what passes between the stages. Random
 //! numbers are functions of path and step ([`crate::random`]), so that no order of work changes them. The same
 //! light, one path at a time, is in `reference`.
 
@@ -24,10 +24,13 @@ mod branch;
 mod emission;
 mod escape;
 mod flight;
+mod flights;
 mod illumination;
 mod interaction;
 mod light_state;
+mod lookout;
 mod masking;
+mod medium;
 mod random_pairs;
 mod roulette;
 mod scatter;

@@ -25,7 +25,7 @@ impl Kept {
     };
 }
 
-/// Path segments at the upper surface: rays, and what their paths carry.
+/// Path segments: rays, and what their paths carry.
 ///
 /// Columns are longer than `len`: their length is a power of two, by which [`gather_column`] gathers.
 pub(super) struct Segments {
@@ -141,7 +141,7 @@ impl Segments {
     }
 
     /// How the light of segment `i` is polarised.
-    fn light_state(&self, i: usize) -> LightState {
+    pub(super) fn light_state(&self, i: usize) -> LightState {
         let mut state = LightState::NONE;
         for (number, column) in state.0.iter_mut().zip(&self.light) {
             *number = column[i];
@@ -164,7 +164,12 @@ impl Segments {
         if self.kept.turn {
             (self.turn[0][i], self.turn[1][i]) = (state.turn.x, state.turn.y);
         }
-        for (column, number) in self.light.iter_mut().zip(state.light.0) {
+        self.set_light_state(i, &state.light);
+    }
+
+    /// Changes how the light of segment `i` is polarised.
+    pub(super) fn set_light_state(&mut self, i: usize, light: &LightState) {
+        for (column, number) in self.light.iter_mut().zip(light.0) {
             column[i] = number;
         }
     }

@@ -105,12 +105,6 @@ pub(super) struct PathRay {
     pub(super) state: PathState,
 }
 
-/// A ray that begins inside the layer, in the coordinates of the upper surface.
-pub(super) struct LayerRay {
-    pub(super) heading: Heading,
-    pub(super) state: PathState,
-}
-
 /// A ray at the facet that it has met.
 pub(super) struct Arrival<F> {
     pub(super) region: Region,

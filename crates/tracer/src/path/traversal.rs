@@ -4,10 +4,11 @@ use asperity_tally::Loss;
 
 use super::Tracer;
 use super::batch::Batch;
-use super::state::{Arrival, Departure, LayerRay, PathRay, RayKind, Region, SingleSegment};
+use super::state::{Arrival, Departure, PathRay, RayKind, Region, SingleSegment};
 use crate::geometry::Geometry;
 use crate::interaction::layer::Interface;
 use crate::periodic::{Traversal, TraversalEnd, begin};
+use crate::ray::HalfSpace;
 
 impl<G: Geometry> Tracer<'_, G> {
     /// Begins to trace a ray: it ends at once if it can be told that it meets nothing, and is searched in the next
@@ -22,10 +23,8 @@ impl<G: Geometry> Tracer<'_, G> {
         if let Some(layer) = &self.layer
             && region == Region::inside(region.interface)
         {
-            batch.inside.push(LayerRay {
-                heading: layer.to_upper_surface(region.interface, ray.heading),
-                state: ray.state,
-            });
+            let heading = layer.to_upper_surface(region.interface, ray.heading);
+            batch.entering.push(&heading, HalfSpace::Below, &ray.state);
             return;
         }
         let Some(geometry) = self.geometry_of(region.interface) else {

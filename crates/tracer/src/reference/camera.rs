@@ -2,7 +2,7 @@
 
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
 use super::next_event::NextEvent;
@@ -85,7 +85,7 @@ impl<G: Geometry> PathIntegrator<'_, G> {
         rng: &mut R,
         contribute: &mut impl FnMut(CameraContribution),
     ) {
-        let reach = layer.free_flight(rng);
+        let reach = layer.free_flight(rng.random());
         let goes_on = self.geometry.border() != Border::Open;
         let x = path.heading.origin;
         beams.holding(self.geometry, x, reach, goes_on, |beam| {

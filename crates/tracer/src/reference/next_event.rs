@@ -1,7 +1,7 @@
 //! Next event: what a path comes to on its straight line.
 
 use glam::{DVec2, DVec3};
-use rand::Rng;
+use rand::{Rng, RngExt};
 
 use super::PathIntegrator;
 use super::result::PathEnd;
@@ -64,11 +64,12 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
         };
 
         // Sample a free flight
-        let mut reach = layer.free_flight(rng);
+        let mut reach = layer.free_flight(rng.random());
         let mut next = NextEvent::Medium(layer, reach);
 
         // Let it end at an interface that comes first
-        let to_bottom = layer.to_flat_bottom(&path.heading);
+        let (origin, direction) = (path.heading.origin, path.heading.direction);
+        let to_bottom = layer.to_flat_bottom(origin.z, direction.z);
         if to_bottom <= reach {
             reach = to_bottom;
             next = NextEvent::Interface(InterfaceHit {
@@ -78,7 +79,8 @@ impl<'a, G: Geometry> PathIntegrator<'a, G> {
             });
         }
         let mut failed = None;
-        for interface in TracedLayer::<G>::interfaces_ahead(path.heading.direction) {
+        for place in 0..layer.interfaces() {
+            let interface = layer.interface_ahead(direction.z, place);
             match self.intersect(interface, &path.heading, interface.inner_side(), reach) {
                 Ok(hit) if hit.t <= reach => {
                     reach = hit.t;
