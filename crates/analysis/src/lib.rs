@@ -50,7 +50,7 @@ mod models;
 mod numerics;
 
 pub use compare::comparison::{BinComparison, Comparison, Grouping, TotalVariation, compare};
-pub use compare::input::{ComparisonError, Expected};
+pub use compare::input::{ComparisonError, Expected, RayCount};
 pub use compare::multiple_tests::{
     chi_squared_per_degree, chi_squared_survival, sidak_level, sidak_z_threshold,
 };

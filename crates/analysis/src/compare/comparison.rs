@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::compare::input::{ComparisonError, Expected, validate};
+use crate::compare::input::{ComparisonError, Expected, RayCount, validate};
 use crate::compare::sign_flip::{
     Scale, SignFlipTest, Untested, flip_signs, flipped_sums, sign_flip_test,
 };
@@ -19,8 +19,10 @@ const NOISE_FLIPS: usize = 400;
 pub struct Grouping {
     /// Name of the scale.
     pub name: &'static str,
-    /// Numbers of the bins of each group. A group is tested if one of its bins is.
+    /// Numbers of the bins of each group.
     pub groups: Vec<Vec<usize>>,
+    /// Rays behind each group.
+    pub rays: Vec<RayCount>,
 }
 
 /// One bin of explicit surfaces and of a model.
@@ -70,9 +72,8 @@ pub struct Comparison {
 ///
 /// - `surfaces`: one list of bin fluxes per surface, each an independent draw of the same ensemble.
 /// - `expected`: the fluxes of the model.
-/// - `enough`: the bins to test. Choose those in which at least 20 rays are found or expected over all surfaces.
-///   Fewer rays are far from symmetric about their mean, which the test assumes. Bins left out still count in
-///   the total variation and in sums.
+/// - `rays`: the rays behind each bin, which decide whether it is tested. Bins left out still count in the total variation and
+///   in sums.
 /// - `groupings`: coarser scales to test as well.
 /// - `seed`: chooses the random flips. The same seed gives the same result.
 ///
@@ -84,11 +85,11 @@ pub struct Comparison {
 pub fn compare(
     surfaces: &[Vec<f64>],
     expected: Expected<'_>,
-    enough: &[bool],
+    rays: &[RayCount],
     groupings: &[Grouping],
     seed: u64,
 ) -> Result<Comparison, ComparisonError> {
-    validate(surfaces, expected, enough)?;
+    validate(surfaces, expected, rays)?;
     let residuals: Vec<Vec<f64>> = surfaces
         .iter()
         .enumerate()
@@ -96,6 +97,9 @@ pub fn compare(
         .collect();
     // Residuals average without the rounding of the larger fluxes.
     let count = surfaces.len() as f64;
+    let enough: Vec<bool> = (0..rays.len())
+        .map(|b| rays[b].suffices(residuals.iter().map(|d| d[b])))
+        .collect();
     let offsets: Vec<f64> = (0..enough.len())
         .map(|b| residuals.iter().map(|d| d[b]).sum::<f64>() / count)
         .collect();
@@ -121,7 +125,7 @@ pub fn compare(
         bins,
         surfaces: surfaces.len(),
         total_variation: total_variation(&residuals, &offsets, seed),
-        test: test_on_all_scales(&residuals, enough, groupings, seed),
+        test: test_on_all_scales(&residuals, &enough, groupings, seed),
     })
 }
 
@@ -159,10 +163,10 @@ fn test_on_all_scales(
         .map(|grouping| {
             let sum = |d: &Vec<f64>, group: &Vec<usize>| group.iter().map(|&b| d[b]).sum();
             let of_surface = |d| grouping.groups.iter().map(|group| sum(d, group)).collect();
+            let sums: Vec<Vec<f64>> = residuals.iter().map(of_surface).collect();
             let members = (0..grouping.groups.len())
-                .filter(|&g| grouping.groups[g].iter().any(|&b| enough[b]))
+                .filter(|&g| grouping.rays[g].suffices(sums.iter().map(|d| d[g])))
                 .collect();
-            let sums = residuals.iter().map(of_surface).collect();
             (
                 without_rounding(sums, |g| grouping.groups[g].len()),
                 members,
@@ -249,7 +253,7 @@ mod tests {
         let result = compare(
             &surfaces,
             Expected::Exact(&[0.1, 0.5]),
-            &[true, true],
+            &[RayCount::UNLIMITED; 2],
             &[],
             1,
         )
@@ -272,7 +276,7 @@ mod tests {
         let result = compare(
             &[vec![0.2, 0.4]],
             Expected::Exact(&[0.3, 0.4]),
-            &[true, true],
+            &[RayCount::UNLIMITED; 2],
             &[],
             1,
         )
@@ -290,7 +294,7 @@ mod tests {
         let result = compare(
             &surfaces,
             Expected::Exact(&[0.01, 0.0]),
-            &[true, true],
+            &[RayCount::UNLIMITED; 2],
             &[],
             1,
         )
@@ -307,7 +311,7 @@ mod tests {
         let result = compare(
             &surfaces,
             Expected::Exact(&[0.01, 0.0]),
-            &[false, true],
+            &[RayCount::NONE, RayCount::UNLIMITED],
             &[],
             1,
         )
@@ -317,7 +321,7 @@ mod tests {
         let result = compare(
             &surfaces,
             Expected::Exact(&[0.01, 0.0]),
-            &[false, false],
+            &[RayCount::NONE; 2],
             &[],
             1,
         )
@@ -337,10 +341,11 @@ mod tests {
         let groups = [Grouping {
             name: "sides",
             groups: vec![vec![0, 1]],
+            rays: vec![RayCount::UNLIMITED],
         }];
         let p = |model: &[f64]| {
-            let enough = [true, true];
-            let result = compare(&surfaces, Expected::Exact(model), &enough, &groups, 1);
+            let rays = [RayCount::UNLIMITED; 2];
+            let result = compare(&surfaces, Expected::Exact(model), &rays, &groups, 1);
             result.unwrap().test.unwrap().p
         };
         assert!(p(&[0.5, 0.5 - 1e-12]) > 0.3);
@@ -356,19 +361,28 @@ mod tests {
         let error = compare(
             &[vec![0.1], vec![0.1, 0.2]],
             Expected::Exact(&[0.1]),
-            &[true],
+            &[RayCount::UNLIMITED],
             &[],
             0,
         )
         .unwrap_err();
         assert_eq!(error.to_string(), "surface 1 has 2 bins; the model has 1");
         assert!(compare(&[vec![0.1]], Expected::Exact(&[0.1]), &[], &[], 0).is_err());
-        assert!(compare(&[vec![f64::NAN]], Expected::Exact(&[0.1]), &[true], &[], 0).is_err());
+        assert!(
+            compare(
+                &[vec![f64::NAN]],
+                Expected::Exact(&[0.1]),
+                &[RayCount::UNLIMITED],
+                &[],
+                0
+            )
+            .is_err()
+        );
         assert!(
             compare(
                 &[vec![0.1]],
                 Expected::Exact(&[f64::INFINITY]),
-                &[true],
+                &[RayCount::UNLIMITED],
                 &[],
                 0
             )

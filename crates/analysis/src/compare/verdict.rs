@@ -85,7 +85,7 @@ pub fn verdicts(comparisons: &[&Comparison], level: f64) -> Vec<Verdict> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Expected, compare};
+    use crate::{Expected, RayCount, compare};
 
     fn surfaces(count: usize) -> Vec<Vec<f64>> {
         // Deviations from 0.3 of either sign, the same in sum.
@@ -96,8 +96,22 @@ mod tests {
 
     #[test]
     fn verdicts_print_as_rejected_and_not_rejected() {
-        let right = compare(&surfaces(10), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
-        let wrong = compare(&surfaces(10), Expected::Exact(&[0.31]), &[true], &[], 0).unwrap();
+        let right = compare(
+            &surfaces(10),
+            Expected::Exact(&[0.3]),
+            &[RayCount::UNLIMITED],
+            &[],
+            0,
+        )
+        .unwrap();
+        let wrong = compare(
+            &surfaces(10),
+            Expected::Exact(&[0.31]),
+            &[RayCount::UNLIMITED],
+            &[],
+            0,
+        )
+        .unwrap();
         let both = verdicts(&[&right, &wrong], DEFAULT_LEVEL);
         assert_eq!(both, [Verdict::NotRejected, Verdict::Rejected]);
         assert_eq!(
@@ -114,12 +128,25 @@ mod tests {
             (4, "not resolved: too few surfaces: 4, at least 6"),
             (7, "not resolved: the least p value"),
         ] {
-            let wrong =
-                compare(&surfaces(count), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+            let wrong = compare(
+                &surfaces(count),
+                Expected::Exact(&[0.9]),
+                &[RayCount::UNLIMITED],
+                &[],
+                0,
+            )
+            .unwrap();
             let verdict = verdicts(&[&wrong], DEFAULT_LEVEL)[0].to_string();
             assert!(verdict.starts_with(text), "{verdict}");
         }
-        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        let wrong = compare(
+            &surfaces(8),
+            Expected::Exact(&[0.9]),
+            &[RayCount::UNLIMITED],
+            &[],
+            0,
+        )
+        .unwrap();
         assert_eq!(verdicts(&[&wrong], DEFAULT_LEVEL), [Verdict::Rejected]);
     }
 
@@ -127,8 +154,14 @@ mod tests {
     #[test]
     fn comparisons_divide_the_level() {
         let of_p = |p: f64| {
-            let mut found =
-                compare(&surfaces(12), Expected::Exact(&[0.3]), &[true], &[], 0).unwrap();
+            let mut found = compare(
+                &surfaces(12),
+                Expected::Exact(&[0.3]),
+                &[RayCount::UNLIMITED],
+                &[],
+                0,
+            )
+            .unwrap();
             found.test.as_mut().unwrap().p = p;
             found
         };
@@ -160,7 +193,14 @@ mod tests {
     /// Eight surfaces reach 1/128 = 0.0078 at best: enough for one model, and for none of two.
     #[test]
     fn two_models_need_more_surfaces_than_one() {
-        let wrong = compare(&surfaces(8), Expected::Exact(&[0.9]), &[true], &[], 0).unwrap();
+        let wrong = compare(
+            &surfaces(8),
+            Expected::Exact(&[0.9]),
+            &[RayCount::UNLIMITED],
+            &[],
+            0,
+        )
+        .unwrap();
         assert_eq!(verdicts(&[&wrong], 0.01), [Verdict::Rejected]);
         let reason = Unresolved::LevelOutOfReach {
             min_p: 1.0 / 128.0,

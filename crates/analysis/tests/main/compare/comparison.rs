@@ -1,7 +1,7 @@
 //! The comparison on data that behave like explicit surfaces: bins share the surface.
 
 use asperity_analysis::{
-    Expected, Grouping, Verdict, chi_squared_per_degree, chi_squared_survival, compare,
+    Expected, Grouping, RayCount, Verdict, chi_squared_per_degree, chi_squared_survival, compare,
     sidak_z_threshold, verdicts,
 };
 use rand::{RngExt, SeedableRng};
@@ -73,10 +73,12 @@ fn coarser() -> Vec<Grouping> {
     vec![
         Grouping {
             name: "tens",
+            rays: vec![RayCount::UNLIMITED; 3],
             groups: tens,
         },
         Grouping {
             name: "all",
+            rays: vec![RayCount::UNLIMITED],
             groups: all,
         },
     ]
@@ -105,7 +107,7 @@ fn p_values_of_a_correct_model_are_uniform_unlike_chi_squared() {
         let result = compare(
             &surfaces,
             Expected::Exact(&expected),
-            &[true; BINS],
+            &[RayCount::UNLIMITED; BINS],
             &coarser(),
             seed as u64,
         )
@@ -152,7 +154,14 @@ fn a_shift_of_five_standard_errors_in_one_bin_is_detected() {
         let surfaces = ensemble.surfaces(64);
         let mut wrong = ensemble.expected.clone();
         wrong[7] += 5.0 * (variance / 64.0).sqrt();
-        let result = compare(&surfaces, Expected::Exact(&wrong), &[true; BINS], &[], seed).unwrap();
+        let result = compare(
+            &surfaces,
+            Expected::Exact(&wrong),
+            &[RayCount::UNLIMITED; BINS],
+            &[],
+            seed,
+        )
+        .unwrap();
         let test = result.test.unwrap();
         seen += usize::from(test.p < 0.01 && test.scales[0].member == 7);
     }
@@ -174,7 +183,7 @@ fn a_shift_spread_over_all_bins_is_detected_in_their_sum() {
             compare(
                 &surfaces,
                 Expected::Exact(&wrong),
-                &[true; BINS],
+                &[RayCount::UNLIMITED; BINS],
                 groupings,
                 seed,
             )
@@ -200,7 +209,7 @@ fn total_variation_of_a_correct_model_is_that_of_noise() {
         let result = compare(
             &surfaces,
             Expected::Exact(&ensemble.expected),
-            &[true; BINS],
+            &[RayCount::UNLIMITED; BINS],
             &[],
             seed,
         )
@@ -224,7 +233,7 @@ fn results_depend_on_data_and_seed_alone() {
     let once = compare(
         &surfaces,
         Expected::Exact(&ensemble.expected),
-        &[true; BINS],
+        &[RayCount::UNLIMITED; BINS],
         &coarser(),
         5,
     )
@@ -232,7 +241,7 @@ fn results_depend_on_data_and_seed_alone() {
     let twice = compare(
         &surfaces,
         Expected::Exact(&ensemble.expected),
-        &[true; BINS],
+        &[RayCount::UNLIMITED; BINS],
         &coarser(),
         5,
     )
@@ -250,8 +259,8 @@ fn duplicate_bins_change_no_p_value() {
     for count in [8, 24] {
         let surfaces: Vec<Vec<f64>> = (0..count).map(|_| ensemble.surface()).collect();
         let model = ensemble.expected.clone();
-        let mut enough = vec![true; BINS];
-        enough[3] = false;
+        let mut enough = vec![RayCount::UNLIMITED; BINS];
+        enough[3] = RayCount::NONE;
         let spread = |of_rings: &[f64]| -> Vec<f64> {
             let fractions = of_rings.iter().map(|flux| flux / copies as f64);
             fractions
@@ -265,9 +274,13 @@ fn duplicate_bins_change_no_p_value() {
                     .map(|first| (first..first + width).collect())
                     .collect()
             };
-            [("rings", of_each), ("sides", BINS * of_each)].map(|(name, width)| Grouping {
-                name,
-                groups: groups(width),
+            [("rings", of_each), ("sides", BINS * of_each)].map(|(name, width)| {
+                let groups = groups(width);
+                let mut rays = vec![RayCount::UNLIMITED; groups.len()];
+                if name == "rings" {
+                    rays[3] = RayCount::NONE;
+                }
+                Grouping { name, groups, rays }
             })
         };
         let alone = compare(
@@ -279,7 +292,7 @@ fn duplicate_bins_change_no_p_value() {
         )
         .unwrap();
         let copied: Vec<Vec<f64>> = surfaces.iter().map(|fluxes| spread(fluxes)).collect();
-        let enough: Vec<bool> = enough.iter().flat_map(|&e| vec![e; copies]).collect();
+        let enough: Vec<RayCount> = enough.iter().flat_map(|&e| vec![e; copies]).collect();
         let copied = compare(
             &copied,
             Expected::Exact(&spread(&model)),
@@ -315,8 +328,16 @@ fn a_wrong_model_is_rejected_and_a_correct_one_is_not() {
     let surfaces = ensemble.surfaces(24);
     let right = ensemble.expected.clone();
     let wrong: Vec<f64> = right.iter().map(|m| 0.6 * m).collect();
-    let both = [right, wrong]
-        .map(|m| compare(&surfaces, Expected::Exact(&m), &[true; BINS], &coarser(), 1).unwrap());
+    let both = [right, wrong].map(|m| {
+        compare(
+            &surfaces,
+            Expected::Exact(&m),
+            &[RayCount::UNLIMITED; BINS],
+            &coarser(),
+            1,
+        )
+        .unwrap()
+    });
     assert_eq!(
         verdicts(&[&both[0], &both[1]], 0.01),
         [Verdict::NotRejected, Verdict::Rejected]
@@ -360,7 +381,13 @@ fn noise_of_few_surfaces_has_its_exact_mean() {
                 };
                 let drawn: Vec<Vec<f64>> = (0..surfaces).map(surface).collect();
                 let model = [0.03; BINS];
-                let found = compare(&drawn, Expected::Exact(&model), &[true; BINS], &[], seed);
+                let found = compare(
+                    &drawn,
+                    Expected::Exact(&model),
+                    &[RayCount::UNLIMITED; BINS],
+                    &[],
+                    seed,
+                );
                 found.unwrap().total_variation.noise.unwrap()
             })
             .collect();

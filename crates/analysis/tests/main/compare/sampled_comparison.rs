@@ -1,6 +1,6 @@
 //! Surfaces against a model that is itself sampled: its noise must be part of the errors.
 
-use asperity_analysis::{ComparisonError, Expected, compare};
+use asperity_analysis::{ComparisonError, Expected, RayCount, compare};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -40,7 +40,8 @@ fn a_correct_model_keeps_its_level_only_if_its_noise_counts() {
             .map(|b| model.iter().map(|batch| batch[b]).sum::<f64>() / SURFACES as f64)
             .collect();
         let p = |expected| {
-            let result = compare(&surfaces, expected, &[true; BINS], &[], seed).unwrap();
+            let result =
+                compare(&surfaces, expected, &[RayCount::UNLIMITED; BINS], &[], seed).unwrap();
             result.test.unwrap().p
         };
         let model = slices(&model);
@@ -59,7 +60,8 @@ fn errors_are_those_of_the_difference() {
     let mut rng = ChaCha8Rng::seed_from_u64(32);
     let surfaces = batches(&mut rng, 0.1);
     let model = batches(&mut rng, 0.3);
-    let of_batches = |expected| compare(&surfaces, expected, &[true; BINS], &[], 1).unwrap();
+    let of_batches =
+        |expected| compare(&surfaces, expected, &[RayCount::UNLIMITED; BINS], &[], 1).unwrap();
     let batches = slices(&model);
     let paired = of_batches(Expected::Batches(&batches));
     let alone = of_batches(Expected::Exact(&[1.0; BINS]));
@@ -83,7 +85,14 @@ fn errors_are_those_of_the_difference() {
 fn batches_and_surfaces_must_be_equal_in_number() {
     let surfaces = vec![vec![0.5]; 8];
     let model: &[f64] = &[0.5];
-    let error = compare(&surfaces, Expected::Batches(&[model; 7]), &[true], &[], 1).unwrap_err();
+    let error = compare(
+        &surfaces,
+        Expected::Batches(&[model; 7]),
+        &[RayCount::UNLIMITED],
+        &[],
+        1,
+    )
+    .unwrap_err();
     assert_eq!(
         error,
         ComparisonError::BatchCount {

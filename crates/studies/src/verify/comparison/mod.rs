@@ -5,4 +5,5 @@ pub(crate) mod conclusion;
 pub(crate) mod json;
 pub(crate) mod models;
 pub(crate) mod peak;
+mod ray_counts;
 pub(crate) mod side_difference;

@@ -12,12 +12,9 @@ use rayon::prelude::*;
 use crate::config::VerifyConfig;
 use crate::config::case_model::CaseModel;
 use crate::config::sweep_case::SweepCase;
+use crate::verify::comparison::ray_counts::RayCounts;
 use crate::verify::comparison::side_difference::{SideDifference, side_differences};
 use crate::verify::error::VerifyError;
-
-/// Rays that a bin must hold, found or expected, to enter a test. Where rings are spread evenly over
-/// azimuth, a bin stands for its ring, and the rays of the ring count.
-const ENOUGH_RAYS: f64 = 20.0;
 
 /// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
@@ -193,36 +190,17 @@ impl Compared<'_> {
         } else {
             Expected::Exact(mean)
         };
-        let rays = self.outcome.work.rays as f64;
-        let bins_of_a_value = if self.config.free_azimuth(self.case) {
-            spec.grid().n_phi() as f64
-        } else {
-            1.0
+        let counts = RayCounts {
+            outcome: self.outcome,
+            expectation,
+            component,
+            free_azimuth: self.config.free_azimuth(self.case),
         };
-        // Few rays are far from symmetric about their mean, be they the surfaces' or the model's.
-        let first = spec.recorded_bins().start;
-        let model_counts = |i: usize| {
-            let sampled = expectation.samples(component);
-            let found = of_model.grid_hits(component, first + i);
-            !sampled || found * expectation.rays() as f64 * bins_of_a_value >= ENOUGH_RAYS
-        };
-        let enough: Vec<bool> = (0..mean.len())
-            .map(|i| {
-                let means = self.outcome.statistics.means();
-                let found = means.grid_hits(component, first + i);
-                // Under a control variate a ray counts only if it deviates from what is expected.
-                let counted = match self.outcome.work.control_variate {
-                    Some(_) => found,
-                    None => found.max(mean[i]),
-                };
-                counted * rays * bins_of_a_value >= ENOUGH_RAYS && model_counts(i)
-            })
-            .collect();
         let comparison = compare(
             &surfaces,
             expected,
-            &enough,
-            &rings_and_sides(spec),
+            &counts.of_bins(),
+            &rings_and_sides(spec, &counts),
             self.config.run.seed,
         )?;
         let sides = match component {
@@ -245,22 +223,19 @@ impl Compared<'_> {
 
 /// Sums of bins in which a deviation is tested in addition to the bins: rings of equal polar angle, and whole
 /// sides, which are the energies. Bins count from the first that is requested.
-fn rings_and_sides(spec: &TallySpec) -> [Grouping; 2] {
+fn rings_and_sides(spec: &TallySpec, counts: &RayCounts<'_>) -> [Grouping; 2] {
     let grid = spec.grid();
-    let groups = |of_each: usize| -> Vec<Vec<usize>> {
-        (0..spec.recorded_bins().len())
-            .step_by(of_each)
-            .map(|i| (i..i + of_each).collect())
-            .collect()
+    let grouping = |name, of_each: usize| {
+        let firsts = (0..spec.recorded_bins().len()).step_by(of_each);
+        let groups: Vec<Vec<usize>> = firsts.map(|i| (i..i + of_each).collect()).collect();
+        Grouping {
+            name,
+            rays: counts.of_groups(&groups),
+            groups,
+        }
     };
     [
-        Grouping {
-            name: "rings",
-            groups: groups(grid.n_phi()),
-        },
-        Grouping {
-            name: "sides",
-            groups: groups(grid.bins_per_side()),
-        },
+        grouping("rings", grid.n_phi()),
+        grouping("sides", grid.bins_per_side()),
     ]
 }

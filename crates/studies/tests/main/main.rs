@@ -1,0 +1,3 @@
+//! Whole studies.
+
+mod true_models;
