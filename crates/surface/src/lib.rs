@@ -40,6 +40,7 @@ mod missing;
 mod psd;
 mod resampling;
 mod roughness;
+mod slope_moments;
 mod spline;
 mod synthesis;
 
@@ -49,6 +50,7 @@ pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{GaussianPsd, Provenance, Psd, PsdError};
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};
+pub use slope_moments::SlopeMoments;
 pub use spline::{SplineRoughness, SplineSurface};
 pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
 pub use synthesis::{

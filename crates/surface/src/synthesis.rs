@@ -26,9 +26,9 @@ use crate::height_field::check_grid;
 use crate::{HeightField, HeightFieldError, Provenance, Psd};
 
 mod direct;
-mod facets;
 mod filter;
 mod noise;
+mod slopes;
 mod spectrum;
 pub(crate) mod splines;
 mod transform;

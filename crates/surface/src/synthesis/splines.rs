@@ -62,6 +62,11 @@ impl SplineSynthesis {
         Ok(Self { waves })
     }
 
+    /// The generator of its coefficients.
+    pub(super) const fn waves(&self) -> &Synthesis {
+        &self.waves
+    }
+
     /// The requested power spectral density.
     #[must_use]
     pub const fn psd(&self) -> &Psd {

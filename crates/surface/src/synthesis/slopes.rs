@@ -1,4 +1,4 @@
-//! What the facets of drawn surfaces are expected to do.
+//! Slopes that drawn surfaces are expected to have: of their facets, and of their splines at the grid points.
 
 use std::f64::consts::PI;
 
@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::Synthesis;
 use super::noise::Side;
+use super::splines::SplineSynthesis;
 
 impl Synthesis {
     /// Covariance `[xx, xy, yy]` expected of the slopes of a facet, dimensionless.
@@ -25,58 +26,94 @@ impl Synthesis {
     /// The cost is one pass over the waves that are not empty, as for a drawing before its FFTs.
     #[must_use]
     pub fn facet_slope_covariance(&self) -> [f64; 3] {
+        // The middles of the edges `h10 - h00` and `h11 - h10` lie half a cell apart along both axes.
+        self.covariance_of_slopes(|x, y| {
+            let cos_of_sum = x.cos * y.cos - x.sin * y.sin;
+            [x.sin * x.sin, x.sin * y.sin * cos_of_sum, y.sin * y.sin].map(|term| 4.0 * term)
+        })
+    }
+
+    /// Covariance `[xx, xy, yy]` of slopes, of each wave of unit variance `of_wave`, for cells of unit sides.
+    fn covariance_of_slopes(
+        &self,
+        of_wave: impl Fn(HalfTurn, HalfTurn) -> [f64; 3] + Sync,
+    ) -> [f64; 3] {
         let ny = self.shape[0];
-        let half_turns: Vec<[f64; 2]> = (0..=ny / 2).map(|iy| half_turn(iy, ny)).collect();
+        let half_turns: Vec<HalfTurn> = (0..=ny / 2).map(|iy| HalfTurn::of(iy, ny)).collect();
         let columns: Vec<[f64; 3]> = (0..self.filter.columns())
             .into_par_iter()
-            .map(|ix| self.sum_of_column(ix, &half_turns))
+            .map(|ix| self.sum_of_column(ix, &half_turns, &of_wave))
             .collect();
         let [xx, xy, yy] = columns.into_iter().fold([0.0; 3], plus);
         let [dx, dy] = self.spacing;
         [xx / (dx * dx), xy / (dx * dy), yy / (dy * dy)]
     }
 
-    /// Sum, over the waves of column `ix` of the half spectrum and their opposites, of the covariance of
-    /// the differences `h10 - h00` and `h11 - h10`.
-    ///
-    /// With `a` and `b` radians per sample along x and y, a wave of unit variance has the covariance
-    /// `[4 sin^2(a/2), 4 sin(a/2) sin(b/2) cos((a+b)/2), 4 sin^2(b/2)]`: the middles of the two edges lie
-    /// half a cell apart along both axes.
-    fn sum_of_column(&self, ix: usize, half_turns: &[[f64; 2]]) -> [f64; 3] {
+    /// Sum over the waves of column `ix` of the half spectrum and their opposites.
+    fn sum_of_column(
+        &self,
+        ix: usize,
+        half_turns: &[HalfTurn],
+        of_wave: &impl Fn(HalfTurn, HalfTurn) -> [f64; 3],
+    ) -> [f64; 3] {
         let [ny, nx] = self.shape;
         // Where kx and -kx are one, the waves of one side are the opposites of those of the other.
         let both_sides = ix != 0 && 2 * ix != nx;
+        let along_x = HalfTurn::of(ix, nx);
         let mut amplitudes = vec![0.0; ny / 2 + 1];
-        // Sums of 1, sin cos and sin^2 of b/2, times the variance
-        let mut sums = [0.0; 3];
+        let mut sum = [0.0; 3];
         let sides = [(Side::Positive, 0, 1.0), (Side::Negative, 1, -1.0)];
         let drawn = if both_sides { &sides[..] } else { &sides[..1] };
         for &(side, first, sign) in drawn {
             let amplitudes = &mut amplitudes[..self.filter.rows(ix, side)];
             self.filter.fill(ix, side, amplitudes);
             for (i, amplitude) in (first..).zip(&*amplitudes) {
-                let [sin, cos] = half_turns[i];
+                let HalfTurn { sin, cos } = half_turns[i];
+                let along_y = HalfTurn {
+                    sin: sign * sin,
+                    cos,
+                };
                 // A wave stands for its opposite as well, unless it is its own.
                 let alone = !both_sides && (i == 0 || 2 * i == ny);
                 let variance = amplitude * amplitude * if alone { 1.0 } else { 2.0 };
-                let terms = [1.0, sign * sin * cos, sin * sin];
-                sums = plus(sums, terms.map(|term| variance * term));
+                let terms = of_wave(along_x, along_y);
+                sum = plus(sum, terms.map(|term| variance * term));
             }
         }
-        let [sin, cos] = half_turn(ix, nx);
-        let [all, sin_cos, sin_sin] = sums.map(|sum| 4.0 * sum);
-        [
-            sin * sin * all,
-            sin * (cos * sin_cos - sin * sin_sin),
-            sin_sin,
-        ]
+        sum
     }
 }
 
-/// Sine and cosine of half the angle by which wave `i` of `n` turns from sample to sample.
-fn half_turn(i: usize, n: usize) -> [f64; 2] {
-    let (sin, cos) = (PI * i as f64 / n as f64).sin_cos();
-    [sin, cos]
+impl SplineSynthesis {
+    /// Covariance `[xx, xy, yy]` expected of the slopes at the grid points of drawn splines, dimensionless; means of slopes are
+    /// zero.
+    ///
+    /// There a spline of coefficients `c` has the height `(c[-1] + 4 c[0] + c[1]) / 6` and the slope `(c[1] - c[-1]) / 2` along each
+    /// axis.
+    #[must_use]
+    pub fn slope_covariance_at_grid_points(&self) -> [f64; 3] {
+        self.waves().covariance_of_slopes(|x, y| {
+            let height = |along: HalfTurn| (3.0 - 2.0 * along.sin * along.sin) / 3.0;
+            let slope = |along: HalfTurn| 2.0 * along.sin * along.cos;
+            let [sx, sy] = [slope(x) * height(y), height(x) * slope(y)];
+            [sx * sx, sx * sy, sy * sy]
+        })
+    }
+}
+
+/// Half the angle by which a wave turns from sample to sample along an axis.
+#[derive(Clone, Copy)]
+struct HalfTurn {
+    sin: f64,
+    cos: f64,
+}
+
+impl HalfTurn {
+    /// Of wave `i` of `n`.
+    fn of(i: usize, n: usize) -> Self {
+        let (sin, cos) = (PI * i as f64 / n as f64).sin_cos();
+        Self { sin, cos }
+    }
 }
 
 fn plus(sum: [f64; 3], term: [f64; 3]) -> [f64; 3] {
