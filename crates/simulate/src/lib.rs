@@ -45,7 +45,7 @@ pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};
 pub use methods::method::ControlVariateMean;
 pub use observer::{Deadline, Observer, Silent};
-pub use output::chosen_paths::{ChosenPaths, TriedPaths};
+pub use output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 pub use output::outcome::{ErrorSource, Outcome};
 pub use output::stopped_by::StoppedBy;
 pub use output::stopping::{PilotFigures, Stopping};

@@ -6,11 +6,13 @@
 //! Surfaces and blocks are reduced in the order of their number, so that a resumed run gives the bytes of one that
 //! was not ended. A store must keep runs of other cases and settings apart.
 
+use asperity_surface::SlopeMoments;
 use asperity_tally::{SavedStatistics, TallySpec};
-use asperity_tracer::{PathSettings, Work};
+use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
 use crate::errors::refinement::MeshShifts;
+use crate::output::chosen_paths::WayOfPaths;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -58,6 +60,8 @@ pub enum Stage {
 pub struct SavedSurface {
     /// By case.
     cases: Vec<SavedCase>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    slopes: Option<SlopeMoments>,
     seconds: Seconds,
     used: Used,
 }
@@ -65,7 +69,7 @@ pub struct SavedSurface {
 /// What one surface did with the light of one case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct SavedCase {
-    paths: PathSettings,
+    way: WayOfPaths,
     tally: SavedStatistics,
     /// What differs between its meshes, where it has several.
     shifts: Vec<SavedStatistics>,
@@ -73,15 +77,21 @@ struct SavedCase {
 }
 
 impl SavedSurface {
-    pub(crate) fn new(cases: &[CaseOnSurface], seconds: Seconds, used: Used) -> Self {
+    pub(crate) fn new(
+        cases: &[CaseOnSurface],
+        slopes: Option<SlopeMoments>,
+        seconds: Seconds,
+        used: Used,
+    ) -> Self {
         let save = |case: &CaseOnSurface| SavedCase {
-            paths: case.paths,
+            way: case.way,
             tally: SavedStatistics::from(&case.tally),
             shifts: case.shifts.as_ref().map_or_else(Vec::new, MeshShifts::save),
             work: case.work,
         };
         Self {
             cases: cases.iter().map(save).collect(),
+            slopes,
             seconds,
             used,
         }
@@ -96,7 +106,7 @@ impl SavedSurface {
                 Some(MeshShifts::restore(case.shifts, spec)?)
             };
             Some(CaseOnSurface {
-                paths: case.paths,
+                way: case.way,
                 tally: case.tally.restore(spec)?,
                 shifts,
                 work: case.work,
@@ -104,6 +114,7 @@ impl SavedSurface {
         };
         Some(SurfaceTallies {
             cases: self.cases.into_iter().map(restore).collect::<Option<_>>()?,
+            slopes: self.slopes,
             seconds: self.seconds,
             used: self.used,
         })

@@ -178,33 +178,6 @@ impl ControlVariate {
         &self.expected
     }
 
-    /// Errors that no estimate of `rays` rays under this control variate should fall below: in each
-    /// entry that has an expectation, one ray that carries what light carries to that side on average,
-    /// and in a part of the budget no more than in all others together. Where no ray was seen to deviate
-    /// from the control variate, the next one might.
-    #[must_use]
-    pub fn least_errors(&self, rays: u64) -> TallyValues {
-        let spec = self.expected.spec();
-        let parts = TallySpec::BUDGET.parts();
-        let known = self.expected.budget().total();
-        let mut least = TallyValues::zeros(*spec);
-        for part in parts {
-            // Light carries its fraction of what it began with.
-            let one_ray = self.expected[part] / known / rays as f64;
-            for entry in first_order_entries(spec, part) {
-                if self.expected[entry] != 0.0 {
-                    least[entry] = one_ray;
-                }
-            }
-        }
-        // Since the budget closes, no part of it is less certain than all others together.
-        let all = least.budget().total();
-        for (part, own) in parts.into_iter().zip(least.budget().parts()) {
-            least[part] = own.min(all - own);
-        }
-        least
-    }
-
     /// Adds its mean to a tally from which the control variate has been subtracted ray by ray.
     ///
     /// The five parts of the budget add to one on average, not in every tally. What is missing, or too
@@ -228,33 +201,12 @@ impl ControlVariate {
 const FIRST_ORDER: [Component; 2] = [Component::Single, Component::All];
 
 /// Entries that hold all light of `side` that is scattered once, alone or among others.
-fn first_order_totals(spec: &TallySpec, side: Side) -> [Entry; 3] {
+pub(crate) fn first_order_totals(spec: &TallySpec, side: Side) -> [Entry; 3] {
     [
         spec.flux_entry(side, Component::All),
         spec.flux_entry(side, Component::Single),
         spec.event_path_entry(side, single_path(side)),
     ]
-}
-
-/// Entries of light of all orders or the first that ends in `part` of the budget.
-fn first_order_entries(spec: &TallySpec, part: Entry) -> Vec<Entry> {
-    let budget = TallySpec::BUDGET;
-    let side = if part == budget.reflected {
-        Side::Reflected
-    } else if part == budget.transmitted {
-        Side::Transmitted
-    } else if part == budget.truncated {
-        return vec![part, budget.not_recorded];
-    } else {
-        return vec![part];
-    };
-    let mut entries = first_order_totals(spec, side).to_vec();
-    for component in FIRST_ORDER {
-        entries.extend(spec.ring_entries(side, component).iter());
-        entries.extend(spec.in_plane_entries(side, component).iter());
-        entries.extend(spec.bin_entries(side, component).iter());
-    }
-    entries
 }
 
 #[cfg(test)]
@@ -331,20 +283,6 @@ mod tests {
         let sum = rings.iter().sum::<f64>();
         assert!((sum - budget.transmitted).abs() < 1e-15);
         assert_eq!(budget.reflected, tally.order(Side::Reflected, 1));
-    }
-
-    #[test]
-    fn least_errors_are_those_of_one_ray_of_the_side() {
-        let least = control_variate(spec()).least_errors(1000);
-        let known = 0.025 + 0.45 + 0.18;
-        let bins = least.bins(Side::Reflected, Component::All);
-        assert!((bins.get(0) - 1e-3 * 0.025 / known).abs() < 1e-18);
-        // A ring of which nothing is visible is not controlled.
-        assert_eq!(bins.get(3), 0.0);
-        assert!((least.order(Side::Transmitted, 1) - 1e-3 * 0.45 / known).abs() < 1e-18);
-        // What is not transmitted is reflected or absorbed.
-        assert!((least.budget().transmitted - 1e-3 * 0.205 / known).abs() < 1e-18);
-        assert_eq!(least.budget().lost, 0.0);
     }
 
     #[test]

@@ -32,6 +32,7 @@ mod entry;
 mod events;
 mod exit;
 mod exit_columns;
+mod few_rays;
 mod filters;
 mod finder;
 mod grid;
@@ -59,6 +60,7 @@ pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use exit_columns::{ExitColumns, ExitRows};
+pub use few_rays::{FEW_RAYS, RayErrors};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
 

@@ -185,10 +185,12 @@ mod tests {
     use asperity_surface::HeightField;
     use asperity_tally::TallyResult;
     use asperity_tracer::{
-        AcceleratorKind, BuildAccelerator, HalfSpace, PathSettings, Sampling, Starts, Surface,
+        AcceleratorKind, BuildAccelerator, HalfSpace, Sampling, Starts, Surface,
     };
 
     use super::*;
+    use crate::methods::method::Method;
+    use crate::output::chosen_paths::WayOfPaths;
     use crate::output::stopped_by::StoppedBy;
     use crate::output::surface_tallies::CaseOnSurface;
 
@@ -248,7 +250,8 @@ mod tests {
             asked: AtomicU64::new(0),
             advanced: AtomicU64::new(0),
         };
-        let mut found = CaseOnSurface::new(PathSettings::default(), settings.tally, 1);
+        let way = WayOfPaths::of(&Method::plain(&settings));
+        let mut found = CaseOnSurface::new(way, settings.tally, 1);
         let meshes = std::slice::from_ref(&mesh);
         run_blocks(meshes, &settings, 0, blocks, &progress, |group| {
             found.push(&group.blocks, group.work);

@@ -26,6 +26,8 @@ pub(crate) struct Draft {
     pub(crate) case: Case,
     pub(crate) method: Arc<Method>,
     pub(crate) tallies: CaseTallies,
+    /// Variance between surfaces that a control variate by their slopes has left, where there is one.
+    pub(crate) slope_control: Option<f64>,
     pub(crate) seconds: f64,
     pub(crate) stopping: Stopping,
     /// What no sum of fluxes differs by, of an analytic result.
@@ -41,7 +43,8 @@ impl Draft {
         let statistics = if is_analytic {
             statistics
         } else {
-            self.method.with_least_errors(statistics, rays)
+            let squares = self.tallies.error_squares_of_rays();
+            self.method.with_least_errors(statistics, &squares, rays)
         };
         let errors_from = match self.tallies.blocks_of_one {
             _ if is_analytic => ErrorSource::DeviationBound,
@@ -63,7 +66,8 @@ impl Draft {
             }
             ErrorSource::Surfaces => {
                 let mesh = self.mesh_errors(settings);
-                ErrorBudget::of_surfaces(&statistics, &self.tallies.ray_squares, traced_rays, mesh)
+                let of_rays = self.tallies.error_squares_of_rays();
+                ErrorBudget::of_surfaces(&statistics, of_rays, traced_rays, mesh)
             }
         };
         let seconds = self.tallies.seconds;
@@ -85,6 +89,7 @@ impl Draft {
                 build_seconds: seconds.build,
                 trace_seconds: seconds.trace,
                 seconds: self.seconds,
+                slope_control: self.slope_control,
                 ..SummaryWork::new(tallies.work, tallies.used, &method, settings.sampling)
             },
             surfaces: tallies.surfaces,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use asperity_surface::{HeightField, SplineSurface, SplineSynthesis, Synthesis};
+use asperity_surface::{HeightField, SlopeMoments, SplineSurface, SplineSynthesis, Synthesis};
 use asperity_tracer::{BuildAccelerator, SmoothSurface, Surface};
 
 use super::built_surface::Meshes;
@@ -23,6 +23,9 @@ pub(crate) trait Draw {
         memory: Vec<f64>,
     ) -> Result<Self::Drawn, SimulateError>;
 
+    /// Moments of the slopes of a surface.
+    fn slope_moments(drawn: &Self::Drawn) -> SlopeMoments;
+
     /// The meshes of a surface, with a finer and a coarser one if it is to be refined.
     fn meshes(drawn: Self::Drawn, refine: bool) -> Result<Meshes<Self::Surface>, SimulateError>;
 
@@ -41,6 +44,10 @@ impl Draw for Synthesis {
         memory: Vec<f64>,
     ) -> Result<HeightField, SimulateError> {
         Ok(self.draw_into(seed, number, memory)?)
+    }
+
+    fn slope_moments(field: &HeightField) -> SlopeMoments {
+        field.slope_moments()
     }
 
     fn meshes(field: HeightField, refine: bool) -> Result<Meshes<Surface>, SimulateError> {
@@ -63,6 +70,10 @@ impl Draw for SplineSynthesis {
         memory: Vec<f64>,
     ) -> Result<SplineSurface, SimulateError> {
         Ok(self.draw_into(seed, number, memory)?)
+    }
+
+    fn slope_moments(spline: &SplineSurface) -> SlopeMoments {
+        spline.slope_moments()
     }
 
     /// One alone: a spline has no finer mesh than itself.
@@ -121,6 +132,11 @@ impl Draw for RefinedSplines {
             drawn.push(coarser.draw(seed, number)?);
         }
         Ok(drawn)
+    }
+
+    /// Those of the surface at the given spacing.
+    fn slope_moments(drawn: &Vec<SplineSurface>) -> SlopeMoments {
+        drawn[1].slope_moments()
     }
 
     fn meshes(

@@ -13,14 +13,14 @@ use super::path_trial::{best, is_worth, report, without_blind};
 use super::pilot::{self, cost_of_ray_ns};
 use super::ray_blocks::{MARGIN, MAX_RAYS, RayBlocks};
 use super::ready_group::ReadyGroup;
-use super::rounds::{Batches, Rounds, run_rounds};
+use super::rounds::{Batches, PlannedBatches, Rounds, run_rounds};
 use super::tallies::CaseTallies;
 use crate::error::SimulateError;
 use crate::input::case::Case;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
 use crate::observer::Observer;
-use crate::output::chosen_paths::{ChosenPaths, TriedPaths};
+use crate::output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 use crate::output::stopping::Stopping;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds};
 
@@ -54,9 +54,9 @@ pub(crate) struct GivenCase {
 }
 
 impl GivenCase {
-    /// The paths that are followed on all meshes.
-    fn paths(&self) -> PathSettings {
-        self.methods[0].paths
+    /// How paths are followed on all meshes.
+    fn way(&self) -> WayOfPaths {
+        WayOfPaths::of(&self.methods[0])
     }
 
     /// The same on other paths.
@@ -104,7 +104,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         let method_of = |i: usize| &*case.methods[i];
         let lit = self.built.lit(&case.case, method_of, &self.settings)?;
         Ok(RayBlocks {
-            found: CaseOnSurface::new(case.paths(), self.settings.tally, lit.len()),
+            found: CaseOnSurface::new(case.way(), self.settings.tally, lit.len()),
             settings: &self.settings,
             number: case.number,
             method: &case.methods[0],
@@ -161,7 +161,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         }
         let costs = pilots.iter().map(GivenPilot::cost).collect();
         let costs = without_blind(costs, pilots.iter().map(|pilot| pilot.error_over_target));
-        let paths: Vec<_> = pilots.iter().map(|pilot| pilot.case.paths()).collect();
+        let paths: Vec<_> = pilots.iter().map(|pilot| pilot.case.way()).collect();
         let chosen = pilots.swap_remove(best(&costs));
         let needed = self.pilot_blocks().rays() as f64 * chosen.error_over_target.powi(2);
         Ok(GivenCase {
@@ -175,7 +175,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
     fn run_case(&self, case: &GivenCase, context: Context<'_>) -> Result<Draft, SimulateError> {
         let planned = self.blocks(case);
         let mut blocks = self.ray_blocks(case, planned)?;
-        let rounds = run_rounds(&mut blocks, planned.count, context)?;
+        let rounds = run_rounds(&mut blocks, PlannedBatches::at_once(planned.count), context)?;
         let stopping = self.stopping(case, rounds, blocks.error());
         let seconds = Seconds {
             build: self.build_seconds,
@@ -186,6 +186,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
             case: case.case.clone(),
             method: case.methods[0].clone(),
             tallies: CaseTallies::of_one(blocks.found, seconds, blocks.used),
+            slope_control: None,
             seconds: seconds.build + seconds.trace,
             stopping: stopping.with_warning(),
             deviation_bound: None,
@@ -194,7 +195,10 @@ impl<G: BuildAccelerator> GivenRun<G> {
 
     fn stopping(&self, case: &GivenCase, rounds: Rounds, error: Option<f64>) -> Stopping {
         let target = self.settings.target();
-        let paths = || ChosenPaths::new(case.paths(), &case.tried);
+        let paths = || ChosenPaths {
+            way: case.way(),
+            tried: case.tried.clone(),
+        };
         Stopping {
             target_error: target.map(|target| target.error()),
             of: target.map(|target| target.of()),

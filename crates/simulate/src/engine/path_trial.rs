@@ -5,11 +5,9 @@
 //! between surfaces does not depend on how paths are followed; that of the way whose rays scatter least, where it
 //! shows best, stands for all. Costs are counted, not timed.
 
-use asperity_tracer::PathSettings;
-
 use super::pilot::{Figures, cost_of_all};
 use crate::input::target::{Target, ratio};
-use crate::output::chosen_paths::TriedPaths;
+use crate::output::chosen_paths::{TriedPaths, WayOfPaths};
 
 /// What a trial may cost, of the run that it is to shorten.
 const MOST_OF_RUN: f64 = 0.08;
@@ -62,13 +60,12 @@ pub(crate) fn best(costs: &[f64]) -> usize {
 }
 
 /// What is reported of ways with these costs: nothing of one alone.
-pub(crate) fn report(ways: &[PathSettings], costs: &[f64]) -> Vec<TriedPaths> {
+pub(crate) fn report(ways: &[WayOfPaths], costs: &[f64]) -> Vec<TriedPaths> {
     if ways.len() == 1 {
         return Vec::new();
     }
-    let of_way = |(paths, cost): (&PathSettings, &f64)| TriedPaths {
-        branching: paths.branching(),
-        roulette: paths.roulette(),
+    let of_way = |(way, cost): (&WayOfPaths, &f64)| TriedPaths {
+        way: *way,
         relative_cost: ratio(*cost, costs[0]),
     };
     ways.iter().zip(costs).map(of_way).collect()
@@ -78,7 +75,9 @@ pub(crate) fn report(ways: &[PathSettings], costs: &[f64]) -> Vec<TriedPaths> {
 mod tests {
     use super::*;
     use crate::engine::pilot::tests::figures;
+    use crate::input::settings::Settings;
     use crate::input::target::Quantity;
+    use crate::methods::method::Method;
 
     fn way(v_s: f64, v_r: f64, cost_of_ray_ns: f64) -> Figures {
         let mut way = figures(v_s, v_r, None);
@@ -133,7 +132,7 @@ mod tests {
         assert_eq!(best(&costs(&[way(1.0, 1.0, 1.0); 3])), 0);
         let none = costs(&[way(0.0, 0.0, 1.0); 2]);
         assert_eq!((best(&none), &none[..]), (0, &[0.0, 0.0][..]));
-        let paths = [PathSettings::default(); 2];
+        let paths = [WayOfPaths::of(&Method::plain(&Settings::default())); 2];
         assert_eq!(report(&paths, &none)[1].relative_cost, 0.0);
         assert_eq!(report(&paths, &[2.0, 1.0])[1].relative_cost, 0.5);
         assert_eq!(report(&paths[..1], &[2.0]), []);

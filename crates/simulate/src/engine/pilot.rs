@@ -10,7 +10,7 @@
 //! The surfaces of the pilot run are none of those of the result. Costs are counted, not measured, so
 //! that the same seed plans the same on any machine.
 
-use asperity_tally::{ControlVariate, Entry, TallySpec, TallyValues};
+use asperity_tally::{Entry, TallySpec, TallyValues};
 use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
@@ -18,7 +18,7 @@ use super::tallies::CaseTallies;
 use crate::errors::convergence::Convergence;
 use crate::input::cells::Cells;
 use crate::input::random_surfaces::RandomSurfaces;
-use crate::input::target::{Quantity, Target, ratio};
+use crate::input::target::{Target, ratio};
 use crate::output::stopping::PilotFigures;
 
 /// Number of the first surface of a pilot run; those of results end far before.
@@ -73,7 +73,7 @@ const LEAST_OF_SURFACES: f64 = 0.1;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Figures {
     pub(crate) figures: PilotFigures,
-    /// Rays in all below which no error reaches the target, since none is reported below one ray.
+    /// Rays in all below which a single one is more than the target.
     fewest_rays: f64,
 }
 
@@ -101,8 +101,6 @@ pub(crate) struct PilotRun<'a> {
     pub(crate) coarse: Option<&'a CaseTallies>,
     /// Counted cost of drawing and building a surface, in nanoseconds.
     pub(crate) cost_of_surface_ns: f64,
-    /// Entries that have an error of at least one ray.
-    pub(crate) counted: usize,
 }
 
 impl Figures {
@@ -112,7 +110,6 @@ impl Figures {
             fine,
             coarse,
             cost_of_surface_ns,
-            counted,
         } = *run;
         let entries = target.of().entries(spec);
         let [mut scatter, mut of_rays, mut square] = [0.0; 3];
@@ -141,7 +138,7 @@ impl Figures {
                 mesh_difference: coarse
                     .map(|coarse| ratio(difference(&entries, fine, coarse), norm)),
             },
-            fewest_rays: ratio((counted as f64).sqrt(), norm) / target.error(),
+            fewest_rays: ratio(1.0, norm) / target.error(),
         }
     }
 
@@ -285,19 +282,6 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
     let mean = values.clone().sum::<f64>() / n;
     let squares: f64 = values.map(|x| (x - mean).powi(2)).sum();
     [mean, if n > 1.0 { squares / (n - 1.0) } else { 0.0 }]
-}
-
-/// How many entries of `aim` the control variate of an estimate knows of, each with an error of one ray at least.
-pub(crate) fn entries_with_least_error(
-    aim: Quantity,
-    spec: &TallySpec,
-    control_variate: Option<&ControlVariate>,
-) -> usize {
-    control_variate.map_or(0, |control_variate| {
-        let expected = control_variate.expected();
-        let entries = aim.entries(spec);
-        entries.into_iter().filter(|&i| expected[i] != 0.0).count()
-    })
 }
 
 #[cfg(test)]

@@ -19,9 +19,11 @@ use crate::input::case::Case;
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::input::surface_source::SurfaceSource;
+use crate::input::target::Quantity;
 use crate::methods::analytic::AnalyticResult;
 use crate::methods::method::Method;
-use crate::output::chosen_paths::{ChosenPaths, TriedPaths};
+use crate::methods::slope_control::{Observed, SlopeControl, SlopeControls};
+use crate::output::chosen_paths::{ChosenPaths, TriedPaths, WayOfPaths};
 use crate::output::stopped_by::StoppedBy;
 use crate::output::stopping::Stopping;
 use crate::slopes::slopes;
@@ -210,6 +212,7 @@ impl RandomGroup {
             case: self.as_traced(&one.case),
             method: Arc::new(one.result.method.clone()),
             tallies: CaseTallies::analytic(one.result.statistics.clone()),
+            slope_control: None,
             seconds: 0.0,
             stopping: Stopping {
                 error: Some(one.result.error),
@@ -228,8 +231,34 @@ impl RandomGroup {
     /// The error of traced case `i`.
     pub(super) fn error(&self, i: usize, tallies: &CaseTallies) -> Option<f64> {
         let method = &self.traced[i].method;
-        let statistics = method.with_least_errors(tallies.statistics(), tallies.work.rays);
+        let statistics = match self.slope_control(i, tallies) {
+            Some(control) => tallies.adjusted_statistics(&control),
+            None => tallies.statistics(),
+        };
+        let statistics = method.with_least_errors(
+            statistics,
+            &tallies.error_squares_of_rays(),
+            tallies.work.rays,
+        );
         self.settings.target()?.of().error(&statistics)
+    }
+
+    /// The control variate of traced case `i` by the slopes of its surfaces, if it lowers the error of the target, or of the bins
+    /// without a target.
+    fn slope_control(&self, i: usize, tallies: &CaseTallies) -> Option<SlopeControl> {
+        let TracedCase { case, method, .. } = &self.traced[i];
+        let folded = method.mirror.is_some();
+        let controls = SlopeControls::of(&case.light, self.surfaces.psd(), folded);
+        let of = self
+            .settings
+            .target()
+            .map_or(Quantity::Bins, |target| target.of());
+        let observed = Observed {
+            tallies: &tallies.surfaces,
+            slopes: &tallies.slopes,
+            expected_slopes: self.surfaces.expected_slope_moments(),
+        };
+        SlopeControl::fit(observed, controls, &of.entries(&self.settings.tally))
     }
 
     /// How traced case `i` stands.
@@ -291,15 +320,20 @@ impl ReadyGroup for RandomGroup {
         let seconds = clock.elapsed().as_secs_f64() / self.traced.len().max(1) as f64;
         let common = self.stopping(rounds);
         let mut drafts = self.analytic_drafts(&common);
-        for (i, (traced, tallies)) in self.traced.iter().zip(tallies).enumerate() {
+        for (i, (traced, mut tallies)) in self.traced.iter().zip(tallies).enumerate() {
             let end = self.end_of(i, &tallies);
+            let slope_control = self.slope_control(i, &tallies);
+            if let Some(control) = &slope_control {
+                tallies.adjust(control);
+            }
             let stopping = Stopping {
                 error: end.error,
                 mesh_error: end.mesh_error,
                 pilot: self.pilot.figures.get(i).map(|figures| figures.figures),
-                paths: common
-                    .target_error
-                    .map(|_| ChosenPaths::new(traced.method.paths, &self.pilot.tried[i])),
+                paths: common.target_error.map(|_| ChosenPaths {
+                    way: WayOfPaths::of(&traced.method),
+                    tried: self.pilot.tried[i].clone(),
+                }),
                 stopped_by: match end.reached {
                     Some(reached) if !common.is_cut_short() => reached,
                     _ => common.stopped_by,
@@ -311,6 +345,7 @@ impl ReadyGroup for RandomGroup {
                 case: self.as_traced(&traced.case),
                 method: traced.method.clone(),
                 tallies,
+                slope_control: slope_control.map(|control| control.remaining()),
                 seconds,
                 stopping: stopping.with_warning(),
                 deviation_bound: None,
@@ -336,7 +371,7 @@ mod tests {
     use crate::input::case::Light;
     use crate::input::estimator::Estimator;
     use crate::input::settings::Effort;
-    use crate::input::target::{Quantity, Target};
+    use crate::input::target::Target;
     use crate::observer::Silent;
 
     /// A plan of too few surfaces, as a pilot run may make one by chance, is made up for by new ones.

@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use asperity_tracer::PathSettings;
-
 use super::context::Context;
 use super::path_trial::{best, cost_times_variance, is_worth, report};
 use super::pilot::{self, Figures};
@@ -13,6 +11,7 @@ use super::traced_case::TracedCase;
 use crate::error::SimulateError;
 use crate::input::limits::most_realisations;
 use crate::input::target::Target;
+use crate::output::chosen_paths::WayOfPaths;
 use crate::store::Stage;
 
 impl RandomGroup {
@@ -46,25 +45,31 @@ impl RandomGroup {
             }));
             let figures: Vec<Figures> = ways
                 .iter()
-                .flat_map(|(_, tallies)| self.figures_of(i, tallies, None))
+                .flat_map(|(_, tallies)| self.figures_of(tallies, None))
                 .collect();
-            let paths: Vec<PathSettings> = ways.iter().map(|(way, _)| way.method.paths).collect();
+            let named: Vec<WayOfPaths> = ways
+                .iter()
+                .map(|(way, _)| WayOfPaths::of(&way.method))
+                .collect();
             let costs = cost_times_variance(&figures, target, most);
-            self.pilot.tried[i] = report(&paths, &costs);
+            self.pilot.tried[i] = report(&named, &costs);
             (self.traced[i], *fine) = ways.swap_remove(best(&costs));
         }
         Ok(())
     }
 
-    /// Every case on each of the other paths that may serve it, in the order of the cases.
+    /// Every case on each of the other paths that may serve it, by other methods too, in the order of the cases.
     fn on_other_paths(&self) -> Vec<TracedCase> {
         let of_case = |traced: &TracedCase| {
-            let others = self.settings.paths.alternatives(traced.case.material);
-            let on = |paths| TracedCase {
-                method: Arc::new(traced.method.on(paths)),
+            let TracedCase { case, method, .. } = traced;
+            let paths = self.settings.paths.alternatives(case.material);
+            let on_paths = paths.into_iter().map(|paths| method.on(paths));
+            let others = on_paths.chain(method.alternatives(&self.settings, case.material));
+            let by = |method| TracedCase {
+                method: Arc::new(method),
                 ..traced.clone()
             };
-            others.into_iter().map(on).collect::<Vec<_>>()
+            others.map(by).collect::<Vec<_>>()
         };
         self.traced.iter().flat_map(of_case).collect()
     }

@@ -66,25 +66,22 @@ impl RandomGroup {
         fine: &[CaseTallies],
         coarse: Option<&[CaseTallies]>,
     ) -> Vec<Figures> {
-        let of_case = |(i, fine)| self.figures_of(i, fine, coarse.map(|coarse| &coarse[i]));
+        let of_case = |(i, fine)| self.figures_of(fine, coarse.map(|coarse| &coarse[i]));
         fine.iter().enumerate().flat_map(of_case).collect()
     }
 
-    /// What the pilot run tells of traced case `i`; `None` without a target.
+    /// What the pilot run tells of a traced case; `None` without a target.
     pub(super) fn figures_of(
         &self,
-        i: usize,
         fine: &CaseTallies,
         coarse: Option<&CaseTallies>,
     ) -> Option<Figures> {
         let target = self.settings.target()?;
         let tally = &self.settings.tally;
-        let control_variate = self.traced[i].method.control_variate();
         let run = PilotRun {
             fine,
             coarse,
             cost_of_surface_ns: pilot::cost_of_surface_ns(&self.surfaces),
-            counted: pilot::entries_with_least_error(target.of(), tally, control_variate),
         };
         Some(Figures::new(target, tally, &run))
     }

@@ -2,15 +2,15 @@
 
 use super::context::Context;
 use super::random::RandomGroup;
-use super::rounds::{Batches, Rounds, run_rounds};
+use super::rounds::{Batches, PlannedBatches, Rounds, run_rounds};
 use super::tallies::CaseTallies;
 use crate::error::SimulateError;
 use crate::input::limits::most_realisations;
 use crate::output::stopped_by::StoppedBy;
 use crate::store::Stage;
 
-/// Safety factor: surfaces added, over those that the present error requires.
-const ROUND_MARGIN: f64 = 1.1;
+/// Safety factor: surfaces in all, over those that the present error requires.
+const ROUND_MARGIN: f64 = 1.05;
 
 impl RandomGroup {
     /// The tallies of every traced case, and how their rounds came to an end.
@@ -31,7 +31,11 @@ impl RandomGroup {
                 stopped_by: StoppedBy::Plan,
             }
         } else {
-            run_rounds(&mut batches, self.plan.surfaces, context)?
+            let planned = match self.settings.target() {
+                Some(_) => PlannedBatches::in_halves(self.plan.surfaces),
+                None => PlannedBatches::at_once(self.plan.surfaces),
+            };
+            run_rounds(&mut batches, planned, context)?
         };
         Ok((batches.tallies, rounds))
     }
@@ -51,7 +55,7 @@ impl Batches for Surfaces<'_> {
     fn trace_until(&mut self, count: u64, context: Context<'_>) -> Result<bool, SimulateError> {
         let group = self.group.group(Stage::Result);
         let rays = group.blocks().rays();
-        if self.done > 0 {
+        if count > self.group.plan.surfaces && self.done > 0 {
             let more = (count - self.done) * rays * self.group.traced.len() as u64;
             context.observer.begin("adding", more);
         }

@@ -14,6 +14,7 @@ use super::rounds::Batches;
 use crate::error::SimulateError;
 use crate::input::settings::Settings;
 use crate::methods::method::Method;
+use crate::output::chosen_paths::WayOfPaths;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds};
 use crate::output::work::Used;
 use crate::store::{SavedSurface, Stage, SurfaceKey, SurfaceStore};
@@ -93,7 +94,10 @@ impl<G: Geometry> RayBlocks<'_, G> {
         let (blocks, traced) = (found.tally.batches(), self.found.tally.batches());
         // A run that was stopped while it was planned may have divided its rays in another way, on other paths.
         let same_blocks = found.work.rays == blocks * self.planned.rays_of_one();
-        if same_blocks && found.paths == self.method.paths && (traced..=count).contains(&blocks) {
+        if same_blocks
+            && found.way == WayOfPaths::of(self.method)
+            && (traced..=count).contains(&blocks)
+        {
             let rays = (blocks - traced) * self.planned.rays_of_one();
             context.observer.advance(rays);
             self.seconds_before = saved.seconds.trace;
@@ -117,7 +121,10 @@ impl<G: Geometry> RayBlocks<'_, G> {
     /// The error so far of the quantity whose error is to reach a target.
     pub(crate) fn error(&self) -> Option<f64> {
         let tally = self.found.tally.clone();
-        let statistics = self.method.with_least_errors(tally, self.found.work.rays);
+        let squares = tally.error_squares();
+        let statistics = self
+            .method
+            .with_least_errors(tally, &squares, self.found.work.rays);
         self.settings.target()?.of().error(&statistics)
     }
 }
@@ -182,7 +189,7 @@ impl Saving<'_> {
         let cases = std::slice::from_ref(found);
         store.save(
             self.key,
-            SavedSurface::new(cases, seconds, self.used.clone()),
+            SavedSurface::new(cases, None, seconds, self.used.clone()),
         );
     }
 }

@@ -9,6 +9,9 @@ use crate::output::stopped_by::StoppedBy;
 /// Times that batches are added to those planned, at most.
 const MAX_ROUNDS: u32 = 4;
 
+/// Fewest batches after which the error seen replaces that which a pilot run expects: it is known to a sixth.
+const FEWEST_FIRST: u64 = 16;
+
 /// Batches of tallies, numbered from 0.
 pub(crate) trait Batches {
     /// Traces further batches until there are `count` of them. Returns whether all are complete: a run that is
@@ -22,6 +25,32 @@ pub(crate) trait Batches {
     fn needed(&self, count: u64, error_over_target: f64) -> u64;
 }
 
+/// How many batches a run begins with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PlannedBatches {
+    /// After so many the error seen decides how many are needed in all.
+    pub(crate) first: u64,
+    /// As a pilot run expects.
+    pub(crate) all: u64,
+}
+
+impl PlannedBatches {
+    /// All of them at once.
+    pub(crate) const fn at_once(all: u64) -> Self {
+        Self { first: all, all }
+    }
+
+    /// Half of them first, if that is enough to tell an error and leaves something to decide.
+    pub(crate) fn in_halves(all: u64) -> Self {
+        let half = all.div_ceil(2).max(FEWEST_FIRST);
+        if half < all - all / 8 {
+            Self { first: half, all }
+        } else {
+            Self::at_once(all)
+        }
+    }
+}
+
 /// How rounds came to their end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Rounds {
@@ -30,13 +59,13 @@ pub(crate) struct Rounds {
     pub(crate) stopped_by: StoppedBy,
 }
 
-/// Traces the batches `planned`, and further ones while the error is above its target.
+/// Traces the batches `planned`, fewer if the first of them show that fewer do, and further ones while the error is above its target.
 pub(crate) fn run_rounds(
     batches: &mut impl Batches,
-    planned: u64,
+    planned: PlannedBatches,
     context: Context<'_>,
 ) -> Result<Rounds, SimulateError> {
-    let mut count = planned;
+    let mut count = planned.first;
     let mut added = 0;
     let stopped_by = loop {
         if !batches.trace_until(count, context)? {
@@ -52,7 +81,9 @@ pub(crate) fn run_rounds(
         if added == MAX_ROUNDS || needed <= count {
             break StoppedBy::Plan;
         }
-        added += 1;
+        if needed > planned.all {
+            added += 1;
+        }
         count = needed;
     };
     Ok(Rounds { added, stopped_by })

@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 use asperity_io::available_memory;
+use asperity_surface::SlopeMoments;
+use asperity_tracer::BuildAccelerator;
 use rayon::prelude::*;
 
 use super::block_run::run_blocks;
@@ -16,11 +18,13 @@ use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
+use crate::input::estimator::Estimator;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
 use crate::input::random_surfaces::RandomSurfaces;
 use crate::input::settings::Settings;
 use crate::observer::Observer;
+use crate::output::chosen_paths::WayOfPaths;
 use crate::output::stopped_by::StoppedBy;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::store::{SavedSurface, Stage, SurfaceKey};
@@ -52,6 +56,13 @@ pub(crate) struct SurfaceGroup<'a> {
     pub(crate) settings: Settings,
     pub(crate) plan: SurfacePlan,
     pub(crate) stage: Stage,
+}
+
+/// A surface that was drawn, ready to be traced.
+struct DrawnSurface<G: BuildAccelerator> {
+    built: BuiltSurface<G>,
+    slopes: Option<SlopeMoments>,
+    seconds: Seconds,
 }
 
 /// What was found on the surface of a number.
@@ -194,7 +205,7 @@ impl SurfaceGroup<'_> {
         let rays = self.blocks().rays();
         let is_complete = |found: &SurfaceTallies| {
             let same = |(found, case): (&CaseOnSurface, &TracedCase)| {
-                found.work.rays == rays && found.paths == case.method.paths
+                found.work.rays == rays && found.way == WayOfPaths::of(&case.method)
             };
             let all_there = found.cases.len() == self.cases.len();
             all_there && found.cases.iter().zip(self.cases).all(same)
@@ -212,7 +223,12 @@ impl SurfaceGroup<'_> {
         let found = self.trace(surface, memory, observer);
         let complete = found.as_ref().is_ok_and(is_complete);
         if let (Some(store), Ok(found), true) = (store, &found, complete) {
-            let saved = SavedSurface::new(&found.cases, found.seconds, found.used.clone());
+            let saved = SavedSurface::new(
+                &found.cases,
+                found.slopes,
+                found.seconds,
+                found.used.clone(),
+            );
             store.save(key, saved);
         }
         Numbered {
@@ -230,7 +246,7 @@ impl SurfaceGroup<'_> {
         number: u64,
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
-    ) -> Result<(BuiltSurface<D::Surface>, Seconds), SimulateError> {
+    ) -> Result<DrawnSurface<D::Surface>, SimulateError> {
         let draw = |number, memory| {
             observer.surface_drawn(number);
             recipe.draw_into(self.settings.seed, number, memory)
@@ -243,6 +259,8 @@ impl SurfaceGroup<'_> {
         } else {
             None
         };
+        // Plain results are left as they are counted.
+        let slopes = (self.settings.estimator != Estimator::Plain).then(|| D::slope_moments(&top));
         seconds.generate = clock.elapsed().as_secs_f64();
 
         let clock = Instant::now();
@@ -254,7 +272,11 @@ impl SurfaceGroup<'_> {
         };
         let built = BuiltSurface::build(meshes, self.settings.accelerator)?;
         seconds.build = clock.elapsed().as_secs_f64();
-        Ok((built, seconds))
+        Ok(DrawnSurface {
+            built,
+            slopes,
+            seconds,
+        })
     }
 
     /// Traces all cases on one surface, which is drawn in `memory`.
@@ -281,12 +303,17 @@ impl SurfaceGroup<'_> {
         memory: &mut Vec<f64>,
         observer: &dyn Observer,
     ) -> Result<SurfaceTallies, SimulateError> {
-        let (built, mut seconds) = self.build(recipe, number, memory, observer)?;
+        let DrawnSurface {
+            built,
+            slopes,
+            mut seconds,
+        } = self.build(recipe, number, memory, observer)?;
         let clock = Instant::now();
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
             let lit = built.lit(case, |_| method, &self.settings)?;
-            let mut found = CaseOnSurface::new(method.paths, self.settings.tally, lit.len());
+            let mut found =
+                CaseOnSurface::new(WayOfPaths::of(method), self.settings.tally, lit.len());
             run_blocks(
                 &lit,
                 &self.settings,
@@ -302,6 +329,7 @@ impl SurfaceGroup<'_> {
         *memory = built.into_given().map_or_else(Vec::new, D::into_memory);
         Ok(SurfaceTallies {
             cases,
+            slopes,
             seconds,
             used,
         })

@@ -1,9 +1,11 @@
 //! The tallies of one case, surface by surface.
 
+use asperity_surface::SlopeMoments;
 use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
 use asperity_tracer::Work;
 
 use crate::errors::refinement::MeshShifts;
+use crate::methods::slope_control::SlopeControl;
 use crate::output::surface_tallies::{CaseOnSurface, Seconds, SurfaceTallies};
 use crate::output::work::Used;
 
@@ -12,6 +14,8 @@ use crate::output::work::Used;
 pub(crate) struct CaseTallies {
     /// Flux fractions of each surface.
     pub(crate) surfaces: Vec<TallyValues>,
+    /// Moments of the slopes of each, of random surfaces.
+    pub(crate) slopes: Vec<SlopeMoments>,
     /// Squares of standard errors by the scatter between ray blocks, summed over surfaces.
     pub(crate) ray_squares: TallyValues,
     /// Statistics over ray blocks, where there is only one surface, or an analytic result.
@@ -27,6 +31,7 @@ impl CaseTallies {
     fn new(spec: TallySpec, used: Used) -> Self {
         Self {
             surfaces: Vec::new(),
+            slopes: Vec::new(),
             ray_squares: TallyValues::zeros(spec),
             blocks_of_one: None,
             shifts: Vec::new(),
@@ -56,6 +61,7 @@ impl CaseTallies {
             let fraction = 1.0 / surface.cases.len() as f64;
             for (tallies, case) in all.iter_mut().zip(surface.cases) {
                 tallies.add(case, is_only);
+                tallies.slopes.extend(surface.slopes);
                 tallies.seconds.add(fraction, &surface.seconds);
             }
         }
@@ -87,11 +93,36 @@ impl CaseTallies {
     /// Puts the surfaces of `more` behind those that are there.
     pub(crate) fn append(&mut self, more: Self) {
         self.surfaces.extend(more.surfaces);
+        self.slopes.extend(more.slopes);
         self.ray_squares += &more.ray_squares;
         self.blocks_of_one = None;
         self.shifts.extend(more.shifts);
         self.work += more.work;
         self.seconds.add(1.0, &more.seconds);
+    }
+
+    /// Takes from the fluxes of each surface what its slopes explain.
+    pub(crate) fn adjust(&mut self, control: &SlopeControl) {
+        let pairs = self.surfaces.iter_mut().zip(&self.slopes);
+        for (number, (tally, slopes)) in pairs.enumerate() {
+            *tally = control.adjusted(number, tally, slopes);
+        }
+    }
+
+    /// Statistics of the tallies of surfaces, less what their slopes explain.
+    pub(crate) fn adjusted_statistics(&self, control: &SlopeControl) -> TallyStatistics {
+        let mut statistics = TallyStatistics::new(*self.ray_squares.spec());
+        let pairs = self.surfaces.iter().zip(&self.slopes);
+        for (number, (tally, slopes)) in pairs.enumerate() {
+            statistics.push(&control.adjusted(number, tally, slopes));
+        }
+        statistics
+    }
+
+    /// Squares of the standard errors of the means by the scatter between ray blocks.
+    pub(crate) fn error_squares_of_rays(&self) -> TallyValues {
+        let n = self.surfaces.len() as f64;
+        self.ray_squares.map(|sum| sum / (n * n))
     }
 
     /// Statistics of the tallies; a batch is a surface, or a block of rays where there is only one surface.

@@ -65,7 +65,7 @@ impl TallyResult for ErrorBudget {
 }
 
 /// Said of rays.
-const BY_BLOCKS: &str = "standard error by the scatter between the ray blocks of each surface";
+const BY_BLOCKS: &str = "standard error by the scatter between the ray blocks of each surface, and of results of few rays no less than that of one more ray";
 
 /// Said of surfaces.
 const BY_SURFACES: &str = "standard error by the scatter of the surfaces, less what their rays explain; 0 where these explain all of it";
@@ -120,45 +120,43 @@ impl ErrorBudget {
             squares: None,
             explanation: explanation.to_owned(),
         };
-        Self::new(blocks.error_squares(), surfaces, rays, mesh)
+        Self::new(blocks.means(), blocks.error_squares(), surfaces, rays, mesh)
     }
 
-    /// The errors of means over `surfaces`; `ray_squares` are the squares of the errors of each by the
-    /// scatter of its ray blocks, summed.
+    /// The errors of means over `surfaces`; `of_rays` are the squares of their errors by the scatter of ray blocks.
     pub(crate) fn of_surfaces(
         surfaces: &TallyStatistics,
-        ray_squares: &TallyValues,
+        of_rays: TallyValues,
         rays: TracedRays<'_>,
         mesh: MeshErrors,
     ) -> Self {
-        let n = surfaces.batches() as f64;
-        let of_rays = ray_squares.map(|sum| sum / (n * n));
+        let means = surfaces.means();
         let surfaces = SurfaceErrors {
             squares: Some(surfaces.error_squares()),
             explanation: BY_SURFACES.to_owned(),
         };
-        Self::new(of_rays, surfaces, rays, mesh)
+        Self::new(means, of_rays, surfaces, rays, mesh)
     }
 
     /// From squares of errors by rays.
     fn new(
+        means: &TallyValues,
         mut of_rays: TallyValues,
         of_surfaces: SurfaceErrors,
         rays: TracedRays<'_>,
         mesh: MeshErrors,
     ) -> Self {
-        let mut explanation = BY_BLOCKS.to_owned();
-        if let Some(control_variate) = rays.method.control_variate() {
-            of_rays.update(
-                &control_variate.least_errors(rays.count),
-                |square, least| {
-                    *square = square.max(least * least);
-                },
-            );
-            explanation
-                .push_str(", and no less than one ray where the control variate expects light");
-        }
-        let less_rays = |all: TallyValues| all.zip_map(&of_rays, |a, r| a - r);
+        let least = rays.method.least_errors(means, &of_rays, rays.count);
+        let at_least = |square: &mut f64, least: &f64| {
+            if !square.is_nan() {
+                *square = square.max(least * least);
+            }
+        };
+        of_rays.update(&least, at_least);
+        let less_rays = |mut all: TallyValues| {
+            all.update(&least, at_least);
+            all.zip_map(&of_rays, |a, r| a - r)
+        };
         let said_of_mesh = mesh.explanation.clone();
         Self {
             surfaces: of_surfaces.squares.map(less_rays),
@@ -166,7 +164,7 @@ impl ErrorBudget {
             mesh,
             bounds: None,
             explanation: Explanation {
-                rays: explanation,
+                rays: BY_BLOCKS.to_owned(),
                 surfaces: of_surfaces.explanation,
                 mesh: said_of_mesh.remaining,
                 mesh_removed: said_of_mesh.removed,

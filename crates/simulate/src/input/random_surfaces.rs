@@ -1,6 +1,8 @@
 //! Random surfaces: the recipe that draws them, by the cells that they consist of.
 
-use asperity_surface::{HeightField, Psd, SplineSynthesis, Synthesis, SynthesisError};
+use asperity_surface::{
+    HeightField, Psd, SlopeMoments, SplineSynthesis, Synthesis, SynthesisError,
+};
 
 use super::cells::Cells;
 
@@ -64,6 +66,15 @@ impl RandomSurfaces {
         match self {
             Self::Flat(synthesis) => synthesis.spacing(),
             Self::Smooth(synthesis) => synthesis.spacing(),
+        }
+    }
+
+    /// Moments that the slopes of its surfaces have on average.
+    #[must_use]
+    pub(crate) fn expected_slope_moments(&self) -> SlopeMoments {
+        match self {
+            Self::Flat(synthesis) => synthesis.expected_slope_moments(),
+            Self::Smooth(synthesis) => synthesis.expected_slope_moments(),
         }
     }
 

@@ -3,9 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
-use asperity_optics::Incidence;
+use asperity_optics::{Incidence, Material};
 use asperity_surface::Psd;
-use asperity_tally::{ControlVariate, Mirror, TallyResult, TallyStatistics};
+use asperity_tally::{
+    ControlVariate, Mirror, RayErrors, TallyResult, TallyStatistics, TallyValues,
+};
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts};
 use serde::Serialize;
 
@@ -52,6 +54,32 @@ impl Method {
             control_variate: None,
             mirror: None,
         }
+    }
+
+    /// Other methods that may serve a case better, on the paths that it has and on others: rays from above where these start on the
+    /// surface, and the other way about; and no control variate, if the choice of the estimator is free.
+    pub(crate) fn alternatives(&self, settings: &Settings, material: Material) -> Vec<Self> {
+        if self.control_variate.is_none() {
+            return Vec::new();
+        }
+        let from_elsewhere = Self {
+            starts: match self.starts {
+                Starts::FromAbove => Starts::OnSurface,
+                Starts::OnSurface => Starts::FromAbove,
+            },
+            ..self.clone()
+        };
+        let mut found = vec![from_elsewhere];
+        if settings.estimator == Estimator::Auto {
+            let plain = Self {
+                mirror: self.mirror,
+                ..Self::plain(settings)
+            };
+            let others = settings.paths.alternatives(material);
+            found.extend(others.into_iter().map(|paths| plain.on(paths)));
+            found.push(plain);
+        }
+        found
     }
 
     /// The same on other paths.
@@ -182,19 +210,33 @@ impl Method {
         self.control_variate.as_ref().map(|(_, mean)| *mean)
     }
 
-    /// Statistics of `rays` rays by this method, with no error below that of one ray where a control variate
-    /// expects light.
+    /// Statistics of `rays` rays by this method, with no error below what few rays can tell. `ray_squares`: squares of the standard errors
+    /// by the scatter of rays.
     pub(crate) fn with_least_errors(
         &self,
         statistics: TallyStatistics,
+        ray_squares: &TallyValues,
         rays: u64,
     ) -> TallyStatistics {
-        match self.control_variate() {
-            Some(control_variate) => {
-                statistics.with_least_errors(control_variate.least_errors(rays))
-            }
-            None => statistics,
+        let least = self.least_errors(statistics.means(), ray_squares, rays);
+        statistics.with_least_errors(least)
+    }
+
+    /// Errors below which none of these means is reported.
+    pub(crate) fn least_errors(
+        &self,
+        means: &TallyValues,
+        ray_squares: &TallyValues,
+        rays: u64,
+    ) -> TallyValues {
+        RayErrors {
+            means,
+            squares: ray_squares,
+            rays,
+            folded: self.mirror.is_some(),
+            control_variate: self.control_variate(),
         }
+        .least()
     }
 
     /// The name of the estimator that this is.

@@ -3,3 +3,4 @@
 pub(crate) mod analytic;
 pub(crate) mod facet_control_variate;
 pub(crate) mod method;
+pub(crate) mod slope_control;

@@ -1,9 +1,11 @@
 //! What one surface did with the light of the cases that share it.
 
+use asperity_surface::SlopeMoments;
 use asperity_tally::{TallySpec, TallyStatistics, TallyValues};
-use asperity_tracer::{PathSettings, Work};
+use asperity_tracer::Work;
 use serde::{Deserialize, Serialize};
 
+use super::chosen_paths::WayOfPaths;
 use super::work::Used;
 use crate::errors::refinement::MeshShifts;
 
@@ -12,6 +14,8 @@ use crate::errors::refinement::MeshShifts;
 pub(crate) struct SurfaceTallies {
     /// By case.
     pub(crate) cases: Vec<CaseOnSurface>,
+    /// Moments of its slopes, of a random surface.
+    pub(crate) slopes: Option<SlopeMoments>,
     pub(crate) seconds: Seconds,
     pub(crate) used: Used,
 }
@@ -19,8 +23,8 @@ pub(crate) struct SurfaceTallies {
 /// What one surface did with the light of one case, block of rays by block of rays.
 #[derive(Clone, Debug)]
 pub(crate) struct CaseOnSurface {
-    /// The paths that were followed.
-    pub(crate) paths: PathSettings,
+    /// How paths were followed.
+    pub(crate) way: WayOfPaths,
     /// Flux fractions; a batch is a block of rays.
     pub(crate) tally: TallyStatistics,
     /// What differs between its meshes, where it has several.
@@ -30,9 +34,9 @@ pub(crate) struct CaseOnSurface {
 
 impl CaseOnSurface {
     /// No blocks yet, for a surface that is traced on `meshes` meshes.
-    pub(crate) fn new(paths: PathSettings, spec: TallySpec, meshes: usize) -> Self {
+    pub(crate) fn new(way: WayOfPaths, spec: TallySpec, meshes: usize) -> Self {
         Self {
-            paths,
+            way,
             tally: TallyStatistics::new(spec),
             shifts: (meshes > 1).then(|| MeshShifts::new(spec, meshes > 2)),
             work: Work::default(),

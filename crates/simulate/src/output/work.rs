@@ -35,6 +35,9 @@ pub struct SummaryWork {
     pub estimator: Estimator,
     /// Where the mean of its control variate comes from; `None` without one.
     pub control_variate: Option<ControlVariateMean>,
+    /// Variance of the target quantity, or of the bins, that a further control variate by the slopes of each surface has left; `None`
+    /// without one.
+    pub slope_control: Option<f64>,
     /// Whether bins on either side of the plane of incidence are averaged.
     pub folded: bool,
     /// Which branches its paths follow.
@@ -98,6 +101,7 @@ impl SummaryWork {
             instructions: used.instructions,
             estimator: method.estimator(),
             control_variate: method.control_variate_mean(),
+            slope_control: None,
             folded: method.mirror.is_some(),
             branching: method.paths.branching(),
             roulette: method.paths.roulette(),

@@ -2,8 +2,8 @@
 
 use asperity_optics::Incidence;
 use asperity_simulate::{
-    Case, Effort, Light, Outcome, PathChoice, Quantity, Settings, SurfaceSource, TriedPaths,
-    simulate,
+    Case, Effort, Estimator, Light, Outcome, PathChoice, Quantity, Settings, SurfaceSource,
+    TriedPaths, simulate,
 };
 use asperity_surface::{Psd, Synthesis};
 use asperity_tracer::{Branching, PathSettings};
@@ -11,11 +11,22 @@ use asperity_tracer::{Branching, PathSettings};
 use crate::after::OncePlanned;
 use crate::support::{Rough, glass, run, target};
 
-/// The beginning of a run that reaches `error` of `of`.
+/// The beginning of a plain run that reaches `error` of `of`.
 fn begin(case: &Case, error: f64, of: Quantity, paths: PathChoice) -> Outcome {
+    begin_by(Estimator::Plain, case, error, of, paths)
+}
+
+fn begin_by(
+    estimator: Estimator,
+    case: &Case,
+    error: f64,
+    of: Quantity,
+    paths: PathChoice,
+) -> Outcome {
     let settings = Settings {
         effort: target(error, of),
         paths,
+        estimator,
         mesh_quadrature: false,
         ..Settings::default()
     };
@@ -85,16 +96,42 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
             .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
         let best = best.unwrap();
         assert!(best.relative_cost < 0.9, "{best:?}");
-        let paths = PathSettings::default().with(best.branching, best.roulette);
+        let paths = PathSettings::default().with(best.way.branching, best.way.roulette);
         assert_eq!(traced_on(&chosen), paths);
         let line = chosen.stopping.line().unwrap();
-        assert!(line.contains("of the cost x variance of split, roulette 0.01"));
+        assert!(line.contains("of the cost x variance of split, roulette 0.01, from above, plain"));
 
         let named = begin(&case, 1e-3, Quantity::Bins, paths.into());
         assert!(tried(&named).is_empty());
         assert!(numbers(&named) == numbers(&chosen), "other numbers");
         let default = begin(&case, 1e-3, Quantity::Bins, PathSettings::default().into());
         assert!(numbers(&default) != numbers(&chosen), "the same numbers");
+    }
+}
+
+/// Where the estimator is free, the other start of paths and plain rays are tried beside the control variate, the latter on all paths;
+/// where it is named, the other start alone.
+#[test]
+fn starts_and_estimators_are_tried_too() {
+    let case = random();
+    for (estimator, count) in [(Estimator::Auto, 9), (Estimator::Controlled, 5)] {
+        let outcome = begin_by(estimator, &case, 1e-3, Quantity::Bins, free());
+        let all = tried(&outcome);
+        println!("{:?}", outcome.stopping.line());
+        assert_eq!(all.len(), count);
+        let others = all.iter().filter(|one| one.way.starts != all[0].way.starts);
+        assert!(others.count() > 0);
+        let plain = all
+            .iter()
+            .filter(|one| one.way.estimator == Estimator::Plain);
+        assert_eq!(plain.count(), count - 5);
+        let least = all
+            .iter()
+            .min_by(|a, b| a.relative_cost.total_cmp(&b.relative_cost));
+        let way = least.unwrap().way;
+        assert_eq!(outcome.stopping.paths.as_ref().unwrap().way, way);
+        assert_eq!(outcome.work.estimator, way.estimator);
+        assert_eq!(outcome.work.starts, way.starts);
     }
 }
 
@@ -106,7 +143,7 @@ fn totals_keep_both_branches_and_a_low_threshold() {
         println!("{:?} {:?}", outcome.stopping.line(), outcome.stopping.pilot);
         let picked = tried(&outcome)
             .iter()
-            .find(|one| one.branching == Branching::Pick);
+            .find(|one| one.way.branching == Branching::Pick);
         assert!(picked.unwrap().relative_cost > 2.0);
         assert_eq!(traced_on(&outcome), PathSettings::default());
     }

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use asperity_optics::{Incidence, Material};
 use asperity_simulate::{
-    Case, Effort, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent,
+    Case, Effort, Estimator, Light, Observer, Outcome, Quantity, SavedSurface, Settings, Silent,
     SimulateError, Simulation, Stage, SurfaceKey, SurfaceSource, SurfaceStore, Target, simulate,
 };
 use asperity_surface::{Psd, Synthesis};
@@ -123,6 +123,7 @@ fn a_given_surface_resumes_round_by_round_to_the_same_numbers() {
 fn a_run_that_tries_paths_resumes_to_the_same_numbers() {
     let settings = Settings {
         effort: target(1e-3, Quantity::Bins),
+        estimator: Estimator::Plain,
         mesh_quadrature: false,
         ..Settings::default()
     };

@@ -180,8 +180,14 @@ pub(crate) fn work_line(work: &SummaryWork) -> String {
     } else {
         ""
     };
+    let slope_control = match work.slope_control {
+        Some(remaining) => format!(
+            ", surfaces controlled by their slopes (which leaves {remaining:.2} of the variance)"
+        ),
+        None => String::new(),
+    };
     wrapped(&format!(
-        "{} rays, {estimator}{folded}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
+        "{} rays, {estimator}{folded}{slope_control}, {} path segments searched and {} skipped{inside}, accelerator {}{}, {:.1} s on {} threads",
         work.rays,
         work.segments,
         work.segments_skipped,

@@ -1,13 +1,13 @@
 //! The light, and where its paths start.
 
 use asperity_optics::Incidence;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::sampling::Sampling;
 use crate::settings::Polarisation;
 
 /// Where the paths of a batch start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Starts {
     /// Rays come from above, evenly spread over the mean plane, and carry a flux of one.

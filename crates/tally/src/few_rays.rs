@@ -1,0 +1,363 @@
+//! Few rays: standard errors below which no result that rests on few rays is reported.
+//!
+//! The scatter of few rays says little of how far they may be off. Where one ray in fifty carries half of the flux, eight rays
+//! without it agree well with each other and lie far too low. Where no ray was seen to deviate from a control variate, nothing scatters
+//! at all. An entry of fewer than [`FEW_RAYS`] rays therefore has an error of at least one more ray of the root mean square flux
+//! that rays carry to its side, times the root of the number of rays that are expected in it where that is below one.
+
+use crate::control_variate::{ControlVariate, first_order_totals};
+use crate::filters::Half;
+use crate::values::TallyValues;
+use crate::{Component, Entry, Score, Side, TallyResult, TallySpec};
+
+/// Rays from which on their own scatter is taken for the error.
+pub const FEW_RAYS: f64 = 20.0;
+
+/// A result of rays, as far as its errors depend on their number.
+#[derive(Clone, Copy, Debug)]
+pub struct RayErrors<'a> {
+    /// All means.
+    pub means: &'a TallyValues,
+    /// Squares of the standard errors of all means by the scatter of rays; not a number where they do not scatter.
+    pub squares: &'a TallyValues,
+    /// Incident rays.
+    pub rays: u64,
+    /// Whether bins are averaged with their mirror images, whose rays count for both.
+    pub folded: bool,
+    /// The control variate, with which rays of order one are counted only where they deviate from it.
+    pub control_variate: Option<&'a ControlVariate>,
+}
+
+/// Rays of one component of the light that ended on one side.
+struct SideRays {
+    side: Side,
+    component: Component,
+    /// Number of them.
+    count: f64,
+    /// Mean square of the flux fraction that each carries, relative to the flux of all incident rays.
+    square: f64,
+}
+
+impl RayErrors<'_> {
+    /// Standard errors below which none should be reported; zero where the scatter of rays can be trusted, and where no ray is
+    /// expected.
+    #[must_use]
+    pub fn least(&self) -> TallyValues {
+        let spec = *self.means.spec();
+        let mut squares = TallyValues::zeros(spec);
+        for side in spec.sides() {
+            for component in Component::SURFACE {
+                let rays = self.on_side(side, component);
+                self.add_bins(&mut squares, &rays);
+                self.add_rings(&mut squares, &rays);
+                self.add_totals(&mut squares, &rays);
+            }
+        }
+        let mut least = squares.map(|square| square.sqrt());
+        self.add_budget(&mut least);
+        least
+    }
+
+    /// The control variate, if it is subtracted from this component.
+    fn expected(&self, component: Component) -> Option<&TallyValues> {
+        let is_controlled = component == Component::Single;
+        let control_variate = self.control_variate.filter(|_| is_controlled)?;
+        Some(control_variate.expected())
+    }
+
+    fn on_side(&self, side: Side, component: Component) -> SideRays {
+        let spec = self.means.spec();
+        let rays = self.rays as f64;
+        let of_bins = 0..spec.grid().bins_per_side();
+        let hits: f64 = of_bins.map(|i| self.means.hits(side, component, i)).sum();
+        let count = if self.folded { 0.5 } else { 1.0 } * hits * rays;
+        let flux = spec.flux_entry(side, component);
+        let square = match self.expected(component) {
+            // Light carries its fraction of what it began with.
+            Some(expected) => (expected[flux] / expected.budget().total() / rays).powi(2),
+            None if count > 0.0 => {
+                let mean = self.means[flux] / count;
+                (self.squares[flux] / count).max(mean * mean)
+            }
+            None => 0.0,
+        };
+        SideRays {
+            side,
+            component,
+            count,
+            square,
+        }
+    }
+
+    /// Rays that are expected in an entry, at least: those found there or, of a control variate, the part of those that deviate, and of
+    /// one more, that would be there if they deviated anywhere alike.
+    fn expected_rays(&self, rays: &SideRays, entry: Entry, found: f64) -> f64 {
+        match self.expected(rays.component) {
+            Some(expected) => {
+                let of_side = expected[self.means.spec().flux_entry(rays.side, rays.component)];
+                let part = expected[entry] / of_side;
+                found.max((rays.count + 1.0) * if part.is_nan() { 0.0 } else { part })
+            }
+            None => found,
+        }
+    }
+
+    fn add_bins(&self, squares: &mut TallyValues, rays: &SideRays) {
+        let spec = *self.means.spec();
+        let sectors = spec.grid().n_phi();
+        // A ray counts half in its own bin and half in the mirror image.
+        let square = if self.folded { 0.25 } else { 1.0 } * rays.square;
+        let bins = spec.bin_entries(rays.side, rays.component);
+        let all = spec.bin_entries(rays.side, Component::All);
+        for ring in 0..spec.grid().n_theta() {
+            let found = |sector: usize| {
+                let hits = self
+                    .means
+                    .hits(rays.side, rays.component, ring * sectors + sector);
+                hits * self.rays as f64
+            };
+            let of_ring = (0..sectors).map(found).sum::<f64>() / sectors as f64;
+            for sector in 0..sectors {
+                let i = ring * sectors + sector;
+                let found = found(sector);
+                if found >= FEW_RAYS {
+                    continue;
+                }
+                let by_ring = match self.expected(rays.component) {
+                    Some(_) => found,
+                    None => found.max(of_ring),
+                };
+                let expected = self.expected_rays(rays, bins.get(i), by_ring).min(1.0);
+                for entry in [bins.get(i), all.get(i)] {
+                    squares[entry] += square * expected;
+                }
+            }
+        }
+    }
+
+    /// Rings, and the in-plane bins over them, whose rays are not counted and are taken to be a part of those of the ring.
+    fn add_rings(&self, squares: &mut TallyValues, rays: &SideRays) {
+        let spec = *self.means.spec();
+        let sectors = spec.grid().n_phi();
+        let filter = spec.in_plane_filter(rays.side);
+        let part_of_slice = spec.in_plane_half_width() / std::f64::consts::PI;
+        // Of multiple scattering alone there are no rings.
+        let kept = [rays.component, Component::All]
+            .into_iter()
+            .filter(|&component| spec.keeps(Score::RingFlux, component));
+        for ring in 0..spec.grid().n_theta() {
+            let hits = (ring * sectors..(ring + 1) * sectors)
+                .map(|i| self.means.hits(rays.side, rays.component, i))
+                .sum::<f64>();
+            let in_ring = if self.folded { 0.5 } else { 1.0 } * hits * self.rays as f64;
+            let ring_of = |component| spec.ring_entries(rays.side, component).get(ring);
+            let of_all = ring_of(Component::All);
+            self.add(squares, rays, in_ring, of_all, kept.clone().map(ring_of));
+            for half in Half::BOTH {
+                let i = filter.number(ring, half);
+                let slice_of = |component| spec.in_plane_entries(rays.side, component).get(i);
+                let slice = slice_of(Component::All);
+                let part = (self.means[slice] / self.means[of_all]).max(part_of_slice);
+                let in_slice = if part.is_finite() {
+                    in_ring * part
+                } else {
+                    0.0
+                };
+                self.add(squares, rays, in_slice, slice, kept.clone().map(slice_of));
+            }
+        }
+    }
+
+    /// Adds the square of the error of few rays to `entries`, of which `of_all` is that of light of all orders.
+    fn add(
+        &self,
+        squares: &mut TallyValues,
+        rays: &SideRays,
+        found: f64,
+        of_all: Entry,
+        entries: impl Iterator<Item = Entry>,
+    ) {
+        if found < FEW_RAYS {
+            let expected = self.expected_rays(rays, of_all, found).min(1.0);
+            entries.for_each(|entry| squares[entry] += rays.square * expected);
+        }
+    }
+
+    fn add_totals(&self, squares: &mut TallyValues, rays: &SideRays) {
+        if rays.count >= FEW_RAYS {
+            return;
+        }
+        let spec = *self.means.spec();
+        let entries = match rays.component {
+            Component::Single => first_order_totals(&spec, rays.side).to_vec(),
+            component => [component, Component::All]
+                .map(|component| spec.flux_entry(rays.side, component))
+                .to_vec(),
+        };
+        let expected = match self.expected(rays.component) {
+            Some(_) => 1.0,
+            None => rays.count.min(1.0),
+        };
+        for entry in entries {
+            squares[entry] += rays.square * expected;
+        }
+    }
+
+    /// Parts of the budget that a control variate expects and that are no flux of a side; and, since the budget closes, no part is less
+    /// certain than all others together.
+    fn add_budget(&self, least: &mut TallyValues) {
+        let Some(control_variate) = self.control_variate else {
+            return;
+        };
+        let expected = control_variate.expected();
+        let known = expected.budget().total();
+        let sides = Side::BOTH.map(|side| self.on_side(side, Component::Single).count);
+        if sides.iter().sum::<f64>() < FEW_RAYS {
+            let budget = TallySpec::BUDGET;
+            let of_one_ray = |entry: Entry| expected[entry] / known / self.rays as f64;
+            for part in [budget.absorbed, budget.truncated, budget.lost] {
+                least[part] = of_one_ray(part);
+            }
+            least[budget.not_recorded] = of_one_ray(budget.truncated);
+        }
+        let parts = TallySpec::BUDGET.parts();
+        let all = least.budget().total();
+        for (part, own) in parts.into_iter().zip(least.budget().parts()) {
+            least[part] = own.min(all - own);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{HemisphereGrid, UnshadowedFluxes, VisibleFractions};
+
+    const RAYS: u64 = 1000;
+
+    fn spec() -> TallySpec {
+        TallySpec::new(HemisphereGrid::new(2, 3).unwrap(), 0.2).unwrap()
+    }
+
+    /// Rays of order two that are reflected into these bins: 4 into the first, 40 into the second ring's first; each carries 0.1.
+    fn means() -> TallyValues {
+        let mut means = TallyValues::zeros(spec());
+        let component = Component::Multiple;
+        for (bin, rays) in [(0, 4.0), (3, 40.0)] {
+            let flux = 0.1 * rays / RAYS as f64;
+            let hits = spec().hit_entries(Side::Reflected, component);
+            means[hits.get(bin)] = rays / RAYS as f64;
+            for component in [component, Component::All] {
+                means[spec().bin_entries(Side::Reflected, component).get(bin)] = flux;
+                means[spec().flux_entry(Side::Reflected, component)] += flux;
+            }
+            means[spec()
+                .ring_entries(Side::Reflected, Component::All)
+                .get(bin / 3)] += flux;
+        }
+        means
+    }
+
+    fn least(squares: &TallyValues, folded: bool) -> TallyValues {
+        RayErrors {
+            means: &means(),
+            squares,
+            rays: RAYS,
+            folded,
+            control_variate: None,
+        }
+        .least()
+    }
+
+    #[test]
+    fn bins_of_few_rays_have_the_error_of_one_more() {
+        let nothing = TallyValues::zeros(spec());
+        let found = least(&nothing, false);
+        let one_ray = 0.1 / RAYS as f64;
+        for component in [Component::Multiple, Component::All] {
+            let bins = found.bins(Side::Reflected, component);
+            let near = |i: usize, expected: f64| (bins.get(i) - expected).abs() < 1e-12;
+            assert!(near(0, one_ray));
+            // None was seen in its neighbours, where as many are expected.
+            assert!(near(1, one_ray) && near(2, one_ray));
+            // Forty rays scatter as they do; where none was seen beside them, one may have been missed.
+            assert!(near(3, 0.0) && near(4, one_ray));
+        }
+        let rings = found.rings(Side::Reflected, Component::All);
+        assert!((rings.get(0) - one_ray).abs() < 1e-12 && rings.get(1) == 0.0);
+        // No ray has reached the other side, and enough have reached this one.
+        assert_eq!(found.flux(Side::Reflected, Component::All), 0.0);
+        let bins = found.bins(Side::Transmitted, Component::All);
+        assert!(bins.iter().all(|error| error == 0.0));
+    }
+
+    /// Rays that carry ten times their mean now and then: the mean square is that which the scatter of the side shows.
+    #[test]
+    fn the_error_of_a_ray_is_that_of_the_side() {
+        let mut squares = TallyValues::zeros(spec());
+        let mean_square = 0.09 / (RAYS as f64).powi(2);
+        squares[spec().flux_entry(Side::Reflected, Component::Multiple)] = 44.0 * mean_square;
+        let bins = |found: &TallyValues| found.bins(Side::Reflected, Component::All).get(0);
+        let found = bins(&least(&squares, false));
+        assert!((found - 0.3 / RAYS as f64).abs() < 1e-12, "{found}");
+        // Folded, 22 rays count twice, and carry half of their flux into each of two bins.
+        let folded = bins(&least(&squares, true));
+        assert!((folded / found - 0.5_f64.sqrt()).abs() < 1e-12, "{folded}");
+        // Blocks that do not scatter at all, or a single one
+        squares[spec().flux_entry(Side::Reflected, Component::Multiple)] = f64::NAN;
+        assert!((bins(&least(&squares, false)) - 0.1 / RAYS as f64).abs() < 1e-12);
+    }
+
+    /// A tenth of the light is reflected, half is transmitted, a fifth absorbed, before fractions.
+    fn control_variate() -> ControlVariate {
+        let fluxes = UnshadowedFluxes {
+            bins: [vec![0.1 / 6.0; 6], vec![0.5 / 6.0; 6]].concat(),
+            rings: [vec![0.05; 2], vec![0.25; 2]],
+            in_plane: [vec![0.001; 4], vec![0.005; 4]],
+            absorbed: 0.2,
+        };
+        let fractions = VisibleFractions {
+            rings: [vec![0.5, 0.0], vec![1.0, 0.8]],
+            absorbed: 0.9,
+        };
+        ControlVariate::new(spec(), fractions, &fluxes)
+    }
+
+    #[test]
+    fn where_no_ray_deviates_from_a_control_variate_the_next_one_might() {
+        let control_variate = control_variate();
+        let known = 0.025 + 0.45 + 0.18;
+        let zeros = TallyValues::zeros(spec());
+        let mut means = zeros.clone();
+        let least = |means: &TallyValues| {
+            RayErrors {
+                means,
+                squares: &zeros,
+                rays: RAYS,
+                folded: false,
+                control_variate: Some(&control_variate),
+            }
+            .least()
+        };
+        let found = least(&means);
+        let one_ray = 1e-3 * 0.025 / known;
+        let bins = found.bins(Side::Reflected, Component::All);
+        // One ray anywhere on the side: a third of it, on average, in each bin that is controlled.
+        assert!((bins.get(0) - one_ray * (1.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+        // A ring of which nothing is visible is not controlled.
+        assert_eq!(bins.get(3), 0.0);
+        let of_one = 1e-3 * 0.45 / known;
+        assert!((found.order(Side::Transmitted, 1) - of_one).abs() < 1e-15);
+        // What is not transmitted is reflected or absorbed.
+        assert!((found.budget().transmitted - 1e-3 * 0.205 / known).abs() < 1e-15);
+        assert_eq!(found.budget().lost, 0.0);
+
+        // Where thirty rays deviate in the neighbouring bin, ten may in this one; totals scatter as they do.
+        let hits = spec().hit_entries(Side::Reflected, Component::Single);
+        means[hits.get(1)] = 30.0 / RAYS as f64;
+        let found = least(&means);
+        let bins = found.bins(Side::Reflected, Component::All);
+        assert!((bins.get(0) - one_ray).abs() < 1e-15 && bins.get(1) == 0.0);
+        assert_eq!(found.flux(Side::Reflected, Component::Single), 0.0);
+    }
+}
