@@ -280,8 +280,7 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Option<Vec<Vec<f64>>> {
     let mut inverse: Vec<Vec<f64>> = (0..n).map(|i| unit(i).collect()).collect();
     for column in 0..n {
         let pivot = matrix[column][column];
-        // False for a pivot that is not a number, too.
-        if !(pivot > SINGULAR * diagonal[column]) {
+        if pivot.is_nan() || pivot <= SINGULAR * diagonal[column] {
             return None;
         }
         for values in [&mut matrix, &mut inverse] {
