@@ -1,3 +1,4 @@
 //! Whole studies.
+#![cfg(test)]
 
 mod true_models;
