@@ -238,6 +238,33 @@ fn a_sphere_of_glass_keeps_the_budget() {
     assert!((budget(&statistics) - 1.0).abs() < 1e-12);
 }
 
+/// A flat rectangle of width 1 and this depth, cut along x into strips of two triangles each.
+fn flat_strips(depth: f64, strips: u32) -> Mesh {
+    let row = |i| depth * f64::from(i) / f64::from(strips);
+    let vertices = (0..=strips).flat_map(|i| [[0.0, row(i), 0.0], [1.0, row(i), 0.0]]);
+    let triangles = (0..strips).flat_map(|i| {
+        let k = 2 * i;
+        [[k, k + 1, k + 3], [k, k + 3, k + 2]]
+    });
+    (vertices.collect(), triangles.collect())
+}
+
+#[test]
+fn a_flat_mesh_of_elongated_triangles_loses_no_light() {
+    // Rays begin in the very plane of the mesh, so that each starts on a facet.
+    for (depth, strips) in [(1e-2, 1), (1.0, 50), (1e-3, 7)] {
+        let mesh = surface(flat_strips(depth, strips), Border::Periodic);
+        for theta in [0.0, 30.0, 60.0, 88.0] {
+            for kind in [AcceleratorKind::Mesh, AcceleratorKind::BruteForce] {
+                let (statistics, _) = trace(&mesh, kind, HalfSpace::Above, theta);
+                let lost = statistics.means().budget().lost;
+                assert_eq!(lost, 0.0, "{depth} {strips} {theta} {kind:?}");
+                assert!((budget(&statistics) - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+}
+
 #[test]
 fn a_mushroom_keeps_the_budget() {
     for (border, theta) in [
@@ -578,6 +605,31 @@ fn light_that_passes_by_an_open_patch_is_truncated() {
             assert!(statistics.means().budget().left_patch > 1e-4);
             assert!((budget(&statistics) - 1.0).abs() < 1e-12);
         }
+    }
+}
+
+#[test]
+fn light_over_the_rim_of_an_open_patch_escapes_upwards_alone() {
+    let mut heights = vec![0.0; 16];
+    heights[5] = 10.0;
+    let field = HeightField::new(heights, [4, 4], [1.0, 1.0]).unwrap();
+    let surface = Surface::new(field.with_border(Border::Open));
+    let [low, high] = surface.z_range();
+    // Between lowest and highest point, by the rim at x = 0
+    let origin = DVec3::new(0.2, 2.5, low + 0.5 * (high - low));
+    for (rise, expected) in [
+        (0.1, TraversalEnd::Escaped),
+        (1e-6, TraversalEnd::Escaped),
+        (0.0, TraversalEnd::LeftPatch),
+        (-0.1, TraversalEnd::LeftPatch),
+    ] {
+        let heading = Heading {
+            origin,
+            direction: DVec3::new(-1.0, 0.0, rise).normalize(),
+            mirrored: [false; 2],
+        };
+        let found = traverse(&surface, &BruteForce, heading, HalfSpace::Above);
+        assert_eq!(found, TraversalResult::Ended(expected), "{rise}");
     }
 }
 

@@ -26,7 +26,7 @@ use self::intake::{
     Frame, align, check_edges, check_ground, check_indices, faces_away, is_degenerate,
     lies_on_border,
 };
-use self::triangle::{ProjectedTriangle, closest_point};
+use self::triangle::{ProjectedTriangle, closest_point, unit_normal};
 use crate::geometry::{Escape, Geometry, Triangles, bounds_of};
 use crate::ray::{HalfSpace, TileRay};
 
@@ -217,10 +217,7 @@ impl MeshSurface {
         }
         let normals: Vec<DVec3> = triangles
             .iter()
-            .map(|t| {
-                let [a, b, c] = t.map(|k| vertices[k as usize]);
-                (b - a).cross(c - a).normalize()
-            })
+            .map(|t| unit_normal(t.map(|k| vertices[k as usize])))
             .collect();
         Ok(Self {
             border,
@@ -330,7 +327,7 @@ impl Geometry for MeshSurface {
     }
 
     fn snap(&self, facet: u32, p: DVec3) -> DVec3 {
-        closest_point(self.corners(facet), p)
+        closest_point(self.corners(facet), self.normal(facet), p)
     }
 
     fn intersect(&self, facet: u32, ray: &TileRay, half_space: HalfSpace) -> Option<f64> {
@@ -356,7 +353,10 @@ impl Geometry for MeshSurface {
         let corners = self.corners(facet);
         let starts_here = q * ray.direction.dot(normal) < 0.0
             && (ray.origin - corners[0]).dot(normal).abs() <= HAIR
-            && ray.origin.distance(closest_point(corners, ray.origin)) <= HAIR;
+            && ray
+                .origin
+                .distance(closest_point(corners, normal, ray.origin))
+                <= HAIR;
         starts_here.then_some(0.0)
     }
 

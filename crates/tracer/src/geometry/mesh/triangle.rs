@@ -59,36 +59,61 @@ fn turn(p: ProjectedCorner, q: ProjectedCorner) -> f64 {
     }
 }
 
-/// The point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+/// The point of a triangle with this unit `normal` that is closest to `p`.
+///
+/// Barycentric coordinates would lose digits with the square of the aspect ratio of the triangle. Here the error
+/// is a few roundings of a coordinate, however elongated the triangle is: a point inside is projected along the
+/// normal, any other onto the nearest edge.
 #[inline]
-pub(super) fn closest_point([a, b, c]: [DVec3; 3], p: DVec3) -> DVec3 {
-    let (ab, ac) = (b - a, c - a);
-    let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
+pub(super) fn closest_point(corners: [DVec3; 3], normal: DVec3, p: DVec3) -> DVec3 {
+    let [a, b, c] = corners;
+    let edges = [(a, b), (b, c), (c, a)];
+    let inside = edges.map(|(from, to)| normal.cross(to - from).dot(p - from) >= 0.0);
+    if inside == [true; 3] {
+        return p - (p - a).dot(normal) * normal;
     }
-    let (d3, d4) = (ab.dot(p - b), ac.dot(p - b));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
+    let [q, r, s] = edges.map(|(from, to)| closest_point_of_edge(from, to, p));
+    let nearer = |u: DVec3, v: DVec3| {
+        if v.distance_squared(p) < u.distance_squared(p) {
+            v
+        } else {
+            u
+        }
+    };
+    nearer(nearer(q, r), s)
+}
+
+/// The point between two corners that is closest to `p`, measured from the nearer corner.
+#[inline]
+fn closest_point_of_edge(from: DVec3, to: DVec3, p: DVec3) -> DVec3 {
+    let along = to - from;
+    let place = (p - from).dot(along) / along.length_squared();
+    if place <= 0.5 {
+        from + place.max(0.0) * along
+    } else {
+        let back = (to - p).dot(along) / along.length_squared();
+        to - back.max(0.0) * along
     }
-    let (d5, d6) = (ab.dot(p - c), ac.dot(p - c));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + d1 / (d1 - d3) * ab;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + d2 / (d2 - d6) * ac;
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return b + (d4 - d3) / (d4 - d3 + d5 - d6) * (c - b);
-    }
-    let sum = va + vb + vc;
-    a + vb / sum * ab + vc / sum * ac
+}
+
+/// Unit normal of a triangle, each component to a few roundings of itself.
+///
+/// The plain cross product of two long edges at a small angle loses digits with the aspect ratio.
+pub(super) fn unit_normal([a, b, c]: [DVec3; 3]) -> DVec3 {
+    let (u, v) = (b - a, c - a);
+    DVec3::new(
+        difference_of_products(u.y, v.z, u.z, v.y),
+        difference_of_products(u.z, v.x, u.x, v.z),
+        difference_of_products(u.x, v.y, u.y, v.x),
+    )
+    .normalize()
+}
+
+/// `a b - c d`, to one and a half units in the last place (Kahan's method).
+fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
+    let cd = c * d;
+    let error = c.mul_add(-d, cd);
+    a.mul_add(b, -cd) + error
 }
 
 #[cfg(test)]
@@ -144,7 +169,27 @@ mod tests {
             ([9.0, 1.0, 1.0], [4.0, 0.0, 0.0]),
             ([1.0, 9.0, 1.0], [0.0, 4.0, 0.0]),
         ] {
-            assert_eq!(closest_point(t, p.into()), expected.into());
+            assert_eq!(closest_point(t, DVec3::Z, p.into()), expected.into());
+        }
+    }
+
+    #[test]
+    fn elongated_triangles_lose_no_digits() {
+        // Needles and obtuse slivers, turned in space, of aspect ratios up to 1e7
+        let turn = glam::DQuat::from_rotation_y(0.7) * glam::DQuat::from_rotation_z(1.1);
+        for aspect in [1e1, 1e2, 1e4, 1e7] {
+            let width = 1024.0 / aspect;
+            for third in [[0.0, width], [512.0, width], [300.0, -width]] {
+                let flat = [[0.0, 0.0], [1024.0, 0.0], third];
+                let corners = flat.map(|[x, y]| turn * DVec3::new(x, y, 0.0));
+                let normal = unit_normal(corners);
+                for [u, v] in [[0.2, 0.3], [0.5, 0.5], [0.9, 1e-3], [1e-9, 0.6]] {
+                    let [a, b, c] = corners;
+                    let p = a + u * (b - a) + v * (1.0 - u) * (c - a);
+                    let moved = closest_point(corners, normal, p).distance(p);
+                    assert!(moved < 2e-12, "aspect {aspect}: {moved:e}");
+                }
+            }
         }
     }
 }
