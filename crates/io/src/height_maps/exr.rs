@@ -15,6 +15,7 @@ use std::io::{Read, Seek, Write};
 use std::path::Path;
 
 use ::exr::block::reader::ChunksReader;
+use ::exr::compression::Compression;
 use ::exr::error::Error;
 use ::exr::math::Vec2;
 use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
@@ -140,6 +141,13 @@ fn find_channel(path: &Path, headers: &[Header]) -> Result<(usize, usize), ReadE
             return Err(ReadError::unsupported(
                 path,
                 "it holds deep data, but flat images are needed",
+            ));
+        }
+        // Lossy, and its decoder indexes by what the file says.
+        if matches!(header.compression, Compression::B44 | Compression::B44A) {
+            return Err(ReadError::unsupported(
+                path,
+                "it is compressed by B44, which loses digits; ZIP, PIZ, RLE or none keep heights",
             ));
         }
         for (channel, description) in header.channels.list.iter().enumerate() {

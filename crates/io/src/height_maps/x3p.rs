@@ -12,6 +12,7 @@
 
 mod archive;
 mod grid;
+mod tags;
 mod write;
 mod xml;
 
@@ -24,6 +25,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use self::archive::{Parts, verify_checksum};
 use self::grid::Grid;
+use self::tags::{Split, for_each_datum, split};
 use self::xml::{Xml, malformed};
 use crate::error::ReadError;
 use crate::limits::{check_packed_claim, room};
@@ -56,7 +58,8 @@ pub(crate) fn read<R: Read + Seek>(
         allow_dtd: false,
         ..ParsingOptions::default()
     };
-    let document = Document::parse_with_options(&xml, options)
+    let Split { description, data } = split(path, &xml)?;
+    let document = Document::parse_with_options(&description, options)
         .map_err(|e| malformed(path, format_args!("its main.xml cannot be parsed ({e})")))?;
     let xml = Xml { path };
     let root = document.root_element();
@@ -68,7 +71,10 @@ pub(crate) fn read<R: Read + Seek>(
     let record = xml.child(root, "Record3")?;
     let mut heights = match xml.optional(record, "DataLink")? {
         Some(link) => parts.linked(&xml, link, &grid)?,
-        None => inline(&xml, xml.child(record, "DataList")?, &grid)?,
+        None => {
+            xml.child(record, "DataList")?;
+            inline(&xml, data, &grid)?
+        }
     };
     if grid.increment != 1.0 || grid.offset != 0.0 {
         for height in &mut heights {
@@ -83,25 +89,28 @@ pub(crate) fn read<R: Read + Seek>(
 }
 
 /// Heights, before scaling, from the XML text: `x;y;z` or `z` in each `Datum`.
-fn inline(xml: &Xml<'_>, list: Node<'_, '_>, grid: &Grid) -> Result<Vec<f64>, ReadError> {
+fn inline(xml: &Xml<'_>, data: &str, grid: &Grid) -> Result<Vec<f64>, ReadError> {
     let [nx, ny] = [grid.columns as u64, grid.rows as u64];
-    let data = || list.children().filter(|node| node.has_tag_name("Datum"));
-    let count = data().count();
-    if nx.checked_mul(ny) != Some(count as u64) {
+    let needed = grid.columns * grid.rows;
+    let mut heights = room(xml.path, nx, ny)?;
+    let mut count = 0;
+    for_each_datum(xml.path, data, |text| {
+        count += 1;
+        let z = text.rsplit(';').next().unwrap_or_default().trim();
+        if count <= needed {
+            heights.push(if z.is_empty() {
+                f64::NAN
+            } else {
+                xml.number("Datum", z)?
+            });
+        }
+        Ok(())
+    })?;
+    if count != needed {
         return Err(malformed(
             xml.path,
             format_args!("its DataList has {count} data, but {nx} x {ny} are needed"),
         ));
-    }
-    let mut heights = room(xml.path, nx, ny)?;
-    for datum in data() {
-        let text = xml.text(datum);
-        let z = text.rsplit(';').next().unwrap_or_default().trim();
-        heights.push(if z.is_empty() {
-            f64::NAN
-        } else {
-            xml.number("Datum", z)?
-        });
     }
     Ok(heights)
 }

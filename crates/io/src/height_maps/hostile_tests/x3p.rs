@@ -169,6 +169,62 @@ fn x3p_checksums_are_verified() {
 }
 
 #[test]
+fn x3p_descriptions_are_bounded_before_they_are_parsed() {
+    use HeightMapFormat::X3p;
+    let z = "<DataType>D</DataType>";
+    let data: &[u8] = &[0; 48];
+    let good = main_xml(z, LINK);
+    let with = |more: &str| {
+        let xml = good.replace("<Record3>", &format!("<Record2>{more}</Record2><Record3>"));
+        x3p(&xml, &[(DATA, data)])
+    };
+    // What a file may have: comments, raw text and quotes that look like tags
+    let harmless = "<!-- <a b=\"c\"> --><Comment a=\"1 > 0\"><![CDATA[<b/>]]></Comment>";
+    assert!(read(X3p, &with(harmless)).is_ok());
+    let many = |count: usize, of: &dyn Fn(usize) -> String| (0..count).map(of).collect::<String>();
+    let start = std::time::Instant::now();
+    for (more, words) in [
+        (many(1 << 20, &|_| "<a/>".into()), "4096 elements"),
+        (
+            format!("<a{}/>", many(40_000, &|i| format!(" a{i}=\"\""))),
+            "32 attributes",
+        ),
+        (
+            many(4000, &|i| format!("<a xmlns:n{i}=\"n{i}\"><a/></a>")),
+            "32 namespaces",
+        ),
+        (
+            format!("<a{}/>", many(20_000, &|i| format!(" xmlns:n{i}=\"n{i}\""))),
+            "32 namespaces",
+        ),
+        ("x".repeat(1 << 21), "1048576 are allowed"),
+        ("<a".into(), "cannot be parsed"),
+        ("<!-- <a>".into(), "cannot be parsed"),
+        ("<![CDATA[".into(), "cannot be parsed"),
+    ] {
+        refused(X3p, &with(&more), words);
+    }
+    // Each takes seconds to minutes where it is parsed first.
+    assert!(start.elapsed().as_secs() < 5);
+
+    let listed = |list: &str| x3p(&main_xml(z, list), &[]);
+    let full = format!(
+        "<DataList>{}</DataList>",
+        "<Datum>1</Datum>".repeat(5) + "<Datum/>"
+    );
+    assert_eq!(read(X3p, &listed(&full)).unwrap().missing(), 1);
+    for (old, new, words) in [
+        ("<Datum/>", "<a/>", "other than Datum"),
+        ("<Datum/>", "<Datum><a/></Datum>", "other than Datum"),
+        ("<Datum/>", "<Datum>", "other than Datum"),
+        ("<Datum/>", "<Datum/><Datum/>", "7 data"),
+        ("</DataList>", "", "does not end"),
+    ] {
+        refused(X3p, &listed(&full.replace(old, new)), words);
+    }
+}
+
+#[test]
 fn x3p_headers_are_checked() {
     use HeightMapFormat::X3p;
     let data: &[u8] = &[0; 48];
@@ -241,7 +297,7 @@ fn x3p_headers_are_checked() {
     }
     refused(X3p, &x3p("", &[(DATA, data)]), "cannot be parsed");
     let deep = format!("{}{}", "<a>".repeat(200_000), "</a>".repeat(200_000));
-    refused(X3p, &x3p(&deep, &[]), "ISO5436_2 is needed");
+    refused(X3p, &x3p(&deep, &[]), "more than 4096 elements");
     let bomb = "<!DOCTYPE a [<!ENTITY b \"bbbb\">]><a>&b;</a>";
     refused(X3p, &x3p(bomb, &[]), "cannot be parsed");
     let parts = x3p(&good, &[("other", data)]);

@@ -1,0 +1,204 @@
+//! Tags of main.xml: bounds them before the text is parsed, and takes the list of data out of it.
+//!
+//! The time of the parser grows with the square of the attributes of an element and of the namespaces in
+//! scope, and its memory is a hundred times a short element. A description of a surface is short; the one
+//! long part, numbers of an inline `DataList`, is read here without a tree.
+
+use std::path::Path;
+
+use super::xml::malformed;
+use crate::error::ReadError;
+
+/// Most elements outside the list of data; a description has about 40.
+const MAX_ELEMENTS: usize = 4096;
+/// Most attributes of an element, and most namespaces in all.
+const MAX_ATTRIBUTES: usize = 32;
+/// Longest description, in bytes.
+const MAX_DESCRIPTION: usize = 1 << 20;
+
+/// main.xml in two parts.
+pub(super) struct Split<'a> {
+    /// All but the content of `DataList`, for the parser.
+    pub(super) description: String,
+    /// The content of `DataList`.
+    pub(super) data: &'a str,
+}
+
+/// Splits main.xml, and checks that its description is bounded.
+pub(super) fn split<'a>(path: &Path, xml: &'a str) -> Result<Split<'a>, ReadError> {
+    let mut tags = Tags { xml, at: 0 };
+    let mut counts = Counts::default();
+    let mut list = None;
+    while let Some(tag) = tags.next(path)? {
+        counts.add(path, &tag)?;
+        if list.is_none() && tag.opens() && tag.name() == "DataList" {
+            list = Some((tags.at, data_end(path, &mut tags)?));
+        }
+    }
+    let (start, end) = list.unwrap_or((xml.len(), xml.len()));
+    let description = [&xml[..start], &xml[end..]].concat();
+    if description.len() > MAX_DESCRIPTION {
+        let length = description.len();
+        return Err(malformed(
+            path,
+            format_args!(
+                "its main.xml describes the surface in {length} bytes, but {MAX_DESCRIPTION} are allowed"
+            ),
+        ));
+    }
+    Ok(Split {
+        description,
+        data: &xml[start..end],
+    })
+}
+
+/// Moves past the end of the list of data; returns where the tag begins that ends it.
+fn data_end(path: &Path, tags: &mut Tags<'_>) -> Result<usize, ReadError> {
+    while let Some(tag) = tags.next(path)? {
+        if tag.closes() && tag.name() == "DataList" {
+            return Ok(tag.start);
+        }
+    }
+    Err(cannot_be_parsed(path, "its DataList does not end"))
+}
+
+/// The texts of the `Datum` elements in the content of a `DataList`.
+pub(super) fn for_each_datum<'a>(
+    path: &Path,
+    data: &'a str,
+    mut take: impl FnMut(&'a str) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
+    let mut tags = Tags { xml: data, at: 0 };
+    while let Some(tag) = tags.next(path)? {
+        let is_datum = tag.name() == "Datum" && !tag.closes();
+        if is_datum && !tag.opens() {
+            take("")?;
+            continue;
+        }
+        let start = tags.at;
+        let end = match tags.next(path)? {
+            Some(end) if is_datum && end.closes() && end.name() == "Datum" => end,
+            _ => {
+                return Err(malformed(
+                    path,
+                    "its DataList holds elements other than Datum with a text",
+                ));
+            }
+        };
+        take(data[start..end.start].trim())?;
+    }
+    Ok(())
+}
+
+/// What has been seen of the description.
+#[derive(Default)]
+struct Counts {
+    elements: usize,
+    namespaces: usize,
+}
+
+impl Counts {
+    fn add(&mut self, path: &Path, tag: &Tag<'_>) -> Result<(), ReadError> {
+        let most = |what: &str, most: usize| {
+            Err(malformed(
+                path,
+                format_args!("its main.xml has more than {most} {what}"),
+            ))
+        };
+        self.elements += usize::from(!tag.closes());
+        self.namespaces += tag.text.matches("xmlns").count();
+        if self.elements > MAX_ELEMENTS {
+            return most("elements beside its data", MAX_ELEMENTS);
+        }
+        if self.namespaces > MAX_ATTRIBUTES {
+            return most("namespaces", MAX_ATTRIBUTES);
+        }
+        // Each value has two quotes.
+        if tag.text.matches(['"', '\'']).count() > 2 * MAX_ATTRIBUTES {
+            return most("attributes in one element", MAX_ATTRIBUTES);
+        }
+        Ok(())
+    }
+}
+
+/// One tag.
+struct Tag<'a> {
+    /// Where it begins.
+    start: usize,
+    /// What stands between `<` and `>`.
+    text: &'a str,
+}
+
+impl<'a> Tag<'a> {
+    /// Whether it is the first of an element that has a second.
+    fn opens(&self) -> bool {
+        !self.closes() && !self.text.ends_with('/')
+    }
+
+    /// Whether it is the second tag of an element.
+    fn closes(&self) -> bool {
+        self.text.starts_with('/')
+    }
+
+    /// The name of the element without that of its namespace.
+    fn name(&self) -> &'a str {
+        let name = self.text.trim_start_matches('/');
+        let end = name.find(|c: char| c.is_whitespace() || c == '/');
+        let name = &name[..end.unwrap_or(name.len())];
+        name.rsplit(':').next().unwrap_or(name)
+    }
+}
+
+/// The tags of a text, one after the other, without comments, declarations and raw text.
+struct Tags<'a> {
+    xml: &'a str,
+    at: usize,
+}
+
+impl<'a> Tags<'a> {
+    /// The next tag; [`Self::at`] is behind it.
+    fn next(&mut self, path: &Path) -> Result<Option<Tag<'a>>, ReadError> {
+        while let Some(offset) = self.xml[self.at..].find('<') {
+            let start = self.at + offset;
+            let rest = &self.xml[start..];
+            let skipped = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")];
+            if let Some((_, end)) = skipped.iter().find(|(mark, _)| rest.starts_with(mark)) {
+                let length = rest
+                    .find(end)
+                    .ok_or_else(|| cannot_be_parsed(path, format_args!("`{end}` is missing")))?;
+                self.at = start + length + end.len();
+                continue;
+            }
+            let length =
+                tag_length(rest).ok_or_else(|| cannot_be_parsed(path, "`>` is missing"))?;
+            self.at = start + length;
+            let text = &rest[1..length - 1];
+            return Ok(Some(Tag { start, text }));
+        }
+        Ok(None)
+    }
+}
+
+/// Length of the tag that `text` begins with; `>` in quotes does not end it.
+fn tag_length(text: &str) -> Option<usize> {
+    let mut quote = None;
+    let end = text.bytes().position(|byte| match quote {
+        Some(mark) => {
+            if byte == mark {
+                quote = None;
+            }
+            false
+        }
+        None => {
+            if byte == b'"' || byte == b'\'' {
+                quote = Some(byte);
+            }
+            byte == b'>'
+        }
+    })?;
+    Some(end + 1)
+}
+
+fn cannot_be_parsed(path: &Path, what: impl std::fmt::Display) -> ReadError {
+    malformed(path, format_args!("its main.xml cannot be parsed ({what})"))
+}
