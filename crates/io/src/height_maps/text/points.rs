@@ -1,0 +1,107 @@
+//! Lists of points: x, y and z in each row, on a regular grid.
+
+use std::path::Path;
+
+use asperity_surface::RawHeightMap;
+
+use crate::error::ReadError;
+use crate::limits::room;
+
+/// Rows from which a matrix of three columns is taken for a list of points.
+const MIN_ROWS_OF_LIST: usize = 16;
+/// Fewest points of a list: two along each axis.
+const MIN_POINTS: usize = 4;
+/// Most places of the grid for each point of the list.
+const MAX_PLACES_PER_POINT: usize = 2;
+/// Largest distance of a point from its place, in spacings: coordinates are rounded in a file.
+const TOLERANCE: f64 = 0.1;
+
+/// Whether a line names the columns of a list: `x y z`.
+pub(super) fn is_heading(line: &str) -> bool {
+    let names = line.split([' ', '\t', ',']).filter(|name| !name.is_empty());
+    names.map(str::to_ascii_lowercase).eq(["x", "y", "z"])
+}
+
+/// The map of a list of rows x, y, z; `None` where they rather are a matrix of three columns.
+///
+/// Row 0 of the map has the least y. Places of the grid that no point is on are missing.
+pub(super) fn map_of(path: &Path, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadError> {
+    let (rows, _) = rows.as_chunks::<3>();
+    match placed(path, rows)? {
+        Some((heights, [x, y])) => RawHeightMap::new(heights, [y.count, x.count], [x.step, y.step])
+            .map(Some)
+            .map_err(ReadError::surface(path)),
+        None if rows.len() < MIN_ROWS_OF_LIST => Ok(None),
+        None => Err(ReadError::unsupported(
+            path,
+            format_args!(
+                "its {} rows of three numbers look like points x, y, z, but x and y do not lie on a regular grid, one point on each place; interpolate them on one first",
+                rows.len()
+            ),
+        )),
+    }
+}
+
+/// Heights in the order of the grid, and its axes; `None` if the points are on none.
+fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<(Vec<f64>, [Axis; 2])>, ReadError> {
+    if rows.len() < MIN_POINTS {
+        return Ok(None);
+    }
+    let axis = |k: usize| Axis::of(rows.iter().map(|row| row[k]).collect());
+    let (Some(x), Some(y)) = (axis(0), axis(1)) else {
+        return Ok(None);
+    };
+    let places = x.count.saturating_mul(y.count);
+    if rows.len() > places || places > rows.len().saturating_mul(MAX_PLACES_PER_POINT) {
+        return Ok(None);
+    }
+    let mut heights = room(path, x.count as u64, y.count as u64)?;
+    heights.resize(places, f64::NAN);
+    let mut taken = vec![false; places];
+    for [px, py, z] in rows {
+        let (Some(ix), Some(iy)) = (x.place(*px), y.place(*py)) else {
+            return Ok(None);
+        };
+        let k = iy * x.count + ix;
+        if std::mem::replace(&mut taken[k], true) {
+            return Ok(None);
+        }
+        heights[k] = *z;
+    }
+    Ok(Some((heights, [x, y])))
+}
+
+/// Equidistant coordinates along one axis.
+struct Axis {
+    first: f64,
+    step: f64,
+    count: usize,
+}
+
+impl Axis {
+    /// The axis of these coordinates, whose largest gap is the step.
+    fn of(mut coordinates: Vec<f64>) -> Option<Self> {
+        if coordinates.iter().any(|x| !x.is_finite()) {
+            return None;
+        }
+        coordinates.sort_by(f64::total_cmp);
+        let (first, last) = (*coordinates.first()?, *coordinates.last()?);
+        let gaps = coordinates.windows(2).map(|pair| pair[1] - pair[0]);
+        let largest = gaps.fold(0.0, f64::max);
+        let steps = ((last - first) / largest).round();
+        // At least two coordinates, and no more than there are points
+        let in_range = steps >= 1.0 && steps < coordinates.len() as f64;
+        in_range.then(|| Self {
+            first,
+            step: (last - first) / steps,
+            count: steps as usize + 1,
+        })
+    }
+
+    /// The number of the place that `x` is on.
+    fn place(&self, x: f64) -> Option<usize> {
+        let place = (x - self.first) / self.step;
+        let nearest = place.round();
+        ((place - nearest).abs() <= TOLERANCE).then_some(nearest as usize)
+    }
+}
