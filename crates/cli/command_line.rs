@@ -195,6 +195,16 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
         ))
         .into();
     }
+    if error.kind() == ErrorKind::InvalidUtf8 {
+        let argument = arguments
+            .iter()
+            .find(|argument| argument.to_str().is_none());
+        let argument = argument.map_or(Default::default(), |argument| argument.to_string_lossy());
+        return Failure::usage(format!(
+            "`{argument}`: not UTF-8, which arguments and names of files must be"
+        ))
+        .into();
+    }
     let named = |argument: &OsString| Command::ALL.into_iter().find(|c| argument == c.name());
     let command = arguments.iter().find_map(named);
     if let (ErrorKind::UnknownArgument, Some(ContextValue::String(flag)), Some(command)) =

@@ -3,7 +3,7 @@
 use asperity_simulate::check_memory;
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table};
-use asperity_surface::{LengthUnit, Roughness, Synthesis};
+use asperity_surface::{Roughness, Synthesis};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -24,7 +24,6 @@ struct Settings {
 /// The height map.
 #[derive(Deserialize)]
 struct HeightMap {
-    unit: LengthUnit,
     realisation: u64,
 }
 
@@ -54,7 +53,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let field = synthesis
         .draw(seed, realisation)
         .map_err(Failure::failed)?
-        .with_unit(settings.generate.unit);
+        .with_unit(surface.unit);
     common.say(|| format!("drawn in {:.3} s", clock.elapsed().as_secs_f64()));
     let note = write_surface(&path, &field)?;
 

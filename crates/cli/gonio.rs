@@ -8,7 +8,7 @@ use asperity_studies::{
 use crate::common::{Common, Results};
 use crate::completion::{Cases, say_completion};
 use crate::failure::Failure;
-use crate::given::given_surface;
+use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
 use crate::interrupt;
 use crate::output::result_folder;
@@ -16,9 +16,13 @@ use crate::progress::Bar;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     document.check_required().map_err(Failure::usage)?;
-    let config: GonioConfig = document.read().map_err(Failure::usage)?;
+    let mut config: GonioConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
-    let sample = given_surface(&config.measured, common)?
+    let surface = given_surface(&config.measured, document, common)?;
+    if let Some(surface) = &surface {
+        config = settings_for(document, surface)?;
+    }
+    let sample = surface
         .map(|surface| {
             Sample::of(
                 surface,

@@ -7,7 +7,7 @@ use asperity_io::{
 };
 use asperity_simulate::SimulateError;
 use asperity_studies::settings::{Command, Document};
-use asperity_studies::{MeasuredConfig, VerifyError};
+use asperity_studies::{ASSUMED_BORDER, MeasuredConfig, VerifyError, border_notes};
 use asperity_surface::{
     Border, Form, HeightField, LengthUnit, MissingError, MissingPolicy, RefinementError,
     SynthesisError,
@@ -38,23 +38,22 @@ pub(crate) fn read_surface(
         )));
     }
     let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let mut raw = read_height_map(path).map_err(Failure::failed)?;
-    if let Some(spacing) = reading.spacing {
-        let spacing = spacing.xy().map(|spacing| spacing.0);
-        raw = raw.with_spacing(spacing).map_err(Failure::usage)?;
-    }
-    raw.unit = reading.unit.unwrap_or(raw.unit);
+    let raw = read_height_map(path).map_err(Failure::failed)?;
+    let mut raw = reading
+        .scaled(raw)
+        .map_err(|error| Failure::usage(named(&error)))?;
     let mut notes = Vec::new();
     if !raw.spacing_is_known() {
         notes.push(
-            "the file has no spacing: 1 is assumed; set it with --spacing and --unit".to_owned(),
+            "the file has no spacing: 1 is assumed; set it with --spacing and --assume-unit"
+                .to_owned(),
         );
     }
     let missing = raw.missing();
-    let default_border =
-        HeightMapFormat::from_path(path).map_or(Border::Periodic, HeightMapFormat::default_border);
+    raw.border = reading.border.or(raw.border);
+    let is_border_known = raw.border.is_some();
     let field = raw
-        .into_height_field(reading.missing, default_border)
+        .into_height_field(reading.missing, ASSUMED_BORDER)
         .map_err(|error| match error {
             MissingError::Refused { .. } => {
                 Failure::failed(format!("{}: `--missing fill` fills them", named(&error)))
@@ -66,20 +65,20 @@ pub(crate) fn read_surface(
     } else {
         0
     };
-    let border = reading.border.unwrap_or(field.border());
     let field = reading
         .remove
         .remove(field)
-        .map_err(|error| Failure::failed(named(&error)))?
-        .with_border(border);
+        .map_err(|error| Failure::failed(named(&error)))?;
+    let border = field.border();
+    notes.extend(border_notes(&field, is_border_known));
     common.say(|| {
         let [dx, dy] = field.spacing();
         format!(
-            "{}: {} x {} samples, spacing {dx} x {dy} {}, {border} border, {filled} points filled",
+            "{}: {} x {} samples, spacing {dx} x {dy}{}, {border} border, {filled} points filled",
             path.display(),
             field.nx(),
             field.ny(),
-            field.unit(),
+            field.unit().suffix(),
         )
     });
     if filled > 0 {
@@ -97,15 +96,15 @@ pub(crate) fn is_mesh(path: &Path) -> bool {
     MeshFormat::from_path(path).is_some()
 }
 
-/// Reads a triangle mesh; an open patch unless a border is given.
+/// Reads a triangle mesh, and the unit of its lengths; an open patch unless a border is given.
 pub(crate) fn read_mesh_surface(
     path: &Path,
     reading: &MeasuredConfig,
     common: &Common,
-) -> Result<MeshSurface, Failure> {
+) -> Result<(MeshSurface, LengthUnit), Failure> {
     for (given, flag) in [
         (reading.spacing.is_some(), "--spacing"),
-        (reading.unit.is_some(), "--unit"),
+        (reading.flip, "--flip"),
         (reading.missing != MissingPolicy::Refuse, "--missing"),
         (reading.remove != Form::None, "--remove"),
     ] {
@@ -117,9 +116,19 @@ pub(crate) fn read_mesh_surface(
         }
     }
     let MeshData {
-        vertices,
+        mut vertices,
         triangles,
     } = read_mesh(path).map_err(Failure::failed)?;
+    // No format of meshes states a unit
+    let own = reading
+        .unit_of_file(LengthUnit::Arbitrary)
+        .map_err(|error| Failure::usage(format!("{}: {error}", path.display())))?;
+    let unit = reading.unit.unwrap_or(own);
+    if let Some(convert) = own.conversion(unit) {
+        for coordinate in vertices.as_flattened_mut() {
+            *coordinate = convert(*coordinate);
+        }
+    }
     let border = reading.border.unwrap_or(Border::Open);
     let mesh = MeshSurface::new(&vertices, triangles, border).map_err(|error| {
         let advice = match error {
@@ -133,13 +142,14 @@ pub(crate) fn read_mesh_surface(
     common.say(|| {
         let [x, y, z] = mesh.size();
         format!(
-            "{}: {} vertices, {} triangles, extent {x} x {y} x {z}, {border} border",
+            "{}: {} vertices, {} triangles, extent {x} x {y} x {z}{}, {border} border",
             path.display(),
             mesh.vertex_count(),
             mesh.facet_count(),
+            unit.suffix(),
         )
     });
-    Ok(mesh)
+    Ok((mesh, unit))
 }
 
 /// The file of a given surface, which `command` needs.
@@ -185,10 +195,13 @@ pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<S
     let plain = dx == 1.0 && dy == 1.0 && field.unit() == LengthUnit::Arbitrary;
     let bare = HeightMapFormat::from_path(path) == Some(HeightMapFormat::Npy);
     Ok(
-        (bare && !(plain && field.border() == Border::Periodic)).then(|| {
+        (bare && !(plain && field.border() == ASSUMED_BORDER)).then(|| {
             format!(
-                "NPY holds heights alone: read them with --spacing {dx},{dy} --unit {} --border {}",
-                field.unit(),
+                "NPY holds heights alone: read them with --spacing {dx},{dy}{} --border {}",
+                match field.unit() {
+                    LengthUnit::Arbitrary => String::new(),
+                    unit => format!(" --assume-unit {unit}"),
+                },
                 field.border()
             )
         }),

@@ -56,7 +56,13 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     };
     let (field, comment) = match cells {
         Cells::Flat => (field, String::new()),
-        Cells::Smooth => settings.mesh.tessellated(&field)?,
+        Cells::Smooth => {
+            let document = document.clone().in_unit(field.unit());
+            let settings: Settings = document
+                .and_then(|document| document.read())
+                .map_err(Failure::usage)?;
+            settings.mesh.tessellated(&field)?
+        }
     };
     let mesh = TriangleMesh::new(&Surface::new(field)).map_err(Failure::failed)?;
     let view = MeshView {

@@ -11,14 +11,15 @@ use asperity_render::{
 use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, GivenShape, MaterialConfig, MeasuredConfig, MediumConfig, Seconds, TraceError,
+    CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, Seconds,
+    TraceError,
 };
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
 
 use crate::common::Common;
 use crate::failure::Failure;
-use crate::given::{read_given, required_surface};
+use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::refuse_simulation;
 use crate::interrupt;
 use crate::output::{note_lines, print, say};
@@ -117,9 +118,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         check_folder_of(path).map_err(Failure::failed)?;
     }
     settings.check_outputs()?;
-    let surface = required_surface(&settings.measured, document.command(), common)?;
+    let surface = required_surface(&settings.measured, document, common)?;
+    let settings: Settings = settings_for(document, &surface)?;
+    let picture = &settings.picture;
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
-    let shape = settings.shape(surface.shape, common)?;
+    let shape = settings.shape(&surface, common)?;
 
     let bar = Bar::new(common);
     interrupt::listen();
@@ -191,11 +194,15 @@ impl Settings {
     }
 
     /// The bottom of the layer, if it is given as a file.
-    fn bottom(&self, common: &Common) -> Result<Option<GivenShape>, Failure> {
+    fn bottom(
+        &self,
+        surface: &GivenSurface,
+        common: &Common,
+    ) -> Result<Option<GivenShape>, Failure> {
         let medium = self.medium.as_ref();
         medium
             .and_then(|medium| medium.bottom_surface.file())
-            .map(|path| Ok(read_given(path, &self.measured, common)?.shape))
+            .map(|path| Ok(read_bottom(path, &self.measured, surface, common)?.shape))
             .transpose()
     }
 
@@ -216,10 +223,14 @@ impl Settings {
     }
 
     /// The surface over the bottom of the layer, if that is given as a file.
-    fn shape(&self, surface: GivenShape, common: &Common) -> Result<Shape, Failure> {
+    fn shape(&self, surface: &GivenSurface, common: &Common) -> Result<Shape, Failure> {
         let cells = self.surface.cells.of_given();
-        let top = surface.simulated(cells).map_err(refuse_simulation)?;
-        let Some(bottom) = self.bottom(common)? else {
+        let top = surface
+            .shape
+            .clone()
+            .simulated(cells)
+            .map_err(refuse_simulation)?;
+        let Some(bottom) = self.bottom(surface, common)? else {
             return Ok(top);
         };
         let bottom = bottom.simulated(cells).map_err(refuse_simulation)?;

@@ -11,7 +11,7 @@ use asperity_studies::{
 use crate::common::{Common, Results};
 use crate::completion::say_notes;
 use crate::failure::Failure;
-use crate::given::{read_given, required_surface};
+use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{result_folder, say};
@@ -28,6 +28,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     // Everything that can be is checked before the surface is read.
     config.check().map_err(|error| refuse(error.into()))?;
     let surfaces = read(&config, document, common)?;
+    let config: TraceConfig = settings_for(document, &surfaces.surface)?;
     let file = |surface: &GivenSurface| surface.file.clone();
     let inputs = [
         document.file().map(Path::to_owned),
@@ -83,11 +84,11 @@ fn read(
     document: &Document,
     common: &Common,
 ) -> Result<TracedSurfaces, Failure> {
-    let surface = required_surface(&config.measured, document.command(), common)?;
+    let surface = required_surface(&config.measured, document, common)?;
     let medium = config.medium.as_ref();
     let bottom = medium
         .and_then(|medium| medium.bottom_surface.file())
-        .map(|path| read_given(path, &config.measured, common))
+        .map(|path| read_bottom(path, &config.measured, &surface, common))
         .transpose()?;
     Ok(TracedSurfaces { surface, bottom })
 }

@@ -381,7 +381,10 @@ fn spacing_and_unit_come_from_the_file_or_from_flags() {
         &folder,
         &[&["generate", "--seed", "1", "-o", "a.npy"], &half[..]].concat(),
     );
-    assert!(text.contains("--spacing 0.5,0.5 --unit um"), "{text}");
+    assert!(
+        text.contains("--spacing 0.5,0.5 --assume-unit um --border periodic"),
+        "{text}"
+    );
     succeed(
         &folder,
         &[&["generate", "--seed", "1", "-o", "a.exr"], &half[..]].concat(),
@@ -390,7 +393,8 @@ fn spacing_and_unit_come_from_the_file_or_from_flags() {
         let text = succeed(&folder, &[&["inspect", "--json"], arguments].concat());
         json(&text)["sdq"].as_f64().unwrap()
     };
-    let told = sdq(&["a.npy", "--spacing", "0.5", "--unit", "um"]);
+    let told = words("a.npy --spacing 0.5 --assume-unit um --border periodic");
+    let told = sdq(&told);
     assert!((told / sdq(&["a.exr"]) - 1.0).abs() < 1e-6);
     assert!(succeed(&folder, &["inspect", "a.npy"]).contains("1 is assumed"));
     assert!(!succeed(&folder, &["inspect", "a.exr"]).contains("assumed"));
@@ -440,7 +444,7 @@ fn tall_surface_and_grazing_light_lose_nothing() {
         &[&["generate"], &surface[..], &["-o", "tall.npy"]].concat(),
     );
     let trace = [
-        "trace", "tall.npy", "--theta", "89.9", "--rays", "2e4", "--json",
+        "trace", "tall.npy", "--border", "periodic", "--theta", "89.9", "--rays", "2e4", "--json",
     ];
     let summary = json(&succeed(folder, &trace));
     assert_eq!(summary["energy"]["lost"]["mean"], 0.0);

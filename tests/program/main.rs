@@ -14,6 +14,7 @@ mod converge;
 mod estimators;
 mod examples;
 mod flags;
+mod given;
 mod gonio;
 mod gonio_given;
 mod layer_models;

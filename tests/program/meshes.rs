@@ -131,7 +131,8 @@ fn settings_that_meshes_do_not_have_are_refused_in_one_sentence() {
             2,
             "--spacing is for height maps",
         ),
-        (trace(&["--unit", "um"]), 2, "--unit is for height maps"),
+        (trace(&["--unit", "um"]), 2, "the file states no unit"),
+        (trace(&["--flip"]), 2, "--flip is for height maps"),
         (
             trace(&["--missing", "fill"]),
             2,

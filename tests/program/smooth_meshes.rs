@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use asperity_io::{HeightMapFormat, read_height_map, read_mesh};
-use asperity_surface::{MissingPolicy, SplineSurface};
+use asperity_io::{read_height_map, read_mesh};
+use asperity_surface::{Border, MissingPolicy, SplineSurface};
 
 use crate::support::{refused, succeed, with_surface, words};
 
@@ -19,8 +19,7 @@ fn stated(text: &str) -> (f64, &str) {
 /// The spline through the heights of a file.
 fn spline(path: &Path) -> SplineSurface {
     let raw = read_height_map(path).unwrap();
-    let border = HeightMapFormat::from_path(path).unwrap().default_border();
-    let field = raw.into_height_field(MissingPolicy::Refuse, border);
+    let field = raw.into_height_field(MissingPolicy::Refuse, Border::Mirrored);
     SplineSurface::through(&field.unwrap())
 }
 
@@ -71,7 +70,7 @@ fn triangles_of_smooth_cells_are_as_near_as_the_output_says() {
 #[test]
 fn a_deviation_takes_as_many_parts_as_needed_and_stands_in_the_file() {
     let (_keep, folder) = with_surface();
-    let smooth = "mesh h.exr --unit um --cells smooth";
+    let smooth = "mesh h.exr --assume-unit um --cells smooth";
     for name in ["m.ply", "m.obj", "m.stl"] {
         let line = format!("{smooth} --deviation 0.01 -o {name}");
         let text = succeed(&folder, &words(&line));

@@ -3,8 +3,6 @@
 use std::fmt;
 use std::path::Path;
 
-use asperity_surface::Border;
-
 /// A file format of height maps, chosen by the ending of the file's name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
@@ -75,18 +73,6 @@ impl HeightMapFormat {
     #[must_use]
     pub const fn can_write(self) -> bool {
         !matches!(self, Self::Text)
-    }
-
-    /// The border to assume where a file of this format says nothing about it.
-    ///
-    /// Periodic for the formats that programs write (EXR, NPY, and PNG for completeness); mirrored
-    /// for those of instruments, whose patches are not periodic.
-    #[must_use]
-    pub const fn default_border(self) -> Border {
-        match self {
-            Self::Exr | Self::Npy | Self::Png => Border::Periodic,
-            Self::Gsf | Self::X3p | Self::Text => Border::Mirrored,
-        }
     }
 }
 

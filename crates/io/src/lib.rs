@@ -23,7 +23,7 @@
 //! write_height_map(&path, &wedge)?;
 //!
 //! let format = HeightMapFormat::from_path(&path).ok_or("unknown ending")?;
-//! let read = read_height_map(&path)?.into_height_field(MissingPolicy::Refuse, format.default_border())?;
+//! let read = read_height_map(&path)?.into_height_field(MissingPolicy::Refuse, Border::Mirrored)?;
 //! assert_eq!(read, wedge);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use asperity_simulate::{Cells, Shape, SimulateError};
-use asperity_surface::{Border, Form, HeightField, Roughness};
+use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
@@ -16,6 +16,8 @@ pub struct GivenSurface {
     pub name: String,
     /// The file; `None` for the flat surface.
     pub file: Option<PathBuf>,
+    /// Unit of its lengths.
+    pub unit: LengthUnit,
     /// Missing points that were filled.
     pub filled: usize,
     /// What a reader of the results should know about how the file was read.
@@ -100,6 +102,7 @@ impl GivenSurface {
                     "vertices": mesh.vertex_count(),
                     "triangles": mesh.facet_count(),
                     "extent": mesh.size(),
+                    "unit": self.unit,
                     "border": mesh.border(),
                     "triangles_dropped": repairs.dropped,
                     "turned_over": repairs.turned_over,
@@ -156,4 +159,4 @@ fn mesh_warnings(mesh: &MeshSurface) -> Vec<String> {
 const ONE_SURFACE: &str =
     "one surface: errors hold for this surface, not for the ensemble it may come from";
 
-const OPEN_PATCH: &str = "the patch is open: paths that leave it sideways count as truncated, and grazing light sees it too bright";
+const OPEN_PATCH: &str = "the patch is open, with nothing beyond its rim: light that goes up over the rim escapes, light that goes down past it counts as truncated, and grazing light sees the patch too bright";

@@ -18,6 +18,7 @@ mod tables;
 use asperity_simulate::{
     BottomSurface, Case, LayerBelow, Light, Observer, Settings, SurfaceSource, simulate,
 };
+use asperity_surface::LengthUnit;
 use std::path::PathBuf;
 
 use asperity_io::{ResultFolder, ResultFolderError};
@@ -112,6 +113,13 @@ pub struct GonioOutcome {
 }
 
 impl GonioOutcome {
+    /// Unit of the lengths of all surfaces.
+    #[must_use]
+    pub fn unit(&self) -> LengthUnit {
+        let sample = self.sample.as_ref();
+        sample.map_or(self.config.surface.unit, |sample| sample.unit)
+    }
+
     /// Directions that are still to be found.
     #[must_use]
     pub fn missing(&self) -> usize {

@@ -5,6 +5,7 @@
 //! measures the whole BRDF and BTDF, direction by direction.
 
 mod attenuation;
+mod border;
 mod config;
 mod converge;
 mod given;
@@ -15,6 +16,7 @@ mod output;
 mod report;
 pub mod settings;
 mod trace;
+mod validity;
 mod verify;
 
 pub use attenuation::{
@@ -23,10 +25,11 @@ pub use attenuation::{
     Demarcation, VisibilityMethod, VisibilityRow, attenuation, attenuation_report,
     attenuation_summary, attenuation_table,
 };
+pub use border::{ASSUMED_BORDER, border_notes};
 pub use config::case_model::CaseModel;
 pub use config::cases::{check_light, check_sides};
 pub use config::error::ConfigError;
-pub use config::measured::MeasuredConfig;
+pub use config::measured::{MeasuredConfig, UnitError};
 pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
@@ -63,6 +66,7 @@ pub use trace::{
     PlannedTrace, TraceError, TraceOutcome, TracedSurfaces, trace_report, trace_summary,
     trace_table,
 };
+pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
 pub use verify::comparison::models::{ComparedComponent, ModelOutcome};
 pub use verify::comparison::peak::PeakDifference;
 pub use verify::comparison::side_difference::SideDifference;

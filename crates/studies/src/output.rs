@@ -28,4 +28,5 @@ pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use points_hash::{corners_hash, heights_hash, shape_hash};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
 pub use surface_checkpoints::SurfaceCheckpoints;
+pub(crate) use table::unit_of_lengths;
 pub(crate) use table::{Cell, Column, Format, Table};

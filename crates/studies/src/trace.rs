@@ -8,6 +8,7 @@ use asperity_io::ResultFolder;
 use asperity_simulate::{
     Cells, Deadline, Observer, Outcome, Shape, SimulateError, Simulation, Stopping,
 };
+use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
 use serde_json::{Value, json};
 
@@ -19,6 +20,7 @@ use crate::config::values::Seconds;
 use crate::given::{GivenShape, GivenSurface};
 use crate::output::{CheckpointError, SurfaceCheckpoints, shape_hash};
 use crate::report::energies::lost_warning;
+use crate::validity::Validity;
 
 /// Why light on a surface is not traced.
 #[derive(Debug, thiserror::Error)]
@@ -89,12 +91,16 @@ pub struct TraceOutcome {
     pub config: TraceConfig,
     /// Name of the surface.
     pub name: String,
+    /// Unit of its lengths.
+    pub unit: LengthUnit,
     /// Where each quantity stands in the statistics.
     pub spec: TallySpec,
     /// What the engine found.
     pub outcome: Outcome,
     /// What a reader should know.
     pub warnings: Vec<String>,
+    /// Lengths of the surface against the wavelength, of a height map whose unit is known.
+    pub validity: Option<Validity>,
     /// The configuration as summary.json holds it.
     described: Value,
 }
@@ -113,10 +119,12 @@ impl TraceOutcome {
 pub struct PlannedTrace {
     config: TraceConfig,
     name: String,
+    unit: LengthUnit,
     spec: TallySpec,
     shape: Shape,
     simulation: Simulation,
     warnings: Vec<String>,
+    validity: Option<Validity>,
     described: Value,
 }
 
@@ -129,7 +137,15 @@ impl PlannedTrace {
         surfaces.check(config)?;
         let settings = config.ray_settings()?;
         let name = surfaces.surface.name.clone();
+        let unit = surfaces.surface.unit;
         let warnings = surfaces.surface.warnings();
+        let validity = match &surfaces.surface.shape {
+            GivenShape::Field(field) => {
+                let wavelength = config.light.wavelength.map(|wavelength| wavelength.0);
+                Validity::of_field(field, config.incidence()?.theta(), wavelength)
+            }
+            GivenShape::Mesh(_) => None,
+        };
         let description = description::Surfaces::of(&surfaces, config);
         let shape = surfaces.shape(config.surface.cells.of_given())?;
         let case = config.case(shape.clone())?;
@@ -137,10 +153,12 @@ impl PlannedTrace {
         Ok(Self {
             config: config.clone(),
             name,
+            unit,
             spec: settings.tally,
             shape,
             simulation: Simulation::new(&[case], &settings)?,
             warnings,
+            validity,
             described,
         })
     }
@@ -183,9 +201,11 @@ impl PlannedTrace {
         let mut found = TraceOutcome {
             config: self.config,
             name: self.name,
+            unit: self.unit,
             spec: self.spec,
             outcome,
             warnings: self.warnings,
+            validity: self.validity,
             described: self.described,
         };
         let lost = lost_warning(&found.outcome.statistics);

@@ -1,6 +1,7 @@
 //! Height field: a surface sampled on a regular grid, with spacings, unit and border.
 
 mod border;
+mod border_steps;
 mod unit;
 
 use crate::Provenance;
@@ -75,8 +76,16 @@ pub enum HeightFieldError {
     #[error("unknown border `{0}`; allowed are periodic, mirrored and open")]
     UnknownBorder(String),
     /// Unknown symbol of a unit.
-    #[error("unknown length unit `{0}`; allowed are 1 (arbitrary), m, mm, um and nm")]
+    #[error("unknown length unit `{0}`; allowed are 1 (arbitrary), nm, um, mm, m and km")]
     UnknownUnit(String),
+    /// Lengths cannot be converted from or into arbitrary units.
+    #[error("lengths in the unit {from} cannot be converted into {to}; 1 is an arbitrary unit")]
+    NoUnit {
+        /// The unit of the lengths.
+        from: LengthUnit,
+        /// The requested unit.
+        to: LengthUnit,
+    },
 }
 
 /// A single-valued surface `z = h(x, y)`, sampled on a regular grid.

@@ -1,5 +1,6 @@
 //! Height maps as instruments deliver them: with points missing.
 
+mod conversion;
 mod fill;
 mod laplace;
 

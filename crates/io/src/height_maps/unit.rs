@@ -29,6 +29,7 @@ impl PowerOfMetre {
     /// The unit to keep the numbers in: this one if surfaces know it, else the metre.
     pub(crate) fn kept_as(self) -> LengthUnit {
         match self.0 {
+            3 => LengthUnit::Kilometre,
             -3 => LengthUnit::Millimetre,
             -6 => LengthUnit::Micrometre,
             -9 => LengthUnit::Nanometre,
@@ -39,6 +40,7 @@ impl PowerOfMetre {
     /// Converts a length in this unit into `unit`, rounding once; `None` without a physical unit.
     pub(crate) fn convert(self, unit: LengthUnit) -> Option<impl Fn(f64) -> f64 + Copy> {
         let target = match unit {
+            LengthUnit::Kilometre => 3,
             LengthUnit::Metre => 0,
             LengthUnit::Millimetre => -3,
             LengthUnit::Micrometre => -6,

@@ -102,6 +102,12 @@ impl Axis {
         }
     }
 
+    /// The same with its low end where its high end was.
+    pub(crate) fn reversed(mut self) -> Self {
+        std::mem::swap(&mut self.lo, &mut self.hi);
+        self
+    }
+
     pub(crate) fn with_label(mut self, label: &str) -> Self {
         self.label = label.to_owned();
         self

@@ -21,6 +21,7 @@ impl LengthUnit {
     /// The unit in which `max_abs`, given in `unit`, reads best.
     pub(crate) fn choose(unit: &str, max_abs: f64) -> Self {
         let metres = match unit {
+            "km" => Some(1e3),
             "m" => Some(1.0),
             "cm" => Some(1e-2),
             "mm" => Some(1e-3),
@@ -32,7 +33,7 @@ impl LengthUnit {
         let (unit_size, symbol) = match metres {
             Some(metres) => {
                 let size = max_abs * metres;
-                let (shown, symbol) = [(1.0, "m"), (1e-3, "mm"), (1e-6, "µm")]
+                let (shown, symbol) = [(1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm")]
                     .into_iter()
                     // Rounding must not turn 1 mm into 1000 µm.
                     .find(|(shown, _)| size >= shown * (1.0 - 1e-9))

@@ -91,7 +91,8 @@ impl HeightMapFigure<'_> {
         let width = MAX_MAP.0.min(MAX_MAP.1 * aspect);
         let height = width / aspect;
         let x_axis = lateral.side_axis("x", extent[0], width);
-        let y_axis = lateral.side_axis("y", extent[1], height);
+        // As images show it: the first row on top, so y points down
+        let y_axis = lateral.side_axis("y", extent[1], height).reversed();
         let left = theme::MARGIN + y_axis_room(&y_axis)?;
         let figure_width = (left + width + BAR_ROOM).max(MIN_FIGURE_WIDTH);
 
@@ -154,16 +155,16 @@ impl HeightMapFigure<'_> {
             [statistics.rms, statistics.min, statistics.max].map(|h| unit.number(h));
         let suffix = unit.suffix();
         format!(
-            "{nx} × {ny} samples, first row at the bottom; rms height {rms}, lowest {lowest}, highest {highest}{suffix}"
+            "{nx} × {ny} samples, first row on top; rms height {rms}, lowest {lowest}, highest {highest}{suffix}"
         )
     }
 
-    /// The field averaged over equal cells, top row first.
+    /// The field averaged over equal cells, first row first.
     fn block_means(&self, columns: usize, rows: usize) -> Vec<f64> {
         let [ny, nx] = self.shape;
         let (wx, wy) = (weights(nx, columns), weights(ny, rows));
         let mut means = Vec::with_capacity(columns * rows);
-        for (first_y, weights_y) in wy.iter().rev() {
+        for (first_y, weights_y) in &wy {
             for (first_x, weights_x) in &wx {
                 let mut mean = 0.0;
                 for (i, weight_y) in weights_y.iter().enumerate() {
@@ -263,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn row_zero_is_at_the_bottom() {
+    fn row_zero_is_on_top() {
         let figure = HeightMapFigure {
             title: String::new(),
             subtitle: String::new(),
@@ -278,7 +279,7 @@ mod tests {
                 .iter()
                 .map(|h| colour_scale(&means, 1.0).index(*h, 256))
                 .collect::<Vec<_>>(),
-            [255, 255, 0, 0]
+            [0, 0, 255, 255]
         );
     }
 }

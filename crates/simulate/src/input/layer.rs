@@ -1,5 +1,6 @@
 //! What lies below a surface: the shape of a layer's bottom, and names of layers.
 
+use asperity_surface::LengthUnit;
 use std::fmt;
 use std::str::FromStr;
 
@@ -45,15 +46,19 @@ impl FromStr for BottomSurface {
     }
 }
 
-/// A layer for people, as in `mean free path 0.1, albedo 0.9, g = 0.5, 2 thick on a mirror`.
+/// A layer with lengths in `unit` for people, as in `mean free path 0.1 um, albedo 0.9, g = 0.5, 2 um thick on a mirror`.
 #[must_use]
-pub fn layer_name(layer: &Layer) -> String {
+pub fn layer_name(layer: &Layer, unit: LengthUnit) -> String {
+    let unit = unit.suffix();
     let medium = layer.medium();
     let mut name = if medium.is_clear() {
         "clear".to_owned()
     } else {
         let path = short(medium.mean_free_path());
-        format!("mean free path {path}, albedo {}", short(medium.albedo()))
+        format!(
+            "mean free path {path}{unit}, albedo {}",
+            short(medium.albedo())
+        )
     };
     match medium.phase() {
         PhaseFunction::Isotropic => {}
@@ -71,7 +76,7 @@ pub fn layer_name(layer: &Layer) -> String {
             }
             _ => String::new(),
         };
-        name.push_str(&format!(", {} thick {bottom}", short(slab.thickness)));
+        name.push_str(&format!(", {}{unit} thick {bottom}", short(slab.thickness)));
     }
     name
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use asperity_surface::Border;
+use asperity_surface::{Border, LengthUnit};
 use serde::{Deserialize, Serialize};
 
 use super::AttenuationError;
@@ -28,6 +28,9 @@ pub struct AttenuationSurface {
     pub size: Option<PerAxis<Count>>,
     /// Length units per sample along x and y.
     pub spacing: PerAxis<Number>,
+    /// Unit of lengths.
+    #[serde(default)]
+    pub unit: LengthUnit,
     /// What lies between the heights of the grid: flat cells unless others are named.
     pub cells: CellsChoice,
     /// What lies beyond the border: periodic or open.

@@ -6,6 +6,7 @@ use asperity_analysis::{
 use asperity_optics::{Incidence, from_spherical};
 use asperity_plot::{Colour, Curve, CurveAxis, Curves, Point, Style};
 use asperity_simulate::{counted, short};
+use asperity_surface::LengthUnit;
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, VisibilityRow};
@@ -152,7 +153,7 @@ fn over_sigma(outcome: &AttenuationOutcome) -> Curves {
     Curves {
         title: "Geometric attenuation over roughness".into(),
         subtitle: subtitle(outcome),
-        x: axis("root mean square height σ (length units)", None),
+        x: axis(&sigma_label(outcome.config.surface.unit), None),
         y: axis(LIT, Some([0.0, 1.04])),
         curves,
         notes: vec!["Colours: θᵢ. Patterns: model.".into()],
@@ -324,4 +325,14 @@ fn subtitle(outcome: &AttenuationOutcome) -> String {
         counted(outcome.work.realisations, "surface"),
         outcome.work.points
     )
+}
+
+/// The axis of root mean square heights.
+fn sigma_label(unit: LengthUnit) -> String {
+    let unit = match unit {
+        LengthUnit::Arbitrary => "length units",
+        LengthUnit::Micrometre => "µm",
+        unit => unit.symbol(),
+    };
+    format!("root mean square height σ ({unit})")
 }

@@ -25,20 +25,21 @@ pub fn attenuation_report(
     let names = outcome.config.files();
     folder.claim_all(names.iter().map(String::as_str))?;
     let place = Place::root(folder);
+    let unit = outcome.config.surface.unit;
     let drawn = if outcome.config.output.plots {
         figures::figures(outcome)
     } else {
         Vec::new()
     };
     progress.begin("writing", drawn.len() as u64);
-    tables::attenuation().write_csv(&place.claim("attenuation.csv")?, &outcome.rows)?;
+    tables::attenuation(unit).write_csv(&place.claim("attenuation.csv")?, &outcome.rows)?;
     if !outcome.demarcation.is_empty() {
         let path = place.claim("demarcation.csv")?;
-        tables::demarcation().write_csv(&path, &outcome.demarcation)?;
+        tables::demarcation(unit).write_csv(&path, &outcome.demarcation)?;
     }
     if !outcome.visibility.is_empty() {
         let path = place.claim("visibility.csv")?;
-        tables::visibility().write_csv(&path, &outcome.visibility)?;
+        tables::visibility(unit).write_csv(&path, &outcome.visibility)?;
     }
     for (name, curves) in drawn {
         save(&[&place], name, &curves.draw()?)?;
@@ -93,18 +94,19 @@ struct Summary<'a> {
 /// The contents of summary.json.
 #[must_use]
 pub fn attenuation_summary(outcome: &AttenuationOutcome) -> Value {
+    let unit = outcome.config.surface.unit;
     json!(Summary {
         head: Head::of("attenuation"),
         seed: outcome.config.run.seed,
         config: &outcome.config,
         mesh_slope_deficit: outcome.mesh_slope_deficit,
-        rows: tables::attenuation().json(&outcome.rows),
-        demarcation: tables::demarcation().json(&outcome.demarcation),
-        visibility: tables::visibility().json(&outcome.visibility),
+        rows: tables::attenuation(unit).json(&outcome.rows),
+        demarcation: tables::demarcation(unit).json(&outcome.demarcation),
+        visibility: tables::visibility(unit).json(&outcome.visibility),
         columns: json!({
-            "attenuation.csv": tables::attenuation().description(),
-            "demarcation.csv": tables::demarcation().description(),
-            "visibility.csv": tables::visibility().description(),
+            "attenuation.csv": tables::attenuation(unit).description(),
+            "demarcation.csv": tables::demarcation(unit).description(),
+            "visibility.csv": tables::visibility(unit).description(),
         }),
         warnings: outcome.warnings(),
         stopped_by: outcome.stopped_by,

@@ -1,5 +1,7 @@
 //! The tables of geometric attenuation, and the report that shows them.
 
+use crate::output::unit_of_lengths;
+use asperity_surface::LengthUnit;
 use std::fmt::Write;
 
 use asperity_simulate::{Cells, counted, short};
@@ -28,14 +30,14 @@ fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -
 }
 
 /// attenuation.csv: a row per sigma, light and view.
-pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
+pub(super) fn attenuation(unit: LengthUnit) -> Table<'static, AttenuationRow> {
     type Row = AttenuationRow;
     let less = |fraction: Estimate, smith: f64| Estimate {
         mean: fraction.mean - smith,
         ..fraction
     };
     Table::new()
-        .column(sigma_column(|row: &Row| row.sigma))
+        .column(sigma_column(unit, |row: &Row| row.sigma))
         .column(angle("theta", "polar angle of the light", |row: &Row| row.theta))
         .column(angle("phi", "azimuth of the light", |row: &Row| row.phi))
         .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view_theta))
@@ -65,19 +67,19 @@ pub(super) fn attenuation() -> Table<'static, AttenuationRow> {
 }
 
 /// demarcation.csv: a row per sigma.
-pub(super) fn demarcation() -> Table<'static, Demarcation> {
+pub(super) fn demarcation(unit: LengthUnit) -> Table<'static, Demarcation> {
     type Row = Demarcation;
     let paper = "the demarcation angle of the 2019 paper";
     Table::new()
-        .column(sigma_column(|row: &Row| row.sigma))
+        .column(sigma_column(unit, |row: &Row| row.sigma))
         .columns(first_point_columns())
         .columns(one_percent_columns())
         .column(expected_angle("paper", paper, |row| row.paper).heading("2019 paper"))
 }
 
 /// The column `sigma`.
-fn sigma_column<'a, R: 'a>(sigma: fn(&R) -> f64) -> Column<'a, R> {
-    Column::new("sigma", "root mean square height", sigma).unit("length")
+fn sigma_column<'a, R: 'a>(unit: LengthUnit, sigma: fn(&R) -> f64) -> Column<'a, R> {
+    Column::new("sigma", "root mean square height", sigma).unit(unit_of_lengths(unit))
 }
 
 /// A column of measured polar angles.
@@ -140,10 +142,10 @@ fn one_percent_columns() -> [Column<'static, Demarcation>; 4] {
 }
 
 /// visibility.csv: a row per sigma, light and height.
-pub(super) fn visibility() -> Table<'static, VisibilityRow> {
+pub(super) fn visibility(unit: LengthUnit) -> Table<'static, VisibilityRow> {
     type Row = VisibilityRow;
     Table::new()
-        .column(sigma_column(|row: &Row| row.sigma))
+        .column(sigma_column(unit, |row: &Row| row.sigma))
         .column(angle("theta", "polar angle of the light", |row: &Row| {
             row.theta
         }))
@@ -194,8 +196,9 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "tau {}, {} of {} points, {} border, by {};\nfractions of points, not of projected areas",
+        "tau {}{}, {} of {} points, {} border, by {};\nfractions of points, not of projected areas",
         short(surface.tau.0),
+        surface.unit.suffix(),
         counted(work.realisations, "surface"),
         work.points,
         surface.border,
@@ -217,9 +220,10 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
             "errors from the scatter between surfaces; cells are smooth, with the slope\nvariance of the continuous surface\n",
         ),
     };
+    let unit = outcome.config.surface.unit;
     out.push_str(&fractions(outcome));
     if !outcome.demarcation.is_empty() {
-        let table = demarcation().text(&outcome.demarcation);
+        let table = demarcation(unit).text(&outcome.demarcation);
         let _ = write!(
             out,
             "\npolar angle at which shadow begins, degrees\n{table}"
@@ -229,7 +233,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
         // Eq. 24 is for heights about zero alone.
         let about_zero = outcome.visibility.iter().filter(|row| row.xu_sun.is_some());
         let columns = ["sigma", "theta", "x", "visibility", "smith", "xu_sun"];
-        let table = visibility().select(&columns).text(about_zero);
+        let table = visibility(unit).select(&columns).text(about_zero);
         let _ = write!(
             out,
             "\nvisibility of the points at height zero that face the light\n{table}"
@@ -243,6 +247,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
 
 /// The fractions by light, and by light and view where a view is not vertical.
 fn fractions(outcome: &AttenuationOutcome) -> String {
+    let unit = outcome.config.surface.unit;
     let slanted = outcome.rows.iter().any(|row| row.view_theta > 0.0);
     // What depends on the light alone is the same for each view.
     let first_view = outcome.rows.first().map(|row| row.view_theta);
@@ -265,7 +270,10 @@ fn fractions(outcome: &AttenuationOutcome) -> String {
     if !slanted {
         columns.push("paper_g2");
     }
-    let mut out = attenuation().select(&columns).keys(2).text(of_first_view);
+    let mut out = attenuation(unit)
+        .select(&columns)
+        .keys(2)
+        .text(of_first_view);
     if slanted {
         let columns = [
             "sigma",
@@ -279,7 +287,10 @@ fn fractions(outcome: &AttenuationOutcome) -> String {
             "v_cavity_g2",
             "paper_g2",
         ];
-        let by_view = attenuation().select(&columns).keys(5).text(&outcome.rows);
+        let by_view = attenuation(unit)
+            .select(&columns)
+            .keys(5)
+            .text(&outcome.rows);
         let _ = write!(out, "\n{by_view}");
     }
     out

@@ -35,7 +35,10 @@ pub(crate) fn case_text(case: &SweepCase) -> String {
     };
     let theta = format!("θᵢ = {}°", short(case.incidence.theta_deg()));
     let parts = [surface, material_text(case.material), theta];
-    let layer = case.layer.as_ref().map(layer_name);
+    let layer = case
+        .layer
+        .as_ref()
+        .map(|layer| layer_name(layer, case.unit));
     parts
         .into_iter()
         .chain(layer)

@@ -21,6 +21,11 @@ pub enum ConfigError {
     /// Two keys that exclude each other, or none of two that are needed.
     #[error("{0}")]
     Contradiction(String),
+    /// Facets so level that lobes are narrower than quadrature resolves.
+    #[error(
+        "smoothness is {0:e}; up to 1e6 is allowed, beyond which lobes are too narrow to be computed: a flat surface (gonio --flat, trace --flat) reflects as well"
+    )]
+    TooSmooth(f64),
     /// A list is empty.
     #[error("`{0}` is an empty list; give one value or several")]
     EmptyList(&'static str),

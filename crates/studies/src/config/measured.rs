@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use asperity_surface::{Border, Form, LengthUnit, MissingPolicy};
+use asperity_surface::{Border, Form, HeightFieldError, LengthUnit, MissingPolicy, RawHeightMap};
 use serde::{Deserialize, Serialize};
 
 use super::error::ConfigError;
-use super::values::{Number, PerAxis};
+use super::values::PerAxis;
+use crate::settings::Length;
 
 /// `[measured]`: one given surface, from a file or flat, in place of random ones.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -20,12 +21,18 @@ pub struct MeasuredConfig {
     /// What lies beyond the border; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub border: Option<Border>,
-    /// Length units per sample along x and y; as the file says unless given.
+    /// Distance between samples along x and y; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub spacing: Option<PerAxis<Number>>,
-    /// Length unit of heights and spacing; as the file says unless given.
+    pub spacing: Option<PerAxis<Length>>,
+    /// The unit that lengths of the file are converted into; as the file says unless given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<LengthUnit>,
+    /// The unit of the lengths of a file that states none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub assume_unit: Option<LengthUnit>,
+    /// Whether the rows of a height map are taken in reverse order.
+    #[serde(default)]
+    pub flip: bool,
     /// What to do with missing points.
     #[serde(with = "MissingName")]
     pub missing: MissingPolicy,
@@ -53,14 +60,151 @@ impl MeasuredConfig {
         let reads_file = self.border.is_some()
             || self.spacing.is_some()
             || self.unit.is_some()
+            || self.assume_unit.is_some()
+            || self.flip
             || self.missing != MissingPolicy::Refuse
             || self.remove != Form::None;
         if self.file.is_none() && reads_file {
             return Err(ConfigError::Contradiction(
-                "border, spacing, unit, missing and remove are for a surface read from a file, but no file is given"
+                "border, spacing, unit, assume-unit, flip, missing and remove are for a surface read from a file, but no file is given"
                     .into(),
             ));
         }
         Ok(())
+    }
+
+    /// The unit of the lengths in a file that states `stated`, before they are converted.
+    ///
+    /// # Errors
+    /// [`UnitError`] if a unit is assumed where the file states another, or a conversion is asked for where none is
+    /// known.
+    pub fn unit_of_file(&self, stated: LengthUnit) -> Result<LengthUnit, UnitError> {
+        let own = match (stated, self.assume_unit) {
+            (LengthUnit::Arbitrary, Some(assumed)) => assumed,
+            (stated, Some(assumed)) if assumed != stated => {
+                return Err(UnitError::Stated { stated, assumed });
+            }
+            (stated, _) => stated,
+        };
+        match self.unit {
+            Some(unit) if own == LengthUnit::Arbitrary => Err(UnitError::Unknown { unit }),
+            _ => Ok(own),
+        }
+    }
+
+    /// A map as it was read, in the requested unit, spacing and order of rows.
+    ///
+    /// # Errors
+    /// [`UnitError`].
+    pub fn scaled(&self, mut raw: RawHeightMap) -> Result<RawHeightMap, UnitError> {
+        raw.unit = self.unit_of_file(raw.unit)?;
+        let unit = self.unit.unwrap_or(raw.unit);
+        let mut raw = raw.in_unit(unit)?;
+        if let Some(spacing) = self.spacing {
+            let [dx, dy] = spacing.xy().map(|d| d.in_unit(unit));
+            let (Some(dx), Some(dy)) = (dx, dy) else {
+                return Err(UnitError::Spacing);
+            };
+            raw = raw.with_spacing([dx, dy])?;
+        }
+        Ok(if self.flip { raw.flipped() } else { raw })
+    }
+}
+
+/// Why lengths of a file cannot be taken as requested.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UnitError {
+    /// A unit is assumed, and the file states another.
+    #[error(
+        "--assume-unit {assumed}: the file states its unit, {stated}; --unit {assumed} converts"
+    )]
+    Stated {
+        /// The unit of the file.
+        stated: LengthUnit,
+        /// The assumed one.
+        assumed: LengthUnit,
+    },
+    /// Lengths are to be converted from a unit that is not known.
+    #[error(
+        "--unit {unit} converts lengths, but the file states no unit; say what its numbers are in with --assume-unit"
+    )]
+    Unknown {
+        /// The requested unit.
+        unit: LengthUnit,
+    },
+    /// The spacing has a unit, and the surface none.
+    #[error(
+        "--spacing with a unit: the surface has no unit of length; say what its heights are in with --assume-unit"
+    )]
+    Spacing,
+    /// The numbers become too large or too small.
+    #[error(transparent)]
+    HeightField(#[from] HeightFieldError),
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_surface::HeightField;
+
+    use super::*;
+    use crate::settings::{Command, Document};
+
+    fn measured(keys: &str) -> MeasuredConfig {
+        #[derive(Deserialize)]
+        struct Config {
+            measured: MeasuredConfig,
+        }
+        let text = format!("[measured]\nfile = \"a.npy\"\n{keys}");
+        let document = Document::of_text(Command::Trace, &text).unwrap();
+        document.read::<Config>().unwrap().measured
+    }
+
+    fn scaled(keys: &str, unit: LengthUnit) -> Result<HeightField, UnitError> {
+        let mut raw = RawHeightMap::new(vec![1.0, 2.0, 3.0, 4.0], [2, 2], [10.0, 20.0]).unwrap();
+        raw.unit = unit;
+        let map = measured(keys).scaled(raw)?;
+        Ok(map
+            .into_height_field(MissingPolicy::Refuse, Border::Open)
+            .unwrap())
+    }
+
+    #[test]
+    fn units_convert_and_never_rename() {
+        let field = scaled("unit = \"um\"", LengthUnit::Nanometre).unwrap();
+        assert_eq!(field.unit(), LengthUnit::Micrometre);
+        assert_eq!((field.height(1, 0), field.spacing()), (2e-3, [0.01, 0.02]));
+        let assumed = "assume_unit = \"nm\"\nunit = \"um\"";
+        let field = scaled(assumed, LengthUnit::Arbitrary).unwrap();
+        assert_eq!((field.height(1, 0), field.spacing()), (2e-3, [0.01, 0.02]));
+        let stated = (LengthUnit::Metre, LengthUnit::Nanometre);
+        assert_eq!(
+            scaled(assumed, LengthUnit::Metre),
+            Err(UnitError::Stated {
+                stated: stated.0,
+                assumed: stated.1
+            })
+        );
+        let unit = LengthUnit::Micrometre;
+        assert_eq!(
+            scaled("unit = \"um\"", LengthUnit::Arbitrary),
+            Err(UnitError::Unknown { unit })
+        );
+    }
+
+    #[test]
+    fn spacings_are_in_the_unit_of_the_surface_or_in_their_own() {
+        let field = scaled("spacing = [3, \"500nm\"]", LengthUnit::Micrometre).unwrap();
+        assert_eq!(field.spacing(), [3.0, 0.5]);
+        let plain = scaled("spacing = 3", LengthUnit::Arbitrary).unwrap();
+        assert_eq!(plain.spacing(), [3.0, 3.0]);
+        let error = scaled("spacing = \"3nm\"", LengthUnit::Arbitrary);
+        assert_eq!(error, Err(UnitError::Spacing));
+    }
+
+    #[test]
+    fn rows_are_reversed_on_request() {
+        let field = scaled("flip = true", LengthUnit::Metre).unwrap();
+        assert_eq!(field.heights(), [3.0, 4.0, 1.0, 2.0]);
     }
 }

@@ -125,6 +125,9 @@ pub struct LightConfig {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
+    /// Wavelength, nanometres, against which lengths of the surface are judged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wavelength: Option<Number>,
     /// Stokes vector, `I, Q, U, V`; unpolarised by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stokes: Option<OneOrMany<Number>>,

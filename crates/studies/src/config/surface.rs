@@ -1,7 +1,7 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
 use asperity_simulate::Cells;
-use asperity_surface::Psd;
+use asperity_surface::{LengthUnit, Psd};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -9,6 +9,9 @@ use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
 
 /// Correlation lengths along the side of a tile whose size is not given.
 const TILE: f64 = 32.0;
+
+/// Largest smoothness. Lobes are then a few millionths of a radian wide; quadrature does not resolve narrower ones.
+pub(crate) const MAX_SMOOTHNESS: f64 = 1e6;
 
 /// The cells of a surface, or `auto`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,6 +66,9 @@ pub struct SurfaceConfig {
     /// Length units per sample along x and y; by default as [`SurfaceConfig::spacing`] says.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub spacing: Option<PerAxis<Number>>,
+    /// Unit of lengths.
+    #[serde(default)]
+    pub unit: LengthUnit,
     /// What lies between the heights of the grid.
     #[serde(default)]
     pub cells: CellsChoice,
@@ -92,6 +98,11 @@ impl SurfaceConfig {
                 ));
             }
         };
+        let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
+        let smoother = smoothness * ratio.max(1.0);
+        if smoother > MAX_SMOOTHNESS {
+            return Err(ConfigError::TooSmooth(smoother));
+        }
         if !(smoothness.is_finite() && smoothness > 0.0) {
             return Err(ConfigError::Contradiction(format!(
                 "smoothness is {smoothness}; tau / sigma must be positive and finite"

@@ -109,6 +109,7 @@ impl VerifyConfig {
         Ok(SweepCase {
             smoothness,
             psd,
+            unit: self.surface.unit,
             material,
             layer: layer.transpose()?,
             incidence: Incidence::from_degrees(theta.0, phi.0)?,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_surface::Psd;
+use asperity_surface::{LengthUnit, Psd};
 use serde::Serialize;
 
 use asperity_simulate::{layer_folder, layer_name, short};
@@ -15,6 +15,9 @@ pub struct SweepCase {
     pub smoothness: f64,
     /// The power spectral density.
     pub psd: Psd,
+    /// Unit of lengths.
+    #[serde(skip_serializing_if = "is_arbitrary")]
+    pub unit: LengthUnit,
     /// The material.
     pub material: Material,
     /// What lies below, if there is anything.
@@ -23,6 +26,11 @@ pub struct SweepCase {
     /// The direction towards the light.
     #[serde(serialize_with = "in_degrees")]
     pub incidence: Incidence,
+}
+
+/// Whether lengths have no physical unit; results are silent about it then.
+pub(crate) fn is_arbitrary(unit: &LengthUnit) -> bool {
+    *unit == LengthUnit::Arbitrary
 }
 
 fn in_degrees<S: serde::Serializer>(
@@ -51,7 +59,7 @@ impl fmt::Display for SweepCase {
         }
         write!(f, "theta = {} deg", short(self.incidence.theta_deg()))?;
         match &self.layer {
-            Some(layer) => write!(f, ", {}", layer_name(layer)),
+            Some(layer) => write!(f, ", {}", layer_name(layer, self.unit)),
             None => Ok(()),
         }
     }
@@ -98,6 +106,7 @@ mod tests {
             let case = SweepCase {
                 smoothness,
                 psd: Psd::gaussian(1.0, 1.0).unwrap(),
+                unit: LengthUnit::Arbitrary,
                 material: Material::Dielectric { eta },
                 layer: None,
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),

@@ -177,7 +177,7 @@ impl TraceConfig {
         Ok(stokes)
     }
 
-    fn incidence(&self) -> Result<Incidence, ConfigError> {
+    pub(crate) fn incidence(&self) -> Result<Incidence, ConfigError> {
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
         Ok(Incidence::from_degrees(theta.0, phi.0)?)
     }

@@ -1,5 +1,6 @@
 //! The tables of run time against error: convergence.csv and report.txt.
 
+use asperity_surface::LengthUnit;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -69,9 +70,13 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
     let _ = writeln!(out, "{}", case.case);
     let _ = writeln!(
         out,
-        "surfaces of {} x {} length units; the reference is {} of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
+        "surfaces of {} x {}{}; the reference is {} of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
         short(x),
         short(y),
+        match case.case.unit {
+            LengthUnit::Arbitrary => " length units",
+            unit => unit.suffix(),
+        },
         reference.surfaces,
         reference.rays_a_surface,
         reference.method.estimator,

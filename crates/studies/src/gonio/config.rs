@@ -162,6 +162,7 @@ impl GonioConfig {
                 phi,
                 azimuth: self.light.azimuth,
                 from: self.light.from,
+                wavelength: None,
                 stokes: None,
             },
             run: self.piece_run(),

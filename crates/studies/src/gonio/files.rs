@@ -40,7 +40,8 @@ pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(),
     {
         write_direction(folder, &direction.name, spec, results)?;
     }
-    tables::directions(spec).write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
+    tables::directions(spec, outcome.unit())
+        .write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
     let bins = tables::in_plane_bins(outcome);
     tables::in_plane(spec).write_csv(&place.claim("in_plane.csv")?, bins)?;
     let bins = tables::direction_bins(outcome);

@@ -91,7 +91,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         missing: outcome.missing(),
         directions: directions.collect(),
         columns: json!({
-            "gonio.csv": tables::directions(spec).description(),
+            "gonio.csv": tables::directions(spec, outcome.unit()).description(),
             "in_plane.csv": tables::in_plane(spec).description(),
             "bsdf.csv": tables::bsdf(spec).description(),
             "directions/*.csv": of_direction.map(|table| table.description()),

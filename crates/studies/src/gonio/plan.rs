@@ -119,7 +119,7 @@ impl GonioConfig {
         }
         let mut plans = Plans::default();
         for SweptCase { case, config } in Sweep::of(&self.as_verification()?)?.cases {
-            let setting = Specimen::of_given(case.material, case.layer);
+            let setting = Specimen::of_given(case.material, case.layer, sample.about.unit);
             let name = format!(
                 "{}_theta{}_{}",
                 setting.name(),

@@ -1,7 +1,7 @@
 //! A given surface as a measurement takes it.
 
 use asperity_simulate::{Cells, Shape, SimulateError};
-use asperity_surface::{Form, HeightField};
+use asperity_surface::{Form, HeightField, LengthUnit};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
@@ -22,6 +22,8 @@ pub struct Sample {
 pub struct AboutSample {
     /// Its name, for titles.
     pub name: String,
+    /// Unit of its lengths.
+    pub unit: LengthUnit,
     /// What it is, with a hash of its heights: results are those of another sample where this differs.
     pub description: Value,
     /// What a reader of the results should know about it.
@@ -49,12 +51,13 @@ impl Sample {
                 });
                 field_description(field, &surface.name, reading)
             }
-            GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name),
+            GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name, surface.unit),
         };
         Ok(Self {
             shape: surface.shape.simulated(cells)?,
             about: AboutSample {
                 name: surface.name,
+                unit: surface.unit,
                 description,
                 warnings,
             },
@@ -75,12 +78,13 @@ fn field_description(field: &HeightField, name: &str, reading: Option<Value>) ->
     })
 }
 
-fn mesh_description(mesh: &MeshSurface, name: &str) -> Value {
+fn mesh_description(mesh: &MeshSurface, name: &str, unit: LengthUnit) -> Value {
     json!({
         "name": name,
         "vertices": mesh.vertex_count(),
         "triangles": mesh.facet_count(),
         "extent": mesh.size(),
+        "unit": unit,
         "border": mesh.border(),
         "corners": corners_hash(mesh),
     })

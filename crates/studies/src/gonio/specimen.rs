@@ -2,10 +2,11 @@
 
 use asperity_optics::{Bottom, Layer, Material, PhaseFunction};
 use asperity_simulate::short;
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 
 use crate::config::case_text::index_text;
-use crate::config::sweep_case::SweepCase;
+use crate::config::sweep_case::{SweepCase, is_arbitrary};
 use asperity_simulate::layer_folder;
 
 /// One combination of surface and material, measured from all directions.
@@ -16,6 +17,9 @@ pub struct Specimen {
     /// What an anisotropic surface has in addition to it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grooves: Option<String>,
+    /// Unit of lengths.
+    #[serde(skip_serializing_if = "is_arbitrary")]
+    pub unit: LengthUnit,
     /// The material.
     pub material: Material,
     /// What lies below, if there is anything.
@@ -28,15 +32,21 @@ impl Specimen {
         Self {
             smoothness: Some(case.smoothness),
             grooves: case.grooves(),
+            unit: case.unit,
             material: case.material,
             layer: case.layer,
         }
     }
 
-    pub(super) const fn of_given(material: Material, layer: Option<Layer>) -> Self {
+    pub(super) const fn of_given(
+        material: Material,
+        layer: Option<Layer>,
+        unit: LengthUnit,
+    ) -> Self {
         Self {
             smoothness: None,
             grooves: None,
+            unit,
             material,
             layer,
         }
@@ -72,20 +82,21 @@ impl Specimen {
             _ => parameters.push(("material", "mirror".to_owned())),
         }
         if let Some(layer) = &self.layer {
-            parameters.extend(parameters_of(layer));
+            parameters.extend(parameters_of(layer, self.unit));
         }
         parameters
     }
 }
 
 /// What makes up a layer, by name.
-fn parameters_of(layer: &Layer) -> Vec<(&'static str, String)> {
+fn parameters_of(layer: &Layer, unit: LengthUnit) -> Vec<(&'static str, String)> {
+    let length = |length| format!("{}{}", short(length), unit.suffix());
     let medium = layer.medium();
     let mut parameters = Vec::new();
     if medium.is_clear() {
         parameters.push(("medium", "clear medium".to_owned()));
     } else {
-        parameters.push(("mean free path", short(medium.mean_free_path())));
+        parameters.push(("mean free path", length(medium.mean_free_path())));
         parameters.push(("albedo", short(medium.albedo())));
         match medium.phase() {
             PhaseFunction::Rayleigh => parameters.push(("phase", "Rayleigh".to_owned())),
@@ -93,7 +104,7 @@ fn parameters_of(layer: &Layer) -> Vec<(&'static str, String)> {
         }
     }
     if let Some(slab) = layer.end() {
-        parameters.push(("thickness", short(slab.thickness)));
+        parameters.push(("thickness", length(slab.thickness)));
         parameters.push(("bottom", bottom_in_words(slab.bottom)));
     }
     parameters
@@ -178,6 +189,7 @@ mod tests {
         let glass = |s, eta| Specimen {
             smoothness: Some(s),
             grooves: None,
+            unit: LengthUnit::Arbitrary,
             material: Material::Dielectric { eta },
             layer: None,
         };

@@ -1,6 +1,8 @@
 //! The tables of a measurement: gonio.csv, in_plane.csv, bsdf.csv, and those of single directions.
 
+use crate::output::unit_of_lengths;
 use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
+use asperity_surface::LengthUnit;
 use asperity_tally::{Estimate, Side, TallySpec};
 
 use super::results::{MeasuredComponent, component_names};
@@ -98,14 +100,14 @@ pub(super) fn direction<'a>(
 }
 
 /// gonio.csv: a row per direction, with its fluxes.
-pub(super) fn directions(spec: &TallySpec) -> Table<'_, Measured<'_>> {
+pub(super) fn directions(spec: &TallySpec, unit: LengthUnit) -> Table<'_, Measured<'_>> {
     let name = |row: &Measured<'_>| row.direction.name.clone();
     let mut table = Table::new()
         .column(Column::new("direction", "name of the direction", name))
         .columns(incidence_columns(|row: &Measured<'_>| {
             row.direction.incidence
         }))
-        .columns(setting_columns());
+        .columns(setting_columns(unit));
     for side in spec.sides() {
         let flux = move |row: &Measured<'_>, component: usize| {
             row.results.components.get(component)?.side(spec, side)
@@ -146,7 +148,7 @@ pub(super) fn directions(spec: &TallySpec) -> Table<'_, Measured<'_>> {
 }
 
 /// What light falls on: smoothness, material and medium.
-fn setting_columns<'a>() -> Vec<Column<'a, Measured<'a>>> {
+fn setting_columns<'a>(unit: LengthUnit) -> Vec<Column<'a, Measured<'a>>> {
     type Row<'a> = Measured<'a>;
     fn medium(row: &Row<'_>) -> Option<ParticipatingMedium> {
         row.setting.layer.map(|layer| layer.medium())
@@ -171,7 +173,7 @@ fn setting_columns<'a>() -> Vec<Column<'a, Measured<'a>>> {
             "mean free path in the medium",
             mean_free_path,
         )
-        .unit("length"),
+        .unit(unit_of_lengths(unit)),
         Column::new("albedo", "single-scattering albedo", |row: &Row<'_>| {
             medium(row).map(|medium| medium.albedo())
         }),
@@ -184,7 +186,7 @@ fn setting_columns<'a>() -> Vec<Column<'a, Measured<'a>>> {
         Column::new("thickness", "thickness of the layer", |row: &Row<'_>| {
             slab(row).map(|slab| slab.thickness)
         })
-        .unit("length"),
+        .unit(unit_of_lengths(unit)),
         Column::new("bottom", "what the layer ends on", |row: &Row<'_>| {
             slab(row).map(|slab| bottom_in_words(slab.bottom))
         }),

@@ -4,6 +4,7 @@
 //! value from a row. A [`Table`] is a list of columns over rows of one type. Files keep every digit; text is
 //! rounded for people and broken into lines of at most 80 characters.
 
+use asperity_surface::LengthUnit;
 use std::borrow::{Borrow, Cow};
 use std::path::Path;
 
@@ -344,6 +345,14 @@ impl<'a, R> Table<'a, R> {
             texts.collect::<Vec<String>>()
         }));
         cells
+    }
+}
+
+/// The unit of a column of lengths; `length` where units are arbitrary.
+pub(crate) const fn unit_of_lengths(unit: LengthUnit) -> &'static str {
+    match unit {
+        LengthUnit::Arbitrary => "length",
+        unit => unit.symbol(),
     }
 }
 

@@ -9,7 +9,7 @@ use asperity_plot::{
     Figure, HeightMapFigure, InPlaneCurves, Point, PolarLobes, Series, Side as PlotSide,
     Sides as PlotSides,
 };
-use asperity_surface::HeightField;
+use asperity_surface::{HeightField, LengthUnit};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
@@ -35,6 +35,8 @@ pub(crate) struct PlottedCase {
     pub material: Material,
     /// What lies below, if there is anything.
     pub layer: Option<Layer>,
+    /// Unit of lengths.
+    pub unit: LengthUnit,
     /// The side that it comes from, which plots show as the upper one.
     pub from: Incident,
     /// Interactions after which its paths were ended.
@@ -49,6 +51,7 @@ impl PlottedCase {
             incidence: case.incidence,
             material: case.material,
             layer: case.layer,
+            unit: case.unit,
             from: config.light.from,
             max_order: config.run.max_order,
             case: Some(*case),
@@ -73,7 +76,7 @@ impl PlottedCase {
         let phi = short(self.incidence.phi_deg());
         let light = format!("{material}, θᵢ = {theta}°, φᵢ = {phi}°");
         match &self.layer {
-            Some(layer) => format!("{light}, {}", layer_name(layer)),
+            Some(layer) => format!("{light}, {}", layer_name(layer, self.unit)),
             None => light,
         }
     }

@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::output::{BySide, Head};
 use crate::report::polarised::polarised_json;
+use crate::validity::Validity;
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
@@ -75,6 +76,8 @@ pub struct Summary {
     warnings: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stopping: Option<Stopping>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    validity: Option<Validity>,
     /// What the fluxes are sure not to differ by, where nothing was traced.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_bound: Option<f64>,
@@ -117,6 +120,7 @@ impl Summary {
             columns: serde_json::Value::Null,
             warnings: Vec::new(),
             stopping: None,
+            validity: None,
             deviation_bound: outcome.deviation_bound,
             work: outcome.work.clone(),
         }
@@ -140,6 +144,13 @@ impl Summary {
     #[must_use]
     pub fn with_stopping(mut self, stopping: Option<Stopping>) -> Self {
         self.stopping = stopping;
+        self
+    }
+
+    /// With lengths of the surface against the wavelength, where they are known.
+    #[must_use]
+    pub(crate) fn with_validity(mut self, validity: Option<Validity>) -> Self {
+        self.validity = validity;
         self
     }
 

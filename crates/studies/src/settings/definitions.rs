@@ -119,5 +119,3 @@ const VERIFY: Commands = Commands::of(&[Command::Verify]);
 
 /// Unit of angles.
 const DEGREES: &str = "degrees";
-/// Unit of lengths.
-const LENGTH: &str = "length units";

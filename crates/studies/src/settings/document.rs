@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use asperity_surface::LengthUnit;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
@@ -12,6 +13,7 @@ use super::entry::Entry;
 use super::error::{Given, Place, SettingError};
 use super::file::File;
 use super::kind::Kind;
+use super::length::{Length, first_unit, in_unit};
 use super::setting::{Flag, Setting};
 use super::value_text::read_text;
 
@@ -170,17 +172,64 @@ impl Document {
         }
     }
 
-    /// The typed configuration.
+    /// The same with all lengths as numbers in `unit`, that of a surface read from a file.
+    ///
+    /// Until then, [`Self::read`] gives lengths with a unit as numbers of that unit: enough to check them.
     ///
     /// # Errors
-    /// [`SettingError::Unreadable`] if `T` does not fit the definitions, which is an error of this program.
+    /// [`SettingError::NoUnit`] if a length has a unit and the surface has none.
+    pub fn in_unit(mut self, unit: LengthUnit) -> Result<Self, SettingError> {
+        let from_file = self.has_file();
+        for entry in self.entries.values_mut() {
+            entry.value = in_unit(&entry.value, unit).ok_or_else(|| SettingError::NoUnit {
+                given: entry.given.clone(),
+                from_file,
+            })?;
+        }
+        Ok(self)
+    }
+
+    /// Whether the surface is read from a file.
+    fn has_file(&self) -> bool {
+        self.is_given("measured.file")
+    }
+
+    /// The unit of a surface that is not read from a file: as given, else that of the first length with a unit,
+    /// the correlation length before all others.
+    #[must_use]
+    pub fn own_unit(&self) -> LengthUnit {
+        let given = self.entries.get(&("surface", "unit"));
+        if let Some(unit) = given.and_then(|entry| serde_json::from_value(entry.value.clone()).ok())
+        {
+            return unit;
+        }
+        let tau = self.entries.get(&("surface", "tau"));
+        let mut lengths = tau.into_iter().chain(self.entries.values());
+        lengths
+            .find_map(|entry| first_unit(&entry.value))
+            .unwrap_or_default()
+    }
+
+    /// The typed configuration. Lengths are numbers in the unit of the surface; where that is read from a file, see
+    /// [`Self::in_unit`].
+    ///
+    /// # Errors
+    /// [`SettingError::NoUnit`] if a length has a unit and the surface has none, and [`SettingError::Unreadable`] if
+    /// `T` does not fit the definitions, which is an error of this program.
     pub fn read<T: DeserializeOwned>(&self) -> Result<T, SettingError> {
-        serde_json::from_value(self.to_json())
+        let document = match self.has_file() {
+            true => self.to_json(None),
+            false => {
+                let unit = self.own_unit();
+                self.clone().in_unit(unit)?.to_json(Some(unit))
+            }
+        };
+        serde_json::from_value(document)
             .map_err(|error| SettingError::Unreadable(error.to_string()))
     }
 
-    /// All values with their defaults, by section and key.
-    fn to_json(&self) -> Value {
+    /// All values with their defaults, by section and key; `unit` is that of a surface that is not read from a file.
+    fn to_json(&self, unit: Option<LengthUnit>) -> Value {
         let mut document = Map::new();
         for section in SECTIONS {
             let settings = section
@@ -192,8 +241,19 @@ impl Document {
             if section.optional && !given {
                 continue;
             }
+            let value = |setting: &'static Setting| {
+                let is_unit = (setting.section, setting.key) == ("surface", "unit");
+                match (setting.kind, unit) {
+                    (_, Some(unit)) if is_unit => serde_json::to_value(unit).ok(),
+                    // The file says in which unit these are
+                    (Kind::Length, None) if setting.section != "measured" => {
+                        self.value_of(setting).map(|value| bare(&value))
+                    }
+                    _ => self.value_of(setting),
+                }
+            };
             let values: Map<String, Value> = settings
-                .filter_map(|setting| Some((setting.key.to_owned(), self.value_of(setting)?)))
+                .filter_map(|setting| Some((setting.key.to_owned(), value(setting)?)))
                 .collect();
             document.insert(section.name.to_owned(), values.into());
         }
@@ -334,6 +394,14 @@ impl Document {
             self.entries.insert(place, entry);
         }
         Ok(())
+    }
+}
+
+/// Lengths as the numbers that they were given as.
+fn bare(value: &Value) -> Value {
+    match value {
+        Value::Array(values) => values.iter().map(bare).collect(),
+        value => Length::of(value).map_or_else(|| value.clone(), |l| l.number().into()),
     }
 }
 

@@ -139,9 +139,27 @@ pub enum SettingError {
         /// The flag with its value.
         flag: String,
     },
+    /// A length with a unit, for a surface without.
+    #[error(
+        "{given}: the surface has no unit of length; {}, or give the length as a number", surface_needs(*from_file)
+    )]
+    NoUnit {
+        /// What was given.
+        given: Given,
+        /// Whether the surface is read from a file.
+        from_file: bool,
+    },
     /// The typed configuration does not take what the definitions allow.
     #[error("the settings do not fit the configuration: {0}")]
     Unreadable(String),
+}
+
+/// What gives a surface a unit.
+fn surface_needs(from_file: bool) -> &'static str {
+    match from_file {
+        true => "say what its numbers are in with --assume-unit",
+        false => "give it one with --unit",
+    }
 }
 
 /// The end of a sentence: which commands read a file.

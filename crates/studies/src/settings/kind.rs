@@ -3,6 +3,7 @@
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
+use super::length::Length;
 use super::range::Range;
 use crate::settings::number::{MOST_COUNT, parse_count, parse_number, parse_seconds};
 
@@ -15,6 +16,8 @@ pub enum Kind {
     Number,
     /// Such a number, or one of several names.
     NumberOrChoice(&'static [Choice]),
+    /// Such a number with or without a unit of length behind it: [`Length`].
+    Length,
     /// A whole number of one or more, also written as `1e6`.
     Count,
     /// A count up to 4294967295.
@@ -80,6 +83,7 @@ impl Kind {
             self,
             Self::Switch
                 | Self::Number
+                | Self::Length
                 | Self::NumberOrChoice(_)
                 | Self::Count
                 | Self::Order
@@ -95,6 +99,11 @@ impl Kind {
             Self::Number => {
                 let number = parse_number(text).ok()?;
                 range.contains(number).then(|| Value::from(number))
+            }
+            Self::Length => {
+                let length = Length::parse(text)?;
+                let value = serde_json::to_value(length).ok()?;
+                range.contains(length.number()).then_some(value)
             }
             Self::NumberOrChoice(choices) => Self::Choice(choices)
                 .parse(text, range)
@@ -131,6 +140,8 @@ impl Kind {
     pub(super) fn expected(self, range: Range) -> String {
         match self {
             Self::Switch => "true or false".to_owned(),
+            Self::Length if range == Range::Any => "a length such as 1.4 or 2um".to_owned(),
+            Self::Length => format!("a length {range}, such as 1.4 or 2um"),
             Self::Number if range == Range::Any => "a number such as 1.4, 2e-3 or 1/1.4".to_owned(),
             Self::Number => format!("a number {range}, such as 1.4, 2e-3 or 1/1.4"),
             Self::NumberOrChoice(choices) => {

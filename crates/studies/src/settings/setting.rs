@@ -235,7 +235,7 @@ impl Setting {
     pub fn placeholder(&self, command: Command) -> String {
         let one = match (self.value_name, self.kind, self.unit) {
             ("", Kind::Number, "degrees") => "DEGREES",
-            ("", Kind::Number, "length units") => "LENGTH",
+            ("", Kind::Length, _) => "LENGTH",
             ("", Kind::Number | Kind::NumberOrChoice(_), _) => "NUMBER",
             ("", Kind::Count | Kind::Order, _) => "COUNT",
             ("", Kind::Seed, _) => "SEED",

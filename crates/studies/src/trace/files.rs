@@ -76,6 +76,7 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
         incidence: case.light.incidence,
         material: case.material,
         layer: case.layer.map(|below| below.layer),
+        unit: outcome.unit,
         from: outcome.config.light.from,
         max_order: outcome.config.run.max_order,
         case: None,
@@ -100,4 +101,5 @@ pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
         .with_columns(tables(outcome).columns())
         .with_warnings(outcome.warnings.clone())
         .with_stopping(outcome.stopping().cloned())
+        .with_validity(outcome.validity)
 }

@@ -27,6 +27,9 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     if let Some(line) = outcome.stopping().and_then(Stopping::line) {
         let _ = writeln!(text, "{line}");
     }
+    if let Some(validity) = &outcome.validity {
+        let _ = writeln!(text, "note: {validity}");
+    }
     for warning in &outcome.warnings {
         let _ = writeln!(text, "note: {warning}");
     }
@@ -46,7 +49,10 @@ fn light_line(outcome: &TraceOutcome) -> String {
         Incident::Below => "below",
     };
     let below = case.layer.map_or(String::new(), |below| {
-        format!(" over a medium ({})", layer_name(&below.layer))
+        format!(
+            " over a medium ({})",
+            layer_name(&below.layer, outcome.unit)
+        )
     });
     let phi = outcome.config.light.phi.one("phi").map_or(0.0, |phi| phi.0);
     format!(

@@ -5,7 +5,10 @@ use crate::settings::kind::{Choice, Kind, choice};
 pub(super) const BORDER: Kind = Kind::Choice(&[
     choice("periodic", "the tile is repeated"),
     choice("mirrored", "the tile is mirrored at its border"),
-    choice("open", "paths that leave the patch sideways end"),
+    choice(
+        "open",
+        "nothing: light escapes upwards over the rim, and is truncated below",
+    ),
 ]);
 
 pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
@@ -23,11 +26,20 @@ pub(super) const CELLS: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const UNIT: Kind = Kind::Choice(&[
-    choice("1", "arbitrary"),
-    choice("m", "metre"),
-    choice("mm", "millimetre"),
-    choice("um", "micrometre"),
     choice("nm", "nanometre"),
+    choice("um", "micrometre"),
+    choice("mm", "millimetre"),
+    choice("m", "metre"),
+    choice("km", "kilometre"),
+]);
+
+pub(super) const DRAWN_UNIT: Kind = Kind::Choice(&[
+    choice("1", "arbitrary"),
+    choice("nm", "nanometre"),
+    choice("um", "micrometre"),
+    choice("mm", "millimetre"),
+    choice("m", "metre"),
+    choice("km", "kilometre"),
 ]);
 
 pub(super) const MISSING: Kind = Kind::Choice(&[

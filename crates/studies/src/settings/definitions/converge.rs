@@ -1,7 +1,7 @@
 //! `[converge]`: methods and their effort.
 
+use super::CONVERGE;
 use super::choices::{ACCELERATOR, ESTIMATOR, SAMPLING, SIDE};
-use super::{CONVERGE, LENGTH};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, setting};
@@ -37,11 +37,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "spacings",
-        Kind::Number,
+        Kind::Length,
         CONVERGE,
         "Distances between samples, over the same extent",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .arity(LIST)
     .otherwise("that of the surface"),
@@ -91,11 +90,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "reference_spacing",
-        Kind::Number,
+        Kind::Length,
         CONVERGE,
         "Distance between samples of the reference",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .otherwise("the finest of spacings"),
     setting(

@@ -1,22 +1,13 @@
 //! The height map that `generate` writes.
 
 use super::GENERATE;
-use super::choices::{PSD, UNIT};
+use super::choices::PSD;
 use crate::settings::kind::Kind;
 use crate::settings::setting::{Setting, setting};
 
 const SECTION: &str = "generate";
 
 pub(super) const SETTINGS: &[Setting] = &[
-    setting(
-        SECTION,
-        "unit",
-        UNIT,
-        GENERATE,
-        "Length unit of heights and spacing",
-    )
-    .default("1")
-    .flag_only(),
     setting(SECTION, "psd", PSD, GENERATE, "Power spectral density")
         .default("gaussian")
         .flag_only(),

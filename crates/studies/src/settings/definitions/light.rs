@@ -70,6 +70,16 @@ pub(super) const LIGHT: &[Setting] = &[
     .default("above"),
     setting(
         "light",
+        "wavelength",
+        Kind::Number,
+        TRACE,
+        "Wavelength against which the lengths of the surface are judged",
+    )
+    .unit("nm")
+    .range(Range::FromTo(1e-3, 1e12))
+    .otherwise("550 where the unit of the surface is known"),
+    setting(
+        "light",
         "stokes",
         Kind::Number,
         TRACE,

@@ -1,7 +1,7 @@
 //! `[measured]`: one given surface.
 
 use super::choices::{BORDER, FORM, MISSING, UNIT};
-use super::{GIVEN, GONIO, HEIGHT_MAPS, LENGTH, RENDER, SURFACES, TRACE};
+use super::{GIVEN, GONIO, HEIGHT_MAPS, RENDER, SURFACES, TRACE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, setting};
@@ -29,6 +29,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "surface.smoothness",
         "surface.sigma",
         "surface.azimuth",
+        "surface.unit",
         "surface.size",
         "surface.spacing",
         "surface.insist",
@@ -48,6 +49,8 @@ pub(super) const SETTINGS: &[Setting] = &[
         "measured.border",
         "measured.spacing",
         "measured.unit",
+        "measured.assume_unit",
+        "measured.flip",
         "measured.missing",
         "measured.remove",
         "surface.tau",
@@ -55,6 +58,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "surface.smoothness",
         "surface.sigma",
         "surface.azimuth",
+        "surface.unit",
         "surface.size",
         "surface.spacing",
         "surface.insist",
@@ -69,15 +73,14 @@ pub(super) const SETTINGS: &[Setting] = &[
         GIVEN,
         "What lies beyond the border",
     )
-    .otherwise("as the file says; a mesh is open"),
+    .otherwise("as the file says; else a height map is mirrored and a mesh open"),
     setting(
         SECTION,
         "spacing",
-        Kind::Number,
+        Kind::Length,
         GIVEN,
         "Distance between samples",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .arity(Arity::PerAxis)
     .otherwise("as the file says"),
@@ -86,9 +89,25 @@ pub(super) const SETTINGS: &[Setting] = &[
         "unit",
         UNIT,
         GIVEN,
-        "Length unit of heights and spacing",
+        "Convert lengths of the file into this unit",
     )
     .otherwise("as the file says"),
+    setting(
+        SECTION,
+        "assume_unit",
+        UNIT,
+        GIVEN,
+        "Unit of the lengths of a file that states none",
+    )
+    .otherwise("arbitrary"),
+    setting(
+        SECTION,
+        "flip",
+        Kind::Switch,
+        GIVEN,
+        "Take the rows of a height map in reverse order, the last one at y = 0",
+    )
+    .default("false"),
     setting(
         SECTION,
         "missing",

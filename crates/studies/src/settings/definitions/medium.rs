@@ -1,7 +1,7 @@
 //! `[medium]`: a medium below the surface.
 
 use super::choices::{BOTTOM, BOTTOM_SHAPES, PHASE};
-use super::{GONIO, LENGTH, MODEL, RENDER, TRACE, VERIFY};
+use super::{GONIO, MODEL, RENDER, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -15,11 +15,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "mean_free_path",
-        Kind::Number,
+        Kind::Length,
         COMMANDS,
         "Mean distance between interactions with the medium",
     )
-    .unit(LENGTH)
     .value_name("LENGTH")
     .range(Range::FromTo(1e-150, 1e150))
     .arity(LISTS)
@@ -74,11 +73,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "thickness",
-        Kind::Number,
+        Kind::Length,
         COMMANDS,
         "Depth of the medium below the mean plane",
     )
-    .unit(LENGTH)
     .value_name("LENGTH")
     .range(Range::Above(0.0))
     .arity(LISTS)

@@ -1,6 +1,6 @@
 //! The triangle mesh that `mesh` writes.
 
-use super::{LENGTH, MESH};
+use super::MESH;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Setting, setting};
@@ -22,11 +22,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "deviation",
-        Kind::Number,
+        Kind::Length,
         MESH,
         "Largest vertical distance from the surface; sets subdivide",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .otherwise("not used")
     .excludes(&["mesh.subdivide"])

@@ -1,7 +1,7 @@
 //! Camera, lights and picture of `render`.
 
 use super::choices::CAMERA as CAMERAS;
-use super::{DEGREES, LENGTH, RENDER};
+use super::{DEGREES, RENDER};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Flag, Setting, setting};
@@ -28,22 +28,20 @@ pub(super) const CAMERA: &[Setting] = &[
     setting(
         "camera",
         "look_at",
-        Kind::Number,
+        Kind::Length,
         RENDER,
         "Point of the mean plane at the centre of the picture",
     )
-    .unit(LENGTH)
     .arity(Arity::Tuple(&["X", "Y"]))
     .otherwise("the centre of the tile")
     .flag_only(),
     setting(
         "camera",
         "width",
-        Kind::Number,
+        Kind::Length,
         RENDER,
         "Length seen across the centre of the picture",
     )
-    .unit(LENGTH)
     .value_name("LENGTH")
     .range(Range::Above(0.0))
     .otherwise("that of the tile")
@@ -108,11 +106,10 @@ pub(super) const LIGHTS: &[Setting] = &[
     setting(
         "lights",
         "patch",
-        Kind::Number,
+        Kind::Length,
         RENDER,
         "Rectangle of the mean plane that the sun lights",
     )
-    .unit(LENGTH)
     .arity(Arity::Tuple(&["X0", "Y0", "X1", "Y1"]))
     .otherwise("the whole plane")
     .flag_only(),

@@ -1,7 +1,7 @@
 //! `[surface]`: random surfaces, and the cells of any.
 
-use super::choices::{CELLS, DRAWN_BORDER};
-use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, LENGTH, MODEL, RANDOM, SWEEPS, TRACING};
+use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT};
+use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, setting};
@@ -12,11 +12,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "tau",
-        Kind::Number,
+        Kind::Length,
         RANDOM.and(ATTENUATION),
         "1/e correlation length",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .default("16")
     .default_in(&[(ATTENUATION, Some("0.5"))])
@@ -24,11 +23,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "tau_y",
-        Kind::Number,
+        Kind::Length,
         RANDOM,
         "1/e correlation length along the second principal axis",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .otherwise("tau")
     .excludes(&["measured.*"]),
@@ -39,7 +37,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         RANDOM.and(MODEL),
         "Smoothness s = tau / sigma, along the first principal axis",
     )
-    .range(Range::Above(0.0))
+    .range(Range::AboveTo(0.0, 1e6))
     .arity(Arity::ListIn(SWEEPS))
     .default("3")
     .default_in(&[(MODEL, None)])
@@ -53,16 +51,15 @@ pub(super) const SETTINGS: &[Setting] = &[
         MODEL,
         "Smoothness tau_y / sigma along the second principal axis",
     )
-    .range(Range::Above(0.0))
+    .range(Range::AboveTo(0.0, 1e6))
     .otherwise("smoothness"),
     setting(
         SECTION,
         "sigma",
-        Kind::Number,
+        Kind::Length,
         RANDOM.and(ATTENUATION),
         "Root mean square height, in place of smoothness",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
     .default_in(&[(ATTENUATION, Some("0.5"))])
@@ -78,6 +75,15 @@ pub(super) const SETTINGS: &[Setting] = &[
     .unit(DEGREES)
     .default("0")
     .default_in(&[(MODEL, None)])
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "unit",
+        DRAWN_UNIT,
+        RANDOM.and(ATTENUATION),
+        "Unit of lengths",
+    )
+    .otherwise("that of the first length with a unit, else 1")
     .excludes(&["measured.*"]),
     setting(
         SECTION,
@@ -98,11 +104,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "length",
-        Kind::Number,
+        Kind::Length,
         ATTENUATION,
         "Side of the tile, in place of size; a multiple of the spacing",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .arity(Arity::PerAxis)
     .default("12.8")
@@ -111,11 +116,10 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(
         SECTION,
         "spacing",
-        Kind::Number,
+        Kind::Length,
         RANDOM.and(ATTENUATION),
         "Distance between samples",
     )
-    .unit(LENGTH)
     .range(Range::Above(0.0))
     .arity(Arity::PerAxis)
     .default("1")

@@ -1,0 +1,210 @@
+//! Validity of geometric optics: lengths of a surface against the wavelength.
+//!
+//! Three numbers must be large. The Rayleigh parameter `4 pi sigma cos(theta) / lambda` is the root mean square phase
+//! difference of light from high and low points; a fraction `exp(-parameter^2)` of what a Gaussian surface reflects
+//! stays coherent (Beckmann and Spizzichino 1963). `tau / lambda` is the correlation length over the wavelength. The
+//! radius of curvature over `lambda / cos^3(theta)` tells whether a facet is level enough to act as a plane.
+
+use std::f64::consts::PI;
+use std::fmt;
+
+use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
+use serde::Serialize;
+
+/// The wavelength unless one is given, in nanometres: the middle of visible light.
+pub const DEFAULT_WAVELENGTH_NM: f64 = 550.0;
+
+/// What each number should be at least. A Rayleigh parameter of 3 leaves 1.2e-4 of the light coherent.
+pub const LARGE: f64 = 3.0;
+
+/// Lengths of a surface against the wavelength, for one direction of the light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Validity {
+    /// Wavelength of the light, nanometres.
+    pub wavelength_nm: f64,
+    /// Whether it is assumed, none being given.
+    pub wavelength_is_assumed: bool,
+    /// `4 pi sigma cos(theta) / lambda`.
+    pub rayleigh_parameter: f64,
+    /// Fraction of the reflected light of a Gaussian surface that stays coherent.
+    pub coherent_fraction: f64,
+    /// The shorter correlation length over the wavelength; `None` where the surface has none.
+    pub tau_over_wavelength: Option<f64>,
+    /// `R cos^3(theta) / lambda`, R being one over the root mean square second derivative along the more curved axis;
+    /// `None` for a surface without curvature.
+    pub curvature_radius_over_wavelength: Option<f64>,
+    /// Whether all of them are at least [`LARGE`].
+    pub holds: bool,
+}
+
+impl Validity {
+    /// For light at the polar angle `theta`, radians, on a surface; `None` if its unit is not known, or it is flat.
+    #[must_use]
+    pub fn of_field(field: &HeightField, theta: f64, wavelength_nm: Option<f64>) -> Option<Self> {
+        let nanometres = wavelength_nm.unwrap_or(DEFAULT_WAVELENGTH_NM);
+        let wavelength = LengthUnit::Nanometre.conversion(field.unit())?(nanometres);
+        let roughness = Roughness::of(field);
+        if roughness.sq == 0.0 {
+            return None;
+        }
+        let cos = theta.cos();
+        let rayleigh = 4.0 * PI * roughness.sq * cos / wavelength;
+        let shorter = [roughness.tau_x, roughness.tau_y].into_iter().flatten();
+        let tau = shorter.reduce(f64::min).map(|tau| tau / wavelength);
+        let curvature = root_mean_square_curvature(field);
+        let radius = (curvature > 0.0).then(|| cos.powi(3) / (curvature * wavelength));
+        let is_large = |number: f64| number >= LARGE;
+        Some(Self {
+            wavelength_nm: nanometres,
+            wavelength_is_assumed: wavelength_nm.is_none(),
+            rayleigh_parameter: rayleigh,
+            coherent_fraction: (-rayleigh * rayleigh).exp(),
+            tau_over_wavelength: tau,
+            curvature_radius_over_wavelength: radius,
+            holds: is_large(rayleigh) && tau.is_none_or(is_large) && radius.is_none_or(is_large),
+        })
+    }
+}
+
+impl fmt::Display for Validity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let assumed = match self.wavelength_is_assumed {
+            true => ", assumed without --wavelength",
+            false => "",
+        };
+        let verdict = match self.holds {
+            true => "lengths are large against the wavelength",
+            false => {
+                "geometric optics is doubtful, since not all lengths are large against the wavelength"
+            }
+        };
+        write!(
+            f,
+            "{verdict} ({} nm{assumed}): 4 pi sigma cos(theta) / lambda = {:.3}",
+            self.wavelength_nm, self.rayleigh_parameter
+        )?;
+        if self.coherent_fraction > 1e-4 {
+            let percent = 100.0 * self.coherent_fraction;
+            write!(
+                f,
+                ", which leaves {percent:.2} % of reflected light coherent"
+            )?;
+        }
+        if let Some(tau) = self.tau_over_wavelength {
+            write!(f, "; tau / lambda = {tau:.3}")?;
+        }
+        if let Some(radius) = self.curvature_radius_over_wavelength {
+            write!(f, "; R cos^3(theta) / lambda = {radius:.3}")?;
+        }
+        write!(f, "; each should be above {LARGE}")
+    }
+}
+
+/// Root mean square second derivative of the heights along the axis where it is larger, from neighbouring samples.
+fn root_mean_square_curvature(field: &HeightField) -> f64 {
+    let [ny, nx] = field.shape();
+    let [dx, dy] = field.spacing();
+    // Over a periodic border there are as many as samples, else none at its two ends
+    let range = |n: usize| match field.border() {
+        Border::Periodic => 0..n,
+        _ => 1..n.max(2) - 1,
+    };
+    let second = |[a, b, c]: [f64; 3], d: f64| ((a - 2.0 * b + c) / (d * d)).powi(2);
+    let (mut along_x, mut along_y) = (Mean::default(), Mean::default());
+    for iy in 0..ny {
+        for ix in range(nx) {
+            let three = [ix + nx - 1, ix, ix + 1].map(|ix| field.height(ix % nx, iy));
+            along_x.add(second(three, dx));
+        }
+    }
+    for iy in range(ny) {
+        for ix in 0..nx {
+            let three = [iy + ny - 1, iy, iy + 1].map(|iy| field.height(ix, iy % ny));
+            along_y.add(second(three, dy));
+        }
+    }
+    along_x.value().max(along_y.value()).sqrt()
+}
+
+/// A mean of numbers; zero without any.
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    count: usize,
+}
+
+impl Mean {
+    fn add(&mut self, number: f64) {
+        self.sum += number;
+        self.count += 1;
+    }
+
+    fn value(&self) -> f64 {
+        self.sum / self.count.max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    /// Waves of amplitude `a` and period 32 along x, spacing 1.
+    fn waves(a: f64, unit: LengthUnit) -> HeightField {
+        let heights = (0..64 * 64).map(|k| a * (TAU * f64::from(k % 64) / 32.0).sin());
+        let field = HeightField::new(heights.collect(), [64, 64], [1.0, 1.0]).unwrap();
+        field.with_unit(unit)
+    }
+
+    #[test]
+    fn numbers_follow_from_lengths_and_angle() {
+        let theta = 60_f64.to_radians();
+        let found = Validity::of_field(&waves(2.0, LengthUnit::Micrometre), theta, Some(500.0));
+        let found = found.unwrap();
+        // sigma = sqrt 2 um, lambda = 0.5 um
+        let rayleigh = 4.0 * PI * 2_f64.sqrt() * 0.5 / 0.5;
+        assert!((found.rayleigh_parameter / rayleigh - 1.0).abs() < 1e-12);
+        // Second differences of a sine: 2 (1 - cos k) of it
+        let curvature = 2_f64.sqrt() * 2.0 * (1.0 - (TAU / 32.0).cos());
+        let radius = 0.125 / (curvature * 0.5);
+        let ratio = found.curvature_radius_over_wavelength.unwrap() / radius;
+        assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+        assert!(found.holds && !found.wavelength_is_assumed);
+        assert!(found.to_string().starts_with("lengths are large"));
+    }
+
+    #[test]
+    fn shallow_surfaces_are_doubtful_and_unknown_units_are_not_judged() {
+        let shallow = Validity::of_field(&waves(0.02, LengthUnit::Micrometre), 0.0, None).unwrap();
+        assert!(!shallow.holds && shallow.wavelength_is_assumed);
+        assert!((shallow.coherent_fraction - (-shallow.rayleigh_parameter.powi(2)).exp()) == 0.0);
+        let text = shallow.to_string();
+        assert!(
+            text.contains("doubtful") && text.contains("550 nm, assumed"),
+            "{text}"
+        );
+        assert!(text.contains("% of reflected light coherent"), "{text}");
+        assert_eq!(
+            Validity::of_field(&waves(1.0, LengthUnit::Arbitrary), 0.0, None),
+            None
+        );
+        assert_eq!(
+            Validity::of_field(&waves(0.0, LengthUnit::Metre), 0.0, None),
+            None
+        );
+        // The same lengths in another unit
+        let metres = HeightField::new(
+            waves(0.02, LengthUnit::Metre)
+                .heights()
+                .iter()
+                .map(|h| h * 1e-6)
+                .collect(),
+            [64, 64],
+            [1e-6, 1e-6],
+        );
+        let metres = metres.unwrap().with_unit(LengthUnit::Metre);
+        let same = Validity::of_field(&metres, 0.0, None).unwrap();
+        assert!((same.rayleigh_parameter / shallow.rayleigh_parameter - 1.0).abs() < 1e-12);
+    }
+}

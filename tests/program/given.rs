@@ -1,0 +1,186 @@
+//! Given surfaces: units, borders and the order of rows, from the file to what is printed.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{json, refused, succeed, words};
+
+/// A matrix of text: waves along x on a ramp along y.
+fn ramp(folder: &Path, name: &str) {
+    let row = |y: usize| {
+        let heights = (0..32).map(|x| (x as f64 * 0.7).sin() + 0.5 * y as f64);
+        heights.map(|h| h.to_string()).collect::<Vec<_>>().join(" ")
+    };
+    let rows: Vec<String> = (0..32).map(row).collect();
+    fs::write(folder.join(name), rows.join("\n")).unwrap();
+}
+
+fn inspected(folder: &Path, arguments: &str) -> serde_json::Value {
+    let text = succeed(folder, &words(&format!("inspect {arguments} --json")));
+    json(&text)
+}
+
+#[test]
+fn one_border_is_assumed_for_every_format_and_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ramp(folder, "a.txt");
+    succeed(folder, &words("inspect a.txt -o a.npy"));
+    for name in ["a.txt", "a.npy"] {
+        let text = succeed(folder, &words(&format!("inspect {name}")));
+        assert!(
+            text.contains("mirrored border, as for every file"),
+            "{text}"
+        );
+        assert!(text.contains("mean slope along y is 0.5"), "{text}");
+    }
+    let sdq = |name: &str| inspected(folder, name)["sdq"].as_f64().unwrap();
+    assert!((sdq("a.txt") / sdq("a.npy") - 1.0).abs() < 1e-12);
+    let text = succeed(folder, &words("trace a.npy --border periodic --rays 100"));
+    assert!(text.contains("borders along y do not fit"), "{text}");
+    assert!(!text.contains("borders along x"), "{text}");
+}
+
+#[test]
+fn units_convert_from_the_file_to_what_is_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ramp(folder, "a.txt");
+    let um = "a.txt --assume-unit nm --spacing 0.1um";
+    let report = inspected(folder, &format!("{um} --unit um"));
+    assert_eq!(report["unit"], "um");
+    assert!((report["spacing"][0].as_f64().unwrap() - 0.1).abs() < 1e-12);
+    let nm = inspected(folder, um);
+    let ratio = report["sq"].as_f64().unwrap() / nm["sq"].as_f64().unwrap();
+    assert!((ratio - 1e-3).abs() < 1e-12);
+    assert_eq!(report["sdq"], nm["sdq"]);
+
+    // A length is the same in every unit, and printed with that of the surface.
+    let medium = "--albedo 0.9 --rays 200 --seed 3";
+    let trace = |flags: &str| succeed(folder, &words(&format!("trace {um} {flags} {medium}")));
+    let plain = trace("--mean-free-path 400");
+    let suffixed = trace("--mean-free-path 0.4um");
+    assert!(plain.contains("mean free path 400 nm"), "{plain}");
+    assert!(suffixed.contains("mean free path 400 nm"), "{suffixed}");
+    let converted = trace("--unit um --mean-free-path 400nm");
+    assert!(converted.contains("mean free path 0.4 um"), "{converted}");
+
+    for (arguments, expected) in [
+        ("a.txt --unit um", "the file states no unit"),
+        ("a.txt --spacing 3um", "the surface has no unit of length"),
+        ("a.txt --assume-unit furlong", "nm, um, mm, m or km"),
+        ("a.txt --spacing 3furlong", "a length above 0"),
+    ] {
+        let text = refused(folder, &words(&format!("inspect {arguments}")), 2);
+        assert!(text.contains(expected), "{arguments}: {text}");
+    }
+    let free = words("trace a.txt --mean-free-path 5um --albedo 1");
+    let text = refused(folder, &free, 2);
+    assert!(text.contains("--assume-unit"), "{text}");
+}
+
+#[test]
+fn random_surfaces_take_lengths_with_units() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let size = "--size 64 --insist --seed 1";
+    for (name, lengths) in [
+        ("a.exr", "--tau 4um --sigma 2000nm --spacing 1"),
+        ("b.exr", "--tau 4 --sigma 2 --spacing 1 --unit um"),
+    ] {
+        succeed(
+            folder,
+            &words(&format!("generate {lengths} {size} -o {name}")),
+        );
+    }
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    assert!(bytes("a.exr") == bytes("b.exr"));
+    assert_eq!(inspected(folder, "a.exr")["unit"], "um");
+    let text = refused(
+        folder,
+        &words(&format!("generate --tau 4um --unit 1 {size} -o c.exr")),
+        2,
+    );
+    assert!(text.contains("--unit"), "{text}");
+}
+
+#[test]
+fn lengths_are_judged_against_the_wavelength() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ramp(folder, "a.txt");
+    let trace = |flags: &str| {
+        let line = format!("trace a.txt --remove plane --rays 100 {flags}");
+        succeed(folder, &words(&line))
+    };
+    let doubtful = trace("--assume-unit nm");
+    assert!(
+        doubtful.contains("note: geometric optics is doubtful"),
+        "{doubtful}"
+    );
+    assert!(doubtful.contains("550 nm, assumed"), "{doubtful}");
+    let large = trace("--assume-unit mm --wavelength 633");
+    assert!(
+        large.contains("note: lengths are large against the wavelength (633 nm)"),
+        "{large}"
+    );
+    assert!(!trace("").contains("wavelength"));
+    let summary = json(&trace("--assume-unit nm --json"));
+    assert_eq!(summary["validity"]["holds"], false);
+    assert_eq!(summary["validity"]["wavelength_nm"], 550.0);
+    assert!(json(&trace("--json"))["validity"].is_null());
+}
+
+#[test]
+fn rows_are_reversed_on_request() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    ramp(folder, "a.txt");
+    let slope = |flags: &str| {
+        let report = inspected(folder, &format!("a.txt {flags}"));
+        report["slope_mean"][1].as_f64().unwrap()
+    };
+    assert!((slope("") - 0.5).abs() < 1e-12 && (slope("--flip") + 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn surfaces_too_smooth_for_quadrature_are_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    for arguments in [
+        "verify --smoothness 1e9 -o o",
+        "verify --tau 1e9 --sigma 1 -o o",
+        "verify --tau 1 --tau-y 1e7 --sigma 1 -o o",
+        "gonio --smoothness 1e8 -o o",
+        "model heitz --smoothness 1e8 --theta 30",
+    ] {
+        let text = refused(folder.path(), &words(arguments), 2);
+        assert!(
+            text.contains("1e6") || text.contains("1000000"),
+            "{arguments}: {text}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn names_that_are_not_text_are_refused_by_name() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+    use std::process::Command;
+
+    let run = |arguments: &[&[u8]]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_asperity"))
+            .args(arguments.iter().map(|argument| OsStr::from_bytes(argument)))
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let file = run(&[b"trace", b"surface\xff.npy"]);
+    assert!(
+        file.contains("surface\u{fffd}.npy") && file.contains("UTF-8"),
+        "{file}"
+    );
+    let output = run(&[b"gonio", b"-o", b"out\xff"]);
+    assert!(output.contains("out\u{fffd}"), "{output}");
+}
