@@ -140,8 +140,8 @@ impl Kind {
     pub(super) fn expected(self, range: Range) -> String {
         match self {
             Self::Switch => "true or false".to_owned(),
-            Self::Length if range == Range::Any => "a length such as 1.4 or 2um".to_owned(),
-            Self::Length => format!("a length {range}, such as 1.4 or 2um"),
+            Self::Length if range == Range::Any => "a number such as 1.4, 2e-3 or 5um".to_owned(),
+            Self::Length => format!("a number {range}, such as 1.4, 2e-3 or 5um"),
             Self::Number if range == Range::Any => "a number such as 1.4, 2e-3 or 1/1.4".to_owned(),
             Self::Number => format!("a number {range}, such as 1.4, 2e-3 or 1/1.4"),
             Self::NumberOrChoice(choices) => {

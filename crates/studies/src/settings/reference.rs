@@ -60,6 +60,7 @@ files are taken from the folder that the program runs in, also those in a config
 Numbers may be quotients: `1/1.4` on the command line, `\"1/1.4\"` in a file. Counts may be written as `1e6`. Lists are
 `6,3,1` on the command line and `[6, 3, 1]` in a file. Numbers of samples, pixels and bins along
 two axes are `512x256`, `\"512x256\"` in a file. Lengths along x and y are `X,Y`, and `[X, Y]` in a file.
+Lengths are in the unit of the surface, or have their own: `5um` on the command line, `\"5um\"` in a file, with nm, um, mm, m or km.
 ";
 
 fn row(setting: &Setting) -> String {
@@ -104,6 +105,8 @@ fn value(setting: &Setting) -> String {
                 _ => setting.expected(first),
             };
             let text = text
+                .replace(", such as 1.4, 2e-3 or 5um", " (length)")
+                .replace(" such as 1.4, 2e-3 or 5um", " (length)")
                 .replace(", such as 1.4, 2e-3 or 1/1.4", "")
                 .replace(" such as 1.4, 2e-3 or 1/1.4", "");
             let unit = match (setting.arity, setting.unit) {

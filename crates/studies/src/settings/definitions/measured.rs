@@ -105,7 +105,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "flip",
         Kind::Switch,
         GIVEN,
-        "Take the rows of a height map in reverse order, the last one at y = 0",
+        "Take rows in reverse order, the last at y = 0",
     )
     .default("false"),
     setting(
