@@ -174,14 +174,19 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 12] = [
+const STUDIES: [(&str, &[&str]); 14] = [
+    ("border", &[]),
+    ("validity", &[]),
     ("settings", &[]),
     ("config", &["settings"]),
     ("output", &["config"]),
     ("verify", &["config", "output", "settings"]),
-    ("report", &["config", "output", "verify"]),
+    ("report", &["config", "output", "validity", "verify"]),
     ("given", &[]),
-    ("trace", &["config", "given", "output", "report"]),
+    (
+        "trace",
+        &["config", "given", "output", "report", "validity"],
+    ),
     ("model", &["config", "output", "report", "settings"]),
     ("attenuation", &["config", "output", "report", "settings"]),
     ("map", &["config", "output", "report", "settings", "verify"]),

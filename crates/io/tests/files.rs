@@ -11,8 +11,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
-    HeightMapFormat, ReadError, WriteError, check_folder_of, check_output_folder,
-    create_output_folder, read_height_map, write_atomically, write_bytes, write_height_map,
+    ReadError, WriteError, check_folder_of, check_output_folder, create_output_folder,
+    read_height_map, write_atomically, write_bytes, write_height_map,
 };
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Provenance, Psd};
 

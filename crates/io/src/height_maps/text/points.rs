@@ -28,9 +28,11 @@ pub(super) fn is_heading(line: &str) -> bool {
 pub(super) fn map_of(path: &Path, rows: &[f64]) -> Result<Option<RawHeightMap>, ReadError> {
     let (rows, _) = rows.as_chunks::<3>();
     match placed(path, rows)? {
-        Some((heights, [x, y])) => RawHeightMap::new(heights, [y.count, x.count], [x.step, y.step])
-            .map(Some)
-            .map_err(ReadError::surface(path)),
+        Some(Placed { heights, x, y }) => {
+            RawHeightMap::new(heights, [y.count, x.count], [x.step, y.step])
+                .map(Some)
+                .map_err(ReadError::surface(path))
+        }
         None if rows.len() < MIN_ROWS_OF_LIST => Ok(None),
         None => Err(ReadError::unsupported(
             path,
@@ -42,8 +44,8 @@ pub(super) fn map_of(path: &Path, rows: &[f64]) -> Result<Option<RawHeightMap>, 
     }
 }
 
-/// Heights in the order of the grid, and its axes; `None` if the points are on none.
-fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<(Vec<f64>, [Axis; 2])>, ReadError> {
+/// The points in the order of their grid; `None` if the points are on none.
+fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<Placed>, ReadError> {
     if rows.len() < MIN_POINTS {
         return Ok(None);
     }
@@ -68,7 +70,14 @@ fn placed(path: &Path, rows: &[[f64; 3]]) -> Result<Option<(Vec<f64>, [Axis; 2])
         }
         heights[k] = *z;
     }
-    Ok(Some((heights, [x, y])))
+    Ok(Some(Placed { heights, x, y }))
+}
+
+/// Points in the order of their grid.
+struct Placed {
+    heights: Vec<f64>,
+    x: Axis,
+    y: Axis,
 }
 
 /// Equidistant coordinates along one axis.
