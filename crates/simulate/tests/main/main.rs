@@ -13,6 +13,7 @@ mod mesh_error;
 mod paths;
 mod resuming;
 mod sharing;
+mod slope_control;
 mod smooth;
 mod stopping;
 mod support;
