@@ -13,7 +13,6 @@ mod mesh_error;
 mod paths;
 mod resuming;
 mod sharing;
-mod slope_control;
 mod smooth;
 mod stopping;
 mod support;
