@@ -28,7 +28,7 @@ pub(crate) trait Batches {
 /// How many batches a run begins with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PlannedBatches {
-    /// After so many the error seen decides how many are needed in all.
+    /// Traced first; their error then decides how many are needed in all.
     pub(crate) first: u64,
     /// As a pilot run expects.
     pub(crate) all: u64,

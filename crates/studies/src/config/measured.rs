@@ -76,7 +76,7 @@ impl MeasuredConfig {
     /// The unit of the lengths in a file that states `stated`, before they are converted.
     ///
     /// # Errors
-    /// [`UnitError`] if a unit is assumed where the file states another, or a conversion is asked for where none is
+    /// [`UnitError`] if a unit is assumed where the file states another, or a conversion is requested where none is
     /// known.
     pub fn unit_of_file(&self, stated: LengthUnit) -> Result<LengthUnit, UnitError> {
         let own = match (stated, self.assume_unit) {

@@ -22,7 +22,7 @@ pub enum Length {
 }
 
 impl Length {
-    /// Reads `1.4`, `1/1.4` or `2um`; `None` if it is none of these.
+    /// Reads `1.4`, `1/1.4` or `2um`; `None` for any other text.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let text = text.trim();
         let split = text

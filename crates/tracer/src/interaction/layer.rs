@@ -231,7 +231,7 @@ impl<'a, G: Geometry> TracedLayer<'a, G> {
         self.phase.density(mu)
     }
 
-    /// Distance from a height to a flat bottom, along a direction that rises by `dz`; infinite if there is none ahead.
+    /// Distance from a height to a flat bottom, along a direction that rises by `dz`; infinite if the bottom does not lie ahead.
     #[inline(always)]
     pub(crate) fn to_flat_bottom(&self, z: f64, dz: f64) -> f64 {
         let to_plane = (z - self.bottom_z) / -dz;

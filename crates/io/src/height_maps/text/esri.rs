@@ -27,7 +27,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Takes a line of the header; false if it is none.
+    /// Reads a line of the header; returns false if the line is not part of it.
     pub(super) fn take_line(&mut self, line: Line<'_>, text: &str) -> Result<bool, ReadError> {
         let Some((name, value)) = text.split_once(char::is_whitespace) else {
             return Ok(false);
