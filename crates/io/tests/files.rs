@@ -88,7 +88,8 @@ fn npy_keeps_heights_exactly_and_nothing_else() {
     assert_eq!(read.shape(), written.shape());
     assert_eq!(read.spacing(), [1.0, 1.0]);
     assert_eq!(read.unit(), LengthUnit::Arbitrary);
-    assert_eq!(read.border(), Border::Periodic);
+    // The file states no border.
+    assert_eq!(read.border(), Border::Mirrored);
 }
 
 #[test]
@@ -277,7 +278,7 @@ fn the_reference_field_is_read() {
     };
     let field = report(&path);
     assert_eq!(field.shape(), [512, 512]);
-    assert_eq!(field.border(), Border::Periodic);
+    assert_eq!(field.border(), Border::Mirrored);
     // sigma = 8; the tile holds about (512 / 16)^2 / (pi / 2) = 650 independent areas, so that its
     // own deviation scatters by 8 / sqrt(2 * 650) = 0.22.
     assert!((deviation(field.heights()) - 8.0).abs() < 4.0 * 0.22);

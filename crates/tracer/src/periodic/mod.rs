@@ -23,7 +23,7 @@ pub use self::traversal::{TraversalEnd, TraversalResult, traverse};
 ///
 /// [`tiles_crossed`] says how many the light itself may cross; beyond that, this bound is met only by
 /// rays that are horizontal to rounding and meet nothing.
-pub const MAX_TILES: u32 = 10_000;
+pub const MAX_TILES: u32 = 100_000;
 
 /// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the
 /// lowest point; zero for an open patch, which has no neighbours.
