@@ -99,6 +99,8 @@ def trace_asperity(branching, task, seed, versions):
         command = [ASPERITY, "trace", task.heights(), "--eta", 1.5, "--theta", theta, "--rays", RAYS, "--seed", seed]
         # The peers average s and p at every facet.
         command += ["--estimator", "plain", "--branching", branching, "--polarisation", "averaged"]
+        # The file states no border; the peers continue the tile.
+        command += ["--border", "periodic"]
         command += ["--threads", 1, "--json", "--quiet"]
         summary = json.loads(execute(command))
         work, reflected = summary["work"], summary["energy"]["reflected"]

@@ -56,7 +56,7 @@ def range_over_bin(model, theta_i, thetas, phis):
 def trace(heights, material, theta, rays, folder):
     """Rows of mueller.csv of light that is scattered once and travels towards azimuth 0."""
     subprocess.run(
-        [PROGRAM, "trace", heights, *material, "--theta", str(theta), "--phi", "180", "--rays", str(rays)]
+        [PROGRAM, "trace", heights, "--border", "periodic", *material, "--theta", str(theta), "--phi", "180", "--rays", str(rays)]
         + ["--max-order", "1", "--estimator", "plain", "--polarisation", "mueller", "--bins", "90x180"]
         + ["-o", folder, "--no-plots", "--quiet"],
         check=True,
