@@ -42,7 +42,7 @@ pub(crate) fn read_surface(
     let mut raw = reading
         .scaled(raw)
         .map_err(|error| Failure::usage(named(&error)))?;
-    let mut notes = Vec::new();
+    let mut notes = std::mem::take(&mut raw.notes);
     if !raw.spacing_is_known() {
         notes.push(
             "the file has no spacing: 1 is assumed; set it with --spacing and --assume-unit"

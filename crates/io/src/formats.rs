@@ -30,8 +30,35 @@ pub enum HeightMapFormat {
     Png,
 }
 
+/// What is known of a format before a file of it is read.
+struct Properties {
+    /// "EXR image".
+    name: &'static str,
+    /// "an EXR image".
+    with_article: &'static str,
+    endings: &'static [&'static str],
+    /// What files of the format begin with, one of several; none where they begin in any way.
+    marks: &'static [Mark],
+    is_read: bool,
+    is_written: bool,
+}
+
+/// Bytes at a fixed place near the beginning of a file.
+struct Mark {
+    at: usize,
+    bytes: &'static [u8],
+}
+
+/// First bytes of a file.
+const fn start(bytes: &'static [u8]) -> Mark {
+    Mark { at: 0, bytes }
+}
+
+/// How many bytes of a file are enough to find every mark.
+pub(crate) const MARKS_WITHIN: usize = 32;
+
 impl HeightMapFormat {
-    /// All formats.
+    /// All formats. Where two have an ending in common, the first is that of files whose content says nothing.
     pub const ALL: [Self; 6] = [
         Self::Exr,
         Self::Npy,
@@ -41,61 +68,128 @@ impl HeightMapFormat {
         Self::Png,
     ];
 
-    /// The endings of the format, in lower case and without the dot.
-    #[must_use]
-    pub const fn endings(self) -> &'static [&'static str] {
+    /// The table of formats.
+    const fn properties(self) -> Properties {
         match self {
-            Self::Exr => &["exr"],
-            Self::Npy => &["npy"],
-            Self::Gsf => &["gsf"],
-            Self::X3p => &["x3p"],
-            Self::Text => &["asc", "txt", "csv"],
-            Self::Png => &["png"],
+            Self::Exr => Properties {
+                name: "EXR image",
+                with_article: "an EXR image",
+                endings: &["exr"],
+                marks: const { &[start(b"\x76\x2f\x31\x01")] },
+                is_read: true,
+                is_written: true,
+            },
+            Self::Npy => Properties {
+                name: "NPY array",
+                with_article: "an NPY array",
+                endings: &["npy"],
+                marks: const { &[start(b"\x93NUMPY")] },
+                is_read: true,
+                is_written: true,
+            },
+            Self::Gsf => Properties {
+                name: "GSF field",
+                with_article: "a GSF field",
+                endings: &["gsf"],
+                marks: const { &[start(b"Gwyddion Simple Field 1.0")] },
+                is_read: true,
+                is_written: true,
+            },
+            Self::X3p => Properties {
+                name: "X3P file",
+                with_article: "an X3P file",
+                endings: &["x3p"],
+                marks: const { &[start(b"PK\x03\x04")] },
+                is_read: true,
+                is_written: true,
+            },
+            Self::Text => Properties {
+                name: "text matrix",
+                with_article: "a text matrix",
+                endings: &["asc", "txt", "csv"],
+                marks: &[],
+                is_read: true,
+                is_written: false,
+            },
+            Self::Png => Properties {
+                name: "PNG image",
+                with_article: "a PNG image",
+                endings: &["png"],
+                marks: const { &[start(b"\x89PNG\r\n\x1a\n")] },
+                is_read: false,
+                is_written: true,
+            },
         }
     }
 
-    /// The format of the ending of `path`, in upper or lower case.
+    /// The endings of the format, in lower case and without the dot.
+    #[must_use]
+    pub const fn endings(self) -> &'static [&'static str] {
+        self.properties().endings
+    }
+
+    /// The format of the ending of `path`, in upper or lower case; the first of several.
     #[must_use]
     pub fn from_path(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        Self::ALL
-            .into_iter()
-            .find(|format| format.endings().contains(&ending.as_str()))
+        Self::of_ending(path).next()
+    }
+
+    /// All formats of the ending of `path`, in upper or lower case.
+    pub(crate) fn of_ending(path: &Path) -> impl Iterator<Item = Self> {
+        let ending = path
+            .extension()
+            .and_then(|ending| ending.to_str())
+            .map(str::to_ascii_lowercase);
+        Self::ALL.into_iter().filter(move |format| {
+            let ending = ending.as_deref();
+            ending.is_some_and(|ending| format.endings().contains(&ending))
+        })
     }
 
     /// Whether [`read_height_map`](crate::read_height_map) reads it: all but PNG, which has no scale.
     #[must_use]
     pub const fn can_read(self) -> bool {
-        !matches!(self, Self::Png)
+        self.properties().is_read
     }
 
-    /// Whether [`write_height_map`](crate::write_height_map) writes it: all but text.
+    /// Whether [`write_height_map`](crate::write_height_map) writes it.
     #[must_use]
     pub const fn can_write(self) -> bool {
-        !matches!(self, Self::Text)
+        self.properties().is_written
     }
-}
 
-impl HeightMapFormat {
     /// "an EXR image".
-    pub(crate) fn with_article(self) -> String {
-        match self {
-            Self::Exr | Self::Npy | Self::X3p => format!("an {self}"),
-            Self::Gsf | Self::Text | Self::Png => format!("a {self}"),
-        }
+    pub(crate) const fn with_article(self) -> &'static str {
+        self.properties().with_article
+    }
+
+    /// Whether files of the format begin in any way.
+    pub(crate) const fn is_unmarked(self) -> bool {
+        self.properties().marks.is_empty()
+    }
+
+    /// Whether a file that begins with `start` has a mark of the format.
+    pub(crate) fn has_mark(self, start: &[u8]) -> bool {
+        let mut marks = self.properties().marks.iter();
+        marks.any(|mark| {
+            let found = start.get(mark.at..);
+            found.is_some_and(|found| found.starts_with(mark.bytes))
+        })
+    }
+
+    /// Whether `start`, a whole file, ends within a mark of the format.
+    pub(crate) fn ends_in_mark(self, start: &[u8]) -> bool {
+        let mut marks = self.properties().marks.iter();
+        marks.any(|mark| {
+            let found = start.get(mark.at..).unwrap_or_default();
+            found.len() < mark.bytes.len() && mark.bytes.starts_with(found)
+        })
     }
 }
 
 impl fmt::Display for HeightMapFormat {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Exr => "EXR image",
-            Self::Npy => "NPY array",
-            Self::Gsf => "GSF field",
-            Self::X3p => "X3P file",
-            Self::Text => "text matrix",
-            Self::Png => "PNG image",
-        })
+        f.write_str(self.properties().name)
     }
 }
 
@@ -152,10 +246,16 @@ pub(crate) fn list_mesh_endings() -> String {
 
 /// The endings of the formats that `keep` keeps: ".exr, .npy and .gsf".
 pub(crate) fn list_endings(keep: fn(HeightMapFormat) -> bool) -> String {
-    let kept = HeightMapFormat::ALL
-        .into_iter()
-        .filter(|format| keep(*format));
-    list(kept.flat_map(|format| format.endings()).copied())
+    let mut endings: Vec<&'static str> = Vec::new();
+    for format in HeightMapFormat::ALL {
+        let new = format.endings().iter().filter(|_| keep(format));
+        for ending in new {
+            if !endings.contains(ending) {
+                endings.push(ending);
+            }
+        }
+    }
+    list(endings)
 }
 
 /// Endings with their dots, as a list in words.

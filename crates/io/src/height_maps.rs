@@ -1,4 +1,5 @@
-//! Height maps: one file per format, and their choice by the ending of the file name.
+//! Height maps: one file per format, and their choice by the ending of the file name, by the first bytes where
+//! formats share an ending.
 
 mod exr;
 mod gsf;
@@ -19,11 +20,12 @@ use asperity_surface::{HeightField, RawHeightMap};
 
 use crate::error::{ReadError, WriteError};
 use crate::files::{open, replace_alone};
-use crate::formats::{HeightMapFormat, list_endings};
+use crate::formats::{HeightMapFormat, MARKS_WITHIN, list_endings};
 
 pub use npy::write_array;
 
-/// Reads a height map; the ending of `path` chooses the format.
+/// Reads a height map; the ending of `path` chooses the format, with the first bytes of the file where formats share
+/// an ending.
 ///
 /// Missing points are NaN in the result. Rows and columns keep the order of the file: its first
 /// row is row 0, at y = 0.
@@ -50,36 +52,37 @@ pub use npy::write_array;
 /// of an unknown ending, or holds no surface (too small, infinite heights, spacings not positive).
 pub fn read_height_map(path: impl AsRef<Path>) -> Result<RawHeightMap, ReadError> {
     let path = path.as_ref();
-    let format = HeightMapFormat::from_path(path);
-    if format == Some(HeightMapFormat::Png) {
+    let formats: Vec<HeightMapFormat> = HeightMapFormat::of_ending(path).collect();
+    if formats.is_empty() {
+        return Err(ReadError::UnknownEnding {
+            path: path.to_owned(),
+        });
+    }
+    if formats == [HeightMapFormat::Png] {
         return Err(ReadError::NoScale {
             path: path.to_owned(),
         });
     }
-    let format = format.ok_or_else(|| ReadError::UnknownEnding {
-        path: path.to_owned(),
-    })?;
     let (file, length) = open(path)?;
     read_from(
         path,
-        format,
+        &formats,
         BufReader::with_capacity(1 << 16, file),
         length,
     )
 }
 
-/// Reads a height map of a known format; `path` is for messages only.
+/// Reads a height map of one of a few formats; `path` is for messages only.
 pub(crate) fn read_from<R: BufRead + Seek>(
     path: &Path,
-    format: HeightMapFormat,
+    formats: &[HeightMapFormat],
     mut reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    let mut mark = [0; 32];
-    let found = read_up_to(&mut reader, &mut mark).map_err(|e| ReadError::io(path, e))?;
+    let mut start = [0; MARKS_WITHIN];
+    let found = read_up_to(&mut reader, &mut start).map_err(|e| ReadError::io(path, e))?;
     reader.rewind().map_err(|e| ReadError::io(path, e))?;
-    check_mark(path, format, &mark[..found])?;
-    match format {
+    match choose(path, formats, &start[..found])? {
         HeightMapFormat::Exr => exr::read(path, reader, length),
         HeightMapFormat::Npy => npy::read(path, reader, length),
         HeightMapFormat::Gsf => gsf::read(path, reader, length),
@@ -91,43 +94,36 @@ pub(crate) fn read_from<R: BufRead + Seek>(
     }
 }
 
-/// First bytes of each format that has such.
-const MARKS: [(HeightMapFormat, &[u8]); 5] = [
-    (HeightMapFormat::Exr, b"\x76\x2f\x31\x01"),
-    (HeightMapFormat::Npy, b"\x93NUMPY"),
-    (HeightMapFormat::Gsf, gsf::MAGIC.as_bytes()),
-    (HeightMapFormat::X3p, b"PK\x03\x04"),
-    (HeightMapFormat::Png, b"\x89PNG\r\n\x1a\n"),
-];
-
-/// Checks that the first bytes of a file are those of the format of its ending.
-fn check_mark(path: &Path, format: HeightMapFormat, start: &[u8]) -> Result<(), ReadError> {
-    let found = MARKS.iter().find(|(_, mark)| start.starts_with(mark));
-    match found {
-        Some((other, _)) if *other == format => return Ok(()),
-        None if format == HeightMapFormat::Text => return Ok(()),
-        _ => {}
+/// The format among `formats`, those of the ending, that a file beginning with `start` is of.
+fn choose(
+    path: &Path,
+    formats: &[HeightMapFormat],
+    start: &[u8],
+) -> Result<HeightMapFormat, ReadError> {
+    let marked = |format: &&HeightMapFormat| format.has_mark(start);
+    if let Some(format) = formats.iter().find(marked) {
+        return Ok(*format);
     }
-    let own = MARKS.iter().find(|(other, _)| *other == format);
-    if let (None, Some((_, mark))) = (found, own)
-        && start.len() < mark.len()
-        && mark.starts_with(start)
-    {
-        return Err(ReadError::truncated(
-            path,
-            format_args!(
-                "its {} bytes are less than the mark of the format",
-                start.len()
-            ),
-        ));
+    let found = HeightMapFormat::ALL.iter().find(marked);
+    if found.is_none() {
+        if let Some(format) = formats.iter().find(|format| format.is_unmarked()) {
+            return Ok(*format);
+        }
+        if formats.iter().any(|format| format.ends_in_mark(start)) {
+            return Err(ReadError::truncated(
+                path,
+                format_args!(
+                    "its {} bytes are less than the mark of the format",
+                    start.len()
+                ),
+            ));
+        }
     }
     Err(ReadError::WrongFormat {
         path: path.to_owned(),
-        expected: format,
-        found: found.map_or_else(
-            || "none of the known formats".to_owned(),
-            |(other, _)| other.with_article(),
-        ),
+        // Never empty: callers look for the formats of an ending first.
+        expected: formats.first().copied().unwrap_or(HeightMapFormat::Text),
+        found: found.map_or("none of the known formats", |other| other.with_article()),
     })
 }
 
@@ -200,7 +196,7 @@ pub(crate) fn write_to<W: Write>(
         HeightMapFormat::Gsf => gsf::write(path, field, out),
         HeightMapFormat::X3p => x3p::write(path, field, out),
         HeightMapFormat::Png => png::write(path, field, out),
-        HeightMapFormat::Text => Err(WriteError::ReadOnly {
+        _ => Err(WriteError::ReadOnly {
             path: path.to_owned(),
             format,
         }),

@@ -90,6 +90,8 @@ pub struct RawHeightMap {
     pub border: Option<Border>,
     /// How the surface was generated, if the source says.
     pub provenance: Option<Provenance>,
+    /// What a reader of results should know about how the source was read, one sentence each.
+    pub notes: Vec<String>,
 }
 
 impl RawHeightMap {
@@ -127,6 +129,7 @@ impl RawHeightMap {
             unit: LengthUnit::Arbitrary,
             border: None,
             provenance: None,
+            notes: Vec::new(),
         })
     }
 

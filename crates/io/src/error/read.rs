@@ -72,7 +72,7 @@ pub enum ReadError {
         /// The format of its ending.
         expected: HeightMapFormat,
         /// What its first bytes look like.
-        found: String,
+        found: &'static str,
     },
     /// The file ends before its data do.
     #[error("`{}` ends too early: {what}", .path.display())]

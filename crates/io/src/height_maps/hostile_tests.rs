@@ -55,7 +55,7 @@ fn valid(format: HeightMapFormat) -> Vec<u8> {
 fn read(format: HeightMapFormat, bytes: &[u8]) -> Result<RawHeightMap, ReadError> {
     read_from(
         &path(format),
-        format,
+        &[format],
         Cursor::new(bytes),
         bytes.len() as u64,
     )

@@ -23,6 +23,7 @@ impl RawHeightMap {
             spacing_is_known: self.spacing_is_known,
             unit,
             border: self.border,
+            notes: self.notes,
             provenance: self.provenance.map(|provenance| Provenance {
                 psd: converted(&provenance.psd, convert),
                 ..provenance
@@ -68,6 +69,7 @@ mod tests {
         let mut map = RawHeightMap::new(heights, [3, 2], [0.5, 2.0]).unwrap();
         map.unit = unit;
         map.border = Some(Border::Open);
+        map.notes.push("read in a way".to_owned());
         map.provenance = Some(Provenance {
             psd: Psd::anisotropic_gaussian(0.25, 8.0, 16.0, 0.5).unwrap(),
             seed: 3,
@@ -83,6 +85,7 @@ mod tests {
             .unwrap();
         assert_eq!((nm.unit, nm.missing()), (LengthUnit::Nanometre, 1));
         assert_eq!(nm.border, Some(Border::Open));
+        assert_eq!(nm.notes, ["read in a way"]);
         assert_eq!(nm.spacing, [500.0, 2000.0]);
         assert_eq!(&nm.heights[..2], [1000.0, 2000.0]);
         let psd = Psd::anisotropic_gaussian(250.0, 8000.0, 16000.0, 0.5).unwrap();
