@@ -40,6 +40,7 @@ pub use input::limits::{
 };
 pub use input::path_choice::PathChoice;
 pub use input::random_surfaces::RandomSurfaces;
+pub use input::regions::Regions;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};
 pub use input::target::{Quantity, Target, TargetError};

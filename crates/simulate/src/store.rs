@@ -53,6 +53,8 @@ pub enum Stage {
     CoarsePilot,
     /// The result.
     Result,
+    /// Regions of a given surface.
+    Regions,
 }
 
 /// What one surface did with the light of every case that shares it.

@@ -6,6 +6,7 @@ mod interpolation;
 mod mean;
 mod padding;
 mod patch;
+mod region_slopes;
 mod roughness;
 mod tessellation;
 

@@ -53,7 +53,7 @@ pub use geometry::smooth::{SmoothCell, SmoothSurface};
 pub use geometry::{Escape, Geometry, Nearby, Outlook, Triangles};
 pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, TracedLayerError};
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
-pub use path::{Illumination, Starts, Tracer, Work};
+pub use path::{Illumination, Starts, Tracer, Window, Work};
 pub use periodic::{
     Heading, MAX_TILES, TraversalEnd, TraversalResult, can_traverse, tiles_crossed, traverse,
 };

@@ -185,7 +185,7 @@ mod tests {
     use asperity_surface::HeightField;
     use asperity_tally::TallyResult;
     use asperity_tracer::{
-        AcceleratorKind, BuildAccelerator, HalfSpace, Sampling, Starts, Surface,
+        AcceleratorKind, BuildAccelerator, HalfSpace, Sampling, Starts, Surface, Window,
     };
 
     use super::*;
@@ -236,6 +236,7 @@ mod tests {
                 sampling,
                 starts: Starts::FromAbove,
                 stokes: [0.0; 3],
+                window: Window::WHOLE,
             },
             control_variate: None,
             mirror: None,

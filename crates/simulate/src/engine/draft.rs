@@ -49,6 +49,7 @@ impl Draft {
         let errors_from = match self.tallies.blocks_of_one {
             _ if is_analytic => ErrorSource::DeviationBound,
             Some(_) => ErrorSource::RayBlocks,
+            None if matches!(self.case.surface, SurfaceSource::Given(_)) => ErrorSource::Regions,
             None => ErrorSource::Surfaces,
         };
         let traced_rays = TracedRays {
@@ -64,7 +65,7 @@ impl Draft {
             ErrorSource::RayBlocks => {
                 ErrorBudget::of_one(&statistics, traced_rays, self.mesh_errors(settings))
             }
-            ErrorSource::Surfaces => {
+            ErrorSource::Surfaces | ErrorSource::Regions => {
                 let mesh = self.mesh_errors(settings);
                 let of_rays = self.tallies.error_squares_of_rays();
                 ErrorBudget::of_surfaces(&statistics, of_rays, traced_rays, mesh)

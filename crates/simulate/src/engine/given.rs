@@ -9,6 +9,7 @@ use asperity_tracer::{BuildAccelerator, Geometry, MeshSurface, SmoothSurface};
 use super::built_surface::{BuiltSurface, Meshes, SurfaceMeshes};
 use super::given_run::{GivenCase, GivenRun};
 use super::ready_group::ReadyGroup;
+use super::region_run::RegionRun;
 use super::traced_case::NumberedCase;
 use crate::error::SimulateError;
 use crate::input::case::Case;
@@ -56,7 +57,8 @@ impl GivenGroup {
             }
             Shape::TriangleMesh { top, .. } => group.check_triangle_mesh(top)?,
         }
-        check_results(&settings.tally, 1, group.cases.len(), settings.refine)?;
+        let tallies = settings.regions.map_or(1, |regions| regions.count());
+        check_results(&settings.tally, tallies, group.cases.len(), settings.refine)?;
         Ok(group)
     }
 
@@ -137,22 +139,22 @@ impl GivenGroup {
                     top: Meshes::new(top, refine)?,
                     bottom: bottom.transpose()?,
                 };
-                Box::new(self.build_on(meshes, Method::of_surface, clock)?)
+                self.build_on(meshes, Method::of_surface, clock)?
             }
-            Shape::Smooth { top, bottom } => Box::new(self.build_plain(top, bottom, clock)?),
-            Shape::TriangleMesh { top, bottom } => Box::new(self.build_plain(top, bottom, clock)?),
+            Shape::Smooth { top, bottom } => self.build_plain(top, bottom, clock)?,
+            Shape::TriangleMesh { top, bottom } => self.build_plain(top, bottom, clock)?,
         };
         observer.end();
         Ok(run)
     }
 
     /// Builds on one mesh, whose light no control variate foresees.
-    fn build_plain<G: BuildAccelerator>(
+    fn build_plain<G: BuildAccelerator + 'static>(
         self,
         top: Arc<G>,
         bottom: Option<Arc<G>>,
         clock: Instant,
-    ) -> Result<GivenRun<G>, SimulateError> {
+    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         let meshes = SurfaceMeshes {
             top: Meshes::of_one(top),
             bottom: bottom.map(Meshes::of_one),
@@ -162,12 +164,12 @@ impl GivenGroup {
     }
 
     /// Builds on these meshes; `clock` began before they were made.
-    fn build_on<G: BuildAccelerator>(
+    fn build_on<G: BuildAccelerator + 'static>(
         self,
         meshes: SurfaceMeshes<G>,
         method_of: impl Fn(&G, &Case, &Settings) -> Result<Method, SimulateError>,
         clock: Instant,
-    ) -> Result<GivenRun<G>, SimulateError> {
+    ) -> Result<Box<dyn ReadyGroup>, SimulateError> {
         let settings = self.settings;
         let built = BuiltSurface::build(meshes, settings.accelerator)?;
         let prepare = |NumberedCase { number, case }| {
@@ -189,11 +191,15 @@ impl GivenGroup {
         let cases = self.cases.into_iter().map(prepare);
         let cases = cases.collect::<Result<Vec<_>, SimulateError>>()?;
         let build_seconds = clock.elapsed().as_secs_f64() / cases.len().max(1) as f64;
-        Ok(GivenRun {
+        let run = GivenRun {
             built,
             cases,
             settings,
             build_seconds,
+        };
+        Ok(match settings.regions {
+            None => Box::new(run),
+            Some(regions) => Box::new(RegionRun { run, regions }),
         })
     }
 }

@@ -3,7 +3,7 @@
 //! [`simulation`] is the entry point. It puts cases with equal surface sources into a [`group`]: [`random`] for random
 //! surfaces, drawn by the recipes in [`draw`], and [`given`] for one given surface. Both run [`rounds`] of batches, which are surfaces in [`surfaces`],
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, [`block_run`] traces them, and [`built_surface`] is what
-//! they are traced on. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
+//! they are traced on. [`region_run`] lights regions of a given surface on their own. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
 //! its outcome.
 
@@ -24,6 +24,7 @@ pub(crate) mod random_plan;
 pub(crate) mod random_rounds;
 pub(crate) mod ray_blocks;
 pub(crate) mod ready_group;
+pub(crate) mod region_run;
 pub(crate) mod rounds;
 pub(crate) mod simulation;
 pub(crate) mod spacings;

@@ -149,7 +149,7 @@ impl RandomGroup {
 
     pub(super) fn group(&self, stage: Stage) -> SurfaceGroup<'_> {
         let (settings, plan) = match stage {
-            Stage::Result => (self.settings, self.plan),
+            Stage::Result | Stage::Regions => (self.settings, self.plan),
             Stage::Pilot | Stage::PathTrial | Stage::CoarsePilot => (
                 Settings {
                     refine: false,
@@ -163,7 +163,7 @@ impl RandomGroup {
         };
         let pilot = self.pilot_surfaces.as_ref();
         let surfaces = match stage {
-            Stage::Result => None,
+            Stage::Result | Stage::Regions => None,
             Stage::Pilot | Stage::PathTrial => pilot.map(|pilot| &pilot.fine),
             Stage::CoarsePilot => pilot.and_then(|pilot| pilot.coarse.as_ref()),
         };

@@ -7,6 +7,7 @@ pub(crate) mod layer;
 pub(crate) mod limits;
 pub(crate) mod path_choice;
 pub(crate) mod random_surfaces;
+pub(crate) mod regions;
 pub(crate) mod settings;
 pub(crate) mod surface_source;
 pub(crate) mod target;

@@ -8,6 +8,7 @@ use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, Sampling};
 
 use super::estimator::Estimator;
 use super::path_choice::PathChoice;
+use super::regions::Regions;
 use super::target::Target;
 
 /// How cases are simulated: what is recorded, how paths are followed, and how much is traced.
@@ -40,6 +41,10 @@ pub struct Settings {
     /// Whether every surface is also traced at half its spacing, whose results are then reported, and at
     /// twice its spacing, if its number of cells is even. The differences are the error of the mesh.
     pub refine: bool,
+    /// Regions of each given surface that are lit on their own. [`Outcome::surfaces`](crate::Outcome::surfaces) then has a tally
+    /// of each region, whose mean is the result; all regions have equally many rays, and errors come from their scatter. Only
+    /// [`Estimator::Plain`] and a number of rays go with it. Random surfaces are not divided.
+    pub regions: Option<Regions>,
     /// Seed of surfaces and rays.
     pub seed: u64,
     /// Scatterings inside a layer after which a path is truncated.
@@ -62,6 +67,7 @@ impl Default for Settings {
             sampling: Sampling::Stratified,
             fold: true,
             refine: false,
+            regions: None,
             seed: 1,
             max_scatterings: DEFAULT_MAX_SCATTERINGS,
             effort: Effort::default(),

@@ -8,7 +8,7 @@ use asperity_surface::Psd;
 use asperity_tally::{
     ControlVariate, Mirror, RayErrors, TallyResult, TallyStatistics, TallyValues,
 };
-use asperity_tracer::{Illumination, PathSettings, Sampling, Starts};
+use asperity_tracer::{Illumination, PathSettings, Sampling, Starts, Window};
 use serde::Serialize;
 
 use crate::error::SimulateError;
@@ -195,6 +195,7 @@ impl Method {
             sampling,
             starts: self.starts,
             stokes: light.stokes,
+            window: Window::WHOLE,
         }
     }
 

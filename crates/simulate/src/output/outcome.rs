@@ -20,7 +20,7 @@ pub struct Outcome {
     pub statistics: TallyStatistics,
     /// What the standard errors come from.
     pub errors_from: ErrorSource,
-    /// Flux fractions of each surface, with which models are compared.
+    /// Flux fractions of each surface, or of each region of a given one, with which models are compared.
     pub surfaces: Vec<TallyValues>,
     /// The errors of the fluxes by where they come from.
     pub errors: ErrorBudget,
@@ -39,6 +39,8 @@ pub struct Outcome {
 pub enum ErrorSource {
     /// The scatter between surfaces.
     Surfaces,
+    /// The scatter between the regions of the one surface there is.
+    Regions,
     /// The scatter between the ray blocks of the one surface there is.
     RayBlocks,
     /// A bound on what rays could find. None were traced.
@@ -51,6 +53,7 @@ impl ErrorSource {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Surfaces => "surfaces",
+            Self::Regions => "regions",
             Self::RayBlocks => "ray blocks",
             Self::DeviationBound => "deviation bound",
         }

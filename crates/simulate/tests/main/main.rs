@@ -11,6 +11,7 @@ mod budget;
 mod fold;
 mod mesh_error;
 mod paths;
+mod regions;
 mod resuming;
 mod sharing;
 mod smooth;

@@ -18,7 +18,19 @@ use crate::support::{Rough, glass, target};
 
 /// Keeps finished parts as text.
 #[derive(Default)]
-struct Keeper(Mutex<HashMap<SurfaceKey, String>>);
+pub(crate) struct Keeper(Mutex<HashMap<SurfaceKey, String>>);
+
+impl Keeper {
+    /// Loses all parts but some.
+    pub(crate) fn keep(&self, is_kept: impl Fn(&SurfaceKey) -> bool) {
+        self.0.lock().unwrap().retain(|key, _| is_kept(key));
+    }
+
+    /// How many parts it keeps.
+    pub(crate) fn len(&self) -> usize {
+        self.0.lock().unwrap().len()
+    }
+}
 
 impl SurfaceStore for Keeper {
     fn load(&self, key: SurfaceKey) -> Option<SavedSurface> {
@@ -31,7 +43,7 @@ impl SurfaceStore for Keeper {
     }
 }
 
-fn resume(
+pub(crate) fn resume(
     cases: &[Case],
     settings: &Settings,
     keeper: &Keeper,
@@ -42,7 +54,7 @@ fn resume(
 }
 
 /// All numbers that follow from the rays.
-fn numbers(outcomes: &[Outcome]) -> String {
+pub(crate) fn numbers(outcomes: &[Outcome]) -> String {
     let of_one = |one: &Outcome| {
         let entries = one.statistics.spec().entries();
         let errors: Vec<_> = entries.map(|entry| one.errors.at(entry)).collect();
@@ -60,11 +72,7 @@ fn random_surfaces_resume_from_those_kept_to_the_same_numbers() {
     let keeper = Keeper::default();
     let whole = resume(&cases(), &settings(), &keeper, &Silent);
     // Every second surface is lost.
-    keeper
-        .0
-        .lock()
-        .unwrap()
-        .retain(|key, _| key.number % 2 == 0);
+    keeper.keep(|key| key.number % 2 == 0);
     let drawings = Drawings::default();
     let resumed = resume(&cases(), &settings(), &keeper, &drawings);
     assert_eq!(drawings.0.into_inner(), 2 * 3);

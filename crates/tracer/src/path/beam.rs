@@ -4,11 +4,12 @@ use asperity_optics::{Incidence, Turn, reference_axes};
 use asperity_surface::Border;
 use glam::{DVec2, DVec3};
 
+use super::window::Window;
 use crate::geometry::Geometry;
 use crate::periodic::{Heading, mirror_image};
 use crate::ray::HalfSpace;
 
-/// Light that falls evenly on one period of a surface.
+/// Light that falls evenly on a window of one period of a surface.
 ///
 /// Its rays start where they pass the highest point of the surface (the lowest, if they come from
 /// below).
@@ -16,8 +17,9 @@ pub(crate) struct Beam {
     /// Unit vector towards the light, as the surface lies.
     wi: DVec3,
     incident: HalfSpace,
-    /// Period of the surface along x and y, tile coordinates.
-    period: [f64; 2],
+    /// Corner and size of the window along x and y, tile coordinates.
+    corner: [f64; 2],
+    size: [f64; 2],
     aspect: f64,
     /// z of all starts.
     z: f64,
@@ -26,13 +28,19 @@ pub(crate) struct Beam {
 }
 
 impl Beam {
-    pub(crate) fn new<G: Geometry>(surface: &G, incident: HalfSpace, incidence: Incidence) -> Self {
+    pub(crate) fn new<G: Geometry>(
+        surface: &G,
+        incident: HalfSpace,
+        incidence: Incidence,
+        window: Window,
+    ) -> Self {
         let wi = incidence.wi() * DVec3::new(1.0, 1.0, incident.sign());
         // A mirrored tile and its images make a period of two tiles along each axis.
         let tiles = match surface.border() {
             Border::Mirrored => 2.0,
             Border::Periodic | Border::Open => 1.0,
         };
+        let period = surface.extent().map(|e| e * tiles);
         let [low, high] = surface.z_range();
         let z = match incident {
             HalfSpace::Above => high,
@@ -41,7 +49,8 @@ impl Beam {
         Self {
             wi,
             incident,
-            period: surface.extent().map(|e| e * tiles),
+            corner: [0, 1].map(|i| window.from[i] * period[i]),
+            size: [0, 1].map(|i| (window.to[i] - window.from[i]) * period[i]),
             aspect: surface.aspect(),
             z,
             to_mean_plane: (z - surface.mean_plane()) / wi.z,
@@ -55,7 +64,7 @@ impl Beam {
         turn.rotate(self.wi.truncate()).extend(self.wi.z)
     }
 
-    /// The ray that would meet the mean plane at `[u, v]` of the period.
+    /// The ray that would meet the mean plane at `[u, v]` of the window.
     pub(crate) fn ray(&self, [u, v]: [f64; 2], turn: DVec2) -> Heading {
         Heading {
             origin: self.origin([u, v], turn),
@@ -68,12 +77,19 @@ impl Beam {
     #[inline(always)]
     pub(crate) fn origin(&self, [u, v]: [f64; 2], turn: DVec2) -> DVec3 {
         let wi = self.wi(turn);
-        let [cx, cy] = self.period;
+        let DVec2 { x, y } = self.place([u, v]);
         DVec3::new(
-            u * cx + self.to_mean_plane * wi.x,
-            v * cy + self.to_mean_plane * wi.y * self.aspect,
+            x + self.to_mean_plane * wi.x,
+            y + self.to_mean_plane * wi.y * self.aspect,
             self.z,
         )
+    }
+
+    /// Where `[u, v]` of the window is.
+    #[inline(always)]
+    fn place(&self, [u, v]: [f64; 2]) -> DVec2 {
+        let ([x, y], [width, depth]) = (self.corner, self.size);
+        DVec2::new(x + u * width, y + v * depth)
     }
 
     /// Whether its rays are vertical.
@@ -87,7 +103,7 @@ impl Beam {
         -self.wi(turn)
     }
 
-    /// The light that comes to the point of the surface at `[u, v]` of the period if nothing is in its
+    /// The light that comes to the point of the surface at `[u, v]` of the window if nothing is in its
     /// way, the facet there, and the flux that falls on it, `max(0, wi . m) / (cos theta_m cos theta_i)`
     /// of a ray; `None` where the facet faces away from the light.
     ///
@@ -96,14 +112,13 @@ impl Beam {
     pub(crate) fn point<G: Geometry>(
         &self,
         surface: &G,
-        [u, v]: [f64; 2],
+        place: [f64; 2],
         turn: DVec2,
     ) -> Option<(Heading, G::Facet, f64)> {
-        let [cx, cy] = self.period;
         let heading = mirror_image(
             surface,
             Heading {
-                origin: DVec3::new(u * cx, v * cy, 0.0),
+                origin: self.place(place).extend(0.0),
                 direction: -self.wi(turn),
                 mirrored: [false; 2],
             },

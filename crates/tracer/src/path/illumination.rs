@@ -6,6 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::sampling::Sampling;
 use crate::settings::Polarisation;
 
+use super::window::Window;
+
 /// Where the paths of a batch start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -35,6 +37,8 @@ pub struct Illumination {
     /// Q, U and V over I of the light, in the axes of its ray; zeros for unpolarised light. Paths that average ignore it, and a
     /// Mueller matrix holds for any.
     pub stokes: [f64; 3],
+    /// The part of the mean plane that it falls on. Fluxes are fractions of what falls there.
+    pub window: Window,
 }
 
 impl Illumination {
@@ -47,6 +51,7 @@ impl Illumination {
             sampling: Sampling::Stratified,
             starts: Starts::FromAbove,
             stokes: [0.0; 3],
+            window: Window::WHOLE,
         }
     }
 

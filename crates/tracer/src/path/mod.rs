@@ -41,6 +41,7 @@ mod sightlines;
 mod state;
 mod traversal;
 mod visibility;
+mod window;
 mod work;
 
 use std::f64::consts::PI;
@@ -59,6 +60,7 @@ use asperity_optics::Material;
 use asperity_tally::{Azimuth, ControlVariate, Tallies, Tally, TallySpec, TallyValues};
 
 pub use illumination::{Illumination, Starts};
+pub use window::Window;
 pub use work::Work;
 
 /// Follows light that falls on a surface.
@@ -211,7 +213,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             illumination,
             self.settings.polarisation,
         );
-        let beam = Beam::new(self.geometry, self.incident, incidence);
+        let window = illumination.window;
+        let beam = Beam::new(self.geometry, self.incident, incidence, window);
         loop {
             self.start_paths(&beam, illumination.starts, &mut places, &mut batch);
             if batch.is_finished() {
