@@ -54,7 +54,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let bar = Bar::new(common);
     interrupt::listen();
     let outcome = planned.run(checkpoints.as_ref(), &bar).map_err(refuse)?;
-    let is_stopped = outcome.outcome.stopping.is_cut_short();
+    let is_stopped = outcome.is_stopped();
     if let (Some(folder), Some(checkpoints)) = (&folder, checkpoints) {
         trace_report(folder, &outcome).map_err(Failure::failed)?;
         checkpoints.close(is_stopped).map_err(Failure::failed)?;

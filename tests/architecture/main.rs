@@ -174,22 +174,43 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 14] = [
+const STUDIES: [(&str, &[&str]); 15] = [
     ("border", &[]),
     ("validity", &[]),
     ("settings", &[]),
     ("config", &["settings"]),
     ("output", &["config"]),
-    ("verify", &["config", "output", "settings"]),
-    ("report", &["config", "output", "validity", "verify"]),
+    ("comparison", &["config", "output"]),
+    ("verify", &["comparison", "config", "output", "settings"]),
+    (
+        "report",
+        &["comparison", "config", "output", "validity", "verify"],
+    ),
     ("given", &[]),
     (
         "trace",
-        &["config", "given", "output", "report", "validity"],
+        &[
+            "comparison",
+            "config",
+            "given",
+            "output",
+            "report",
+            "validity",
+        ],
     ),
     ("model", &["config", "output", "report", "settings"]),
     ("attenuation", &["config", "output", "report", "settings"]),
-    ("map", &["config", "output", "report", "settings", "verify"]),
+    (
+        "map",
+        &[
+            "comparison",
+            "config",
+            "output",
+            "report",
+            "settings",
+            "verify",
+        ],
+    ),
     (
         "gonio",
         &["config", "given", "output", "report", "settings", "verify"],

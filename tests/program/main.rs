@@ -15,6 +15,7 @@ mod estimators;
 mod examples;
 mod flags;
 mod given;
+mod given_models;
 mod gonio;
 mod gonio_given;
 mod layer_models;

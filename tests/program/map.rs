@@ -403,7 +403,7 @@ fn invalid_map_settings_are_refused() {
         ),
         (
             "map m.toml --alpha 0.05 -o out",
-            "--alpha is for verify, not for map",
+            "--alpha is for trace and verify, not for map",
         ),
         ("map m.toml --theta 90 -o out", "below 90"),
         ("map m.toml --tau 2 --spacing 1 -o out", "--insist"),

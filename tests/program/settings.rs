@@ -117,7 +117,7 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
         ),
         (
             "model smith --alpha 0.3",
-            "--alpha is for verify, not for model",
+            "--alpha is for trace and verify, not for model",
         ),
         (
             "verify unit.toml -o out",

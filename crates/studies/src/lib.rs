@@ -6,6 +6,7 @@
 
 mod attenuation;
 mod border;
+mod comparison;
 mod config;
 mod converge;
 mod given;
@@ -26,6 +27,10 @@ pub use attenuation::{
     attenuation_summary, attenuation_table,
 };
 pub use border::{ASSUMED_BORDER, border_notes};
+pub use comparison::error::CompareError;
+pub use comparison::models::{ComparedComponent, ModelOutcome};
+pub use comparison::peak::PeakDifference;
+pub use comparison::side_difference::SideDifference;
 pub use config::case_model::CaseModel;
 pub use config::cases::{check_light, check_sides};
 pub use config::error::ConfigError;
@@ -63,12 +68,9 @@ pub use report::files::{verify_report, verify_summary};
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
 pub use trace::{
-    PlannedTrace, TraceError, TraceOutcome, TracedSurfaces, trace_report, trace_summary,
-    trace_table,
+    PlannedTrace, TraceComparison, TraceError, TraceOutcome, TracedSurfaces, trace_report,
+    trace_summary, trace_table,
 };
 pub use validity::{DEFAULT_WAVELENGTH_NM, LARGE, Validity};
-pub use verify::comparison::models::{ComparedComponent, ModelOutcome};
-pub use verify::comparison::peak::PeakDifference;
-pub use verify::comparison::side_difference::SideDifference;
 pub use verify::error::VerifyError;
 pub use verify::{CaseOutcome, VerifyOutcome, resume_verify, verify};

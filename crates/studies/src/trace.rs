@@ -1,7 +1,10 @@
 //! Light on one given surface.
 
+mod comparison;
+mod comparison_text;
 mod description;
 mod files;
+mod region_plan;
 mod text;
 
 use asperity_io::ResultFolder;
@@ -12,8 +15,13 @@ use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
 use serde_json::{Value, json};
 
+use self::comparison::PlannedComparison;
+pub use self::comparison::TraceComparison;
 pub use self::files::{trace_report, trace_summary};
+use self::region_plan::{MIN_REGIONS, MIN_WIDTH};
 pub use self::text::trace_table;
+use crate::comparison::error::CompareError;
+use crate::comparison::models::ModelOutcome;
 use crate::config::error::ConfigError;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
@@ -42,6 +50,39 @@ pub enum TraceError {
         "--bottom-surface: one of surface and bottom is a height map, the other a triangle mesh; both must be of one kind"
     )]
     OtherBottom,
+    /// A mesh is to be compared with models.
+    #[error(
+        "--models: {name} is a triangle mesh; models are compared with height maps, whose slopes and correlation lengths are known"
+    )]
+    ComparedMesh {
+        /// The name of the mesh.
+        name: String,
+    },
+    /// Heights that are to be compared with models do not lose their correlation.
+    #[error(
+        "--models: the heights of {name} are all equal, or keep their correlation over half of its width: errors by parts of a surface need parts that are independent; remove its form (--remove plane or parabola), or leave out --models"
+    )]
+    Correlated {
+        /// The name of the surface.
+        name: String,
+    },
+    /// A surface that is to be compared with models is too small.
+    #[error(
+        "--models: {name} is {x:.1} x {y:.1} correlation lengths wide; errors by parts of a surface need {} parts, each {} correlation lengths wide or more: take a larger surface, or leave out --models",
+        MIN_REGIONS,
+        MIN_WIDTH
+    )]
+    FewRegions {
+        /// The name of the surface.
+        name: String,
+        /// Its width along x, in correlation lengths.
+        x: f64,
+        /// Its width along y, in correlation lengths.
+        y: f64,
+    },
+    /// The surface cannot be compared with models.
+    #[error(transparent)]
+    Compare(#[from] CompareError),
     /// The simulation was refused or failed.
     #[error(transparent)]
     Simulate(#[from] SimulateError),
@@ -85,7 +126,6 @@ impl TracedSurfaces {
 }
 
 /// What was found on a surface.
-#[derive(Clone, Debug)]
 pub struct TraceOutcome {
     /// The configuration that was run.
     pub config: TraceConfig,
@@ -97,6 +137,8 @@ pub struct TraceOutcome {
     pub spec: TallySpec,
     /// What the engine found.
     pub outcome: Outcome,
+    /// The surface against models; `None` without any, or if a stop came before.
+    pub comparison: Option<TraceComparison>,
     /// What a reader should know.
     pub warnings: Vec<String>,
     /// Lengths of the surface against the wavelength, of a height map whose unit is known.
@@ -106,6 +148,23 @@ pub struct TraceOutcome {
 }
 
 impl TraceOutcome {
+    /// Whether the run ended before all that was planned was done.
+    #[must_use]
+    pub fn is_stopped(&self) -> bool {
+        self.outcome.stopping.is_cut_short() || self.lacks_comparison()
+    }
+
+    /// Whether a stop came before the comparison that was requested.
+    fn lacks_comparison(&self) -> bool {
+        self.comparison.is_none() && !self.config.compare.models.is_empty()
+    }
+
+    /// The models that the surface is compared with.
+    fn models(&self) -> &[ModelOutcome] {
+        let comparison = self.comparison.as_ref();
+        comparison.map_or(&[], |comparison| &comparison.models)
+    }
+
     /// How the run came to its end, if that was to be found out.
     #[must_use]
     pub fn stopping(&self) -> Option<&Stopping> {
@@ -123,6 +182,7 @@ pub struct PlannedTrace {
     spec: TallySpec,
     shape: Shape,
     simulation: Simulation,
+    comparison: Option<PlannedComparison>,
     warnings: Vec<String>,
     validity: Option<Validity>,
     described: Value,
@@ -138,7 +198,8 @@ impl PlannedTrace {
         let settings = config.ray_settings()?;
         let name = surfaces.surface.name.clone();
         let unit = surfaces.surface.unit;
-        let warnings = surfaces.surface.warnings();
+        let surface = surfaces.surface.clone();
+        let mut warnings = surface.warnings();
         let validity = match &surfaces.surface.shape {
             GivenShape::Field(field) => {
                 let wavelength = config.light.wavelength.map(|wavelength| wavelength.0);
@@ -150,6 +211,9 @@ impl PlannedTrace {
         let shape = surfaces.shape(config.surface.cells.of_given())?;
         let case = config.case(shape.clone())?;
         let described = description.config(config, &case);
+        let comparison = PlannedComparison::new(config, &surface, &case, &settings)?;
+        let of_comparison = comparison.as_ref().map(|planned| planned.warnings.clone());
+        warnings.extend(of_comparison.into_iter().flatten());
         Ok(Self {
             config: config.clone(),
             name,
@@ -157,6 +221,7 @@ impl PlannedTrace {
             spec: settings.tally,
             shape,
             simulation: Simulation::new(&[case], &settings)?,
+            comparison,
             warnings,
             validity,
             described,
@@ -184,7 +249,7 @@ impl PlannedTrace {
     /// Traces, until the time of the configuration is over, with what `checkpoints` keep of an earlier run.
     ///
     /// # Errors
-    /// [`TraceError::Simulate`].
+    /// [`TraceError::Simulate`] and [`TraceError::Compare`].
     pub fn run(
         self,
         checkpoints: Option<&SurfaceCheckpoints<'_>>,
@@ -198,12 +263,16 @@ impl PlannedTrace {
         };
         let outcome = outcomes?.into_iter().next();
         let outcome = outcome.ok_or(SimulateError::Interrupted)?;
+        let comparison = self.comparison;
+        let comparison = comparison.map(|planned| planned.run(&outcome, checkpoints, &deadline));
+        let comparison = comparison.transpose()?.flatten();
         let mut found = TraceOutcome {
             config: self.config,
             name: self.name,
             unit: self.unit,
             spec: self.spec,
             outcome,
+            comparison,
             warnings: self.warnings,
             validity: self.validity,
             described: self.described,
@@ -212,6 +281,17 @@ impl PlannedTrace {
         let ending = found.stopping().map(|stopping| stopping.warnings.clone());
         found.warnings.extend(lost);
         found.warnings.extend(ending.into_iter().flatten());
+        let rim = found
+            .comparison
+            .as_ref()
+            .and_then(TraceComparison::rim_warning);
+        found.warnings.extend(rim);
+        if found.lacks_comparison() {
+            found.warnings.push(
+                "the run was ended before the surface was compared with models; the same command goes on"
+                    .to_owned(),
+            );
+        }
         let mesh = found.outcome.errors.mesh_warning();
         found.warnings.extend(mesh.map(str::to_owned));
         Ok(found)

@@ -1,6 +1,5 @@
 //! Explicit surfaces against statistical models.
 
-pub(crate) mod comparison;
 pub(crate) mod error;
 
 use std::time::Instant;
@@ -16,11 +15,12 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use self::error::VerifyError;
+use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::config::VerifyConfig;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::Seconds;
 use crate::output::{CheckpointError, SurfaceCheckpoints};
-use crate::verify::comparison::models::{Compared, ModelOutcome, compare_models};
 
 /// What was found for one case.
 pub struct CaseOutcome {
@@ -49,6 +49,17 @@ impl CaseOutcome {
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
         self.outcome.case.surface.spacing().unwrap_or_default()
+    }
+
+    /// What comparisons are reported of.
+    pub(crate) fn compared<'a>(&'a self, spec: &'a TallySpec) -> ComparedCase<'a> {
+        ComparedCase {
+            spec,
+            outcome: &self.outcome,
+            models: &self.models,
+            level: self.level,
+            free_azimuth: self.free_azimuth,
+        }
     }
 
     /// What lies between the heights of its surfaces.
@@ -225,18 +236,23 @@ fn judge(
     case: SweepCase,
     outcome: Outcome,
 ) -> Result<CaseOutcome, VerifyError> {
+    let free_azimuth = config.free_azimuth(&case);
     let compared = Compared {
-        config,
+        config: &config.compare,
+        seed: config.run.seed,
         spec,
-        case: &case,
+        incidence: case.incidence,
+        free_azimuth,
+        surface: case.modelled(),
         outcome: &outcome,
+        regions: None,
     };
     let (models, tests) = compare_models(&compared)?;
     let level = sidak_level(config.compare.level, tests.max(1));
     let limited = config.run.target_error.is_some() || config.run.max_time.is_some();
     Ok(CaseOutcome {
         case,
-        free_azimuth: config.free_azimuth(&case),
+        free_azimuth,
         models,
         level,
         stopping: Some(&outcome.stopping)

@@ -1,15 +1,33 @@
 //! The model of a case by its name: of the surface, or of what lies below it.
 
-use crate::config::sweep_case::SweepCase;
 use asperity_analysis::{
-    BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, SamplingEffort, ScatteringModel,
-    Scope, create_model, expect,
+    BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ModelError, SamplingEffort,
+    ScatteringModel, Scope, SlopeCovariance, SlopeError, create_model, expect,
 };
-use asperity_optics::{Incidence, Material};
+use asperity_optics::{Incidence, Layer, Material};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 
 use crate::config::error::ConfigError;
-use asperity_simulate::slopes;
+
+/// What a model is made for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ModelledSurface {
+    /// Its slopes, if they have a density.
+    pub(crate) slopes: Result<SlopeCovariance, SlopeError>,
+    pub(crate) material: Material,
+    /// What lies below, if there is anything.
+    pub(crate) layer: Option<Layer>,
+}
+
+impl ModelledSurface {
+    /// The same with other slopes.
+    pub(crate) const fn with_slopes(self, slopes: SlopeCovariance) -> Self {
+        Self {
+            slopes: Ok(slopes),
+            ..self
+        }
+    }
+}
 
 /// A model for a case.
 pub enum CaseModel {
@@ -20,11 +38,11 @@ pub enum CaseModel {
 }
 
 impl CaseModel {
-    /// The model of that name for the surfaces, the material and the medium of `case`.
-    pub(crate) fn of(name: &str, case: &SweepCase) -> Result<Self, ConfigError> {
+    /// The model of that name for a surface, its material and the medium below.
+    pub(crate) fn of(name: &str, surface: &ModelledSurface) -> Result<Self, ConfigError> {
         let refuse = |reason: String| Err(ConfigError::Contradiction(reason));
         let of_layers = LayerPaths::ALL.iter().any(|paths| paths.name() == name);
-        match (&case.layer, case.material) {
+        match (&surface.layer, surface.material) {
             (Some(layer), Material::Dielectric { eta }) if of_layers => {
                 match FlatLayer::by_name(name, eta, layer) {
                     Ok(model) => Ok(Self::Layer(model)),
@@ -39,8 +57,8 @@ impl CaseModel {
                 "the model {name} describes a medium below the surface, but there is none"
             )),
             _ => {
-                let slopes = slopes(&case.psd).map_err(asperity_analysis::ModelError::from)?;
-                Ok(Self::Surface(create_model(name, slopes, case.material)?))
+                let slopes = surface.slopes.map_err(ModelError::from)?;
+                Ok(Self::Surface(create_model(name, slopes, surface.material)?))
             }
         }
     }

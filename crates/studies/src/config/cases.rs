@@ -8,7 +8,7 @@ use asperity_optics::{Layer, Material};
 use asperity_tally::{Side, Sides};
 use asperity_tracer::{AcceleratorKind, HalfSpace, Polarisation};
 
-use crate::config::case_model::CaseModel;
+use crate::config::case_model::{CaseModel, ModelledSurface};
 use crate::config::error::ConfigError;
 use crate::config::sweep::Sweep;
 use crate::config::sweep_case::SweepCase;
@@ -66,14 +66,6 @@ impl VerifyConfig {
                 "the accelerator flat is for flat surfaces, but those drawn here are rough; take auto",
             );
         }
-        let mut models = BTreeSet::new();
-        for name in &self.compare.models {
-            if !models.insert(name) {
-                return Err(ConfigError::Contradiction(format!(
-                    "the model {name} is named twice"
-                )));
-            }
-        }
         let mut folders = BTreeSet::new();
         for case in cases {
             if !folders.insert((case.folder(), short(case.incidence.phi_deg()))) {
@@ -86,20 +78,35 @@ impl VerifyConfig {
             if let Some(target) = settings.target() {
                 target.check(&settings.tally, case.material, case.layer.as_ref())?;
             }
-            for name in &self.compare.models {
-                let model = CaseModel::of(name, case)?;
-                let transmits = case.material.transmitting_index().is_some();
-                let beyond = Side::BOTH.into_iter().any(|side| {
-                    let leaves = transmits || side == Side::Reflected;
-                    leaves && self.run.side.includes(side) && !model.sides().includes(side)
-                });
-                if beyond {
-                    return Err(ModelError::ReflectionAlone(model.name()).into());
-                }
-            }
+            check_models(&self.compare.models, &case.modelled(), self.run.side)?;
         }
         Ok(())
     }
+}
+
+/// Checks that models are named once each, are of such a surface, and describe the light of the recorded `sides`.
+pub(crate) fn check_models(
+    names: &[String],
+    surface: &ModelledSurface,
+    sides: Sides,
+) -> Result<(), ConfigError> {
+    for (i, name) in names.iter().enumerate() {
+        if names[..i].contains(name) {
+            return Err(ConfigError::Contradiction(format!(
+                "the model {name} is named twice"
+            )));
+        }
+        let model = CaseModel::of(name, surface)?;
+        let transmits = surface.material.transmitting_index().is_some();
+        let beyond = Side::BOTH.into_iter().any(|side| {
+            let leaves = transmits || side == Side::Reflected;
+            leaves && sides.includes(side) && !model.sides().includes(side)
+        });
+        if beyond {
+            return Err(ModelError::ReflectionAlone(model.name()).into());
+        }
+    }
+    Ok(())
 }
 
 /// Checks that light of `material` can leave on the recorded sides.

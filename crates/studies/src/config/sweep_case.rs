@@ -6,7 +6,9 @@ use asperity_optics::{Incidence, Layer, Material};
 use asperity_surface::{LengthUnit, Psd};
 use serde::Serialize;
 
-use asperity_simulate::{layer_folder, layer_name, short};
+use asperity_simulate::{layer_folder, layer_name, short, slopes};
+
+use crate::config::case_model::ModelledSurface;
 
 /// One combination of smoothness, material, layer and direction of light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -78,6 +80,15 @@ impl SweepCase {
                 short(azimuth)
             )
         })
+    }
+
+    /// What models of the case are made for.
+    pub(crate) fn modelled(&self) -> ModelledSurface {
+        ModelledSurface {
+            slopes: slopes(&self.psd),
+            material: self.material,
+            layer: self.layer,
+        }
     }
 
     /// A folder name for the case, as in `s3_n1.4_theta30`.

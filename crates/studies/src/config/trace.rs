@@ -1,16 +1,18 @@
 //! The configuration of `asperity trace`: one given surface, one material, one direction.
 
+use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
 use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
 use super::measured::MeasuredConfig;
-use crate::config::cases::{check_light, check_sides};
+use crate::config::case_model::ModelledSurface;
+use crate::config::cases::{check_light, check_models, check_sides};
 use crate::config::error::ConfigError;
 use crate::config::medium::MediumConfig;
 use crate::config::surface::CellsChoice;
-use crate::config::{Azimuth, LightConfig, MaterialConfig, OutputConfig, RunConfig};
+use crate::config::{Azimuth, CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig};
 use crate::settings::{Command, Document};
 
 /// `[surface]`, of which a given surface has the cells alone.
@@ -37,6 +39,8 @@ pub struct TraceConfig {
     pub light: LightConfig,
     /// How much is traced.
     pub run: RunConfig,
+    /// What it is compared with: models with the slopes of this surface; none by default.
+    pub compare: CompareConfig,
     /// What is written.
     pub output: OutputConfig,
 }
@@ -108,7 +112,34 @@ impl TraceConfig {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
         check_sides(self.run.side, material, layer.as_ref())?;
+        self.check_comparison(material, layer)?;
         self.ray_settings().map(drop)
+    }
+
+    /// Checks the models and the light that they are compared with, as far as the slopes of the surface do not matter.
+    fn check_comparison(
+        &self,
+        material: Material,
+        layer: Option<Layer>,
+    ) -> Result<(), ConfigError> {
+        if self.compare.models.is_empty() {
+            return Ok(());
+        }
+        let refused = |why: &str| Err(ConfigError::Contradiction(format!("models: {why}")));
+        if self.light.azimuth == Some(Azimuth::Random) {
+            return refused(
+                "they are made for light from one azimuth; leave out azimuth random, or the models",
+            );
+        }
+        if self.stokes()? != [0.0; 3] {
+            return refused("they are made for unpolarised light; leave out stokes, or the models");
+        }
+        let any = ModelledSurface {
+            slopes: SlopeCovariance::isotropic(1.0),
+            material,
+            layer,
+        };
+        check_models(&self.compare.models, &any, self.run.side)
     }
 
     /// The settings of the rays.

@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
-use crate::verify::comparison::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
-use crate::verify::comparison::peak::PeakDifference;
+use crate::comparison::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
+use crate::comparison::peak::PeakDifference;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.

@@ -7,8 +7,8 @@ use super::cell::{
     CellModel, CellResults, CellSide, ComparedLight, Judged, JudgedCell, energy_name, peak_name,
 };
 use super::{MapCell, MapOutcome};
+use crate::comparison::peak::PeakDifference;
 use crate::output::{Cell, Column, Table, material_columns};
-use crate::verify::comparison::peak::PeakDifference;
 
 /// One model in one cell in one comparison, with its judgement.
 pub(super) struct JudgedModel<'a> {

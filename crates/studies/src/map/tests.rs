@@ -4,8 +4,8 @@ use asperity_io::ResultFolder;
 use asperity_tally::Side;
 
 use super::*;
+use crate::comparison::peak::PeakDifference;
 use crate::output::Found;
-use crate::verify::comparison::peak::PeakDifference;
 
 fn plan() -> CellPlan {
     let text = "[compare]\nmodels = ['heitz', 'smith']\n[light]\ntheta = 30";

@@ -3,20 +3,21 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-use asperity_analysis::{Comparison, SignFlipTest};
 use asperity_simulate::{Cells, Stopping, counted, short};
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
 
+use crate::comparison::AVERAGED_LAYERS;
+use crate::comparison::compared::{COMPARED, key};
+use crate::comparison::conclusion::{conclusion, verdict_name};
+use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
+use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{
     endings, errors_table, flux_with_error, lost_warning, recorded_orders,
 };
 use crate::report::polarised::polarised_text;
-use crate::verify::comparison::compared::{COMPARED, key};
-use crate::verify::comparison::conclusion::{conclusion, strongest_deviation, verdict_name};
-use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
 
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
@@ -28,10 +29,7 @@ pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<Strin
     let is_tracked = outcome.config.run.polarisation != Polarisation::Averaged;
     let mut models = case.models.iter();
     if is_tracked && models.any(|model| matches!(model.model, CaseModel::Layer(_))) {
-        warnings.push(
-            "models of layers average s and p at each face; --polarisation averaged compares like with like"
-                .to_owned(),
-        );
+        warnings.push(AVERAGED_LAYERS.to_owned());
     }
     let left_out = outcome.left_out.len();
     if left_out > 0 {
@@ -99,16 +97,17 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     }
     out.push_str(&averaging_lines(case));
     if !case.models.is_empty() {
+        let compared = case.compared(&outcome.spec);
         for component in COMPARED {
-            let table = distribution_table(&outcome.spec, case, component, &orders);
+            let table = distribution_table(compared, component, &orders);
             if !table.is_empty() {
                 let _ = write!(out, "\n{table}");
             }
         }
-        if let Some(line) = sampled_models(case) {
+        if let Some(line) = sampled_models(compared) {
             let _ = writeln!(out, "  {line}");
         }
-        let _ = writeln!(out, "\n{}", conclusion(&outcome.spec, case));
+        let _ = writeln!(out, "\n{}", conclusion(compared));
     }
     out
 }
@@ -201,30 +200,6 @@ fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
         .text(spec.sides().flat_map(of_side).chain(endings))
 }
 
-/// What a component of the light is called; `orders` names all light that was recorded.
-fn component_name(component: Component, orders: &str) -> Cow<'static, str> {
-    match component {
-        Component::All => orders.to_owned().into(),
-        _ => component.label(),
-    }
-}
-
-/// Which models were sampled, and by how many rays.
-fn sampled_models(case: &CaseOutcome) -> Option<String> {
-    let sampled = |m: &&ModelOutcome| !m.expectation.is_exact();
-    let names: Vec<&str> = case
-        .models
-        .iter()
-        .filter(sampled)
-        .map(|m| m.model.name())
-        .collect();
-    let rays = case.models.iter().find(sampled)?.expectation.rays();
-    Some(format!(
-        "{} sampled by {rays} rays; their noise is part of the errors",
-        names.join(", ")
-    ))
-}
-
 /// The components of the light of one side, with their names: those that it is split into, and all.
 fn components(spec: &TallySpec) -> impl Iterator<Item = (Cow<'static, str>, Component)> {
     let name = |component: Component| match component.is_of_medium() {
@@ -256,110 +231,6 @@ fn model_flux(
             format!("{:.digits$} (z {z:+.1})", energy.mean)
         }
         _ => short(energy.mean),
-    }
-}
-
-/// A component of the light against a model that describes it.
-struct Described<'a> {
-    model: &'a ModelOutcome,
-    compared: &'a ComparedComponent,
-}
-
-impl Described<'_> {
-    fn comparison(&self) -> &Comparison {
-        &self.compared.comparison
-    }
-
-    fn test(&self) -> Option<&SignFlipTest> {
-        self.comparison().test.as_ref().ok()
-    }
-}
-
-/// The models that describe a component of the light.
-fn described(case: &CaseOutcome, component: Component) -> Vec<Described<'_>> {
-    let models = case.models.iter();
-    models
-        .filter(|model| model.describes(component))
-        .filter_map(|model| {
-            let compared = model.compared(component)?;
-            Some(Described { model, compared })
-        })
-        .collect()
-}
-
-/// Total variation, p value and verdict of every model that describes a component of the light; `orders`
-/// names all light that was recorded. Empty if none does.
-fn distribution_table(
-    spec: &TallySpec,
-    case: &CaseOutcome,
-    component: Component,
-    orders: &str,
-) -> String {
-    type Row<'a> = Described<'a>;
-    let models = described(case, component);
-    if models.is_empty() {
-        return String::new();
-    }
-    let column = |heading, value: fn(&Row<'_>) -> Option<String>| {
-        Column::new(heading, "", move |row: &Row<'_>| value(row))
-    };
-    let mut table = Table::new()
-        .column(Column::new(
-            component_name(component, orders),
-            "",
-            |row: &Row<'_>| row.model.model.name(),
-        ))
-        .column(column(tested_bins(case), |row| {
-            let tested = row.comparison().bins.iter().filter(|bin| bin.tested);
-            Some(tested.count().to_string())
-        }))
-        .column(column("total variation distance", |row| {
-            Some(distance(row.comparison().total_variation.observed))
-        }))
-        .column(column("  expected from noise alone", |row| {
-            row.comparison().total_variation.noise.map(distance)
-        }))
-        .column(column("largest |t|: bins; rings; sides", |row| {
-            let scales = row.test()?.scales.iter();
-            let largest: Vec<String> = scales.map(|scale| format!("{:.1}", scale.max_t)).collect();
-            Some(largest.join("; "))
-        }))
-        .column(column("p value, sign flips of surfaces", |row| {
-            Some(format!("{:.4}", row.test()?.p))
-        }))
-        .column(Column::new(
-            "most significant deviation",
-            "",
-            |row: &Row<'_>| strongest_deviation(row.comparison(), spec),
-        ))
-        .column(column("verdict", |row| {
-            row.compared
-                .verdict
-                .as_ref()
-                .map(|verdict| verdict_name(verdict).to_owned())
-        }));
-    if component != Component::All
-        && case
-            .models
-            .iter()
-            .any(|m| m.judged_component() == component)
-    {
-        let heading = format!("total variation from {orders}");
-        table = table.column(Column::new(heading, "", |row: &Row<'_>| {
-            distance(row.model.total.comparison.total_variation.observed)
-        }));
-    }
-    table.transposed_text(models)
-}
-
-/// Which bins enter the test.
-const fn tested_bins(case: &CaseOutcome) -> &'static str {
-    match (case.free_azimuth, case.outcome.work.control_variate) {
-        (true, None) => "bins in rings of 20 rays or more",
-        (false, None) => "bins of 20 rays or more",
-        // Rays that do not deviate cancel exactly.
-        (true, Some(_)) => "bins in rings of 20 deviating rays",
-        (false, Some(_)) => "bins of 20 deviating rays or more",
     }
 }
 

@@ -13,6 +13,7 @@ use asperity_surface::{HeightField, LengthUnit};
 use asperity_tally::{Component, Side, TallyResult, TallySpec, TallyStatistics};
 use rayon::prelude::*;
 
+use crate::comparison::models::ModelOutcome;
 use crate::config::case_model::CaseModel;
 use crate::config::case_text::{case_text, material_text};
 use crate::config::sweep_case::SweepCase;
@@ -20,7 +21,6 @@ use crate::config::{Incident, VerifyConfig};
 use crate::output::{Place, figure_files};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
-use crate::verify::comparison::models::ModelOutcome;
 use asperity_simulate::layer_name;
 
 /// Degrees between the points of a model's line.

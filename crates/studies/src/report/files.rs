@@ -7,6 +7,7 @@ use asperity_tally::TallySpec;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::comparison::json::ComparisonJson;
 use crate::config::VerifyConfig;
 use crate::config::error::ConfigError;
 use crate::output::{CaseInFolder, Head, Place, SummaryOfCases, figure_files, of_cases};
@@ -19,7 +20,6 @@ use crate::report::fluxes::Fluxes;
 use crate::report::polarised::polarised_tables;
 use crate::report::polarised_figures::{draw_polarised, polarised_figures};
 use crate::report::summary::Summary;
-use crate::verify::comparison::json::ComparisonJson;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Tables of every case.
@@ -151,7 +151,7 @@ fn write_case(
     let spec = &outcome.spec;
     let tables = || -> Result<(), ReportError> {
         flux_tables(outcome, case).write(place)?;
-        write_comparison(place, spec, case)?;
+        write_comparison(place, case.compared(spec))?;
         let report = case_table(outcome, case);
         Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
     };
@@ -186,7 +186,7 @@ fn flux_tables<'a>(outcome: &'a VerifyOutcome, case: &'a CaseOutcome) -> FluxTab
 /// Name, unit and description of each column of the tables of one case, by file.
 fn columns(outcome: &VerifyOutcome, case: &CaseOutcome) -> Value {
     let mut columns = flux_tables(outcome, case).columns();
-    if let Some(comparison) = comparison_columns(&outcome.spec, case) {
+    if let Some(comparison) = comparison_columns(case.compared(&outcome.spec)) {
         columns["comparison.csv"] = comparison;
     }
     columns
@@ -216,7 +216,7 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
     let config = json!({ "verify": config(outcome), "case": case.case });
     Summary::new("verify", config, &case.outcome)
-        .with_comparison(json!(ComparisonJson::of(&outcome.spec, case)))
+        .with_comparison(json!(ComparisonJson::of(case.compared(&outcome.spec))))
         .with_columns(columns(outcome, case))
         .with_warnings(warnings(outcome, case))
         .with_stopping(case.stopping.clone())

@@ -3,15 +3,15 @@
 use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
 use serde_json::Value;
 
+use crate::comparison::compared::{COMPARED, key};
+use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::models::ModelOutcome;
 use crate::output::{
     Column, Place, Table, bin_columns, over, projected_solid_angle, ray_count, solid_angle_column,
 };
 use crate::report::error::ReportError;
 use crate::report::fluxes::Fluxes;
 use crate::report::polarised::{polarised_columns, write_polarised};
-use crate::verify::CaseOutcome;
-use crate::verify::comparison::compared::{COMPARED, key};
-use crate::verify::comparison::models::ModelOutcome;
 
 /// The tables of the fluxes of one case.
 #[derive(Clone, Copy)]
@@ -207,23 +207,23 @@ fn column_name(model: &ModelOutcome) -> String {
 /// Writes comparison.csv, unless there is no model.
 pub(crate) fn write_comparison(
     place: &Place<'_>,
-    spec: &TallySpec,
-    case: &CaseOutcome,
+    case: ComparedCase<'_>,
 ) -> Result<(), ReportError> {
     if case.models.is_empty() {
         return Ok(());
     }
-    let table = comparison(spec, case);
-    Ok(table.write_csv(&place.claim("comparison.csv")?, spec.recorded_bins())?)
+    let table = comparison(case);
+    Ok(table.write_csv(&place.claim("comparison.csv")?, case.spec.recorded_bins())?)
 }
 
 /// Name, unit and description of each column of comparison.csv; `None` if there is no model.
-pub(crate) fn comparison_columns(spec: &TallySpec, case: &CaseOutcome) -> Option<Value> {
-    (!case.models.is_empty()).then(|| comparison(spec, case).description())
+pub(crate) fn comparison_columns(case: ComparedCase<'_>) -> Option<Value> {
+    (!case.models.is_empty()).then(|| comparison(case).description())
 }
 
 /// comparison.csv: bin by bin, each component of the explicit light next to the models that describe it.
-fn comparison<'a>(spec: &'a TallySpec, case: &'a CaseOutcome) -> Table<'a, usize> {
+fn comparison(case: ComparedCase<'_>) -> Table<'_, usize> {
+    let spec = case.spec;
     // With a medium, no model describes what the surface does alone.
     let shown = |c: &Component| *c == Component::All || c.is_of_medium() == spec.has_medium();
     let first = spec.recorded_bins().start;

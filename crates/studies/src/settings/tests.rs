@@ -294,7 +294,7 @@ fn unknown_names_are_refused_with_what_is_known() {
         (
             Command::Map,
             "[compare]\nalpha = 0.1",
-            "compare.alpha is for verify, not for map",
+            "compare.alpha is for trace and verify, not for map",
         ),
         (
             Command::Converge,
@@ -313,7 +313,7 @@ fn unknown_names_are_refused_with_what_is_known() {
         assert!(!said.contains('\n'), "{said}");
     }
     let said = refusal(Command::Model, "", &[flag("level", "0.3")]);
-    assert_eq!(said, "--level is for verify, not for model");
+    assert_eq!(said, "--level is for trace and verify, not for model");
 }
 
 #[test]

@@ -53,6 +53,9 @@ impl Surfaces {
             "sampling": run.sampling,
             "refine": run.refine,
         });
+        if !config.compare.models.is_empty() {
+            described["compare"] = json!(config.compare);
+        }
         if let (Some(medium), Some(layer)) = (&config.medium, case.layer) {
             described["below"] = json!({
                 "medium": medium,

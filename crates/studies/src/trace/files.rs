@@ -10,7 +10,7 @@ use crate::output::Place;
 use crate::report::error::ReportError;
 use crate::report::figures::{self, PlottedCase};
 use crate::report::files::{TABLES, plot_files};
-use crate::report::flux_tables::FluxTables;
+use crate::report::flux_tables::{FluxTables, comparison_columns, write_comparison};
 use crate::report::fluxes::Fluxes;
 use crate::report::polarised::polarised_tables;
 use crate::report::polarised_figures::draw_polarised;
@@ -26,6 +26,9 @@ impl TraceConfig {
         let polarised = polarised_tables(&self.ray_settings()?.tally);
         names.extend(polarised.iter().copied().map(str::to_owned));
         names.push("summary.json".to_owned());
+        if !self.compare.models.is_empty() {
+            names.push("comparison.csv".to_owned());
+        }
         if self.output.plots {
             names.extend(plot_files(&self.ray_settings()?.tally));
         }
@@ -33,8 +36,8 @@ impl TraceConfig {
     }
 }
 
-/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, plots
-/// and, last, summary.json.
+/// Writes what light did on one surface into `folder`: histogram.csv, theta.csv, in_plane.csv, comparison.csv if it is compared
+/// with models, plots and, last, summary.json.
 ///
 /// # Errors
 /// [`ReportError`] if a file cannot be written or a plot drawn.
@@ -46,7 +49,14 @@ pub fn trace_report(folder: &ResultFolder, outcome: &TraceOutcome) -> Result<(),
         true => draw(&place, outcome),
         false => Ok(()),
     };
-    let (tables, plots) = rayon::join(|| tables(outcome).write(&place), draw);
+    let tables = || -> Result<(), ReportError> {
+        tables(outcome).write(&place)?;
+        match &outcome.comparison {
+            Some(comparison) => write_comparison(&place, comparison.compared()),
+            None => Ok(()),
+        }
+    };
+    let (tables, plots) = rayon::join(tables, draw);
     tables?;
     plots?;
     Ok(write_json(
@@ -65,7 +75,7 @@ fn tables(outcome: &TraceOutcome) -> FluxTables<'_> {
             errors: &found.errors,
             rays: found.work.rays,
         },
-        models: &[],
+        models: outcome.models(),
     }
 }
 
@@ -86,7 +96,8 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
         None => Ok(()),
     };
     let statistics = &outcome.outcome.statistics;
-    let lobes = || figures::lobes_and_curves(place, &light, &outcome.spec, statistics, &[]);
+    let models = outcome.models();
+    let lobes = || figures::lobes_and_curves(place, &light, &outcome.spec, statistics, models);
     let polarised = || draw_polarised(place, &light, statistics);
     let (map, (lobes, polarised)) = rayon::join(map, || rayon::join(lobes, polarised));
     map.and(lobes).and(polarised)
@@ -97,8 +108,18 @@ fn draw(place: &Place<'_>, outcome: &TraceOutcome) -> Result<(), ReportError> {
 pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
     let found = &outcome.outcome;
     let config: Value = outcome.described.clone();
-    Summary::new("trace", config, found)
-        .with_columns(tables(outcome).columns())
+    let mut columns = tables(outcome).columns();
+    let comparison = outcome.comparison.as_ref();
+    if let Some(of_comparison) = comparison.and_then(|c| comparison_columns(c.compared())) {
+        columns["comparison.csv"] = of_comparison;
+    }
+    let summary = Summary::new("trace", config, found);
+    let summary = match comparison {
+        Some(comparison) => summary.with_comparison(comparison.to_json()),
+        None => summary,
+    };
+    summary
+        .with_columns(columns)
         .with_warnings(outcome.warnings.clone())
         .with_stopping(outcome.stopping().cloned())
         .with_validity(outcome.validity)

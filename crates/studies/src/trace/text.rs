@@ -6,6 +6,7 @@ use asperity_optics::Material;
 use asperity_simulate::{Stopping, layer_name};
 
 use super::TraceOutcome;
+use super::comparison_text::comparison_text;
 use crate::config::Incident;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::polarised::polarised_text;
@@ -24,6 +25,9 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
         errors_table(&found.errors),
         work_line(&found.work),
     );
+    if let Some(comparison) = &outcome.comparison {
+        text.push_str(&comparison_text(outcome, comparison));
+    }
     if let Some(line) = outcome.stopping().and_then(Stopping::line) {
         let _ = writeln!(text, "{line}");
     }

@@ -3,6 +3,7 @@
 use asperity_analysis::{ComparisonError, ModelError};
 use asperity_simulate::SimulateError;
 
+use crate::comparison::error::CompareError;
 use crate::config::error::ConfigError;
 
 /// Why a verification fails.
@@ -21,6 +22,15 @@ pub enum VerifyError {
     /// Results and model do not fit each other.
     #[error(transparent)]
     Comparison(#[from] ComparisonError),
+}
+
+impl From<CompareError> for VerifyError {
+    fn from(error: CompareError) -> Self {
+        match error {
+            CompareError::Config(error) => Self::Config(error),
+            CompareError::Comparison(error) => Self::Comparison(error),
+        }
+    }
 }
 
 impl VerifyError {

@@ -1,23 +1,32 @@
 //! `[compare]` and `[map]`: models and how strictly they are judged.
 
-use super::{DEGREES, MAP as MAP_COMMAND, VERIFY};
+use super::{DEGREES, MAP as MAP_COMMAND, TRACE, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Flag, Setting, setting};
 
-const COMMANDS: Commands = VERIFY.and(MAP_COMMAND);
+const COMMANDS: Commands = TRACE.and(VERIFY).and(MAP_COMMAND);
 
 pub(super) const COMPARE: &[Setting] = &[
     setting(
         "compare",
         "models",
         Kind::Models,
-        COMMANDS,
+        VERIFY.and(MAP_COMMAND),
         "Models to compare with; with a medium the default is flat-layer",
     )
     .value_name("NAMES")
     .default("xu-sun,smith,heitz"),
+    setting(
+        "compare",
+        "models",
+        Kind::Models,
+        TRACE,
+        "Models to compare a height map with, which have its slopes",
+    )
+    .value_name("NAMES")
+    .default("none"),
     setting(
         "compare",
         "model_rays",
@@ -30,7 +39,7 @@ pub(super) const COMPARE: &[Setting] = &[
         "compare",
         "level",
         Kind::Number,
-        VERIFY,
+        TRACE.and(VERIFY),
         "Level of the tests of one case: probability of a false rejection",
     )
     .aliases(&["alpha"])

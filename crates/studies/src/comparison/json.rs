@@ -6,12 +6,12 @@ use asperity_analysis::{ScaleTest, Scope};
 use asperity_tally::{Component, Estimate, TallySpec};
 use serde::Serialize;
 
+use crate::comparison::compared::{COMPARED, key};
+use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::conclusion::{conclusion, verdict_name};
+use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::output::BySide;
-use crate::verify::CaseOutcome;
-use crate::verify::comparison::compared::{COMPARED, key};
-use crate::verify::comparison::conclusion::{conclusion, verdict_name};
-use crate::verify::comparison::models::{ComparedComponent, ModelOutcome};
 
 /// Verdicts, p values and distances of one case.
 #[derive(Serialize)]
@@ -53,12 +53,12 @@ struct Against {
 }
 
 impl ComparisonJson {
-    pub(crate) fn of(spec: &TallySpec, case: &CaseOutcome) -> Self {
+    pub(crate) fn of(case: ComparedCase<'_>) -> Self {
         let models = case.models.iter();
         Self {
             level: case.level,
-            models: models.map(|model| Model::of(spec, model)).collect(),
-            conclusion: conclusion(spec, case).replace('\n', " "),
+            models: models.map(|model| Model::of(case.spec, model)).collect(),
+            conclusion: conclusion(case).replace('\n', " "),
         }
     }
 }

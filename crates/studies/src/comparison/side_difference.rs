@@ -5,7 +5,7 @@ use asperity_tally::{
     BatchStatistics, Component, Estimate, Side, TallyResult, TallySpec, TallyValues,
 };
 
-use crate::verify::comparison::peak::{PeakDifference, Span, peak_difference};
+use crate::comparison::peak::{PeakDifference, Span, peak_difference};
 
 /// Flux fraction below which a side has too little light for a peak that matters.
 const LEAST_FLUX: f64 = 1e-3;

@@ -1,20 +1,22 @@
 //! Models against the explicit surfaces of a case.
 
 use asperity_simulate::Outcome;
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use asperity_analysis::{
     Comparison, Expectation, Expected, Grouping, SamplingEffort, Verdict, compare, verdicts,
 };
-use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec};
+use asperity_optics::Incidence;
+use asperity_tally::{Azimuth, Component, Estimate, Side, TallyResult, TallySpec, TallyValues};
 use rayon::prelude::*;
 
-use crate::config::VerifyConfig;
-use crate::config::case_model::CaseModel;
-use crate::config::sweep_case::SweepCase;
-use crate::verify::comparison::ray_counts::RayCounts;
-use crate::verify::comparison::side_difference::{SideDifference, side_differences};
-use crate::verify::error::VerifyError;
+use crate::comparison::error::CompareError;
+use crate::comparison::ray_counts::RayCounts;
+use crate::comparison::region_shifts::RegionShifts;
+use crate::comparison::side_difference::{SideDifference, side_differences};
+use crate::config::CompareConfig;
+use crate::config::case_model::{CaseModel, ModelledSurface};
 
 /// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
@@ -107,18 +109,17 @@ impl ModelOutcome {
 /// case. Returns the models and the number of tests.
 pub(crate) fn compare_models(
     compared: &Compared<'_>,
-) -> Result<(Vec<ModelOutcome>, usize), VerifyError> {
+) -> Result<(Vec<ModelOutcome>, usize), CompareError> {
     let config = compared.config;
     let mut models = config
-        .compare
         .models
         .par_iter()
-        .map(|name| compared.with(CaseModel::of(name, compared.case)?))
-        .collect::<Result<Vec<_>, VerifyError>>()?;
+        .map(|name| compared.with(CaseModel::of(name, &compared.surface)?))
+        .collect::<Result<Vec<_>, CompareError>>()?;
     let mut claims: Vec<&mut ComparedComponent> =
         models.iter_mut().flat_map(ModelOutcome::claimed).collect();
     let comparisons: Vec<&Comparison> = claims.iter().map(|claim| &claim.comparison).collect();
-    let found = verdicts(&comparisons, config.compare.level);
+    let found = verdicts(&comparisons, config.level);
     let tests = found.len();
     for (claim, verdict) in claims.iter_mut().zip(found) {
         claim.verdict = Some(verdict);
@@ -128,40 +129,61 @@ pub(crate) fn compare_models(
 
 /// What models are compared with.
 pub(crate) struct Compared<'a> {
-    pub(crate) config: &'a VerifyConfig,
+    pub(crate) config: &'a CompareConfig,
+    /// Seed of sampled models and of sign flips.
+    pub(crate) seed: u64,
     pub(crate) spec: &'a TallySpec,
-    pub(crate) case: &'a SweepCase,
+    pub(crate) incidence: Incidence,
+    /// Whether what leaves is spread evenly over azimuth.
+    pub(crate) free_azimuth: bool,
+    /// What models are made for.
+    pub(crate) surface: ModelledSurface,
     pub(crate) outcome: &'a Outcome,
+    /// Slopes of the regions of a given surface, which take the place of surfaces.
+    pub(crate) regions: Option<&'a RegionShifts>,
 }
 
 impl Compared<'_> {
     /// The comparison with one model.
-    fn with(&self, model: CaseModel) -> Result<ModelOutcome, VerifyError> {
+    fn with(&self, model: CaseModel) -> Result<ModelOutcome, CompareError> {
         let surfaces = self.outcome.surfaces.len() as u64;
         let effort = SamplingEffort {
-            rays: self.config.compare.model_rays.0,
+            rays: self.config.model_rays.0,
             batches: match surfaces {
                 0 | 1 => BATCHES_WITHOUT_SURFACES,
                 _ => surfaces,
             },
-            seed: self.config.run.seed,
+            seed: self.seed,
         };
-        let azimuth = if self.config.free_azimuth(self.case) {
+        let azimuth = if self.free_azimuth {
             Azimuth::Free
         } else {
-            Azimuth::From(self.case.incidence.phi() + PI)
+            Azimuth::From(self.incidence.phi() + PI)
         };
-        let expectation = model.expect(self.case.incidence, self.spec, azimuth, effort);
+        let expect = |model: &CaseModel| model.expect(self.incidence, self.spec, azimuth, effort);
+        let expectation = expect(&model);
+        let tallies = match (self.regions, &model) {
+            // Models of layers between flat faces know of no slopes.
+            (Some(regions), CaseModel::Surface(_)) => {
+                let derivatives = regions.derivatives(|slopes| {
+                    let surface = self.surface.with_slopes(slopes);
+                    let model = CaseModel::of(model.name(), &surface)?;
+                    Ok::<_, CompareError>(expect(&model).statistics().means().clone())
+                })?;
+                Cow::Owned(regions.adjusted(&self.outcome.surfaces, &derivatives))
+            }
+            _ => Cow::Borrowed(self.outcome.surfaces.as_slice()),
+        };
         let claims = model.claims();
         let apart = claims
             .into_par_iter()
             .filter(|&component| component != ALL_LIGHT);
-        let against = |component| self.against(&expectation, component);
+        let against = |component| self.against(&tallies, &expectation, component);
         let (total, components) = rayon::join(
             || against(ALL_LIGHT),
             || {
                 let components = apart.map(|component| Ok((component, against(component)?)));
-                components.collect::<Result<_, VerifyError>>()
+                components.collect::<Result<_, CompareError>>()
             },
         );
         Ok(ModelOutcome {
@@ -172,16 +194,17 @@ impl Compared<'_> {
         })
     }
 
-    /// One component of the light against what the model expects of it.
+    /// One component of the light, in one tally per surface, against what the model expects of it.
     fn against(
         &self,
+        tallies: &[TallyValues],
         expectation: &Expectation,
         component: Component,
-    ) -> Result<ComparedComponent, VerifyError> {
+    ) -> Result<ComparedComponent, CompareError> {
         let spec = self.spec;
         let bins = spec.recorded_entries(component);
-        let tallies = self.outcome.surfaces.iter();
-        let surfaces: Vec<Vec<f64>> = tallies.map(|tally| tally[bins].to_vec()).collect();
+        let fluxes = |tally: &TallyValues| tally[bins].to_vec();
+        let surfaces: Vec<Vec<f64>> = tallies.iter().map(fluxes).collect();
         let of_model = expectation.statistics().means();
         let mean = &of_model[bins];
         let batches: Vec<&[f64]> = expectation.tallies().iter().map(|t| &t[bins]).collect();
@@ -194,24 +217,18 @@ impl Compared<'_> {
             outcome: self.outcome,
             expectation,
             component,
-            free_azimuth: self.config.free_azimuth(self.case),
+            free_azimuth: self.free_azimuth,
         };
         let comparison = compare(
             &surfaces,
             expected,
             &counts.of_bins(),
             &rings_and_sides(spec, &counts),
-            self.config.run.seed,
+            self.seed,
         )?;
         let sides = match component {
             Component::Multiple => Vec::new(),
-            _ => side_differences(
-                spec,
-                component,
-                &self.outcome.surfaces,
-                expectation,
-                self.config.free_azimuth(self.case),
-            ),
+            _ => side_differences(spec, component, tallies, expectation, self.free_azimuth),
         };
         Ok(ComparedComponent {
             comparison,

@@ -1,0 +1,253 @@
+//! A given surface against models with its own slopes: its regions take the place of random surfaces.
+
+#[cfg(test)]
+mod tests;
+
+use asperity_analysis::{ModelError, sidak_level};
+use asperity_simulate::{
+    Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation,
+    SurfaceSource, short,
+};
+use asperity_surface::{Border, HeightField, RegionSlopes};
+use asperity_tally::TallyResult;
+use asperity_tracer::Polarisation;
+use serde_json::{Value, json};
+
+use super::TraceError;
+use super::region_plan::{RegionPlan, TooSmall};
+use crate::comparison::AVERAGED_LAYERS;
+use crate::comparison::compared_case::ComparedCase;
+use crate::comparison::json::ComparisonJson;
+use crate::comparison::models::{Compared, ModelOutcome, compare_models};
+use crate::comparison::region_shifts::RegionShifts;
+use crate::config::CompareConfig;
+use crate::config::case_model::ModelledSurface;
+use crate::config::error::ConfigError;
+use crate::config::trace::TraceConfig;
+use crate::given::{GivenShape, GivenSurface};
+use crate::output::SurfaceCheckpoints;
+
+/// Mean slope, over the root mean square slope, above which a surface is called tilted.
+const TILTED: f64 = 0.05;
+
+/// Correlation of the slopes along x and y above which a mirrored tile is said to mix two surfaces.
+const SLANTED: f64 = 0.1;
+
+/// Flux that goes down past the rim of an open patch above which that is told.
+const PAST_RIM: f64 = 1e-4;
+
+/// A given surface against models.
+pub struct TraceComparison {
+    /// What the regions of the surface did: a tally of each.
+    pub outcome: Outcome,
+    /// The models.
+    pub models: Vec<ModelOutcome>,
+    /// Level of each test: that of the configuration, shared among the components that models claim.
+    pub level: f64,
+    slopes: Slopes,
+}
+
+/// The slopes that models are made for.
+#[derive(Clone)]
+pub(super) struct Slopes {
+    pub(super) plan: RegionPlan,
+    pub(super) shifts: RegionShifts,
+}
+
+/// A comparison, checked and ready to be run after the surface is traced.
+pub(super) struct PlannedComparison {
+    config: CompareConfig,
+    seed: u64,
+    slopes: Slopes,
+    simulation: Simulation,
+    case: Case,
+    settings: Settings,
+    pub(super) warnings: Vec<String>,
+}
+
+impl PlannedComparison {
+    /// Checks that `surface` can be compared with the models of the configuration; `None` without any.
+    pub(super) fn new(
+        config: &TraceConfig,
+        surface: &GivenSurface,
+        case: &Case,
+        settings: &Settings,
+    ) -> Result<Option<Self>, TraceError> {
+        if config.compare.models.is_empty() {
+            return Ok(None);
+        }
+        let name = || surface.name.clone();
+        let GivenShape::Field(field) = &surface.shape else {
+            return Err(TraceError::ComparedMesh { name: name() });
+        };
+        let plan = RegionPlan::of(field).map_err(|error| match error {
+            TooSmall::Correlated => TraceError::Correlated { name: name() },
+            TooSmall::Widths([x, y]) => TraceError::FewRegions { name: name(), x, y },
+        })?;
+        let regions = [plan.regions.columns as usize, plan.regions.rows as usize];
+        let found = match &case.surface {
+            SurfaceSource::Given(Shape::Smooth { top, .. }) => top.spline().region_slopes(regions),
+            _ => field.region_slopes(regions),
+        };
+        let mut warnings: Vec<String> = slope_warnings(field, &found).into_iter().collect();
+        let of_layers = case.layer.is_some() && config.run.polarisation != Polarisation::Averaged;
+        if of_layers {
+            warnings.push(AVERAGED_LAYERS.to_owned());
+        }
+        let shifts = RegionShifts::new(&centred(field.border(), found), plan.widths())
+            .map_err(ModelError::from)
+            .map_err(ConfigError::from)?;
+        let settings = Settings {
+            regions: Some(plan.regions),
+            estimator: Estimator::Plain,
+            refine: false,
+            effort: Effort::rays(Effort::DEFAULT_RAYS),
+            ..*settings
+        };
+        Ok(Some(Self {
+            config: config.compare.clone(),
+            seed: config.run.seed,
+            slopes: Slopes { plan, shifts },
+            simulation: Simulation::new(std::slice::from_ref(case), &settings)?,
+            case: case.clone(),
+            settings,
+            warnings,
+        }))
+    }
+
+    /// Traces the regions with as many rays as `whole` has, and compares; `None` if a stop comes before all regions are traced.
+    pub(super) fn run(
+        self,
+        whole: &Outcome,
+        checkpoints: Option<&SurfaceCheckpoints<'_>>,
+        observer: &dyn Observer,
+    ) -> Result<Option<TraceComparison>, TraceError> {
+        if whole.stopping.is_cut_short() {
+            return Ok(None);
+        }
+        let effort = Effort::rays(whole.work.rays);
+        let simulation = self.simulation.repeated(effort, self.settings.seed);
+        let outcomes = match checkpoints {
+            Some(checkpoints) => simulation.resume(checkpoints, observer),
+            None => simulation.run(observer),
+        };
+        let outcome = match outcomes {
+            Err(SimulateError::Interrupted) => None,
+            outcomes => outcomes?.into_iter().next(),
+        };
+        let regions = self.slopes.plan.regions.count();
+        let complete = |outcome: &Outcome| outcome.surfaces.len() as u64 == regions;
+        let Some(outcome) = outcome.filter(complete) else {
+            return Ok(None);
+        };
+        observer.begin("comparing", self.config.models.len() as u64);
+        let compared = Compared {
+            config: &self.config,
+            seed: self.seed,
+            spec: &self.settings.tally,
+            incidence: self.case.light.incidence,
+            free_azimuth: false,
+            surface: ModelledSurface {
+                slopes: Ok(self.slopes.shifts.covariance()),
+                material: self.case.material,
+                layer: self.case.layer.map(|below| below.layer),
+            },
+            outcome: &outcome,
+            regions: Some(&self.slopes.shifts),
+        };
+        let (models, tests) = compare_models(&compared)?;
+        observer.end();
+        Ok(Some(TraceComparison {
+            level: sidak_level(self.config.level, tests.max(1)),
+            outcome,
+            models,
+            slopes: self.slopes,
+        }))
+    }
+}
+
+/// What is doubtful about slopes of these regions as those of a Gaussian surface with a level mean plane.
+fn slope_warnings(field: &HeightField, regions: &[RegionSlopes]) -> Vec<String> {
+    let RegionSlopes { mean, second } = RegionSlopes::mean_of(regions);
+    let [xx, xy, yy] = second;
+    let mut warnings = Vec::new();
+    let tilt = mean[0].hypot(mean[1]) / (xx + yy).sqrt();
+    if tilt > TILTED {
+        warnings.push(format!(
+            "the surface is tilted: its mean slope is {tilt:.2} of its root mean square slope, but models have a level mean plane; --remove plane levels it"
+        ));
+    }
+    let correlation = xy / (xx * yy).sqrt();
+    if field.border() == Border::Mirrored && correlation.abs() > SLANTED {
+        warnings.push(format!(
+            "slopes along x and y are correlated ({correlation:.2}), and images of a mirrored tile have both signs of that: models are made for the mean of both, without correlation"
+        ));
+    }
+    warnings
+}
+
+/// The regions with second moments about the mean slope of the surface. Images of a mirrored tile have slopes of both signs: their
+/// means and the products of both are zero.
+fn centred(border: Border, mut regions: Vec<RegionSlopes>) -> Vec<RegionSlopes> {
+    let [mx, my] = RegionSlopes::mean_of(&regions).mean;
+    for RegionSlopes { mean, second } in &mut regions {
+        if border == Border::Mirrored {
+            *mean = [0.0; 2];
+            second[1] = 0.0;
+        } else {
+            let [x, y] = *mean;
+            second[0] += mx * mx - 2.0 * mx * x;
+            second[1] += mx * my - mx * y - my * x;
+            second[2] += my * my - 2.0 * my * y;
+        }
+    }
+    regions
+}
+
+impl TraceComparison {
+    pub(super) fn compared(&self) -> ComparedCase<'_> {
+        ComparedCase {
+            spec: self.outcome.statistics.spec(),
+            outcome: &self.outcome,
+            models: &self.models,
+            level: self.level,
+            free_azimuth: false,
+        }
+    }
+
+    pub(super) const fn slopes(&self) -> &Slopes {
+        &self.slopes
+    }
+
+    /// What an open patch loses past its rim, which no model knows of.
+    pub(super) fn rim_warning(&self) -> Option<String> {
+        let lost = self.outcome.statistics.budget().left_patch.mean;
+        (lost > PAST_RIM).then(|| {
+            format!(
+                "{} of the light goes down past the rim of the open patch: that counts against every model, and regions at the rim have no shadows from beyond; --border mirrored has neither",
+                short(lost)
+            )
+        })
+    }
+
+    /// As summary.json holds it.
+    pub(super) fn to_json(&self) -> Value {
+        let mut value = json!(ComparisonJson::of(self.compared()));
+        let Slopes { plan, shifts } = &self.slopes;
+        let [xx, xy, yy] = shifts.elements();
+        value["slopes"] = json!({
+            "variance_x": xx,
+            "covariance": xy,
+            "variance_y": yy,
+        });
+        value["regions"] = json!({
+            "columns": plan.regions.columns,
+            "rows": plan.regions.rows,
+            "extent": plan.extent,
+            "correlation_length": plan.correlation,
+            "scatter_factor": shifts.stretch(),
+            "rays": self.outcome.work.rays,
+        });
+        value
+    }
+}

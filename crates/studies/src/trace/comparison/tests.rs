@@ -1,0 +1,186 @@
+//! Given surfaces against models: true ones are kept, wrong ones rejected.
+
+use asperity_simulate::{Cells, RandomSurfaces, Silent};
+use asperity_surface::{LengthUnit, Psd, RegionSlopes};
+
+use super::*;
+use crate::trace::{PlannedTrace, TraceOutcome, TracedSurfaces};
+
+/// Slopes so small that nothing is shadowed, masked or scattered twice but for rays that are fewer than errors can tell.
+const SMOOTH: f64 = 10.0;
+
+/// A Gaussian surface 64 correlation lengths wide, in 8 x 8 regions.
+fn surface(psd: Psd, seed: u64) -> GivenSurface {
+    let surfaces = RandomSurfaces::new(Cells::Flat, psd, [256; 2], [1.0; 2], true).unwrap();
+    let field = surfaces.heights(seed, 0).unwrap();
+    GivenSurface {
+        shape: GivenShape::Field(field),
+        name: "surface".to_owned(),
+        file: None,
+        unit: LengthUnit::Arbitrary,
+        filled: 0,
+        notes: Vec::new(),
+    }
+}
+
+fn isotropic(smoothness: f64, seed: u64) -> GivenSurface {
+    surface(Psd::gaussian(4.0 / smoothness, 4.0).unwrap(), seed)
+}
+
+fn planned(surface: GivenSurface, settings: &str) -> PlannedTrace {
+    let text = format!("[output]\nplots = false\n{settings}");
+    let config = TraceConfig::from_toml(&text).unwrap();
+    let surfaces = TracedSurfaces {
+        surface,
+        bottom: None,
+    };
+    PlannedTrace::new(&config, surfaces).unwrap()
+}
+
+fn run(planned: PlannedTrace) -> TraceOutcome {
+    planned.run(None, &Silent).unwrap()
+}
+
+/// The p value of the component that each model is judged by.
+fn p_values(outcome: &TraceOutcome) -> Vec<f64> {
+    let models = outcome.comparison.as_ref().unwrap().models.iter();
+    models
+        .map(|model| model.judged().comparison.test.as_ref().unwrap().p)
+        .collect()
+}
+
+const MIRROR: &str = "[material]\nkind = \"mirror\"\n[light]\ntheta = 30\n[run]\nbins = \"9x12\"\nrays = 20000\n[compare]\n";
+
+const GLASS: &str = "[material]\neta = 1.5\n[light]\ntheta = 30\n[run]\nbins = \"9x12\"\nrays = 50000\n[compare]\nmodel_rays = 20000\n";
+
+/// Of `n` surfaces of which a model is true, `n a` are rejected at level `a` on average, and more than `n a + 4 sqrt(n a)` in fewer than
+/// one of 10^4 such tests.
+#[test]
+fn true_models_are_rejected_as_often_as_their_level_says() {
+    const SEEDS: u64 = 40;
+    let grooves = Psd::anisotropic_gaussian(4.0 / SMOOTH, 4.0, 6.0, 0.5).unwrap();
+    let of_seed = |seed: u64| {
+        let surface = match seed % 2 {
+            0 => isotropic(SMOOTH, seed),
+            _ => self::surface(grooves, seed),
+        };
+        let cells = ["flat", "smooth"][seed as usize / 2 % 2];
+        let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}models = \"smith\"");
+        p_values(&run(planned(surface, &settings)))[0]
+    };
+    let p: Vec<f64> = (0..SEEDS).map(of_seed).collect();
+    println!("{p:?}");
+    for level in [0.01, 0.05, 0.2, 0.5] {
+        let rejected = p.iter().filter(|p| **p < level).count() as f64;
+        let due = SEEDS as f64 * level;
+        println!("{rejected} below {level}, {due} due");
+        assert!(
+            rejected <= due + 4.0 * due.sqrt(),
+            "{rejected} below {level}"
+        );
+    }
+}
+
+/// Slope variances off by 20 %: light scattered once deviates by some 10 % in the ring of the steepest facets.
+#[test]
+fn models_of_other_slopes_are_rejected() {
+    for factor in [0.8, 1.2] {
+        let surface = isotropic(SMOOTH, 3);
+        let GivenShape::Field(field) = surface.shape.clone() else {
+            panic!("a height field");
+        };
+        let mut planned = planned(surface, &format!("{MIRROR}models = \"smith\""));
+        let Slopes { plan, shifts } = &mut planned.comparison.as_mut().unwrap().slopes;
+        let mut regions = centred(field.border(), field.region_slopes([8, 8]));
+        assert_eq!([plan.regions.columns, plan.regions.rows], [8, 8]);
+        for region in &mut regions {
+            region.second = region.second.map(|value| factor * value);
+        }
+        *shifts = RegionShifts::new(&regions, plan.widths()).unwrap();
+        let outcome = run(planned);
+        println!("{factor}: {:?}", p_values(&outcome));
+        assert!(p_values(&outcome)[0] < 1e-3);
+    }
+}
+
+/// On a rough surface V-cavities are wrong, whose slopes are right; so is light scattered once, of all light.
+#[test]
+fn models_of_other_shadowing_are_rejected() {
+    let settings = format!("{GLASS}models = [\"smith\", \"v-cavity\"]").replace("30", "60");
+    let outcome = run(planned(isotropic(1.5, 5), &settings));
+    let p = p_values(&outcome);
+    println!("{p:?}");
+    assert!(p[1] < 1e-3, "v-cavity");
+    // Smith's shadowing leaves out how heights are correlated; it is far less wrong.
+    let models = &outcome.comparison.as_ref().unwrap().models;
+    let distance = |i: usize| models[i].judged().comparison.total_variation.observed;
+    assert!(distance(1) > 2.0 * distance(0));
+}
+
+/// The covariance that models are made for is that of the ensemble within its errors, whatever the axes.
+#[test]
+fn slopes_of_the_surface_are_those_of_its_ensemble_within_their_errors() {
+    let psd = Psd::anisotropic_gaussian(0.4, 4.0, 6.0, 0.5).unwrap();
+    let [xx, xy, yy] = psd.slope_covariance();
+    let mut squares = 0.0;
+    for seed in 0..8 {
+        let planned = planned(
+            surface(psd, seed),
+            &format!("[surface]\ncells = \"smooth\"\n{MIRROR}models = \"smith\""),
+        );
+        let found = planned
+            .comparison
+            .as_ref()
+            .unwrap()
+            .slopes
+            .shifts
+            .elements();
+        for (found, expected) in found.iter().zip([xx, xy, yy]) {
+            let z = (found.mean - expected) / found.se.unwrap();
+            assert!(z.abs() < 4.5, "{found:?} {expected}");
+            squares += z * z;
+        }
+    }
+    // Of 24 squares, of which those of one seed are correlated: twice the deviation of as many that are not
+    let mean = squares / 24.0;
+    println!("mean square {mean}");
+    assert!((mean - 1.0).abs() < 4.0 * (2.0_f64 / 24.0).sqrt());
+}
+
+/// Tilts are told; of an open patch slopes are taken about their mean, and of a mirrored one, whose images have slopes of both signs,
+/// without means and products.
+#[test]
+fn tilted_and_mirrored_surfaces_are_told() {
+    let regions = vec![
+        RegionSlopes {
+            mean: [0.3, 0.0],
+            second: [1.0, 0.5, 2.0],
+        },
+        RegionSlopes {
+            mean: [0.1, 0.2],
+            second: [1.2, 0.7, 1.0],
+        },
+    ];
+    let open = RegionSlopes::mean_of(&centred(Border::Open, regions.clone()));
+    let expected = [1.1 - 0.04, 0.6 - 0.02, 1.5 - 0.01];
+    for (found, expected) in open.second.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12);
+    }
+    let mirrored = RegionSlopes::mean_of(&centred(Border::Mirrored, regions.clone()));
+    assert_eq!((mirrored.mean, mirrored.second[1]), ([0.0; 2], 0.0));
+    let flat = HeightField::new(vec![0.0; 9], [3, 3], [1.0; 2]).unwrap();
+    let said = |border| slope_warnings(&flat.clone().with_border(border), &regions).join("; ");
+    assert!(said(Border::Open).contains("tilted"));
+    assert!(!said(Border::Open).contains("correlated"));
+    assert!(said(Border::Mirrored).contains("correlated"));
+    assert!(
+        slope_warnings(
+            &flat,
+            &[RegionSlopes {
+                mean: [0.0; 2],
+                second: [1.0, 0.0, 1.0]
+            }]
+        )
+        .is_empty()
+    );
+}

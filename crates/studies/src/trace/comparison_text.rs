@@ -1,0 +1,97 @@
+//! The comparison of a traced surface with models as text.
+
+use std::fmt::Write;
+
+use asperity_simulate::short;
+use asperity_tally::{Component, Estimate, Side};
+
+use super::TraceOutcome;
+use super::comparison::{Slopes, TraceComparison};
+use crate::comparison::compared::{COMPARED, key};
+use crate::comparison::conclusion::conclusion;
+use crate::comparison::models::ModelOutcome;
+use crate::output::{Column, Table, with_error, wrapped};
+use crate::report::distribution_table::{distribution_table, sampled_models};
+use crate::report::energies::recorded_orders;
+
+/// Slopes and regions, fluxes next to those of the models, and the tests.
+pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparison) -> String {
+    let compared = comparison.compared();
+    let orders = recorded_orders(outcome.config.run.max_order);
+    let mut out = format!("\n{}\n\n", wrapped(&slopes_line(comparison)));
+    out.push_str(&flux_table(comparison));
+    for component in COMPARED {
+        let table = distribution_table(compared, component, &orders);
+        if !table.is_empty() {
+            let _ = write!(out, "\n{table}");
+        }
+    }
+    if let Some(line) = sampled_models(compared) {
+        let _ = writeln!(out, "  {line}");
+    }
+    let _ = writeln!(out, "\n{}", conclusion(compared));
+    out
+}
+
+/// What models are made for, and where errors come from.
+fn slopes_line(comparison: &TraceComparison) -> String {
+    let Slopes { plan, shifts } = comparison.slopes();
+    let [xx, xy, yy] = shifts.elements().map(with_error);
+    let [wide, deep] = plan.widths().map(|width| format!("{width:.1}"));
+    format!(
+        "models have the slopes of this surface: variance {xx} along x, {yy} along y, covariance {xy}; errors are those of the ensemble that it may come from, by the scatter between {} x {} regions of {wide} x {deep} correlation lengths, increased by {:.0} % for what neighbours share; {} rays fall on them",
+        plan.regions.columns,
+        plan.regions.rows,
+        100.0 * (shifts.stretch() - 1.0),
+        comparison.outcome.work.rays,
+    )
+}
+
+/// A flux that models may describe.
+struct Row {
+    side: Side,
+    component: Component,
+}
+
+/// The flux of each side by the component that models describe, next to theirs, with the difference in standard errors.
+fn flux_table(comparison: &TraceComparison) -> String {
+    let compared = comparison.compared();
+    let described = |component: &Component| {
+        let mut models = comparison.models.iter();
+        *component != Component::Multiple && models.any(|model| model.describes(*component))
+    };
+    let rows = compared.spec.sides().flat_map(|side| {
+        let components = COMPARED.into_iter().filter(described);
+        components.map(move |component| Row { side, component })
+    });
+    let flux = |row: &Row| {
+        use asperity_tally::TallyResult;
+        let flux: Estimate = comparison.outcome.statistics.flux(row.side, row.component);
+        short(flux.mean)
+    };
+    let models = comparison.models.iter().map(|model| {
+        Column::new(model.model.name(), "", move |row: &Row| {
+            of_model(model, row)
+        })
+    });
+    Table::new()
+        .column(Column::new("flux fraction", "", |row: &Row| {
+            format!("{} {}", row.side, key(row.component))
+        }))
+        .column(Column::new("explicit", "", flux))
+        .columns(models)
+        .text(rows.collect::<Vec<_>>())
+}
+
+/// The flux that a model expects, and the difference in standard errors.
+fn of_model(model: &ModelOutcome, row: &Row) -> Option<String> {
+    if !(model.describes(row.component) && model.model.sides().includes(row.side)) {
+        return None;
+    }
+    let compared = model.compared(row.component)?;
+    let side = compared.sides.iter().find(|side| side.side == row.side)?;
+    let Estimate { mean, se } = side.difference;
+    let z = se.filter(|se| *se > 0.0).map(|se| mean / se);
+    let z = z.map_or_else(String::new, |z| format!(" (z {z:+.1})"));
+    Some(format!("{}{z}", short(side.model)))
+}

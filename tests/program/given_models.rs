@@ -1,0 +1,190 @@
+//! `trace --models`: a given surface against models with its own slopes.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{asperity, files, json, refused, succeed, words};
+
+const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
+
+/// A surface 32 correlation lengths wide.
+fn rough(folder: &Path, smoothness: &str) {
+    let command = format!(
+        "generate --tau 4 --smoothness {smoothness} --size 128 --spacing 1 --cells flat --seed 3 -o rough.npy"
+    );
+    succeed(folder, &words(&command));
+}
+
+fn trace(folder: &Path, more: &str) -> String {
+    let command = format!("trace rough.npy --border periodic {LIGHT} {more}");
+    succeed(folder, &words(&command))
+}
+
+#[test]
+fn a_surface_is_compared_with_models_of_its_own_slopes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    rough(folder, "2");
+    let alone = trace(folder, "-o alone");
+    let with = trace(
+        folder,
+        "--models smith,heitz,v-cavity --model-rays 20000 -o with",
+    );
+    for words in [
+        "models have the slopes of this surface: variance",
+        "6 x 6 regions of 5.3 x 5.3 correlation lengths",
+        "p value, sign flips of regions",
+        "Single scattering, tested at level",
+        "v-cavity is rejected",
+    ] {
+        let text = with.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(words), "{words}: {with}");
+        assert!(!alone.contains(words));
+    }
+    // The light itself stays as it is.
+    for name in ["histogram.csv", "theta.csv"] {
+        let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
+        assert!(read("alone") == read("with"), "{name}");
+    }
+    let in_plane = fs::read_to_string(folder.join("with/in_plane.csv")).unwrap();
+    assert!(
+        in_plane
+            .lines()
+            .next()
+            .unwrap()
+            .contains("intensity_v_cavity")
+    );
+    let comparison = fs::read_to_string(folder.join("with/comparison.csv")).unwrap();
+    let header = comparison.lines().next().unwrap();
+    for column in [
+        "flux_single",
+        "z_smith",
+        "tested_v_cavity",
+        "flux_total_heitz",
+    ] {
+        assert!(
+            header.split(',').any(|name| name == column),
+            "{column}: {header}"
+        );
+    }
+    assert_eq!(comparison.lines().count(), 1 + 2 * 9 * 12);
+    assert!(!files(&folder.join("alone")).contains(&"comparison.csv".to_owned()));
+
+    let summary = fs::read_to_string(folder.join("with/summary.json")).unwrap();
+    let summary = json(&summary);
+    let comparison = &summary["comparison"];
+    assert_eq!(comparison["models"][0]["model"], "smith");
+    assert_eq!(comparison["models"][2]["verdict"], "rejected");
+    assert_eq!(comparison["regions"]["columns"], 6);
+    // 2 / s^2 along each axis, of a tile that holds some 300 correlation areas
+    for key in ["variance_x", "variance_y"] {
+        let slope = &comparison["slopes"][key];
+        let [mean, se] = ["mean", "se"].map(|part| slope[part].as_f64().unwrap());
+        assert!((mean - 0.5).abs() < 4.0 * se && se < 0.1, "{key}: {slope}");
+    }
+    let columns = summary["columns"]["comparison.csv"].as_array().unwrap();
+    assert_eq!(columns.len(), header.split(',').count());
+    let alone = fs::read_to_string(folder.join("alone/summary.json")).unwrap();
+    assert!(!alone.contains("\"comparison\"") && !alone.contains("\"compare\""));
+}
+
+/// The same command goes on after a stop, whichever of both passes it came in.
+#[test]
+fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    rough(folder, "3");
+    let models = "--models smith";
+    let stopped = trace(folder, &format!("{models} --max-time 1e-6 -o out"));
+    let text = stopped.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("ended before the surface was compared"),
+        "{text}"
+    );
+    assert!(!folder.join("out/comparison.csv").exists());
+    assert!(folder.join("out/checkpoints").exists());
+    let line = format!("trace rough.npy --border periodic {LIGHT} {models} -o out");
+    let resumed = asperity(folder, &words(&line));
+    assert!(resumed.status.success());
+    let notes = String::from_utf8(resumed.stderr).unwrap();
+    assert!(notes.contains("resumed with the rays"), "{notes}");
+    trace(folder, &format!("{models} -o once"));
+    for name in ["histogram.csv", "comparison.csv"] {
+        let read = |of: &str| fs::read(folder.join(of).join(name)).unwrap();
+        assert!(read("out") == read("once"), "{name}");
+    }
+    assert!(!folder.join("out/checkpoints").exists());
+}
+
+/// Cells that are smooth have other slopes than facets; with a medium, models of layers are compared.
+#[test]
+fn smooth_cells_and_media_are_compared() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    rough(folder, "8");
+    let slopes = |more: &str| {
+        let text = trace(folder, &format!("--models smith --json {more}"));
+        json(&text)["comparison"]["slopes"]["variance_x"]["mean"]
+            .as_f64()
+            .unwrap()
+    };
+    // Facets at 4 samples per correlation length have slope variances 1 / 32 lower.
+    let ratio = slopes("--cells flat") / slopes("--cells smooth");
+    assert!((ratio - 31.0 / 32.0).abs() < 0.01, "{ratio}");
+    let text = trace(
+        folder,
+        "--models flat-layer --albedo 0.5 --mean-free-path 20 --thickness 20",
+    );
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        text.contains("Light scattered inside once, tested at level"),
+        "{text}"
+    );
+    assert!(text.contains("models of layers average s and p"), "{text}");
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    rough(folder, "2");
+    succeed(folder, &words("mesh rough.npy --border open -o mesh.ply"));
+    succeed(
+        folder,
+        &words(
+            "generate --tau 8 --smoothness 3 --size 60 --spacing 1 --cells flat --insist -o small.npy",
+        ),
+    );
+    for (surface, more, expected) in [
+        (
+            "mesh.ply",
+            "--models smith",
+            "mesh.ply is a triangle mesh; models are compared with height maps",
+        ),
+        (
+            "small.npy",
+            "--models smith",
+            "correlation lengths wide; errors by parts of a surface need 16 parts",
+        ),
+        ("--flat", "--models smith", "all equal"),
+        ("rough.npy", "--models smith,smith", "named twice"),
+        ("rough.npy", "--models ggx", "ggx"),
+        ("rough.npy", "--models flat-layer", "there is none"),
+        ("rough.npy", "--models cook-torrance-neumann", "reflect"),
+        (
+            "rough.npy",
+            "--models smith --azimuth random",
+            "one azimuth",
+        ),
+        (
+            "rough.npy",
+            "--models smith --stokes 1,1,0,0",
+            "unpolarised",
+        ),
+        ("rough.npy", "--models smith --level 0", "level"),
+    ] {
+        let command = format!("trace {surface} {more}");
+        let error = refused(folder, &words(&command), 2);
+        assert!(error.contains(expected), "{more}: {error}");
+    }
+}
