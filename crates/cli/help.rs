@@ -101,6 +101,7 @@ fn explanation(setting: &Setting, command: Command) -> String {
         text.push_str(match setting.kind {
             Kind::ChoiceOrFile(_) => " or a file",
             Kind::NumberOrChoice(_) => " or a number",
+            Kind::GridOrChoice(_) => " or two numbers",
             _ => "",
         });
     }

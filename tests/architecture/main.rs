@@ -148,12 +148,13 @@ fn folders_of_the_models_use_only_what_lies_below_them() {
 }
 
 /// Folders and files of the engine, each with those that it may use.
-const SIMULATE: [(&str, &[&str]); 11] = [
+const SIMULATE: [(&str, &[&str]); 12] = [
     ("text", &[]),
     ("slopes", &[]),
     ("stream", &[]),
     ("error", &[]),
     ("input", &["error", "text"]),
+    ("bins", &["input"]),
     ("methods", &["error", "input", "slopes"]),
     ("errors", &["input", "methods", "slopes"]),
     ("output", &["errors", "input", "methods", "text"]),

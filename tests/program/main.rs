@@ -19,6 +19,7 @@ mod given_models;
 mod gonio;
 mod gonio_given;
 mod layer_models;
+mod lobes;
 mod map;
 mod media;
 mod meshes;

@@ -57,6 +57,7 @@ mod figures;
 
 pub use elements::curve::{Colour, Curve, Point, Style};
 pub use elements::curve_axis::CurveAxis;
+pub use elements::disc_bins::DiscBins;
 pub use elements::render::Figure;
 pub use elements::series::{Series, Side, Source};
 pub use elements::verdict::MapVerdict;

@@ -6,13 +6,14 @@
 //! is told of progress and may stop the run. A [`Simulation`] resumes from the finished parts that a
 //! [`SurfaceStore`] has kept.
 //!
-//! Folders: `input` (what is simulated, and limits), `methods` (how a case is estimated), `engine` (groups of
+//! Folders: `input` (what is simulated, and limits), `bins` (bins that refine around narrow lobes), `methods` (how a case is estimated), `engine` (groups of
 //! cases, surfaces, blocks, rounds, pilot), `errors` (budget, mesh error, refinement), `output`.
 //!
 //! # Random streams
 //! Every block of rays has its own stream, keyed by (seed, surface, block), and results are reduced in the order
 //! of their number. The same cases and settings give the same bytes, whatever the number of threads.
 
+mod bins;
 mod engine;
 mod error;
 mod errors;
@@ -25,12 +26,14 @@ mod store;
 mod stream;
 mod text;
 
+pub use bins::core_slopes::CoreSlopes;
+pub use bins::lobe::{Lobe, MAX_SHORTFALL};
 pub use engine::random::MESH_ALLOWANCE;
 pub use engine::simulation::{Simulation, simulate};
 pub use error::SimulateError;
 pub use errors::budget::{ErrorBudget, Errors};
 pub use errors::refinement::Refinement;
-pub use input::case::{Case, Light};
+pub use input::case::{Case, CaseBins, Light};
 pub use input::cells::Cells;
 pub use input::estimator::Estimator;
 pub use input::layer::{BottomSurface, LayerBelow, SearchedSurface, layer_folder, layer_name};

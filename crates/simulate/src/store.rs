@@ -99,9 +99,12 @@ impl SavedSurface {
         }
     }
 
-    /// The tallies by `spec`; `None` if they were of another one.
-    pub(crate) fn restore(self, spec: TallySpec) -> Option<SurfaceTallies> {
-        let restore = |case: SavedCase| {
+    /// The tallies by the spec of each case; `None` if they were of others.
+    pub(crate) fn restore(self, specs: &[TallySpec]) -> Option<SurfaceTallies> {
+        if self.cases.len() != specs.len() {
+            return None;
+        }
+        let restore = |(case, &spec): (SavedCase, &TallySpec)| {
             let shifts = if case.shifts.is_empty() {
                 None
             } else {
@@ -115,7 +118,12 @@ impl SavedSurface {
             })
         };
         Some(SurfaceTallies {
-            cases: self.cases.into_iter().map(restore).collect::<Option<_>>()?,
+            cases: self
+                .cases
+                .into_iter()
+                .zip(specs)
+                .map(restore)
+                .collect::<Option<_>>()?,
             slopes: self.slopes,
             seconds: self.seconds,
             used: self.used,

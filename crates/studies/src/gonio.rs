@@ -26,6 +26,7 @@ use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
 
 use crate::config::error::ConfigError;
+use crate::config::lobes::BinnedLobe;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints, Completion};
 use crate::verify::error::VerifyError;
 use crate::verify::{VerifyOutcome, verify};
@@ -87,6 +88,10 @@ pub struct Direction {
     pub incidence: Incidence,
     /// Name of its files.
     pub name: String,
+    /// What is recorded of it, in its own bins.
+    pub spec: TallySpec,
+    /// Its lobes, next to its bins.
+    pub(crate) lobes: Vec<BinnedLobe>,
     /// What was found; `None` where the run ended before.
     pub results: Option<DirectionResults>,
 }
@@ -98,7 +103,7 @@ pub struct GonioOutcome {
     pub config: GonioConfig,
     /// The given surface, if there is one.
     pub sample: Option<AboutSample>,
-    /// Where quantities stand in records, and the bins.
+    /// What is recorded of all directions, in bins that are the same for all unless directions have their own.
     pub spec: TallySpec,
     /// What is measured.
     pub settings: Vec<Specimen>,
@@ -164,7 +169,6 @@ pub fn gonio(
             plan,
             setting: &settings[plan.setting],
             sample,
-            spec: &spec,
             folder,
         })
         .collect();
@@ -180,6 +184,8 @@ pub fn gonio(
         setting: plan.setting,
         incidence: plan.incidence,
         name: plan.name.clone(),
+        spec: plan.spec,
+        lobes: plan.lobes.clone(),
         results,
     });
     let [thetas, phis] = config.light.angles()?;
@@ -205,7 +211,6 @@ struct Task<'a> {
     plan: &'a Plan,
     setting: &'a Specimen,
     sample: Option<&'a Sample>,
-    spec: &'a TallySpec,
     folder: &'a ResultFolder,
 }
 
@@ -226,7 +231,7 @@ impl CheckpointCase for Task<'_> {
     }
 
     fn invalid(&self, results: &DirectionResults) -> Option<&'static str> {
-        (!results.is_sound(self.spec)).then_some(CHANGED)
+        (!results.is_sound(&self.plan.spec)).then_some(CHANGED)
     }
 
     fn compute(&self, observer: &dyn Observer) -> Result<Option<DirectionResults>, GonioError> {
@@ -243,7 +248,7 @@ impl CheckpointCase for Task<'_> {
             error: Box::new(error),
         })?;
         if let Some(results) = results.as_ref().filter(|_| observer.stop().is_none()) {
-            files::write_direction(self.folder, &self.plan.name, self.spec, results)?;
+            files::write_direction(self.folder, &self.plan.name, &self.plan.spec, results)?;
         }
         Ok(results)
     }
@@ -269,6 +274,7 @@ impl Task<'_> {
     ) -> Result<Option<DirectionResults>, VerifyError> {
         let medium = self.config.medium.as_ref();
         let case = Case {
+            bins: self.plan.bins,
             surface: SurfaceSource::Given(sample.shape.clone()),
             material: self.setting.material,
             layer: self.setting.layer.map(|layer| LayerBelow {

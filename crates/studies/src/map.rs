@@ -170,6 +170,6 @@ impl CheckpointCase for CellPlan {
             })?,
         };
         let case = outcome.cases.first();
-        Ok(case.map(|case| CellResults::of(&outcome, case)))
+        Ok(case.map(CellResults::of))
     }
 }

@@ -19,8 +19,8 @@ pub(crate) use checkpoints::Found;
 pub(crate) use checkpoints::{CHANGED, CheckpointCase, Checkpoints};
 pub use checkpoints::{CheckpointError, Completion};
 pub(crate) use columns::{
-    bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle, ray_count,
-    solid_angle_column,
+    GridBin, bin_centre_columns, bin_columns, grid_bin_columns, material_columns, over,
+    projected_solid_angle, ray_count, solid_angle_column,
 };
 pub(crate) use head::Head;
 pub(crate) use number::{distance, significant, two_digits, with_error};

@@ -9,7 +9,7 @@ mod text;
 
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Cells, Deadline, Observer, Outcome, Shape, SimulateError, Simulation, Stopping,
+    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, Stopping,
 };
 use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
@@ -23,6 +23,7 @@ pub use self::text::trace_table;
 use crate::comparison::error::CompareError;
 use crate::comparison::models::ModelOutcome;
 use crate::config::error::ConfigError;
+use crate::config::lobes::BinnedLobe;
 use crate::config::trace::TraceConfig;
 use crate::config::values::Seconds;
 use crate::given::{GivenShape, GivenSurface};
@@ -143,6 +144,8 @@ pub struct TraceOutcome {
     pub warnings: Vec<String>,
     /// Lengths of the surface against the wavelength, of a height map whose unit is known.
     pub validity: Option<Validity>,
+    /// The lobes of single scattering next to the bins.
+    lobes: Vec<BinnedLobe>,
     /// The configuration as summary.json holds it.
     described: Value,
 }
@@ -180,6 +183,7 @@ pub struct PlannedTrace {
     name: String,
     unit: LengthUnit,
     spec: TallySpec,
+    lobes: [Option<Lobe>; 2],
     shape: Shape,
     simulation: Simulation,
     comparison: Option<PlannedComparison>,
@@ -218,7 +222,8 @@ impl PlannedTrace {
             config: config.clone(),
             name,
             unit,
-            spec: settings.tally,
+            spec: settings.spec_of(&case),
+            lobes: Lobe::of_case(&case),
             shape,
             simulation: Simulation::new(&[case], &settings)?,
             comparison,
@@ -267,6 +272,7 @@ impl PlannedTrace {
         let comparison = comparison.map(|planned| planned.run(&outcome, checkpoints, &deadline));
         let comparison = comparison.transpose()?.flatten();
         let mut found = TraceOutcome {
+            lobes: BinnedLobe::of_lobes(self.lobes, &self.spec),
             config: self.config,
             name: self.name,
             unit: self.unit,
@@ -294,6 +300,8 @@ impl PlannedTrace {
         }
         let mesh = found.outcome.errors.mesh_warning();
         found.warnings.extend(mesh.map(str::to_owned));
+        let narrow = found.lobes.iter().filter_map(BinnedLobe::warning);
+        found.warnings.extend(narrow.collect::<Vec<_>>());
         Ok(found)
     }
 }

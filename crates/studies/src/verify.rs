@@ -7,8 +7,8 @@ use std::time::Instant;
 use asperity_analysis::sidak_level;
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Case, Cells, Deadline, LayerBelow, Light, Observer, Outcome, RandomSurfaces, SimulateError,
-    Simulation, StoppedBy, Stopping, SurfaceSource,
+    Case, Cells, Deadline, LayerBelow, Light, Lobe, Observer, Outcome, RandomSurfaces,
+    SimulateError, Simulation, StoppedBy, Stopping, SurfaceSource,
 };
 use asperity_tally::TallySpec;
 use rayon::prelude::*;
@@ -18,6 +18,7 @@ use self::error::VerifyError;
 use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::config::VerifyConfig;
+use crate::config::lobes::BinnedLobe;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::Seconds;
 use crate::output::{CheckpointError, SurfaceCheckpoints};
@@ -39,6 +40,17 @@ pub struct CaseOutcome {
 }
 
 impl CaseOutcome {
+    /// What was recorded of it, in its own bins.
+    #[must_use]
+    pub const fn spec(&self) -> &TallySpec {
+        self.outcome.statistics.spec()
+    }
+
+    /// Its lobes, next to its bins.
+    pub(crate) fn lobes(&self) -> Vec<BinnedLobe> {
+        BinnedLobe::of_lobes(Lobe::of_case(&self.outcome.case), self.spec())
+    }
+
     /// Samples of its surfaces along x and y.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
@@ -73,7 +85,7 @@ impl CaseOutcome {
 pub struct VerifyOutcome {
     /// The configuration that was run.
     pub config: VerifyConfig,
-    /// Where each quantity stands in the statistics.
+    /// What is recorded of all cases, in bins that are the same for all unless cases have their own.
     pub spec: TallySpec,
     /// The cases, in the order of [`VerifyConfig::cases`].
     pub cases: Vec<CaseOutcome>,
@@ -146,7 +158,8 @@ impl VerifyConfig {
                 .medium
                 .as_ref()
                 .map(|medium| medium.bottom_surface.named());
-            simulated.push(Case {
+            let mut simulated_case = Case {
+                bins: None,
                 surface: SurfaceSource::random(surfaces),
                 material: case.material,
                 layer: case.layer.map(|layer| LayerBelow {
@@ -159,7 +172,9 @@ impl VerifyConfig {
                     random_azimuth: self.any_azimuth(),
                     stokes: [0.0; 3],
                 },
-            });
+            };
+            simulated_case.bins = self.run.bins_around(Lobe::of_case(&simulated_case));
+            simulated.push(simulated_case);
         }
         Ok(simulated)
     }
@@ -214,7 +229,7 @@ fn verify_with(
         .into_par_iter()
         .map(|outcome| {
             let case = cases[outcome.number];
-            let compared = judge(config, &settings.tally, case, outcome);
+            let compared = judge(config, case, outcome);
             observer.advance(1);
             compared
         })
@@ -232,7 +247,6 @@ fn verify_with(
 /// The comparison of one case with every model.
 fn judge(
     config: &VerifyConfig,
-    spec: &TallySpec,
     case: SweepCase,
     outcome: Outcome,
 ) -> Result<CaseOutcome, VerifyError> {
@@ -240,7 +254,7 @@ fn judge(
     let compared = Compared {
         config: &config.compare,
         seed: config.run.seed,
-        spec,
+        spec: outcome.statistics.spec(),
         incidence: case.incidence,
         free_azimuth,
         surface: case.modelled(),

@@ -116,8 +116,9 @@ impl RayErrors<'_> {
                     .hits(rays.side, rays.component, ring * sectors + sector);
                 hits * self.rays as f64
             };
-            let of_ring = (0..sectors).map(found).sum::<f64>() / sectors as f64;
+            let in_ring = (0..sectors).map(found).sum::<f64>();
             for sector in 0..sectors {
+                let of_ring = spec.grid().part_of_ring(rays.side, sector, in_ring);
                 let i = ring * sectors + sector;
                 let found = found(sector);
                 if found >= FEW_RAYS {

@@ -1,8 +1,7 @@
 //! Filters by direction: the geometry of bins, rings and in-plane bins on one side of the surface.
 //!
-//! Each filter says how many entries it has and where they lie. Bins that refine around narrow lobes
-//! join here: a filter with a list of bins of its own takes the place of [`BinFilter`], and views, which
-//! know their geometry through the filter alone, stay as they are.
+//! Each filter says how many entries it has and where they lie, by the edges of its grid. Views know their geometry through the filter
+//! alone, whether bins are of equal angles or refine around narrow lobes.
 
 use crate::{Bin, HemisphereGrid, Side};
 
@@ -14,6 +13,12 @@ pub struct BinFilter {
 }
 
 impl BinFilter {
+    /// The bins of `grid` on `side`.
+    #[must_use]
+    pub const fn new(grid: HemisphereGrid, side: Side) -> Self {
+        Self { grid, side }
+    }
+
     /// The side.
     #[must_use]
     pub const fn side(&self) -> Side {
@@ -66,7 +71,10 @@ impl BinFilter {
     #[must_use]
     pub fn phi_deg(&self, i: usize) -> [f64; 2] {
         let sector = i % self.grid.n_phi();
-        [sector, sector + 1].map(|k| 360.0 * k as f64 / self.grid.n_phi() as f64)
+        match self.grid.edges(self.side) {
+            Some(edges) => [edges.phi_deg()[sector], edges.phi_deg()[sector + 1]],
+            None => [sector, sector + 1].map(|k| 360.0 * k as f64 / self.grid.n_phi() as f64),
+        }
     }
 
     /// Solid angle of bin `i` weighted with the mean `|cos theta|`, steradians: flux over it is a BSDF.
@@ -77,17 +85,17 @@ impl BinFilter {
     }
 }
 
-/// Rings of equal polar angle over all azimuths on one side, from +z.
+/// Rings of polar angle over all azimuths on one side, from +z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RingFilter {
-    pub(crate) n_theta: usize,
+    pub(crate) grid: HemisphereGrid,
     pub(crate) side: Side,
 }
 
 impl From<BinFilter> for RingFilter {
     fn from(bins: BinFilter) -> Self {
         Self {
-            n_theta: bins.grid.n_theta(),
+            grid: bins.grid,
             side: bins.side,
         }
     }
@@ -103,7 +111,7 @@ impl RingFilter {
     /// Number of rings.
     #[must_use]
     pub const fn len(&self) -> usize {
-        self.n_theta
+        self.grid.n_theta()
     }
 
     /// Never: a grid has at least one ring.
@@ -115,8 +123,17 @@ impl RingFilter {
     /// Edges `[min, max]` of ring `i` in polar angle from +z, degrees; exact.
     #[must_use]
     pub fn theta_deg(&self, i: usize) -> [f64; 2] {
+        if let Some(edges) = self.grid.edges(self.side) {
+            return [edges.theta_deg()[i], edges.theta_deg()[i + 1]];
+        }
         let start = 90.0 * self.side.index() as f64;
-        [i, i + 1].map(|k| start + 90.0 * k as f64 / self.n_theta as f64)
+        [i, i + 1].map(|k| start + 90.0 * k as f64 / self.grid.n_theta() as f64)
+    }
+
+    /// The same in radians.
+    #[must_use]
+    pub fn theta(&self, i: usize) -> [f64; 2] {
+        self.grid.ring_edges(self.side, i)
     }
 }
 
@@ -125,7 +142,7 @@ impl RingFilter {
 /// travels horizontally.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InPlaneFilter {
-    pub(crate) n_theta: usize,
+    pub(crate) grid: HemisphereGrid,
     pub(crate) half_width: f64,
     pub(crate) side: Side,
 }
@@ -140,7 +157,7 @@ impl InPlaneFilter {
     /// Number of bins: twice that of rings.
     #[must_use]
     pub const fn len(&self) -> usize {
-        2 * self.n_theta
+        2 * self.grid.n_theta()
     }
 
     /// Never: a grid has at least one ring.
@@ -158,7 +175,19 @@ impl InPlaneFilter {
     /// Edges `[min, max]` of bin `i`, signed degrees; exact.
     #[must_use]
     pub fn theta_deg(&self, i: usize) -> [f64; 2] {
-        let n = self.n_theta as f64;
+        let rings = self.grid.n_theta();
+        if let Some(edges) = self.grid.edges(self.side) {
+            // Angles from the side's own normal, with the sign of the half of the plane.
+            let from_normal = |k: usize| match self.side {
+                Side::Reflected => edges.theta_deg()[k],
+                Side::Transmitted => 180.0 - edges.theta_deg()[rings - k],
+            };
+            return [i, i + 1].map(|k| match k.checked_sub(rings) {
+                Some(k) => from_normal(k),
+                None => -from_normal(rings - k),
+            });
+        }
+        let n = rings as f64;
         [i, i + 1].map(|k| 90.0 * (k as f64 - n) / n)
     }
 
@@ -167,12 +196,6 @@ impl InPlaneFilter {
     pub fn centre_deg(&self, i: usize) -> f64 {
         let [from, to] = self.theta_deg(i);
         0.5 * (from + to)
-    }
-
-    /// Width of a bin, degrees.
-    #[must_use]
-    pub fn width_deg(&self) -> f64 {
-        90.0 / self.n_theta as f64
     }
 
     /// Solid angle of bin `i`, steradians.
@@ -186,7 +209,7 @@ impl InPlaneFilter {
     /// Number of the bin over `ring` of polar angle, counted from +z, on one half of the plane of
     /// incidence.
     pub(crate) const fn number(&self, ring: usize, half: Half) -> usize {
-        let n = self.n_theta;
+        let n = self.grid.n_theta();
         // Rings count from +z; the in-plane angle counts from the side's own normal.
         let from_normal = match self.side {
             Side::Reflected => ring,
@@ -215,11 +238,12 @@ impl Half {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SideEdges;
 
     #[test]
     fn in_plane_bins_are_symmetric_about_the_normal() {
         let bins = InPlaneFilter {
-            n_theta: 18,
+            grid: HemisphereGrid::default(),
             half_width: 5_f64.to_radians(),
             side: Side::Reflected,
         };
@@ -235,12 +259,42 @@ mod tests {
         let grid = HemisphereGrid::new(7, 13).unwrap();
         for side in Side::BOTH {
             let bins = BinFilter { grid, side };
-            let [theta, phi] = [grid.theta_edges_deg(side), grid.phi_edges_deg()];
+            let [theta, phi] = [grid.theta_edges_deg(side), grid.phi_edges_deg(side)];
             for i in 0..bins.len() {
                 let (ring, sector) = (i / 13, i % 13);
                 assert_eq!(bins.theta_deg(i), [theta[ring], theta[ring + 1]]);
                 assert_eq!(bins.phi_deg(i), [phi[sector], phi[sector + 1]]);
                 assert_eq!(bins.bin(i).side, side);
+            }
+        }
+    }
+
+    #[test]
+    fn in_plane_bins_between_edges_mirror_them_at_the_normal() {
+        let phi = vec![0.0, 360.0];
+        let grid = HemisphereGrid::with_edges([
+            SideEdges::new(Side::Reflected, vec![0.0, 10.0, 90.0], phi.clone()).unwrap(),
+            SideEdges::new(Side::Transmitted, vec![90.0, 165.0, 180.0], phi).unwrap(),
+        ])
+        .unwrap();
+        for (side, near) in [(Side::Reflected, 10.0), (Side::Transmitted, 15.0)] {
+            let bins = InPlaneFilter {
+                grid,
+                half_width: 0.1,
+                side,
+            };
+            let found: Vec<_> = (0..4).map(|i| bins.theta_deg(i)).collect();
+            let expected = [[-90.0, -near], [-near, 0.0], [0.0, near], [near, 90.0]];
+            assert_eq!(found, expected);
+            let rings = RingFilter { grid, side };
+            for ring in 0..2 {
+                let [from, to] = rings.theta_deg(ring);
+                let [lower, upper] = bins.theta_deg(bins.number(ring, Half::Forward));
+                let expected = match side {
+                    Side::Reflected => [from, to],
+                    Side::Transmitted => [180.0 - to, 180.0 - from],
+                };
+                assert_eq!([lower, upper], expected);
             }
         }
     }

@@ -1,10 +1,11 @@
-//! Finds bins without inverse trigonometric functions.
+//! Finds bins of equal angles without inverse trigonometric functions, and chooses how bins are found.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::edge_finder::EdgeFinder;
 use crate::exit_columns::ExitColumns;
 use crate::{HemisphereGrid, Side};
 
@@ -16,12 +17,57 @@ pub(crate) const MARGIN: f64 = 1e-8;
 pub(crate) const TINY: f64 = 1e-290;
 
 /// Finds rings and sectors of a grid, the same as [`HemisphereGrid::index_of`] names.
+#[derive(Clone, Debug)]
+pub(crate) enum BinFinder {
+    EqualAngles(EqualAngles),
+    Edges(EdgeFinder),
+}
+
+impl BinFinder {
+    pub(crate) fn new(grid: HemisphereGrid) -> Self {
+        match Side::BOTH.map(|side| grid.edges(side)) {
+            [Some(reflected), Some(transmitted)] => {
+                Self::Edges(EdgeFinder::new(grid, [reflected, transmitted]))
+            }
+            _ => Self::EqualAngles(EqualAngles::new(grid)),
+        }
+    }
+
+    /// Number of the ring of `side`, from +z, that holds the unit vector `wo`.
+    #[inline]
+    pub(crate) fn ring(&self, side: Side, wo: DVec3) -> usize {
+        match self {
+            Self::EqualAngles(finder) => finder.ring(side, wo),
+            Self::Edges(finder) => finder.ring(side, wo),
+        }
+    }
+
+    /// Number of the sector of `side` that holds `wo`.
+    #[inline]
+    pub(crate) fn sector(&self, side: Side, wo: DVec3) -> usize {
+        match self {
+            Self::EqualAngles(finder) => finder.sector(wo),
+            Self::Edges(finder) => finder.sector(side, wo),
+        }
+    }
+
+    /// The same for many directions: rings, and sectors unless azimuths are free.
+    #[inline(always)]
+    pub(crate) fn locate(&self, exits: &mut ExitColumns, with_sectors: bool) {
+        match self {
+            Self::EqualAngles(finder) => finder.locate(exits, with_sectors),
+            Self::Edges(finder) => finder.locate(exits, with_sectors),
+        }
+    }
+}
+
+/// Finds rings and sectors of equal angles.
 ///
 /// Short polynomials propose a ring and a sector, and the cosines and sines of their edges confirm
 /// them. What lies within [`MARGIN`] of an edge, or was proposed wrongly, is decided by the grid,
 /// which defines the bins.
 #[derive(Clone, Debug)]
-pub(crate) struct BinFinder {
+pub(crate) struct EqualAngles {
     grid: HemisphereGrid,
     /// Cosines of the rings' edges by angle from the side's own normal, falling; the pole and the
     /// horizon are no edges.
@@ -32,7 +78,7 @@ pub(crate) struct BinFinder {
     sectors_per_radian: f64,
 }
 
-impl BinFinder {
+impl EqualAngles {
     pub(crate) fn new(grid: HemisphereGrid) -> Self {
         let (n_theta, n_phi) = (grid.n_theta(), grid.n_phi());
         let ring_cosines = (0..=n_theta)
@@ -94,7 +140,7 @@ impl BinFinder {
         if after_first > margin && before_last > margin && length > TINY {
             sector
         } else {
-            self.grid.sector_of(wo)
+            self.grid.sector_of(Side::Reflected, wo)
         }
     }
 }
@@ -102,7 +148,7 @@ impl BinFinder {
 /// Exits of a block.
 const BLOCK: usize = 64;
 
-impl BinFinder {
+impl EqualAngles {
     /// The same for many directions: rings, and sectors unless azimuths are free.
     #[inline(always)]
     pub(crate) fn locate(&self, exits: &mut ExitColumns, with_sectors: bool) {
@@ -177,7 +223,7 @@ impl BinFinder {
             *is_sure = (after_first > margin) & (before_last > margin) & (length > TINY);
         }
         for (i, _) in range.zip(is_sure).filter(|(_, is_sure)| !is_sure) {
-            exits.sector[i] = self.grid.sector_of(exits.wo(i)) as u32;
+            exits.sector[i] = self.grid.sector_of(exits.side[i], exits.wo(i)) as u32;
         }
     }
 }
@@ -233,7 +279,7 @@ mod tests {
         (11, 36_000),
     ];
 
-    fn check(finder: &BinFinder, side: Side, wo: DVec3) {
+    fn check(finder: &EqualAngles, side: Side, wo: DVec3) {
         let grid = finder.grid;
         let (ring, sector) = (finder.ring(side, wo), finder.sector(wo));
         let found = (side.index() * grid.n_theta() + ring) * grid.n_phi() + sector;
@@ -243,7 +289,7 @@ mod tests {
     #[test]
     fn random_directions_are_found_where_the_grid_puts_them() {
         for (n_theta, n_phi) in GRIDS {
-            let finder = BinFinder::new(HemisphereGrid::new(n_theta, n_phi).unwrap());
+            let finder = EqualAngles::new(HemisphereGrid::new(n_theta, n_phi).unwrap());
             let (u, v) = (fractions(0.618_033_988_7), fractions(0.414_213_562_3));
             for (u, v) in u.zip(v).take(100_000) {
                 // Uniform over the sphere, and crowded at the poles and at the horizon.
@@ -262,7 +308,7 @@ mod tests {
     fn directions_on_and_about_edges_are_found_where_the_grid_puts_them() {
         for (n_theta, n_phi) in GRIDS {
             let grid = HemisphereGrid::new(n_theta, n_phi).unwrap();
-            let finder = BinFinder::new(grid);
+            let finder = EqualAngles::new(grid);
             let bins = grid.bins().step_by(1 + grid.len() / 2000);
             for bin in bins {
                 for off in [
@@ -289,7 +335,7 @@ mod tests {
     #[test]
     fn vertical_grazing_and_nearly_vertical_directions_are_found() {
         for (n_theta, n_phi) in GRIDS {
-            let finder = BinFinder::new(HemisphereGrid::new(n_theta, n_phi).unwrap());
+            let finder = EqualAngles::new(HemisphereGrid::new(n_theta, n_phi).unwrap());
             let smalls = [
                 0.0, -0.0, 5e-324, -5e-324, 1e-320, 1e-310, -1e-300, 1e-200, 1e-17, -1e-12, 1e-9,
             ];

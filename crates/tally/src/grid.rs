@@ -1,4 +1,4 @@
-//! Equal-angle bins over the two hemispheres of outgoing directions.
+//! Bins over the two hemispheres of outgoing directions: of equal angles, or between edges that refine around narrow lobes.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::fmt;
@@ -8,38 +8,8 @@ use asperity_optics::{azimuth, polar_angle};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// The hemisphere into which light leaves, seen from the side that it came from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Side {
-    /// Back into the incident medium, `z > 0`.
-    Reflected,
-    /// Into the medium behind the surface, `z < 0`.
-    Transmitted,
-}
-
-impl Side {
-    /// Both sides, in the order of the bins.
-    pub const BOTH: [Self; 2] = [Self::Reflected, Self::Transmitted];
-
-    /// 0 for reflected, 1 for transmitted.
-    #[must_use]
-    pub const fn index(self) -> usize {
-        match self {
-            Self::Reflected => 0,
-            Self::Transmitted => 1,
-        }
-    }
-}
-
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Reflected => "reflected",
-            Self::Transmitted => "transmitted",
-        })
-    }
-}
+use crate::edges::{SideEdges, interned};
+use crate::side::Side;
 
 /// Why a grid of bins is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -55,6 +25,16 @@ pub enum HemisphereGridError {
         /// Bins in phi.
         n_phi: usize,
     },
+    /// Both sides must have as many rings and sectors.
+    #[error(
+        "{reflected:?} bins of reflected light do not go with {transmitted:?} of transmitted light; their numbers must agree"
+    )]
+    UnequalSides {
+        /// Rings and sectors of reflected light.
+        reflected: [usize; 2],
+        /// Rings and sectors of transmitted light.
+        transmitted: [usize; 2],
+    },
     /// The text is not `THETAxPHI`.
     #[error("`{0}` is not a grid of bins; write it as THETAxPHI, such as 18x36")]
     BadText(String),
@@ -67,7 +47,7 @@ pub struct Bin {
     pub side: Side,
     /// Polar angles `[min, max]` from +z, radians; within `[0, pi/2]` or `[pi/2, pi]`.
     pub theta: [f64; 2],
-    /// Azimuths `[min, max]`, radians, within `[0, 2 pi]`.
+    /// Azimuths `[min, max]`, radians; `min` is within `[0, 2 pi)`, or a turn further where edges do not begin at zero.
     pub phi: [f64; 2],
     /// Solid angle, steradians.
     pub solid_angle: f64,
@@ -82,10 +62,10 @@ impl Bin {
     }
 }
 
-/// `n_theta` by `n_phi` bins of equal angles on each hemisphere.
+/// `n_theta` by `n_phi` bins on each hemisphere: of equal angles, or between edges that each side has of its own.
 ///
 /// Bins are numbered side by side: first all reflected ones, then all transmitted ones; within a
-/// side by theta from +z, and within a theta ring by phi from 0. A bin holds its lower edges, and a
+/// side by theta from +z, and within a theta ring by phi from 0, or from the first edge. A bin holds its lower edges, and a
 /// direction that is closer to an edge than 1e-9 bin widths counts as lying on it, so that exact
 /// directions fall where exact arithmetic puts them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -93,6 +73,8 @@ impl Bin {
 pub struct HemisphereGrid {
     n_theta: usize,
     n_phi: usize,
+    /// `None` for bins of equal angles.
+    edges: Option<&'static [SideEdges; 2]>,
 }
 
 impl HemisphereGrid {
@@ -109,7 +91,38 @@ impl HemisphereGrid {
         {
             return Err(HemisphereGridError::BadCount { n_theta, n_phi });
         }
-        Ok(Self { n_theta, n_phi })
+        Ok(Self {
+            n_theta,
+            n_phi,
+            edges: None,
+        })
+    }
+
+    /// Bins between these edges of reflected and of transmitted light. Edges are kept for as long as the program runs, each set once.
+    ///
+    /// # Errors
+    /// [`HemisphereGridError`] if the sides have different numbers of rings or sectors, or the grid is too large.
+    pub fn with_edges(edges: [SideEdges; 2]) -> Result<Self, HemisphereGridError> {
+        let [reflected, transmitted] = edges
+            .each_ref()
+            .map(|side| [side.theta_deg().len() - 1, side.phi_deg().len() - 1]);
+        if reflected != transmitted {
+            return Err(HemisphereGridError::UnequalSides {
+                reflected,
+                transmitted,
+            });
+        }
+        let [n_theta, n_phi] = reflected;
+        Ok(Self {
+            edges: Some(interned(edges)),
+            ..Self::new(n_theta, n_phi)?
+        })
+    }
+
+    /// The edges of `side`, unless all bins are of equal angles.
+    #[must_use]
+    pub fn edges(&self, side: Side) -> Option<&'static SideEdges> {
+        self.edges.map(|edges| &edges[side.index()])
     }
 
     /// Bins of polar angle on one hemisphere.
@@ -147,20 +160,27 @@ impl HemisphereGrid {
     /// `side` decides for a direction at grazing, where the sign of `z` may have been lost.
     #[must_use]
     pub fn index_of(&self, side: Side, wo: DVec3) -> usize {
-        (side.index() * self.n_theta + self.ring_of(side, wo)) * self.n_phi + self.sector_of(wo)
+        (side.index() * self.n_theta + self.ring_of(side, wo)) * self.n_phi
+            + self.sector_of(side, wo)
     }
 
     /// Number of the ring that holds the unit vector `wo`, from +z, among those of `side`.
     pub(crate) fn ring_of(&self, side: Side, wo: DVec3) -> usize {
         let theta = polar_angle(wo);
+        if let Some(edges) = self.edges(side) {
+            return edges.ring_of(theta);
+        }
         match side {
             Side::Reflected => ring_index(theta / FRAC_PI_2, self.n_theta),
             Side::Transmitted => ring_index((theta - FRAC_PI_2) / FRAC_PI_2, self.n_theta),
         }
     }
 
-    /// Number of the sector of azimuth that holds `wo`.
-    pub(crate) fn sector_of(&self, wo: DVec3) -> usize {
+    /// Number of the sector of azimuth of `side` that holds `wo`.
+    pub(crate) fn sector_of(&self, side: Side, wo: DVec3) -> usize {
+        if let Some(edges) = self.edges(side) {
+            return edges.sector_of(azimuth(wo));
+        }
         // A full turn is zero: a direction that snaps up to it belongs to the first bin.
         snapped_floor(azimuth(wo) / TAU * self.n_phi as f64) % self.n_phi
     }
@@ -182,22 +202,43 @@ impl HemisphereGrid {
         } else {
             (Side::Transmitted, row - self.n_theta)
         };
-        let start = match side {
-            Side::Reflected => 0.0,
-            Side::Transmitted => FRAC_PI_2,
+        let theta = self.ring_edges(side, ring);
+        let phi = match self.edges(side) {
+            Some(edges) => [edges.phi()[sector], edges.phi()[sector + 1]],
+            None => [sector, sector + 1].map(|i| TAU * i as f64 / self.n_phi as f64),
         };
-        // One multiplication and one division: the last edge is exact, and neighbours share theirs.
-        let theta_edge = |i: usize| start + FRAC_PI_2 * i as f64 / self.n_theta as f64;
-        let phi_edge = |i: usize| TAU * i as f64 / self.n_phi as f64;
-        let theta = [theta_edge(ring), theta_edge(ring + 1)];
-        let phi = [phi_edge(sector), phi_edge(sector + 1)];
         // cos a - cos b = 2 sin((a + b) / 2) sin((b - a) / 2) does not cancel near the pole.
         let band = 2.0 * (0.5 * (theta[0] + theta[1])).sin() * (0.5 * (theta[1] - theta[0])).sin();
         Bin {
             side,
             theta,
             phi,
-            solid_angle: band * TAU / self.n_phi as f64,
+            solid_angle: match self.edges {
+                Some(_) => band * (phi[1] - phi[0]),
+                None => band * TAU / self.n_phi as f64,
+            },
+        }
+    }
+
+    /// Edges `[min, max]` of a ring of `side` in polar angle from +z, radians.
+    pub(crate) fn ring_edges(&self, side: Side, ring: usize) -> [f64; 2] {
+        if let Some(edges) = self.edges(side) {
+            return [edges.theta()[ring], edges.theta()[ring + 1]];
+        }
+        let start = match side {
+            Side::Reflected => 0.0,
+            Side::Transmitted => FRAC_PI_2,
+        };
+        // One multiplication and one division: the last edge is exact, and neighbours share theirs.
+        [ring, ring + 1].map(|i| start + FRAC_PI_2 * i as f64 / self.n_theta as f64)
+    }
+
+    /// The part of `of_ring` that falls into a sector of `side`, if it is spread evenly over azimuth.
+    #[must_use]
+    pub fn part_of_ring(&self, side: Side, sector: usize, of_ring: f64) -> f64 {
+        match self.edges(side) {
+            Some(edges) => of_ring * (edges.phi()[sector + 1] - edges.phi()[sector]) / TAU,
+            None => of_ring / self.n_phi as f64,
         }
     }
 
@@ -209,15 +250,22 @@ impl HemisphereGrid {
     /// Edges of the theta bins of `side` in degrees, `n_theta + 1` of them, ascending.
     #[must_use]
     pub fn theta_edges_deg(&self, side: Side) -> Vec<f64> {
+        if let Some(edges) = self.edges(side) {
+            return edges.theta_deg().to_vec();
+        }
         let start = 90.0 * side.index() as f64;
         (0..=self.n_theta)
             .map(|i| start + 90.0 * i as f64 / self.n_theta as f64)
             .collect()
     }
 
-    /// Edges of the phi bins in degrees, `n_phi + 1` of them, ascending.
+    /// Edges of the phi bins of `side` in degrees, `n_phi + 1` of them, ascending. The last is a turn further than the first, which need not
+    /// be 0 where bins are not of equal angles.
     #[must_use]
-    pub fn phi_edges_deg(&self) -> Vec<f64> {
+    pub fn phi_edges_deg(&self, side: Side) -> Vec<f64> {
+        if let Some(edges) = self.edges(side) {
+            return edges.phi_deg().to_vec();
+        }
         (0..=self.n_phi)
             .map(|i| 360.0 * i as f64 / self.n_phi as f64)
             .collect()
@@ -230,10 +278,12 @@ impl Default for HemisphereGrid {
         Self {
             n_theta: 18,
             n_phi: 36,
+            edges: None,
         }
     }
 }
 
+/// The numbers of rings and sectors alone.
 impl fmt::Display for HemisphereGrid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}x{}", self.n_theta, self.n_phi)
@@ -311,7 +361,7 @@ mod tests {
         assert_eq!(grid.theta_edges_deg(Side::Reflected)[18], 90.0);
         assert_eq!(grid.theta_edges_deg(Side::Transmitted)[0], 90.0);
         assert_eq!(grid.theta_edges_deg(Side::Transmitted)[18], 180.0);
-        assert_eq!(grid.phi_edges_deg()[36], 360.0);
+        assert_eq!(grid.phi_edges_deg(Side::Reflected)[36], 360.0);
     }
 
     #[test]
@@ -325,6 +375,54 @@ mod tests {
             grid.index_of(Side::Reflected, DVec3::new(1.0, -1e-300, 1e-300)),
             17 * 36
         );
+    }
+
+    /// Narrow bins about 30 and 160 degrees; azimuths begin at 20 degrees.
+    fn uneven() -> HemisphereGrid {
+        let phi = vec![20.0, 150.0, 199.0, 201.0, 250.0, 380.0];
+        let reflected = vec![0.0, 20.0, 29.0, 29.99, 30.01, 31.0, 90.0];
+        let transmitted = vec![90.0, 140.0, 158.0, 159.9, 160.1, 170.0, 180.0];
+        HemisphereGrid::with_edges([
+            SideEdges::new(Side::Reflected, reflected, phi.clone()).unwrap(),
+            SideEdges::new(Side::Transmitted, transmitted, phi).unwrap(),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn bins_between_edges_cover_the_sphere_and_hold_their_lower_edges() {
+        let grid = uneven();
+        assert_eq!([grid.n_theta(), grid.n_phi()], [6, 5]);
+        let total: f64 = grid.bins().map(|b| b.solid_angle).sum();
+        assert!((total - 4.0 * PI).abs() < 1e-12, "{total}");
+        for (i, bin) in grid.bins().enumerate() {
+            let [t0, t1] = bin.theta;
+            let [p0, p1] = bin.phi;
+            let centre = from_spherical(0.5 * (t0 + t1), 0.5 * (p0 + p1));
+            assert_eq!(grid.index_of(bin.side, centre), i);
+            if t0 > 0.0 {
+                assert_eq!(grid.index_of(bin.side, from_spherical(t0, p0)), i);
+            }
+            let filter_edges = grid.theta_edges_deg(bin.side);
+            assert_eq!(filter_edges[i / 5 % 6].to_radians(), t0);
+        }
+        assert_eq!(grid.index_of(Side::Transmitted, DVec3::NEG_Z) / 5, 11);
+        for side in Side::BOTH {
+            let parts = (0..5).map(|sector| grid.part_of_ring(side, sector, 3.0));
+            assert!((parts.sum::<f64>() - 3.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn sides_of_different_numbers_of_bins_are_refused() {
+        let side = |side: Side, theta: Vec<f64>| {
+            SideEdges::new(side, theta, vec![0.0, 180.0, 360.0]).unwrap()
+        };
+        let found = HemisphereGrid::with_edges([
+            side(Side::Reflected, vec![0.0, 90.0]),
+            side(Side::Transmitted, vec![90.0, 100.0, 180.0]),
+        ]);
+        assert!(found.unwrap_err().to_string().contains("must agree"));
     }
 
     #[test]

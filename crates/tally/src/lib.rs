@@ -14,7 +14,7 @@
 //! | `flux(side, component)` | one value | - |
 //! | `orders(side)` | `[MAX_LISTED_ORDER]`, the last for higher orders too | - |
 //! | `event_path(side, path)` | one value; `listed_paths` and `longer_paths` are all there are | - |
-//! | `bins(side, component)` | `[n_theta, n_phi]`, theta from +z, phi from 0, row by row | [`BinFilter`] |
+//! | `bins(side, component)` | `[n_theta, n_phi]`, theta from +z, phi from 0 or the first edge, row by row | [`BinFilter`] |
 //! | `rings(side, component)` | `[n_theta]`, from +z | [`RingFilter`] |
 //! | `in_plane(side, component)` | `[2 n_theta]`, from -90 to +90 degrees | [`InPlaneFilter`] |
 //! | `budget()` | seven values with names | [`Budget`] |
@@ -28,6 +28,8 @@ mod budget;
 mod component;
 mod control_variate;
 mod describe;
+mod edge_finder;
+mod edges;
 mod entry;
 mod events;
 mod exit;
@@ -44,6 +46,7 @@ mod mirror;
 mod places;
 mod polarimetry;
 mod result;
+mod side;
 mod sides;
 mod spec;
 mod statistics;
@@ -56,18 +59,20 @@ mod values;
 pub use budget::Budget;
 pub use component::{Component, ComponentFilter, MAX_LISTED_ORDER};
 pub use control_variate::{ControlVariate, UnshadowedFluxes, VisibleFractions};
+pub use edges::{SideEdges, SideEdgesError};
 pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use exit_columns::{ExitColumns, ExitRows};
 pub use few_rays::{FEW_RAYS, RayErrors};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
-pub use grid::{Bin, HemisphereGrid, HemisphereGridError, Side};
+pub use grid::{Bin, HemisphereGrid, HemisphereGridError};
 
 pub use mirror::Mirror;
 pub use places::MAX_LISTED_PATH;
 pub use polarimetry::{Measure, Polarimetry};
 pub use result::{BinView, InPlaneView, RingView, TallyResult, View};
+pub use side::Side;
 pub use sides::Sides;
 pub use spec::{SpecError, TallySpec};
 pub use statistics::{BatchStatistics, Estimate};

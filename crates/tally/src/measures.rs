@@ -89,8 +89,9 @@ impl Tally<'_> {
                 }
             }
             let first = (side * grid.n_theta() + ring) * grid.n_phi();
-            for bin in first..first + grid.n_phi() {
-                self.values[entry(places.measured_bins(bin))] = of_ring / grid.n_phi() as f64;
+            for sector in 0..grid.n_phi() {
+                self.values[entry(places.measured_bins(first + sector))] =
+                    grid.part_of_ring(Side::BOTH[side], sector, of_ring);
             }
         }
     }

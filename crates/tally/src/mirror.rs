@@ -1,5 +1,7 @@
 //! Mirror: bins on either side of the plane of incidence, averaged where the light on both is the same on average.
 
+use std::f64::consts::TAU;
+
 use crate::values::TallyValues;
 use crate::{Component, Entries, HemisphereGrid, Measure, Side};
 
@@ -34,9 +36,13 @@ impl Mirror {
     /// bins onto no edges.
     #[must_use]
     pub fn about(azimuth: f64, grid: &HemisphereGrid) -> Option<Self> {
+        if let [Some(reflected), Some(transmitted)] = Side::BOTH.map(|side| grid.edges(side)) {
+            let [a, b] = [reflected, transmitted].map(|edges| mirrored_sum(azimuth, edges.phi()));
+            return a.filter(|_| a == b).map(|sum| Self { sum });
+        }
         let sectors = grid.n_phi() as f64;
         // The edge at azimuth zero is mapped onto this one, counted from itself.
-        let image = 2.0 * azimuth / std::f64::consts::TAU * sectors;
+        let image = 2.0 * azimuth / TAU * sectors;
         if !(image - image.round()).abs().le(&ROUNDING) {
             return None;
         }
@@ -121,6 +127,23 @@ impl Mirror {
     }
 }
 
+/// The sum of the numbers of two sectors that mirror each other at a plane, modulo their number, if all edges are mirrored onto edges.
+fn mirrored_sum(azimuth: f64, edges: &[f64]) -> Option<usize> {
+    let sectors = edges.len() - 1;
+    let turns = |angle: f64| angle / TAU - (angle / TAU).round();
+    // How far the image of edge `k` is from edge `to`.
+    let off = |k: usize, to: usize| TAU * turns(2.0 * azimuth - edges[k] - edges[to]).abs();
+    let image = (0..sectors).min_by(|&a, &b| off(0, a).total_cmp(&off(0, b)))?;
+    let is_mirrored = |k: usize| {
+        let to = (image + sectors - k) % sectors;
+        let width = (edges[k + 1] - edges[k]).min(edges[to + 1] - edges[to]);
+        off(k, to) <= ROUNDING * width
+    };
+    (0..sectors)
+        .all(is_mirrored)
+        .then_some((image + sectors - 1) % sectors)
+}
+
 /// What becomes of the values of a bin and its partner.
 #[derive(Clone, Copy)]
 enum Pairing {
@@ -144,10 +167,8 @@ impl Pairing {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::TAU;
-
     use super::*;
-    use crate::{Polarimetry, TallyResult, TallySpec};
+    use crate::{Polarimetry, SideEdges, TallyResult, TallySpec};
 
     fn grid(sectors: usize) -> HemisphereGrid {
         HemisphereGrid::new(2, sectors).unwrap()
@@ -184,6 +205,35 @@ mod tests {
                 None
             );
         }
+    }
+
+    #[test]
+    fn edges_of_a_mirror_must_be_mirrored() {
+        // Narrow about 217.3 degrees; the numbers of sectors and whether an edge lies in the plane differ.
+        let phi: Vec<f64> = [0.0, 130.0, 170.0, 179.5, 180.5, 190.0, 230.0, 360.0]
+            .map(|deg| deg + 37.3)
+            .to_vec();
+        let grid_of = |phi: [Vec<f64>; 2]| {
+            let [reflected, transmitted] = phi;
+            HemisphereGrid::with_edges([
+                SideEdges::new(Side::Reflected, vec![0.0, 90.0], reflected).unwrap(),
+                SideEdges::new(Side::Transmitted, vec![90.0, 180.0], transmitted).unwrap(),
+            ])
+            .unwrap()
+        };
+        let grid = grid_of([phi.clone(), phi.clone()]);
+        let mirror = Mirror::about(f64::to_radians(37.3), &grid).unwrap();
+        let partners: Vec<usize> = (0..7).map(|k| mirror.partner(k, 7)).collect();
+        assert_eq!(partners, [6, 5, 4, 3, 2, 1, 0]);
+        let across = Mirror::about(f64::to_radians(37.3 + 180.0), &grid);
+        assert_eq!(across, Some(mirror));
+        assert_eq!(Mirror::about(0.0, &grid), None);
+        let mut skew = phi.clone();
+        skew[2] += 1e-3;
+        assert_eq!(
+            Mirror::about(f64::to_radians(37.3), &grid_of([phi, skew])),
+            None
+        );
     }
 
     #[test]

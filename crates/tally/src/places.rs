@@ -5,8 +5,9 @@
 //! of polarised light.
 
 use crate::component::{Component, FIRST_GROUPED_ORDER, MAX_LISTED_ORDER};
-use crate::grid::{HemisphereGrid, Side};
+use crate::grid::HemisphereGrid;
 use crate::polarimetry::Polarimetry;
+use crate::side::Side;
 
 /// Longest event path that has an entry of its own; longer ones share one entry per side.
 pub const MAX_LISTED_PATH: usize = 6;

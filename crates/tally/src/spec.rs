@@ -88,6 +88,20 @@ impl TallySpec {
         })
     }
 
+    /// The same quantities over other bins, in an in-plane slice of at most `half_width` radians.
+    ///
+    /// # Panics
+    /// Unless `half_width > 0`.
+    #[must_use]
+    pub fn with_bins(self, grid: HemisphereGrid, half_width: f64) -> Self {
+        assert!(half_width > 0.0, "an in-plane half width of {half_width}");
+        Self {
+            grid,
+            in_plane_half_width: self.in_plane_half_width.min(half_width),
+            ..self
+        }
+    }
+
     /// The same entries, of which those of `sides` alone are filled.
     #[must_use]
     pub const fn with_sides(self, sides: Sides) -> Self {
@@ -196,7 +210,7 @@ impl TallySpec {
     #[must_use]
     pub const fn ring_filter(&self, side: Side) -> RingFilter {
         RingFilter {
-            n_theta: self.grid.n_theta(),
+            grid: self.grid,
             side,
         }
     }
@@ -205,7 +219,7 @@ impl TallySpec {
     #[must_use]
     pub const fn in_plane_filter(&self, side: Side) -> InPlaneFilter {
         InPlaneFilter {
-            n_theta: self.grid.n_theta(),
+            grid: self.grid,
             half_width: self.in_plane_half_width,
             side,
         }

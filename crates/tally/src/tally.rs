@@ -21,7 +21,7 @@ pub enum Azimuth {
     /// From nothing: every azimuth is as likely as any other, as where light falls vertically on
     /// surfaces without a preferred direction. The azimuths of exits are ignored.
     ///
-    /// When the tally is closed, the flux of a ring is spread evenly over its bins, and each half
+    /// When the tally is closed, the flux of a ring is spread evenly over its azimuths, and each half
     /// of the in-plane slice gets its fraction of the full turn. The number of rays is spread alike, so
     /// that a bin's is a fraction of its ring's and need not be whole.
     Free,
@@ -190,7 +190,7 @@ impl<'c> Tally<'c> {
         // Without azimuths the first bin counts for its ring until the tally is closed.
         let (sector, half) = match &self.slice {
             None => (0, None),
-            Some(slice) => (self.finder.sector(exit.wo), slice.half(exit.wo)),
+            Some(slice) => (self.finder.sector(exit.side, exit.wo), slice.half(exit.wo)),
         };
         let places = self.spec.places();
         let side = exit.side.index() as u32;
@@ -409,14 +409,17 @@ impl<'c> Tally<'c> {
         }
     }
 
-    /// Gives each bin of a ring the same part of its `flux` and of its rays, which its first bin holds.
+    /// Gives each bin of a ring the part of its azimuths of the ring's `flux` and of its rays, which its first bin holds.
     fn spread_over_bins(&mut self, side: Side, ring: usize, [bins, hits]: [usize; 2], flux: f64) {
         let grid = self.spec.grid();
         let n_phi = grid.n_phi();
         let first = (side.index() * grid.n_theta() + ring) * n_phi;
         let rays = self.values[hits + first];
         for (start, of_ring) in [(bins, flux), (hits, rays)] {
-            self.values[start + first..][..n_phi].fill(of_ring / n_phi as f64);
+            let values = self.values[start + first..][..n_phi].iter_mut();
+            for (sector, value) in values.enumerate() {
+                *value = grid.part_of_ring(side, sector, of_ring);
+            }
         }
     }
 

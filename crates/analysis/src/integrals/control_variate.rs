@@ -1,7 +1,7 @@
 //! ControlVariate variate of an estimate: unshadowed single scattering, weighted with the fraction of it that is
 //! expected to be visible.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{ControlVariate, Side, TallySpec, VisibleFractions};
@@ -109,8 +109,7 @@ pub fn visible_fractions(
         (0..n)
             .into_par_iter()
             .map(|i| {
-                let start = FRAC_PI_2 * side.index() as f64;
-                let theta = [i, i + 1].map(|i| start + FRAC_PI_2 * i as f64 / n as f64);
+                let theta = spec.ring_filter(side).theta(i);
                 let all = ring_flux(&scattering, incidence, side, theta);
                 if all < MIN_FLUX {
                     1.0

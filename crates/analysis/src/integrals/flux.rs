@@ -3,10 +3,10 @@
 //!
 //! The integral itself is in `flux_integral.rs`.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use asperity_optics::Incidence;
-use asperity_tally::{HemisphereGrid, Side, Sides, TallySpec};
+use asperity_tally::{HemisphereGrid, Mirror, Side, Sides, TallySpec};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -42,7 +42,7 @@ pub(crate) fn fluxes_into_bins(
     let n_phi = grid.n_phi();
     let isotropic = scattering.slopes.is_isotropic();
     let vertical = wi.x == 0.0 && wi.y == 0.0;
-    let mirror = mirror_sum(wi, n_phi);
+    let mirror = Mirror::about(f64::atan2(wi.y, wi.x), grid);
     let mut fluxes = vec![0.0; grid.len()];
     for side in Side::BOTH.into_iter().filter(|&side| sides.includes(side)) {
         let first_of_side = side.index() * grid.bins_per_side();
@@ -54,16 +54,17 @@ pub(crate) fn fluxes_into_bins(
                     return;
                 };
                 for sector in 0..n_phi {
+                    if isotropic && vertical && sector > 0 {
+                        // As much per azimuth as into the first bin.
+                        let [own, first] = [sector, 0].map(|k| grid.part_of_ring(side, k, 1.0));
+                        fluxes[sector] = fluxes[0] * (own / first);
+                        continue;
+                    }
                     // An earlier bin of the ring with the same flux by symmetry.
-                    let twin = if !isotropic {
-                        None
-                    } else if vertical && sector > 0 {
-                        Some(0)
-                    } else {
-                        mirror
-                            .map(|sum| (sum + n_phi - sector) % n_phi)
-                            .filter(|&twin| twin < sector)
-                    };
+                    let twin = mirror
+                        .filter(|_| isotropic)
+                        .map(|mirror| mirror.partner(sector, n_phi))
+                        .filter(|&twin| twin < sector);
                     fluxes[sector] = match twin {
                         Some(twin) => fluxes[twin],
                         None => {
@@ -186,15 +187,4 @@ fn within_side(side: Side, theta: [f64; 2]) -> [f64; 2] {
         Side::Transmitted => (FRAC_PI_2, PI),
     };
     [theta[0].max(lowest), theta[1].min(highest)]
-}
-
-/// Sum of the indices of two sectors that mirror each other at the plane of incidence, modulo their number, if
-/// the sectors lie symmetrically about it.
-fn mirror_sum(wi: DVec3, n_phi: usize) -> Option<usize> {
-    let forward = f64::atan2(-wi.y, -wi.x).rem_euclid(TAU);
-    let twice = 2.0 * forward / TAU * n_phi as f64;
-    // Sector j mirrors into twice - 1 - j. Rounding shifts the plane by far less than a bin.
-    let nearest = twice.round();
-    ((twice - nearest).abs() < 1e-11 * n_phi as f64)
-        .then(|| (nearest as usize + 2 * n_phi - 1) % n_phi)
 }

@@ -1,11 +1,12 @@
 //! A hemisphere of bins as a disc of equal areas, and the scale of its colours.
 
-use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
+use std::f64::consts::SQRT_2;
 use std::iter::once;
 
 use plotters::style::RGBColor;
 
 use super::colour_scale::ColourScale;
+use super::disc_bins::DiscBins;
 use super::theme;
 
 /// Fraction of the solid angle that may lie beyond a linear scale, and how many times above its end something must:
@@ -17,17 +18,16 @@ const DECADES: i32 = 4;
 /// Colours of a disc.
 const COLOURS: usize = 255;
 
-/// The scale that hemispheres of `[rings, sectors]` bins share: from zero to the largest value, or, where that is eight
+/// The scale that hemispheres share, each with its bins: from zero to the largest value, or, where that is eight
 /// times above what all but a fiftieth of the solid angle stays below, logarithmic. `None` if no value is above zero.
 pub(crate) fn scale<'a>(
-    [rings, sectors]: [usize; 2],
-    hemispheres: impl Iterator<Item = &'a [Option<f64>]>,
+    hemispheres: impl Iterator<Item = (&'a DiscBins, &'a [Option<f64>])>,
 ) -> Option<ColourScale> {
-    let edge = |ring: usize| (FRAC_PI_2 * ring as f64 / rings as f64).cos();
-    let areas: Vec<f64> = (0..rings).map(|ring| edge(ring) - edge(ring + 1)).collect();
     let mut bins: Vec<(f64, f64)> = hemispheres
-        .flat_map(|values| values.iter().enumerate())
-        .filter_map(|(bin, value)| Some(((*value)?, areas[bin / sectors])))
+        .flat_map(|(bins, values)| {
+            let values = values.iter().enumerate();
+            values.filter_map(|(bin, value)| Some(((*value)?, bins.solid_angle(bin))))
+        })
         .collect();
     bins.sort_by(|a, b| b.0.total_cmp(&a.0));
     let most = bins.first().map(|bin| bin.0).filter(|most| *most > 0.0)?;
@@ -49,7 +49,7 @@ pub(crate) fn scale<'a>(
 /// The disc over a square of `n` by `n` pixels, for [`palette`]: 0 outside and where there is no value, 1 to 255 along the
 /// scale.
 pub(crate) fn pixels(
-    [rings, sectors]: [usize; 2],
+    bins: &DiscBins,
     values: &[Option<f64>],
     n: usize,
     scale: &ColourScale,
@@ -67,10 +67,7 @@ pub(crate) fn pixels(
         }
         // Lambert's azimuthal projection of a hemisphere onto the unit disc.
         let theta = 2.0 * (r / SQRT_2).asin();
-        let phi = y.atan2(x).rem_euclid(TAU);
-        let ring = ((theta / FRAC_PI_2 * rings as f64) as usize).min(rings - 1);
-        let sector = ((phi / TAU * sectors as f64) as usize).min(sectors - 1);
-        colours[ring * sectors + sector]
+        colours[bins.bin_of(theta, y.atan2(x))]
     };
     (0..n * n).map(pixel).collect()
 }
@@ -92,7 +89,12 @@ mod tests {
     fn discs_have_equal_areas_and_azimuth_runs_counterclockwise() {
         let n = 400;
         let values = [0.0, 0.25, 0.5, 0.75, 1.0, 0.0, 0.0, 0.0].map(Some);
-        let pixels = pixels([2, 4], &values, n, &ColourScale::linear(0.0, 1.0));
+        let pixels = pixels(
+            &DiscBins::equal([2, 4]),
+            &values,
+            n,
+            &ColourScale::linear(0.0, 1.0),
+        );
         let inside = pixels.iter().filter(|p| **p > 0).count() as f64;
         assert!((inside / (n * n) as f64 - 0.25 * std::f64::consts::PI).abs() < 1e-3);
         // A quarter of the inner cap: (1 - cos 45 deg) / 4 of the disc.
@@ -116,13 +118,14 @@ mod tests {
     #[test]
     fn bins_without_a_value_have_no_colour() {
         let n = 40;
-        let zero = pixels([1, 2], &[Some(0.0), None], n, &ColourScale::RATIOS);
+        let bins = DiscBins::equal([1, 2]);
+        let zero = pixels(&bins, &[Some(0.0), None], n, &ColourScale::RATIOS);
         let [upper, lower] = [&zero[..n * n / 2], &zero[n * n / 2..]];
         assert!(lower.iter().all(|pixel| *pixel == 0));
         assert!(upper.contains(&128) && upper.iter().all(|pixel| [0, 128].contains(pixel)));
         assert_eq!(palette(&ColourScale::RATIOS)[0], theme::WHITE);
         assert_ne!(palette(&ColourScale::RATIOS)[128], theme::WHITE);
-        assert_eq!(scale([1, 2], once([None, None].as_slice())), None);
+        assert_eq!(scale(once((&bins, [None, None].as_slice()))), None);
     }
 
     #[test]
@@ -143,7 +146,7 @@ mod tests {
     fn few_bins_that_outshine_all_make_the_scale_logarithmic() {
         let of = |values: &[f64]| {
             let values: Vec<Option<f64>> = values.iter().copied().map(Some).collect();
-            scale([18, 36], once(values.as_slice()))
+            scale(once((&DiscBins::equal([18, 36]), values.as_slice())))
         };
         let linear = |hi| Some(ColourScale::linear(0.0, hi));
         // One bin of the innermost of 18 rings holds 0.01 % of the solid angle.
@@ -166,5 +169,25 @@ mod tests {
         peak[0] = 5.0;
         assert!(of(&peak).unwrap().log);
         assert_eq!(of(&[-1.0; 18 * 36]), None);
+    }
+
+    /// Sectors from 350 degrees on, and a narrow ring: the pixel just above the axis lies in the first sector.
+    #[test]
+    fn bins_between_edges_are_found_by_their_edges() {
+        let bins = DiscBins {
+            rings_deg: vec![0.0, 29.0, 31.0, 90.0],
+            sectors_deg: vec![350.0, 370.0, 710.0],
+        };
+        let at = |theta: f64, phi: f64| bins.bin_of(theta.to_radians(), phi.to_radians());
+        let found = [
+            (10.0, 5.0),
+            (30.0, -5.0),
+            (30.0, 15.0),
+            (90.0, 349.0),
+            (0.0, 180.0),
+        ];
+        assert_eq!(found.map(|(theta, phi)| at(theta, phi)), [0, 2, 3, 5, 1]);
+        let all: f64 = (0..bins.len()).map(|bin| bins.solid_angle(bin)).sum();
+        assert!((all - 2.0 * std::f64::consts::PI).abs() < 1e-12);
     }
 }

@@ -11,6 +11,7 @@ pub(crate) mod curve;
 pub(crate) mod curve_axis;
 pub(crate) mod directions;
 pub(crate) mod disc;
+pub(crate) mod disc_bins;
 pub(crate) mod geometry;
 pub(crate) mod legend;
 pub(crate) mod matrix;

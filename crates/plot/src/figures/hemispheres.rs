@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use crate::elements::axis::{Axis, per_steradian_axis};
 use crate::elements::colour_scale::{ColourScale, bar_ticks, draw_bar};
 use crate::elements::disc;
+use crate::elements::disc_bins::DiscBins;
 use crate::elements::geometry::{Rect, Xy};
 use crate::elements::matrix::{ColumnName, stacked_at_bottom};
 use crate::elements::numbers::per_steradian;
@@ -33,8 +34,10 @@ pub enum SharedColours {
 /// Scattered light over one hemisphere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hemisphere {
+    /// Its bins.
+    pub bins: DiscBins,
     /// Values of the bins in 1/sr, ring by ring from the normal of the side on which the light leaves, and within
-    /// a ring by azimuth from 0; `None` leaves a bin blank.
+    /// a ring by azimuth from the first edge; `None` leaves a bin blank.
     pub values: Vec<Option<f64>>,
     /// Azimuth of the direction towards the light, degrees: the tick mark; `None` where it has no meaning.
     pub light_deg: Option<f64>,
@@ -51,9 +54,10 @@ pub struct Hemisphere {
 /// 30 and 60 degrees from the normal.
 ///
 /// ```
-/// use asperity_plot::{SharedColours, Hemisphere, Hemispheres, Side};
+/// use asperity_plot::{DiscBins, SharedColours, Hemisphere, Hemispheres, Side};
 ///
 /// let lambert = |albedo: f64| Some(Hemisphere {
+///     bins: DiscBins::equal([6, 12]),
 ///     values: vec![Some(albedo / std::f64::consts::PI); 6 * 12],
 ///     light_deg: Some(0.0),
 ///     note: format!("{albedo} reflected"),
@@ -67,7 +71,6 @@ pub struct Hemisphere {
 ///     column_title: "albedo".into(),
 ///     rows: vec!["30°".into()],
 ///     columns: vec!["0.5".into(), "1".into()],
-///     bins: [6, 12],
 ///     colours: SharedColours::Common,
 ///     cells: vec![lambert(0.5), lambert(1.0)],
 /// }
@@ -93,8 +96,6 @@ pub struct Hemispheres {
     pub rows: Vec<String>,
     /// Names of the columns, left to right.
     pub columns: Vec<String>,
-    /// Rings and sectors of each hemisphere.
-    pub bins: [usize; 2],
     /// Which discs share their colours.
     pub colours: SharedColours,
     /// The cells row by row; `None` where nothing was measured yet.
@@ -172,15 +173,15 @@ impl Hemispheres {
     }
 
     fn check(&self) -> Result<(), PlotError> {
-        let bins = self.bins[0] * self.bins[1];
         let cells = self.rows.len() * self.columns.len();
-        if cells == 0 || bins == 0 {
-            let what = "hemispheres without rows, columns or bins";
+        if cells == 0 {
+            let what = "hemispheres without rows or columns";
             return Err(PlotError::nothing_to_draw(what));
         }
         check_length("matrix of hemispheres", self.cells.len(), cells)?;
         for cell in self.cells.iter().flatten() {
-            check_length("hemisphere", cell.values.len(), bins)?;
+            cell.bins.check()?;
+            check_length("hemisphere", cell.values.len(), cell.bins.len())?;
             let values = cell.values.iter().copied().flatten();
             Valid::Finite.check_all("value of a hemisphere", values)?;
             Valid::Finite.check_all("azimuth of the light", cell.light_deg)?;
@@ -208,8 +209,9 @@ impl Hemispheres {
     /// The scale of each cell; `None` if nothing that shares it is above zero.
     fn scales(&self) -> Vec<Option<ColourScale>> {
         let shared = |cells: &[Option<Hemisphere>]| {
-            let values = cells.iter().flatten().map(|cell| cell.values.as_slice());
-            vec![disc::scale(self.bins, values); cells.len()]
+            let discs = cells.iter().flatten();
+            let values = discs.map(|cell| (&cell.bins, cell.values.as_slice()));
+            vec![disc::scale(values); cells.len()]
         };
         match self.colours {
             SharedColours::Common => shared(&self.cells),
@@ -264,7 +266,7 @@ impl Hemispheres {
             scene.pictures.push(Picture {
                 frame: Rect::around(centre, radius, radius),
                 columns,
-                pixels: disc::pixels(self.bins, &cell.values, columns, &scale),
+                pixels: disc::pixels(&cell.bins, &cell.values, columns, &scale),
                 palette: disc::palette(&scale),
             });
         } else {
@@ -399,9 +401,9 @@ mod tests {
             column_title: String::new(),
             rows: vec!["r".into()],
             columns: vec!["c".into()],
-            bins,
             colours: SharedColours::Common,
             cells: vec![Some(Hemisphere {
+                bins: DiscBins::equal(bins),
                 values: values.into_iter().map(Some).collect(),
                 light_deg: Some(90.0),
                 note: String::new(),

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use asperity_tally::{ControlVariate, Mirror, TallyValues};
+use asperity_tally::{ControlVariate, Mirror, TallySpec, TallyValues};
 use asperity_tracer::{Geometry, Illumination, PathStream, Tracer, Work};
 use rayon::prelude::*;
 
@@ -14,6 +14,7 @@ use crate::observer::Observer;
 /// One mesh of a surface with the light that falls on it.
 pub(crate) struct LitMesh<'a, G: Geometry> {
     pub(crate) tracer: Tracer<'a, G>,
+    pub(crate) spec: TallySpec,
     pub(crate) light: Illumination,
     pub(crate) control_variate: Option<&'a ControlVariate>,
     pub(crate) mirror: Option<Mirror>,
@@ -51,12 +52,11 @@ pub(crate) fn run_blocks<G: Geometry>(
 ) {
     let run = BlockRun {
         meshes,
-        settings,
         stream: PathStream::new(settings.seed, realisation),
         first: blocks.first,
         observer,
     };
-    let values = meshes.len() * settings.tally.len();
+    let values = meshes.iter().map(|mesh| mesh.spec.len()).sum();
     let mut groups = blocks.groups(settings.sampling, values).peekable();
     // Waves bound how many tallies are held at once; those of one are added while the next is traced.
     let tallies = TALLY_BUDGET / (2 * values * size_of::<f64>());
@@ -84,7 +84,6 @@ pub(crate) fn run_blocks<G: Geometry>(
 /// The blocks of one surface that are traced.
 struct BlockRun<'a, G: Geometry> {
     meshes: &'a [LitMesh<'a, G>],
-    settings: &'a Settings,
     stream: PathStream,
     /// Number of the first block.
     first: u64,
@@ -123,9 +122,8 @@ impl<G: Geometry> BlockRun<'_, G> {
         let rays = group.part(part);
         let stream = self.stream.from_batch(group.first);
         let traced = self.meshes.iter().map(|mesh| {
-            let spec = self.settings.tally;
             mesh.tracer
-                .batches(&mesh.light, &rays, spec, mesh.control_variate, stream)
+                .batches(&mesh.light, &rays, mesh.spec, mesh.control_variate, stream)
         });
         let (tallies, works): (Vec<_>, Vec<_>) = traced.unzip();
         self.observer
@@ -230,6 +228,7 @@ mod tests {
                 HalfSpace::Above,
                 settings.paths.without_pilot(),
             ),
+            spec: settings.tally,
             light: Illumination {
                 incidence: Incidence::from_degrees(30.0, 0.0).unwrap(),
                 any_azimuth: false,

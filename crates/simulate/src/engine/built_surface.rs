@@ -156,6 +156,7 @@ impl<G: BuildAccelerator> BuiltSurface<G> {
             let control_variate: Option<&'a ControlVariate> = method.control_variate();
             Ok(LitMesh {
                 tracer,
+                spec: settings.spec_of(case),
                 light: method.illumination(light, settings.sampling),
                 control_variate,
                 mirror: method.mirror,

@@ -58,7 +58,8 @@ impl Draft {
         };
         let errors = match errors_from {
             ErrorSource::DeviationBound => {
-                ErrorBudget::of_bounds(TallyValues::from_fn(settings.tally, |entry| {
+                let spec = settings.spec_of(&self.case);
+                ErrorBudget::of_bounds(TallyValues::from_fn(spec, |entry| {
                     statistics.at(entry).se.unwrap_or(0.0)
                 }))
             }
@@ -102,6 +103,7 @@ impl Draft {
     /// What the mesh adds to the result.
     fn mesh_errors(&self, settings: &Settings) -> MeshErrors {
         let refinement = self.refinement();
+        let spec = settings.spec_of(&self.case);
         match &self.case.surface {
             SurfaceSource::Random(surfaces) => match &**surfaces {
                 RandomSurfaces::Flat(synthesis) => {
@@ -109,12 +111,12 @@ impl Draft {
                 }
                 RandomSurfaces::Smooth(_) => MeshErrors::of_random_smooth(
                     &self.method,
-                    settings.tally,
+                    spec,
                     refinement,
                     self.stopping.mesh_by_pilot_run().as_deref(),
                 ),
             },
-            SurfaceSource::Given(shape) => MeshErrors::of_given(shape, settings.tally, refinement),
+            SurfaceSource::Given(shape) => MeshErrors::of_given(shape, spec, refinement),
         }
     }
 

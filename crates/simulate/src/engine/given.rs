@@ -58,7 +58,8 @@ impl GivenGroup {
             Shape::TriangleMesh { top, .. } => group.check_triangle_mesh(top)?,
         }
         let tallies = settings.regions.map_or(1, |regions| regions.count());
-        check_results(&settings.tally, tallies, group.cases.len(), settings.refine)?;
+        let spec = settings.largest_spec(group.cases.iter().map(|one| &one.case));
+        check_results(&spec, tallies, group.cases.len(), settings.refine)?;
         Ok(group)
     }
 

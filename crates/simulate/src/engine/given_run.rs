@@ -104,7 +104,7 @@ impl<G: BuildAccelerator> GivenRun<G> {
         let method_of = |i: usize| &*case.methods[i];
         let lit = self.built.lit(&case.case, method_of, &self.settings)?;
         Ok(RayBlocks {
-            found: CaseOnSurface::new(case.way(), self.settings.tally, lit.len()),
+            found: CaseOnSurface::new(case.way(), self.settings.spec_of(&case.case), lit.len()),
             settings: &self.settings,
             number: case.number,
             method: &case.methods[0],

@@ -10,7 +10,7 @@
 //! The surfaces of the pilot run are none of those of the result. Costs are counted, not measured, so
 //! that the same seed plans the same on any machine.
 
-use asperity_tally::{Entry, TallySpec, TallyValues};
+use asperity_tally::{Entry, TallyValues};
 use asperity_tracer::Work;
 
 use super::surfaces::SurfacePlan;
@@ -105,13 +105,13 @@ pub(crate) struct PilotRun<'a> {
 
 impl Figures {
     /// From what the pilot run found.
-    pub(crate) fn new(target: Target, spec: &TallySpec, run: &PilotRun<'_>) -> Self {
+    pub(crate) fn new(target: Target, run: &PilotRun<'_>) -> Self {
         let PilotRun {
             fine,
             coarse,
             cost_of_surface_ns,
         } = *run;
-        let entries = target.of().entries(spec);
+        let entries = target.of().entries(fine.ray_squares.spec());
         let [mut scatter, mut of_rays, mut square] = [0.0; 3];
         let n = fine.surfaces.len() as f64;
         let rays = fine.work.rays as f64 / n;
@@ -286,6 +286,7 @@ fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use asperity_tally::TallySpec;
     use rand::{RngExt, SeedableRng};
     use rand_chacha::ChaCha8Rng;
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use asperity_tally::TallySpec;
 use rayon::prelude::*;
 
 use super::context::Context;
@@ -258,7 +259,14 @@ impl RandomGroup {
             slopes: &tallies.slopes,
             expected_slopes: self.surfaces.expected_slope_moments(),
         };
-        SlopeControl::fit(observed, controls, &of.entries(&self.settings.tally))
+        let spec = self.settings.spec_of(case);
+        SlopeControl::fit(observed, controls, &of.entries(&spec))
+    }
+
+    /// The largest of what is recorded of the traced cases.
+    pub(super) fn largest_spec(&self) -> TallySpec {
+        let cases = self.traced.iter().map(|traced| &traced.case);
+        self.settings.largest_spec(cases)
     }
 
     /// How traced case `i` stands.

@@ -27,9 +27,9 @@ impl RandomGroup {
     ) -> Result<(), SimulateError> {
         let others = self.on_other_paths();
         let first = self.figures(fine, None);
-        let tally = &self.settings.tally;
-        let has_room = most_realisations(tally, all_cases + others.len()) >= pilot::SURFACES;
-        let most = most_realisations(tally, all_cases);
+        let spec = self.largest_spec();
+        let has_room = most_realisations(&spec, all_cases + others.len()) >= pilot::SURFACES;
+        let most = most_realisations(&spec, all_cases);
         if others.is_empty() || !has_room || !is_trial_worth(&first, others.len(), target, most) {
             return Ok(());
         }

@@ -77,13 +77,12 @@ impl RandomGroup {
         coarse: Option<&CaseTallies>,
     ) -> Option<Figures> {
         let target = self.settings.target()?;
-        let tally = &self.settings.tally;
         let run = PilotRun {
             fine,
             coarse,
             cost_of_surface_ns: pilot::cost_of_surface_ns(&self.surfaces),
         };
-        Some(Figures::new(target, tally, &run))
+        Some(Figures::new(target, &run))
     }
 
     /// Chooses the spacing whose mesh adds little enough to the error, if this machine can hold it.
@@ -123,7 +122,7 @@ impl RandomGroup {
         let Some(target) = self.settings.target() else {
             return;
         };
-        let most = most_realisations(&self.settings.tally, all_cases);
+        let most = most_realisations(&self.largest_spec(), all_cases);
         let (figures, scale) = (&self.pilot.figures, self.pilot.scale);
         let Some(effort) = pilot::plan(figures, target.error(), scale, most) else {
             return;

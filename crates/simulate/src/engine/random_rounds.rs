@@ -23,7 +23,7 @@ impl RandomGroup {
             group: self,
             tallies: Vec::new(),
             done: 0,
-            most: most_realisations(&self.settings.tally, all_cases),
+            most: most_realisations(&self.largest_spec(), all_cases),
         };
         let rounds = if self.traced.is_empty() {
             Rounds {

@@ -85,7 +85,8 @@ impl<G: Geometry> RayBlocks<'_, G> {
     /// Goes on from what the store holds of the present round, of which `count` blocks are to be traced.
     fn resume(&mut self, count: u64, context: Context<'_>) {
         let saved = context.store.and_then(|store| store.load(self.key()));
-        let Some(saved) = saved.and_then(|saved| saved.restore(self.settings.tally)) else {
+        let spec = *self.found.tally.spec();
+        let Some(saved) = saved.and_then(|saved| saved.restore(&[spec])) else {
             return;
         };
         let Ok([found]) = <[CaseOnSurface; 1]>::try_from(saved.cases) else {

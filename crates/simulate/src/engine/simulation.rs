@@ -1,5 +1,6 @@
 //! Simulation: the entry point of the engine.
 
+use asperity_tally::TallySpec;
 use rayon::prelude::*;
 
 use super::context::Context;
@@ -59,6 +60,8 @@ pub struct Simulation {
     groups: Vec<Group>,
     cases: usize,
     settings: Settings,
+    /// The largest of what is recorded of a case.
+    largest_spec: TallySpec,
 }
 
 impl Simulation {
@@ -71,6 +74,7 @@ impl Simulation {
             groups: Group::of_cases(cases, settings)?,
             cases: cases.len(),
             settings: *settings,
+            largest_spec: settings.largest_spec(cases.iter()),
         })
     }
 
@@ -87,6 +91,7 @@ impl Simulation {
             groups: groups.collect(),
             cases: self.cases,
             settings,
+            largest_spec: self.largest_spec,
         }
     }
 
@@ -144,7 +149,7 @@ impl Simulation {
         let surfaces = groups.iter().map(|group| group.surfaces()).max();
         let surfaces = surfaces.unwrap_or(0);
         check_results(
-            &self.settings.tally,
+            &self.largest_spec,
             surfaces,
             all_cases,
             self.settings.refine,

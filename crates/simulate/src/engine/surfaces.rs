@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use asperity_io::available_memory;
 use asperity_surface::SlopeMoments;
+use asperity_tally::TallySpec;
 use asperity_tracer::BuildAccelerator;
 use rayon::prelude::*;
 
@@ -144,7 +145,13 @@ impl SurfaceGroup<'_> {
         }
         let surfaces = found.into_iter().map(|one| one.found);
         let surfaces = surfaces.collect::<Result<_, _>>()?;
-        Ok(CaseTallies::of_surfaces(self.settings.tally, surfaces))
+        Ok(CaseTallies::of_surfaces(&self.specs(), surfaces))
+    }
+
+    /// What is recorded of each case.
+    fn specs(&self) -> Vec<TallySpec> {
+        let cases = self.cases.iter();
+        cases.map(|one| self.settings.spec_of(&one.case)).collect()
     }
 
     /// What is shown of the run: nothing of a pilot run.
@@ -211,7 +218,7 @@ impl SurfaceGroup<'_> {
             all_there && found.cases.iter().zip(self.cases).all(same)
         };
         let saved = store.and_then(|store| store.load(key));
-        let saved = saved.and_then(|saved| saved.restore(self.settings.tally));
+        let saved = saved.and_then(|saved| saved.restore(&self.specs()));
         if let Some(saved) = saved.filter(is_complete) {
             observer.advance(rays * self.cases.len() as u64);
             return Numbered {
@@ -312,8 +319,8 @@ impl SurfaceGroup<'_> {
         let mut cases = Vec::new();
         for TracedCase { case, method, .. } in self.cases {
             let lit = built.lit(case, |_| method, &self.settings)?;
-            let mut found =
-                CaseOnSurface::new(WayOfPaths::of(method), self.settings.tally, lit.len());
+            let spec = self.settings.spec_of(case);
+            let mut found = CaseOnSurface::new(WayOfPaths::of(method), spec, lit.len());
             run_blocks(
                 &lit,
                 &self.settings,
@@ -342,7 +349,6 @@ mod tests {
 
     use asperity_optics::{Incidence, Material};
     use asperity_surface::{Psd, Synthesis};
-    use asperity_tally::TallySpec;
     use asperity_tracer::{Branching, HalfSpace, PathSettings, Sampling};
 
     use super::*;

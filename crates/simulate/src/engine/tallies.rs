@@ -49,14 +49,14 @@ impl CaseTallies {
         tallies
     }
 
-    /// The tallies of each case on these surfaces, in the order of their number.
-    pub(crate) fn of_surfaces(spec: TallySpec, surfaces: Vec<SurfaceTallies>) -> Vec<Self> {
+    /// The tallies of each case, of these specs, on these surfaces, in the order of their number.
+    pub(crate) fn of_surfaces(specs: &[TallySpec], surfaces: Vec<SurfaceTallies>) -> Vec<Self> {
         let mut all: Vec<Self> = Vec::new();
         let is_only = surfaces.len() == 1;
         for surface in surfaces {
             if all.is_empty() {
-                let new = || Self::new(spec, surface.used.clone());
-                all.resize_with(surface.cases.len(), new);
+                let of_case = |spec: &TallySpec| Self::new(*spec, surface.used.clone());
+                all = specs.iter().map(of_case).collect();
             }
             let fraction = 1.0 / surface.cases.len() as f64;
             for (tallies, case) in all.iter_mut().zip(surface.cases) {

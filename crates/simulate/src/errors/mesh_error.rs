@@ -132,9 +132,9 @@ impl MeshErrors {
         let first_order = FirstOrder {
             case,
             synthesis,
-            spec: &settings.tally,
+            spec: settings.spec_of(case),
         };
-        let mut errors = Self::unknown(settings.tally, NOT_REQUESTED);
+        let mut errors = Self::unknown(first_order.spec, NOT_REQUESTED);
         match method.control_variate() {
             _ if !settings.mesh_quadrature => {}
             Some(control_variate) => {
@@ -172,7 +172,7 @@ fn by_refinement(refinement: &Refinement) -> String {
 struct FirstOrder<'a> {
     case: &'a Case,
     synthesis: &'a Synthesis,
-    spec: &'a TallySpec,
+    spec: TallySpec,
 }
 
 impl FirstOrder<'_> {
@@ -242,9 +242,9 @@ impl FirstOrder<'_> {
     fn shift_of_rough(&self) -> Result<ByEntry<Option<f64>>, ModelError> {
         let (material, incidence) = (self.case.material, self.case.light.incidence);
         let of_surface = slopes(self.synthesis.psd())?;
-        let control_variate = control_variate(&of_surface, material, incidence, self.spec)?;
+        let control_variate = control_variate(&of_surface, material, incidence, &self.spec)?;
         let fluxes = self.fluxes(&self.slopes(self.synthesis)?)?;
-        let of_mesh = ControlVariate::new(*self.spec, control_variate.fractions().clone(), &fluxes);
+        let of_mesh = ControlVariate::new(self.spec, control_variate.fractions().clone(), &fluxes);
         let mut shift = of_mesh
             .expected()
             .zip_map(control_variate.expected(), |mesh, surface| {
@@ -264,7 +264,7 @@ impl FirstOrder<'_> {
 
     fn fluxes(&self, slopes: &SlopeCovariance) -> Result<UnshadowedFluxes, ModelError> {
         let incidence = self.case.light.incidence;
-        unshadowed_fluxes(slopes, self.case.material, incidence, self.spec)
+        unshadowed_fluxes(slopes, self.case.material, incidence, &self.spec)
     }
 
     /// Slopes of the facets; their mean over azimuth where the light may come from any.

@@ -4,6 +4,7 @@
 //! makes one case per wavelength; cases that differ in it alone share their surfaces as they do today.
 
 use asperity_optics::{Incidence, Material};
+use asperity_tally::HemisphereGrid;
 use asperity_tracer::HalfSpace;
 
 use super::layer::LayerBelow;
@@ -33,6 +34,17 @@ pub struct Case {
     pub layer: Option<LayerBelow>,
     /// The light.
     pub light: Light,
+    /// Bins of its own, as around narrow lobes; `None` for the bins that all cases have by the settings.
+    pub bins: Option<CaseBins>,
+}
+
+/// Bins of a case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CaseBins {
+    /// The bins.
+    pub grid: HemisphereGrid,
+    /// Half width of the in-plane slice, radians, unless that of the settings is smaller.
+    pub in_plane_half_width: f64,
 }
 
 /// Collimated light.
@@ -76,6 +88,7 @@ impl Case {
             material,
             layer: None,
             light,
+            bins: None,
         }
     }
 }

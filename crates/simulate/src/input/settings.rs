@@ -6,6 +6,7 @@
 use asperity_tally::TallySpec;
 use asperity_tracer::{AcceleratorKind, DEFAULT_MAX_SCATTERINGS, Sampling};
 
+use super::case::Case;
 use super::estimator::Estimator;
 use super::path_choice::PathChoice;
 use super::regions::Regions;
@@ -77,6 +78,21 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// What is recorded of the light of a case: the same of all cases, in bins of its own if it has any.
+    #[must_use]
+    pub fn spec_of(&self, case: &Case) -> TallySpec {
+        match case.bins {
+            Some(bins) => self.tally.with_bins(bins.grid, bins.in_plane_half_width),
+            None => self.tally,
+        }
+    }
+
+    /// The largest of what is recorded of these cases.
+    pub(crate) fn largest_spec<'a>(&self, cases: impl Iterator<Item = &'a Case>) -> TallySpec {
+        let specs = cases.map(|case| self.spec_of(case));
+        specs.max_by_key(TallySpec::len).unwrap_or(self.tally)
+    }
+
     /// The error to reach, if the effort follows from one.
     #[must_use]
     pub const fn target(&self) -> Option<Target> {

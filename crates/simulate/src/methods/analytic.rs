@@ -48,7 +48,7 @@ impl AnalyticResult {
         if bound > target.error() {
             return Ok(None);
         }
-        let spec = &settings.tally;
+        let spec = &settings.spec_of(case);
         let control_variate =
             match unshadowed_control_variate(&slopes, case.material, incidence, spec) {
                 Ok(control_variate) => control_variate,

@@ -56,7 +56,7 @@ impl Method {
             return Ok(Self::plain(settings));
         };
         // The side that is not recorded has its control variate too.
-        let (tally, incidence) = (settings.tally, case.light.incidence);
+        let (tally, incidence) = (settings.spec_of(case), case.light.incidence);
         let both = tally.with_sides(Sides::Both);
         let fractions = match visible_fractions(&slopes, case.material, incidence, &tally) {
             Ok(fractions) => fractions,

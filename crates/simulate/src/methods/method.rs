@@ -6,7 +6,7 @@ use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::{Incidence, Material};
 use asperity_surface::Psd;
 use asperity_tally::{
-    ControlVariate, Mirror, RayErrors, TallyResult, TallyStatistics, TallyValues,
+    ControlVariate, Mirror, RayErrors, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
 use asperity_tracer::{Illumination, PathSettings, Sampling, Starts, Window};
 use serde::Serialize;
@@ -97,7 +97,7 @@ impl Method {
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let mirror = if settings.fold {
-            symmetry(&case.light, psd, settings)
+            symmetry(&case.light, psd, &settings.spec_of(case))
         } else {
             None
         };
@@ -127,7 +127,7 @@ impl Method {
         }
         let slopes = slopes(psd)?;
         let incidence = case.light.incidence;
-        match control_variate(&slopes, case.material, incidence, &settings.tally) {
+        match control_variate(&slopes, case.material, incidence, &settings.spec_of(case)) {
             Ok(control_variate) => {
                 let mean = ControlVariateMean::GaussianSlopes;
                 Ok(Self::with_control_variate(
@@ -254,7 +254,7 @@ impl Method {
 /// Light of random azimuth on isotropic surfaces is; light of fixed azimuth along an axis of the samples that is also an axis
 /// of the spectrum. Off the axes, tiles repeat in other directions on the one side than on the other. Polarised light is symmetric
 /// without U and V.
-fn symmetry(light: &Light, psd: &Psd, settings: &Settings) -> Option<Mirror> {
+fn symmetry(light: &Light, psd: &Psd, spec: &TallySpec) -> Option<Mirror> {
     let azimuth = light.incidence.phi();
     let quarters = azimuth / FRAC_PI_2;
     let along_axis = (quarters - quarters.round()).abs() < 1e-9;
@@ -266,7 +266,7 @@ fn symmetry(light: &Light, psd: &Psd, settings: &Settings) -> Option<Mirror> {
     };
     let [_, u, v] = light.stokes;
     (is_symmetric && [u, v] == [0.0; 2])
-        .then(|| Mirror::about(azimuth, &settings.tally.grid()))
+        .then(|| Mirror::about(azimuth, &spec.grid()))
         .flatten()
 }
 

@@ -9,6 +9,7 @@
 mod after;
 mod budget;
 mod fold;
+mod lobes;
 mod mesh_error;
 mod paths;
 mod regions;

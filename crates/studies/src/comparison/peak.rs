@@ -50,18 +50,43 @@ impl Span {
             Self::Forward => profile[0],
         }
     }
+}
 
-    /// The angle of a place counted in bins, from the middle of the first.
-    fn degrees(self, place: f64, bins: usize) -> f64 {
-        let n = bins as f64;
-        match self {
-            Self::Both => 180.0 * (place + 0.5) / n - 90.0,
-            Self::Forward => 90.0 * (place + 0.5) / n,
+/// The bins of a profile.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ProfileBins {
+    span: Span,
+    /// Middles, degrees, ascending.
+    centres: Vec<f64>,
+    /// Widths, degrees.
+    widths: Vec<f64>,
+}
+
+impl ProfileBins {
+    /// Bins between these edges, degrees.
+    pub(crate) fn new(span: Span, edges: impl Iterator<Item = [f64; 2]>) -> Self {
+        let (centres, widths) = edges
+            .map(|[from, to]| (0.5 * (from + to), to - from))
+            .unzip();
+        Self {
+            span,
+            centres,
+            widths,
         }
     }
 
-    fn bin_width(self, bins: usize) -> f64 {
-        self.degrees(1.0, bins) - self.degrees(0.0, bins)
+    /// The angle of a place counted in bins, from the middle of the first: in equal parts between the middles of neighbours.
+    fn degrees(&self, place: f64) -> f64 {
+        let last = self.centres.len() - 1;
+        let middle = |i: isize| match usize::try_from(i) {
+            Ok(i) if i <= last => self.centres[i],
+            // Beyond the ends bins go on as wide as the last ones.
+            Ok(i) => self.centres[last] + (i - last) as f64 * self.widths[last],
+            Err(_) => self.centres[0] + i as f64 * self.widths[0],
+        };
+        let before = place.floor();
+        let [from, to] = [before as isize, before as isize + 1].map(middle);
+        from + (place - before) * (to - from)
     }
 }
 
@@ -74,16 +99,16 @@ impl Span {
 /// is exact for Gaussian lobes as far as a bin is narrow. It is the same for both, so that what bins do
 /// to it largely cancels.
 pub(crate) fn peak_difference(
-    span: Span,
+    bins: &ProfileBins,
     surfaces: &[Vec<f64>],
     model: &[Vec<f64>],
 ) -> Option<PeakDifference> {
-    let bins = surfaces.first()?.len();
-    let profile = mean(surfaces, None);
+    let span = bins.span;
+    let profile = mean((!surfaces.is_empty()).then_some(surfaces)?, None);
     let explicit = Peak::of(span, &profile)?;
     let expected = Peak::of(span, &mean(model, None))?;
     let unresolved = [(explicit, surfaces), (expected, model)]
-        .map(|(peak, profiles)| peak.unresolved(profiles))
+        .map(|(peak, profiles)| peak.unresolved(bins, profiles))
         .iter()
         .sum::<f64>();
     let count = surfaces.len();
@@ -92,7 +117,8 @@ pub(crate) fn peak_difference(
         let without = |r: usize| -> Option<f64> {
             let model = mean(model, Some(r).filter(|_| paired));
             let explicit = Peak::of(span, &mean(surfaces, Some(r)))?;
-            Some(explicit.place - Peak::of(span, &model)?.place)
+            let model = Peak::of(span, &model)?;
+            Some(bins.degrees(explicit.place) - bins.degrees(model.place))
         };
         // A lobe that is gone without one surface is known to no better than all angles.
         let Some(left_out) = (0..count).map(without).collect::<Option<Vec<f64>>>() else {
@@ -100,15 +126,14 @@ pub(crate) fn peak_difference(
         };
         let centre = left_out.iter().sum::<f64>() / count as f64;
         let squares: f64 = left_out.iter().map(|x| (x - centre).powi(2)).sum();
-        let places = (squares * (count - 1) as f64 / count as f64).sqrt();
-        places * span.bin_width(bins)
+        (squares * (count - 1) as f64 / count as f64).sqrt()
     });
     Some(PeakDifference {
-        explicit_deg: span.degrees(explicit.place, bins),
-        model_deg: span.degrees(expected.place, bins),
-        half_width_deg: explicit.half_width(span, &profile) * span.bin_width(bins),
+        explicit_deg: bins.degrees(explicit.place),
+        model_deg: bins.degrees(expected.place),
+        half_width_deg: explicit.half_width(bins, &profile),
         se_deg,
-        unresolved_deg: unresolved * span.bin_width(bins),
+        unresolved_deg: unresolved,
     })
 }
 
@@ -151,8 +176,9 @@ impl Peak {
         })
     }
 
-    /// How far from the peak its lobe falls to half of it, on the side where it is broader, in bins.
-    fn half_width(self, span: Span, profile: &[f64]) -> f64 {
+    /// How far from the peak its lobe falls to half of it, on the side where it is broader, degrees.
+    fn half_width(self, bins: &ProfileBins, profile: &[f64]) -> f64 {
+        let span = bins.span;
         let half = 0.5 * profile[self.highest];
         let at = |i: isize| match usize::try_from(i) {
             Ok(i) => profile.get(i).copied().unwrap_or(0.0),
@@ -167,13 +193,14 @@ impl Peak {
             }
             let (inside, outside) = (at(i), at(i + step));
             let beyond = (inside - half) / (inside - outside);
-            (i as f64 + step as f64 * beyond - self.place).abs()
+            let place = i as f64 + step as f64 * beyond;
+            (bins.degrees(place) - bins.degrees(self.place)).abs()
         };
         crossing(-1).max(crossing(1))
     }
 
-    /// What the bins of these profiles cannot tell of the place, in bins.
-    fn unresolved(self, profiles: &[Vec<f64>]) -> f64 {
+    /// What the bins of these profiles cannot tell of the place, degrees.
+    fn unresolved(self, bins: &ProfileBins, profiles: &[Vec<f64>]) -> f64 {
         let top = mean(profiles, None)[self.highest];
         let count = profiles.len() as f64;
         let as_bright = |j: &usize| {
@@ -189,9 +216,10 @@ impl Peak {
         let farthest = (0..profiles[0].len())
             .filter(|j| j.abs_diff(self.highest) > 1)
             .filter(as_bright)
-            .map(|j| (j as f64 - self.place).abs())
+            .map(|j| (bins.centres[j] - bins.degrees(self.place)).abs())
             .fold(0.0, f64::max);
-        farthest + if self.narrow { 0.5 } else { 0.0 }
+        let half_bin = 0.5 * bins.widths[self.highest];
+        farthest + if self.narrow { half_bin } else { 0.0 }
     }
 }
 
@@ -213,6 +241,16 @@ fn mean(profiles: &[Vec<f64>], but: Option<usize>) -> Vec<f64> {
 mod tests {
     use super::*;
 
+    /// Equal bins, the forward half of them or all.
+    fn equal(span: Span, count: usize) -> ProfileBins {
+        let (first, all) = match span {
+            Span::Both => (-90.0, 180.0),
+            Span::Forward => (0.0, 90.0),
+        };
+        let edge = move |i: usize| first + all * i as f64 / count as f64;
+        ProfileBins::new(span, (0..count).map(|i| [edge(i), edge(i + 1)]))
+    }
+
     /// Means over bins of `width` degrees of a Gaussian lobe.
     fn lobe(centre: f64, rms: f64, bins: usize) -> Vec<f64> {
         let width = 180.0 / bins as f64;
@@ -229,7 +267,7 @@ mod tests {
 
     fn exact(explicit: Vec<f64>, model: Vec<f64>) -> PeakDifference {
         let surfaces = vec![explicit; 8];
-        peak_difference(Span::Both, &surfaces, &[model]).unwrap()
+        peak_difference(&equal(Span::Both, 36), &surfaces, &[model]).unwrap()
     }
 
     /// A bin average of a Gaussian is nearly a Gaussian; half a bin of rms leaves 3 % of a bin.
@@ -294,14 +332,17 @@ mod tests {
         assert!((of(rising) - 85.0).abs() < 5.0);
         let half = lobe(0.0, 20.0, 36)[18..].to_vec();
         let forward = peak_difference(
-            Span::Forward,
+            &equal(Span::Forward, 18),
             std::slice::from_ref(&half),
             std::slice::from_ref(&half),
         )
         .unwrap();
         assert!((forward.half_width_deg - 1.1774 * 20.0).abs() < 0.5);
         for dark in [vec![0.0; 36], vec![-1e-9; 36]] {
-            assert_eq!(peak_difference(Span::Both, &[dark], &[vec![1.0; 36]]), None);
+            assert_eq!(
+                peak_difference(&equal(Span::Both, 36), &[dark], &[vec![1.0; 36]]),
+                None
+            );
         }
     }
 
@@ -329,11 +370,15 @@ mod tests {
         let noisy: Vec<Vec<f64>> = (0..16)
             .map(|r| two(1.0, if r % 2 == 0 { 1.08 } else { 0.9 }))
             .collect();
-        let found = peak_difference(Span::Both, &noisy, &[two(1.0, 0.99)]).unwrap();
+        let found = peak_difference(&equal(Span::Both, 36), &noisy, &[two(1.0, 0.99)]).unwrap();
         println!("{found:?}");
         assert!(found.unresolved_deg > 60.0);
-        let apart =
-            peak_difference(Span::Both, &vec![two(1.0, 0.9); 16], &[two(1.0, 0.9)]).unwrap();
+        let apart = peak_difference(
+            &equal(Span::Both, 36),
+            &vec![two(1.0, 0.9); 16],
+            &[two(1.0, 0.9)],
+        )
+        .unwrap();
         assert_eq!(apart.unresolved_deg, 0.0);
     }
 
@@ -345,13 +390,14 @@ mod tests {
             .map(|r| if r % 2 == 0 { 1.0 } else { -1.0 })
             .collect();
         let surfaces: Vec<Vec<f64>> = shifts.iter().map(|x| lobe(22.0 + x, 10.0, 36)).collect();
-        let found = peak_difference(Span::Both, &surfaces, &[lobe(22.0, 10.0, 36)]).unwrap();
+        let found =
+            peak_difference(&equal(Span::Both, 36), &surfaces, &[lobe(22.0, 10.0, 36)]).unwrap();
         let expected = 1.0 / 19.0_f64.sqrt();
         let se = found.se_deg.unwrap();
         println!("{se}, expected {expected}");
         assert!((se / expected - 1.0).abs() < 0.01);
         // Models with the same shifts surface by surface take the scatter away.
-        let paired = peak_difference(Span::Both, &surfaces, &surfaces).unwrap();
+        let paired = peak_difference(&equal(Span::Both, 36), &surfaces, &surfaces).unwrap();
         assert!(paired.se_deg.unwrap() < 1e-12);
     }
 
@@ -361,9 +407,43 @@ mod tests {
             let all = lobe(centre, 12.0, 36);
             (18..36).map(|i| all[i] + all[35 - i]).collect()
         };
-        let found = peak_difference(Span::Forward, &[half(0.0)], &[half(37.0)]).unwrap();
+        let found =
+            peak_difference(&equal(Span::Forward, 18), &[half(0.0)], &[half(37.0)]).unwrap();
         assert!(found.explicit_deg.abs() < 1e-9, "{found:?}");
         assert!((found.model_deg - 37.0).abs() < 0.2);
         assert_eq!(found.se_deg, None);
+    }
+
+    /// Bins that grow from 0.1 degrees about 33.2 on: a lobe of 0.5 degrees has its place and width there, in equal bins it would not.
+    #[test]
+    fn bins_that_refine_resolve_a_narrow_lobe() {
+        let mut edges = vec![33.15_f64, 33.25];
+        let mut width = 0.1;
+        while edges[0] > -90.0 {
+            width *= 1.3;
+            edges.insert(0, (edges[0] - width).max(-90.0));
+        }
+        width = 0.1;
+        while edges[edges.len() - 1] < 90.0 {
+            width *= 1.3;
+            edges.push((edges[edges.len() - 1] + width).min(90.0));
+        }
+        let bins = ProfileBins::new(Span::Both, edges.windows(2).map(|pair| [pair[0], pair[1]]));
+        let lobe = |centre: f64| -> Vec<f64> {
+            let mean = |pair: &[f64]| {
+                let at = |k: i32| {
+                    let x = pair[0] + (pair[1] - pair[0]) * (f64::from(k) + 0.5) / 64.0;
+                    (-0.5 * ((x - centre) / 0.5).powi(2)).exp()
+                };
+                (0..64).map(at).sum::<f64>() / 64.0
+            };
+            edges.windows(2).map(mean).collect()
+        };
+        let found = peak_difference(&bins, &vec![lobe(33.2); 3], &[lobe(33.26)]).unwrap();
+        println!("{found:?}");
+        assert!((found.explicit_deg - 33.2).abs() < 0.01);
+        assert!((found.model_deg - 33.26).abs() < 0.02);
+        assert!((found.half_width_deg - 1.1774 * 0.5).abs() < 0.06);
+        assert_eq!(found.unresolved_deg, 0.0);
     }
 }

@@ -1,11 +1,13 @@
 //! Energy and peak of one side, against a model.
 
+use std::ops::Range;
+
 use asperity_analysis::Expectation;
 use asperity_tally::{
     BatchStatistics, Component, Estimate, Side, TallyResult, TallySpec, TallyValues,
 };
 
-use crate::comparison::peak::{PeakDifference, Span, peak_difference};
+use crate::comparison::peak::{PeakDifference, ProfileBins, Span, peak_difference};
 
 /// Flux fraction below which a side has too little light for a peak that matters.
 const LEAST_FLUX: f64 = 1e-3;
@@ -71,7 +73,10 @@ pub(crate) fn side_differences(
                 } else {
                     profiles(std::slice::from_ref(mean_of_model))
                 };
-                peak_difference(span, &profiles(tallies), &of_model)
+                let filter = spec.in_plane_filter(side);
+                let edges = bins_shown(filter.len(), free_azimuth).map(|i| filter.theta_deg(i));
+                let bins = ProfileBins::new(span, edges);
+                peak_difference(&bins, &profiles(tallies), &of_model)
             });
             SideDifference {
                 side,
@@ -84,6 +89,11 @@ pub(crate) fn side_differences(
         .collect()
 }
 
+/// Numbers of the in-plane bins of a profile, of `all`.
+fn bins_shown(all: usize, forward_alone: bool) -> Range<usize> {
+    if forward_alone { all / 2..all } else { 0..all }
+}
+
 /// In-plane intensities, 1/sr.
 fn intensities(
     tally: &TallyValues,
@@ -92,8 +102,7 @@ fn intensities(
     forward_alone: bool,
 ) -> Vec<f64> {
     let view = tally.in_plane(side, component);
-    let first = if forward_alone { view.len() / 2 } else { 0 };
-    (first..view.len())
+    bins_shown(view.len(), forward_alone)
         .map(|i| view.get(i) / view.filter().solid_angle(i))
         .collect()
 }

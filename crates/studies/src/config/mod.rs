@@ -4,6 +4,7 @@ pub(crate) mod case_model;
 pub(crate) mod case_text;
 pub(crate) mod cases;
 pub(crate) mod error;
+pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;
 pub(crate) mod surface;
@@ -143,8 +144,8 @@ pub struct RunConfig {
     pub rays: Count,
     /// Seed of surfaces and rays.
     pub seed: u64,
-    /// Bins of a hemisphere, `THETAxPHI`.
-    pub bins: HemisphereGrid,
+    /// Bins of a hemisphere, `THETAxPHI`; `auto` refines them around narrow lobes.
+    pub bins: OrAuto<HemisphereGrid>,
     /// Half width of the in-plane slice, degrees.
     pub in_plane_half_width: Number,
     /// The sides whose light is recorded.
@@ -187,6 +188,11 @@ impl Default for RunConfig {
 }
 
 impl RunConfig {
+    /// Bins of equal angles: those that are named, or those that refine around narrow lobes.
+    pub(crate) fn grid(&self) -> HemisphereGrid {
+        self.bins.named().unwrap_or_default()
+    }
+
     /// The settings of a simulation without a medium.
     ///
     /// # Errors
@@ -194,7 +200,7 @@ impl RunConfig {
     pub fn ray_settings(&self) -> Result<Settings, ConfigError> {
         let target = Target::from_options(self.target_error.map(|error| error.0), self.of)?;
         Ok(Settings {
-            tally: TallySpec::new(self.bins, self.in_plane_half_width.0.to_radians())?
+            tally: TallySpec::new(self.grid(), self.in_plane_half_width.0.to_radians())?
                 .with_sides(self.side)
                 .with_polarimetry(self.polarisation.polarimetry()),
             paths: PathChoice::new(
@@ -345,7 +351,7 @@ mod tests {
 
     use super::*;
     use crate::config::trace::TraceConfig;
-    use crate::settings::SECTIONS;
+    use crate::settings::{SECTIONS, Setting};
 
     #[test]
     fn defaults_are_those_of_the_libraries() {
@@ -367,7 +373,8 @@ mod tests {
         // What the help says of defaults that depend on other settings.
         let says = |path: &str, default: &str| {
             let settings = SECTIONS.iter().flat_map(|section| section.settings);
-            for setting in settings.filter(|setting| setting.path() == path) {
+            let told = |setting: &&Setting| setting.path() == path && !setting.otherwise.is_empty();
+            for setting in settings.filter(told) {
                 let words = setting.otherwise.split(' ').next();
                 assert_eq!(words, Some(default), "{path}");
             }

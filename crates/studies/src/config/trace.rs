@@ -2,7 +2,9 @@
 
 use asperity_analysis::SlopeCovariance;
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_simulate::{BottomSurface, Case, LayerBelow, Light, Settings, Shape, SurfaceSource};
+use asperity_simulate::{
+    BottomSurface, Case, LayerBelow, Light, Lobe, Settings, Shape, SurfaceSource,
+};
 use asperity_tracer::Polarisation;
 use serde::{Deserialize, Serialize};
 
@@ -84,7 +86,8 @@ impl TraceConfig {
             .medium
             .as_ref()
             .map(|medium| medium.bottom_surface.named());
-        Ok(Case {
+        let mut case = Case {
+            bins: None,
             surface: SurfaceSource::Given(surface),
             material: self.material()?,
             layer: self.layer()?.map(|layer| LayerBelow {
@@ -97,7 +100,9 @@ impl TraceConfig {
                 random_azimuth: self.light.azimuth == Some(Azimuth::Random),
                 stokes: self.stokes()?,
             },
-        })
+        };
+        case.bins = self.run.bins_around(Lobe::of_case(&case));
+        Ok(case)
     }
 
     /// Checks everything that can be known before the surface is read.

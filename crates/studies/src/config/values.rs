@@ -1,5 +1,6 @@
 //! Values of a configuration: numbers, counts, lists and pairs.
 
+use std::str::FromStr;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -53,6 +54,18 @@ impl<T: Copy> OrAuto<T> {
         match self {
             Self::Auto(_) => None,
             Self::Named(value) => Some(value),
+        }
+    }
+}
+
+/// `auto`, or the text of a value.
+impl<T: FromStr> FromStr for OrAuto<T> {
+    type Err = T::Err;
+
+    fn from_str(text: &str) -> Result<Self, T::Err> {
+        match text {
+            "auto" => Ok(Self::Auto(Auto::Auto)),
+            value => value.parse().map(Self::Named),
         }
     }
 }

@@ -15,7 +15,7 @@ use super::ConvergeError;
 use super::method::{Method, RunEffort};
 use crate::config::error::ConfigError;
 use crate::config::sweep_case::SweepCase;
-use crate::config::values::{Count, Number, OneOrMany, PerAxis};
+use crate::config::values::{Count, Number, OneOrMany, OrAuto, PerAxis};
 use crate::config::{
     CompareConfig, LightConfig, MaterialConfig, OutputConfig, RunConfig, SurfaceConfig,
     VerifyConfig,
@@ -156,7 +156,7 @@ impl ConvergeConfig {
             light: self.light.clone(),
             run: RunConfig {
                 seed: self.converge.seed,
-                bins: self.converge.bins,
+                bins: OrAuto::Named(self.converge.bins),
                 side: self.converge.side,
                 ..RunConfig::default()
             },

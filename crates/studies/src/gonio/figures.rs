@@ -3,7 +3,8 @@
 use asperity_simulate::short;
 
 use asperity_plot::{
-    Figure, Hemisphere, Hemispheres, PlotError, Point, ProfileComponent, ProfileGrid, SharedColours,
+    Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
+    ProfileGrid, Series, SharedColours,
 };
 use asperity_tally::{Side, TallySpec};
 use rayon::prelude::*;
@@ -15,7 +16,7 @@ use super::summary::labelled;
 use super::tables::projected_in_plane;
 use super::{Direction, GonioOutcome};
 use crate::output::{Place, over, projected_solid_angle};
-use crate::report::disc_bins::{disc_bins, disc_shape};
+use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::error::ReportError;
 use crate::report::figures::{plot_side, save};
 
@@ -34,7 +35,7 @@ pub(super) fn names(spec: &TallySpec, thetas: &[f64]) -> Vec<String> {
     let of_side = |side: Side| {
         let of_theta = move |theta: &f64| {
             let theta = short(*theta);
-            ["components", "profiles"].map(|kind| format!("{kind}_theta{theta}_{side}"))
+            ["components", "profiles", "lobe"].map(|kind| format!("{kind}_theta{theta}_{side}"))
         };
         let matrix = std::iter::once(format!("matrix_{side}"));
         matrix.chain(thetas.iter().flat_map(of_theta))
@@ -70,6 +71,8 @@ pub(super) fn draw(plots: &Place<'_>, outcome: &GonioOutcome) -> Result<(), Repo
             ));
             let profiles = move || profiles(outcome, side, number).draw();
             jobs.push((format!("profiles_theta{theta}_{side}"), Box::new(profiles)));
+            let lobe = move || lobe(outcome, side, number).draw();
+            jobs.push((format!("lobe_theta{theta}_{side}"), Box::new(lobe)));
         }
     }
     jobs.into_par_iter()
@@ -139,7 +142,7 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
                 Rows::Thetas => outcome.direction(setting, row, 0),
                 Rows::Phis => outcome.direction(setting, 0, row),
             };
-            hemisphere(outcome, direction, side, 0)
+            hemisphere(direction, side, 0)
         })
     });
     let (what, letter) = match side {
@@ -167,7 +170,6 @@ fn matrix(outcome: &GonioOutcome, side: Side) -> Hemispheres {
             .iter()
             .map(|angle| format!("{}°", short(*angle)))
             .collect(),
-        bins: disc_shape(&outcome.spec),
         colours: match outcome.config.output.scale {
             PlotScale::Common => SharedColours::Common,
             PlotScale::Rows => SharedColours::Rows,
@@ -181,14 +183,8 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
     let names = component_names(&outcome.spec);
     let (column_title, columns) = columns(outcome);
     let cells = (0..names.len()).flat_map(|component| {
-        (0..columns.len()).map(move |setting| {
-            hemisphere(
-                outcome,
-                outcome.direction(setting, theta, 0),
-                side,
-                component,
-            )
-        })
+        (0..columns.len())
+            .map(move |setting| hemisphere(outcome.direction(setting, theta, 0), side, component))
     });
     Hemispheres {
         title: format!(
@@ -202,7 +198,6 @@ fn components(outcome: &GonioOutcome, side: Side, theta: usize) -> Hemispheres {
         row_title: String::new(),
         column_title,
         rows: names.iter().map(|name| name.to_string()).collect(),
-        bins: disc_shape(&outcome.spec),
         colours: SharedColours::Rows,
         cells: cells.collect(),
         columns,
@@ -215,11 +210,12 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
     let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
     let settings = 0..outcome.settings.len();
     let points = |component: usize, setting: usize| -> Vec<Point> {
-        let results = outcome.direction(setting, theta, 0).results.as_ref();
+        let direction = outcome.direction(setting, theta, 0);
+        let (spec, results) = (&direction.spec, direction.results.as_ref());
         let bins = 0..spec.in_plane_filter(side).len();
         let point = |i: usize| {
             let flux = results?.components[component].in_plane(spec, side, i)?;
-            let bsdf = over(flux, projected_in_plane(spec, i));
+            let bsdf = over(flux, projected_in_plane(spec, side, i));
             let [from, to] = spec.in_plane_filter(side).theta_deg(i);
             Some(Point::with_error(0.5 * (from + to), bsdf.mean, bsdf.se))
         };
@@ -256,6 +252,42 @@ fn profiles(outcome: &GonioOutcome, side: Side, theta: usize) -> ProfileGrid {
     }
 }
 
+/// All light in the plane of incidence: linear about the peak, and logarithmic.
+fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
+    let Distinction { title, labels, .. } = Distinction::of(&outcome.settings);
+    let series = labels.iter().enumerate().map(|(setting, label)| {
+        let direction = outcome.direction(setting, theta, 0);
+        let filter = direction.spec.in_plane_filter(side);
+        let all = direction.results.as_ref().map(|found| &found.components[0]);
+        let point = |i: usize| {
+            let flux = all?.in_plane(&direction.spec, side, i)?;
+            let weighted = over(flux, filter.solid_angle(i));
+            Some(Point {
+                x_range: Some(filter.theta_deg(i)),
+                ..Point::with_error(filter.centre_deg(i), weighted.mean, weighted.se)
+            })
+        };
+        let name = match label.is_empty() {
+            true => "all light".to_owned(),
+            false => labelled(&title, label),
+        };
+        let points = (0..filter.len()).filter_map(point).collect();
+        Series::explicit(name, setting, plot_side(side), points)
+    });
+    let lobes = &outcome.direction(0, theta, 0).lobes;
+    InPlaneCurves {
+        title: format!(
+            "{} light in the plane of incidence, θᵢ = {}°: cosine-weighted BSDF",
+            word(side),
+            short(outcome.thetas[theta])
+        ),
+        subtitle: subtitle(outcome, ""),
+        side: plot_side(side),
+        flat_direction_deg: lobes.iter().find_map(|lobe| lobe.from_normal_deg(side)),
+        series: series.collect(),
+    }
+}
+
 fn word(side: Side) -> &'static str {
     match side {
         Side::Reflected => "Reflected",
@@ -273,13 +305,8 @@ fn meaning(spec: &TallySpec) -> &'static str {
 }
 
 /// The BSDF of one component of one direction, ring by ring from the normal of `side`.
-fn hemisphere(
-    outcome: &GonioOutcome,
-    direction: &Direction,
-    side: Side,
-    component: usize,
-) -> Option<Hemisphere> {
-    let spec = &outcome.spec;
+fn hemisphere(direction: &Direction, side: Side, component: usize) -> Option<Hemisphere> {
+    let spec = &direction.spec;
     let component = &direction.results.as_ref()?.components[component];
     let bsdf = |bin| {
         let flux = component.bin(spec, bin)?;
@@ -291,6 +318,7 @@ fn hemisphere(
         Side::Transmitted => "T",
     };
     Some(Hemisphere {
+        bins: disc_edges(spec, side),
         values: disc_bins(spec, side)
             .map(|bin| bsdf(bin).map(Some))
             .collect::<Option<_>>()?,

@@ -17,8 +17,8 @@ use crate::config::error::ConfigError;
 use crate::output::{Place, figure_files, over, projected_solid_angle};
 use crate::report::error::ReportError;
 
-/// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, plots, report.txt,
-/// and, last, summary.json.
+/// Writes a measurement into `folder`: gonio.csv, in_plane.csv, bsdf.csv, bsdf.npy, bsdf_se.npy, theta_edges.npy, phi_edges.npy, plots,
+/// report.txt, and, last, summary.json.
 ///
 /// All of it depends on the directions alone, not on how many runs they took.
 ///
@@ -38,14 +38,14 @@ pub fn gonio_report(folder: &ResultFolder, outcome: &GonioOutcome) -> Result<(),
         direction, results, ..
     } in measured(outcome)
     {
-        write_direction(folder, &direction.name, spec, results)?;
+        write_direction(folder, &direction.name, &direction.spec, results)?;
     }
     tables::directions(spec, outcome.unit())
         .write_csv(&place.claim("gonio.csv")?, measured(outcome))?;
     let bins = tables::in_plane_bins(outcome);
     tables::in_plane(spec).write_csv(&place.claim("in_plane.csv")?, bins)?;
     let bins = tables::direction_bins(outcome);
-    tables::bsdf(spec).write_csv(&place.claim("bsdf.csv")?, bins)?;
+    tables::bsdf().write_csv(&place.claim("bsdf.csv")?, bins)?;
     write_arrays(&place, outcome)?;
     if config.output.plots {
         figures::draw(&place.join(figures::PLOTS), outcome)?;
@@ -68,6 +68,8 @@ fn files<'a>(
         "bsdf.csv",
         "bsdf.npy",
         "bsdf_se.npy",
+        "theta_edges.npy",
+        "phi_edges.npy",
         "report.txt",
         "summary.json",
     ];
@@ -125,28 +127,54 @@ pub(super) fn write_direction(
     Ok(tables::direction(spec, results).write_csv(&path, spec.recorded_bins())?)
 }
 
-/// bsdf.npy and bsdf_se.npy: `[setting][theta_i][phi_i][side][theta_o][phi_o]`, not a number where there is nothing.
+/// bsdf.npy and bsdf_se.npy, `[setting][theta_i][phi_i][side][theta_o][phi_o]`, and the edges of their bins, theta_edges.npy and
+/// phi_edges.npy, `[setting][theta_i][phi_i][side][edge]` in degrees. Arrays are as long as the most bins of a direction; what lies beyond
+/// those of another, and what was not measured, is not a number.
 fn write_arrays(place: &Place<'_>, outcome: &GonioOutcome) -> Result<(), ResultFolderError> {
-    let spec = &outcome.spec;
-    let grid = spec.grid();
-    let shape = [
+    let grids = outcome.directions.iter().map(|one| one.spec.grid());
+    let rings = grids.clone().map(|grid| grid.n_theta()).max().unwrap_or(0);
+    let sectors = grids.map(|grid| grid.n_phi()).max().unwrap_or(0);
+    let directions = [
         outcome.settings.len(),
         outcome.thetas.len(),
         outcome.phis.len(),
         Side::BOTH.len(),
-        grid.n_theta(),
-        grid.n_phi(),
     ];
-    let (mut means, mut errors) = (Vec::new(), Vec::new());
-    for direction in &outcome.directions {
+    let shape = [directions.as_slice(), &[rings, sectors]].concat();
+    let all = shape.iter().product();
+    let (mut means, mut errors) = (vec![f64::NAN; all], vec![f64::NAN; all]);
+    let (mut theta_edges, mut phi_edges) = (Vec::new(), Vec::new());
+    for (number, direction) in outcome.directions.iter().enumerate() {
+        let (spec, grid) = (&direction.spec, direction.spec.grid());
+        for side in Side::BOTH {
+            let padded = |mut edges: Vec<f64>, count: usize| {
+                edges.resize(count + 1, f64::NAN);
+                edges
+            };
+            theta_edges.extend(padded(grid.theta_edges_deg(side), rings));
+            phi_edges.extend(padded(grid.phi_edges_deg(side), sectors));
+        }
+        let Some(results) = &direction.results else {
+            continue;
+        };
         for bin in 0..grid.len() {
-            let results = direction.results.as_ref();
-            let flux = results.and_then(|results| results.components[0].bin(spec, bin));
-            let bsdf = flux.map(|flux| over(flux, projected_solid_angle(&grid, bin)));
-            means.push(bsdf.map_or(f64::NAN, |bsdf| bsdf.mean));
-            errors.push(bsdf.and_then(|bsdf| bsdf.se).unwrap_or(f64::NAN));
+            let Some(flux) = results.components[0].bin(spec, bin) else {
+                continue;
+            };
+            let bsdf = over(flux, projected_solid_angle(&grid, bin));
+            let (row, sector) = (bin / grid.n_phi(), bin % grid.n_phi());
+            let (side, ring) = (row / grid.n_theta(), row % grid.n_theta());
+            let place = ((number * Side::BOTH.len() + side) * rings + ring) * sectors + sector;
+            means[place] = bsdf.mean;
+            errors[place] = bsdf.se.unwrap_or(f64::NAN);
         }
     }
     write_array(place.claim("bsdf.npy")?, &shape, &means)?;
-    Ok(write_array(place.claim("bsdf_se.npy")?, &shape, &errors)?)
+    write_array(place.claim("bsdf_se.npy")?, &shape, &errors)?;
+    let edges = |name: &str, count: usize, edges: &[f64]| -> Result<(), ResultFolderError> {
+        let shape = [directions.as_slice(), &[count + 1]].concat();
+        Ok(write_array(place.claim(name)?, &shape, edges)?)
+    };
+    edges("theta_edges.npy", rings, &theta_edges)?;
+    edges("phi_edges.npy", sectors, &phi_edges)
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use asperity_tally::{Estimate, TallySpec};
+use asperity_tally::{Estimate, HemisphereGrid, TallySpec};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -11,6 +11,7 @@ use super::results::component_names;
 use super::summary::warnings;
 use super::{DirectionResults, GonioOutcome, Specimen, tables};
 use crate::config::Azimuth;
+use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, Head};
 use crate::report::config_json::config_json;
 
@@ -42,6 +43,10 @@ struct Direction<'a> {
     phi_i_deg: f64,
     /// `None` if it was not measured yet.
     results: Option<Results<'a>>,
+    /// Numbers of rings and sectors of a side.
+    bins: HemisphereGrid,
+    /// Lobes of single scattering next to the bins that hold their middles.
+    lobes: &'a [BinnedLobe],
 }
 
 #[derive(Serialize)]
@@ -69,11 +74,12 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             .results
             .as_ref()
             .map(|results| describe(spec, results)),
+        bins: direction.spec.grid(),
+        lobes: &direction.lobes,
     });
-    let mut measured = outcome.directions.iter().filter_map(|d| d.results.as_ref());
-    let of_direction = measured
-        .next()
-        .map(|results| tables::direction(spec, results));
+    let mut measured = outcome.directions.iter();
+    let of_direction =
+        measured.find_map(|one| Some(tables::direction(&one.spec, one.results.as_ref()?)));
     json!(Summary {
         head: Head::of("gonio"),
         seed: outcome.config.run.seed,
@@ -93,7 +99,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
         columns: json!({
             "gonio.csv": tables::directions(spec, outcome.unit()).description(),
             "in_plane.csv": tables::in_plane(spec).description(),
-            "bsdf.csv": tables::bsdf(spec).description(),
+            "bsdf.csv": tables::bsdf().description(),
             "directions/*.csv": of_direction.map(|table| table.description()),
         }),
         warnings: warnings(outcome),

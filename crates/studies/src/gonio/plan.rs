@@ -1,8 +1,10 @@
 //! What a configuration stands for: settings, their directions, and how each is measured.
 
 use asperity_optics::Incidence;
-use asperity_simulate::{Settings, check_memory, check_results, short};
-use asperity_tally::Polarimetry;
+use asperity_simulate::{
+    CaseBins, CoreSlopes, Light, Lobe, Settings, check_memory, check_results, short,
+};
+use asperity_tally::{Polarimetry, TallySpec};
 use serde_json::{Value, json};
 
 use super::config::GonioConfig;
@@ -10,6 +12,7 @@ use super::sample::Sample;
 use super::specimen::Specimen;
 use crate::config::cases::{check_light, check_sides};
 use crate::config::error::ConfigError;
+use crate::config::lobes::BinnedLobe;
 use crate::config::sweep::{Sweep, SweptCase};
 use crate::config::sweep_case::SweepCase;
 use crate::config::{LightConfig, VerifyConfig};
@@ -36,6 +39,12 @@ pub(super) struct Plan {
     /// All that its results depend on.
     pub(super) identity: Value,
     pub(super) work: Work,
+    /// Bins of its own, if it has any.
+    pub(super) bins: Option<CaseBins>,
+    /// What is recorded.
+    pub(super) spec: TallySpec,
+    /// Lobes of single scattering, next to the bins.
+    pub(super) lobes: Vec<BinnedLobe>,
 }
 
 /// How a direction is measured.
@@ -63,8 +72,11 @@ impl GonioConfig {
         }
         let plans = self.plans(sample)?;
         let rays = self.ray_settings()?;
-        check_results(&rays.tally, self.run.realisations.0, 1, rays.refine)?;
-        let values = rays.tally.len() as f64 * 2.0 * plans.directions.len() as f64;
+        for plan in &plans.directions {
+            check_results(&plan.spec, self.run.realisations.0, 1, rays.refine)?;
+        }
+        let specs = plans.directions.iter().map(|plan| plan.spec.len());
+        let values = 2.0 * specs.sum::<usize>() as f64;
         check_memory("the table of all directions", (8.0 * values) as usize)?;
         for plan in &plans.directions {
             if let Work::Random(config) = &plan.work {
@@ -93,7 +105,11 @@ impl GonioConfig {
         let mut plans = Plans::default();
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
             let setting = plans.number_of(Specimen::of_case(&case));
+            let Binned { bins, spec, lobes } = self.binned(&case, CoreSlopes::of_psd(&case.psd))?;
             plans.directions.push(Plan {
+                bins,
+                spec,
+                lobes,
                 setting,
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
@@ -117,6 +133,7 @@ impl GonioConfig {
         if self.medium.is_some() {
             check_light(self.light.from.into(), self.run.estimator)?;
         }
+        let slopes = CoreSlopes::of_shape(&sample.shape);
         let mut plans = Plans::default();
         for SweptCase { case, config } in Sweep::of(&self.as_verification()?)?.cases {
             let setting = Specimen::of_given(case.material, case.layer, sample.about.unit);
@@ -133,7 +150,11 @@ impl GonioConfig {
                 return Err(ConfigError::Contradiction(text));
             }
             let setting = plans.number_of(setting);
+            let Binned { bins, spec, lobes } = self.binned(&case, slopes)?;
             plans.directions.push(Plan {
+                bins,
+                spec,
+                lobes,
                 setting,
                 incidence: case.incidence,
                 identity: self.identity(sample, &case, &config.light),
@@ -142,6 +163,27 @@ impl GonioConfig {
             });
         }
         Ok(plans)
+    }
+
+    /// The bins of a case on a surface of these slopes.
+    fn binned(&self, case: &SweepCase, slopes: CoreSlopes) -> Result<Binned, ConfigError> {
+        let light = Light {
+            from: self.light.from.into(),
+            random_azimuth: self.any_azimuth(),
+            ..Light::from_above(case.incidence)
+        };
+        let [reflected, transmitted] = Lobe::of(&light, &case.material, slopes);
+        let lobes = [reflected, transmitted.filter(|_| case.layer.is_none())];
+        let bins = self.run.bins_around(lobes);
+        let tally = self.ray_settings()?.tally;
+        let spec = bins.map_or(tally, |own| {
+            tally.with_bins(own.grid, own.in_plane_half_width)
+        });
+        Ok(Binned {
+            bins,
+            lobes: BinnedLobe::of_lobes(lobes, &spec),
+            spec,
+        })
     }
 
     /// All that the results of a direction on a given surface depend on; `light` is that of this direction.
@@ -162,6 +204,13 @@ impl GonioConfig {
             "run": self.piece_run(),
         })
     }
+}
+
+/// Bins of a direction.
+struct Binned {
+    bins: Option<CaseBins>,
+    spec: TallySpec,
+    lobes: Vec<BinnedLobe>,
 }
 
 impl Plans {

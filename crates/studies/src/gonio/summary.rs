@@ -3,10 +3,12 @@
 use std::fmt::Write;
 
 use asperity_simulate::counted;
+use asperity_tally::HemisphereGrid;
 
 use super::GonioOutcome;
 use super::specimen::Distinction;
 use super::tables::{Measured, measured, report};
+use crate::config::lobes::BinnedLobe;
 
 /// The summary as text: report.txt.
 #[must_use]
@@ -29,7 +31,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         let _ = writeln!(
             out,
             "{} bins, {} and {} rays per direction; standard errors from {}",
-            outcome.spec.grid(),
+            bins(outcome),
             counted(results.surfaces, "surface"),
             results.rays,
             results.errors_from
@@ -48,6 +50,17 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     out
+}
+
+/// Numbers of bins of a side: of all directions, or of that with the fewest and of that with the most.
+fn bins(outcome: &GonioOutcome) -> String {
+    let grids = outcome.directions.iter().map(|one| one.spec.grid());
+    let fewest = grids.clone().min_by_key(HemisphereGrid::len);
+    let most = grids.max_by_key(HemisphereGrid::len);
+    match (fewest, most) {
+        (Some(fewest), Some(most)) if fewest.len() != most.len() => format!("{fewest} to {most}"),
+        (one, _) => one.unwrap_or_default().to_string(),
+    }
 }
 
 /// A label with the name of what it is a value of; labels of several values name them already.
@@ -90,5 +103,19 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
         let named = |warning: &String| format!("{}: {warning}", direction.name);
         warnings.extend(results.warnings.iter().map(named));
     }
+    warnings.extend(narrow_lobes(outcome));
     warnings
+}
+
+/// That lobes are narrower than their bins: of the first such direction, and how many others there are.
+fn narrow_lobes(outcome: &GonioOutcome) -> Option<String> {
+    let mut narrow = outcome.directions.iter().filter_map(|direction| {
+        let warning = direction.lobes.iter().find_map(BinnedLobe::warning)?;
+        Some(format!("{}: {warning}", direction.name))
+    });
+    let first = narrow.next()?;
+    Some(match narrow.count() {
+        0 => first,
+        others => format!("{first}; so in {others} other directions"),
+    })
 }

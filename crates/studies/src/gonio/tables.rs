@@ -9,8 +9,8 @@ use super::results::{MeasuredComponent, component_names};
 use super::specimen::bottom_in_words;
 use super::{Direction, DirectionResults, GonioOutcome, Specimen};
 use crate::output::{
-    Column, Table, bin_centre_columns, bin_columns, material_columns, over, projected_solid_angle,
-    solid_angle_column,
+    Column, GridBin, Table, bin_centre_columns, bin_columns, grid_bin_columns, material_columns,
+    over, projected_solid_angle, solid_angle_column,
 };
 
 /// A direction that was measured.
@@ -32,9 +32,8 @@ pub(super) fn measured(outcome: &GonioOutcome) -> impl Iterator<Item = Measured<
 }
 
 /// Flux into an in-plane bin that makes a BSDF of one: solid angle times mean |cos theta|, steradians.
-pub(super) fn projected_in_plane(spec: &TallySpec, i: usize) -> f64 {
-    // The same on both sides.
-    let filter = spec.in_plane_filter(Side::Reflected);
+pub(super) fn projected_in_plane(spec: &TallySpec, side: Side, i: usize) -> f64 {
+    let filter = spec.in_plane_filter(side);
     let [a, b] = filter.theta_deg(i).map(f64::to_radians);
     filter.solid_angle(i) * 0.5 * (a.cos() + b.cos())
 }
@@ -211,13 +210,13 @@ pub(super) struct InPlaneBin<'a> {
 
 /// The in-plane bins of all directions.
 pub(super) fn in_plane_bins(outcome: &GonioOutcome) -> impl Iterator<Item = InPlaneBin<'_>> {
-    let spec = &outcome.spec;
     measured(outcome).flat_map(
         move |Measured {
                   setting,
                   direction,
                   results,
               }| {
+            let spec = &direction.spec;
             spec.sides().flat_map(move |side| {
                 (0..spec.in_plane_filter(side).len()).map(move |bin| InPlaneBin {
                     measured: Measured {
@@ -238,10 +237,14 @@ pub(super) fn in_plane(spec: &TallySpec) -> Table<'_, InPlaneBin<'_>> {
     type Row<'a> = InPlaneBin<'a>;
     let bsdf = move |row: &Row<'_>, component: usize| {
         let component: &MeasuredComponent = row.measured.results.components.get(component)?;
+        let spec = &row.measured.direction.spec;
         let flux = component.in_plane(spec, row.side, row.bin)?;
-        Some(over(flux, projected_in_plane(spec, row.bin)))
+        Some(over(flux, projected_in_plane(spec, row.side, row.bin)))
     };
-    let edges = move |row: &Row<'_>| spec.in_plane_filter(row.side).theta_deg(row.bin);
+    let edges = move |row: &Row<'_>| {
+        let filter = row.measured.direction.spec.in_plane_filter(row.side);
+        filter.theta_deg(row.bin)
+    };
     Table::new()
         .column(Column::new(
             "direction",
@@ -292,7 +295,7 @@ pub(super) fn direction_bins(outcome: &GonioOutcome) -> impl Iterator<Item = Dir
         |Measured {
              direction, results, ..
          }| {
-            outcome.spec.recorded_bins().map(move |bin| DirectionBin {
+            direction.spec.recorded_bins().map(move |bin| DirectionBin {
                 direction,
                 results,
                 bin,
@@ -302,12 +305,16 @@ pub(super) fn direction_bins(outcome: &GonioOutcome) -> impl Iterator<Item = Dir
 }
 
 /// bsdf.csv: all directions of light and of bins in one table, for renderers.
-pub(super) fn bsdf(spec: &TallySpec) -> Table<'_, DirectionBin<'_>> {
+pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
     type Row<'a> = DirectionBin<'a>;
-    let grid = spec.grid();
     let bsdf = move |row: &Row<'_>| {
+        let spec = &row.direction.spec;
         let flux = row.results.components[0].bin(spec, row.bin)?;
-        Some(over(flux, projected_solid_angle(&grid, row.bin)))
+        Some(over(flux, projected_solid_angle(&spec.grid(), row.bin)))
+    };
+    let bin = |row: &Row<'_>| GridBin {
+        grid: row.direction.spec.grid(),
+        number: row.bin,
     };
     Table::new()
         .column(Column::new(
@@ -316,8 +323,8 @@ pub(super) fn bsdf(spec: &TallySpec) -> Table<'_, DirectionBin<'_>> {
             |row: &Row<'_>| row.direction.setting,
         ))
         .columns(incidence_columns(|row: &Row<'_>| row.direction.incidence))
-        .columns(bin_columns(grid, |row: &Row<'_>| row.bin))
-        .columns(bin_centre_columns(grid, |row: &Row<'_>| row.bin))
+        .columns(grid_bin_columns(bin))
+        .columns(bin_centre_columns(bin))
         .column(Column::estimate("bsdf", "mean BSDF of the bin", bsdf).unit("1/sr"))
 }
 

@@ -8,7 +8,7 @@ use super::config::ToleranceConfig;
 use super::interval::{CellVerdict, Interval, student_95};
 use crate::comparison::models::{BATCHES_WITHOUT_SURFACES, ModelOutcome};
 use crate::comparison::peak::PeakDifference;
-use crate::verify::{CaseOutcome, VerifyOutcome};
+use crate::verify::CaseOutcome;
 
 /// Surfaces below which nothing is said of errors: signs of fewer have too few arrangements.
 pub(super) const FEWEST_SURFACES: u64 = 8;
@@ -195,8 +195,8 @@ fn tracked_less_averaged(spec: &TallySpec, case: &CaseOutcome) -> Option<[Estima
 
 impl CellResults {
     /// What a verification of one case found.
-    pub(super) fn of(outcome: &VerifyOutcome, case: &CaseOutcome) -> Self {
-        let spec = &outcome.spec;
+    pub(super) fn of(case: &CaseOutcome) -> Self {
+        let spec = case.spec();
         let models = case.models.iter().map(|model| {
             let of = |component| distances(spec, case, model, component);
             CellModel {

@@ -1,37 +1,35 @@
 //! Columns that several tables share: bins of the hemispheres, materials, fluxes.
 
-use std::rc::Rc;
-
 use asperity_optics::Material;
-use asperity_tally::{Estimate, HemisphereGrid, Side};
+use asperity_tally::{BinFilter, Estimate, HemisphereGrid, Side};
 
 use super::table::{Cell, Column};
 
-/// The edges of all bins of a grid, exact in degrees.
-struct Edges {
-    grid: HemisphereGrid,
-    theta: [Vec<f64>; 2],
-    phi: Vec<f64>,
+/// A bin of a grid, by its number.
+#[derive(Clone, Copy)]
+pub(crate) struct GridBin {
+    pub(crate) grid: HemisphereGrid,
+    pub(crate) number: usize,
 }
 
-impl Edges {
-    fn of(grid: HemisphereGrid) -> Self {
-        Self {
-            grid,
-            theta: Side::BOTH.map(|side| grid.theta_edges_deg(side)),
-            phi: grid.phi_edges_deg(),
-        }
+impl GridBin {
+    fn side(self) -> Side {
+        Side::BOTH[self.number / self.grid.bins_per_side()]
     }
 
-    fn theta(&self, bin: usize) -> [f64; 2] {
-        let ring = (bin / self.grid.n_phi()) % self.grid.n_theta();
-        let edges = &self.theta[self.grid.bin(bin).side.index()];
-        [edges[ring], edges[ring + 1]]
+    /// Edges in polar angle, exact in degrees.
+    fn theta_deg(self) -> [f64; 2] {
+        self.of_side(BinFilter::theta_deg)
     }
 
-    fn phi(&self, bin: usize) -> [f64; 2] {
-        let sector = bin % self.grid.n_phi();
-        [self.phi[sector], self.phi[sector + 1]]
+    /// Edges in azimuth, exact in degrees.
+    fn phi_deg(self) -> [f64; 2] {
+        self.of_side(BinFilter::phi_deg)
+    }
+
+    fn of_side(self, edges: fn(&BinFilter, usize) -> [f64; 2]) -> [f64; 2] {
+        let filter = BinFilter::new(self.grid, self.side());
+        edges(&filter, self.number % self.grid.bins_per_side())
     }
 }
 
@@ -40,41 +38,46 @@ pub(crate) fn bin_columns<'a, R: 'a>(
     grid: HemisphereGrid,
     bin: impl Fn(&R) -> usize + Copy + 'a,
 ) -> [Column<'a, R>; 5] {
-    let edges = Rc::new(Edges::of(grid));
-    let edge = |name, about, edge: fn(&Edges, usize) -> f64| {
-        let edges = Rc::clone(&edges);
-        Column::new(name, about, move |row: &R| edge(&edges, bin(row))).unit("deg")
+    grid_bin_columns(move |row| GridBin {
+        grid,
+        number: bin(row),
+    })
+}
+
+/// The same where rows are about bins of several grids.
+pub(crate) fn grid_bin_columns<'a, R: 'a>(
+    bin: impl Fn(&R) -> GridBin + Copy + 'a,
+) -> [Column<'a, R>; 5] {
+    let edge = |name, about, edge: fn(GridBin) -> f64| {
+        Column::new(name, about, move |row: &R| edge(bin(row))).unit("deg")
     };
     let side = Column::new("side", "side on which light leaves", move |row: &R| {
-        grid.bin(bin(row)).side.to_string()
+        bin(row).side().to_string()
     });
     [
         side,
-        edge("theta_min_deg", "lower polar angle of the bin", |e, i| {
-            e.theta(i)[0]
+        edge("theta_min_deg", "lower polar angle of the bin", |bin| {
+            bin.theta_deg()[0]
         }),
-        edge("theta_max_deg", "upper polar angle of the bin", |e, i| {
-            e.theta(i)[1]
+        edge("theta_max_deg", "upper polar angle of the bin", |bin| {
+            bin.theta_deg()[1]
         }),
-        edge("phi_min_deg", "lower azimuth of the bin", |e, i| {
-            e.phi(i)[0]
+        edge("phi_min_deg", "lower azimuth of the bin", |bin| {
+            bin.phi_deg()[0]
         }),
-        edge("phi_max_deg", "upper azimuth of the bin", |e, i| {
-            e.phi(i)[1]
+        edge("phi_max_deg", "upper azimuth of the bin", |bin| {
+            bin.phi_deg()[1]
         }),
     ]
 }
 
-/// The columns `theta_o_deg` and `phi_o_deg`: the middle of a bin of `grid`.
+/// The columns `theta_o_deg` and `phi_o_deg`: the middle of a bin.
 pub(crate) fn bin_centre_columns<'a, R: 'a>(
-    grid: HemisphereGrid,
-    bin: impl Fn(&R) -> usize + Copy + 'a,
+    bin: impl Fn(&R) -> GridBin + Copy + 'a,
 ) -> [Column<'a, R>; 2] {
-    let edges = Rc::new(Edges::of(grid));
-    let centre = |name, about, range: fn(&Edges, usize) -> [f64; 2]| {
-        let edges = Rc::clone(&edges);
+    let centre = |name, about, range: fn(GridBin) -> [f64; 2]| {
         let middle = move |row: &R| {
-            let [from, to] = range(&edges, bin(row));
+            let [from, to] = range(bin(row));
             0.5 * (from + to)
         };
         Column::new(name, about, middle).unit("deg")
@@ -83,9 +86,13 @@ pub(crate) fn bin_centre_columns<'a, R: 'a>(
         centre(
             "theta_o_deg",
             "polar angle in the middle of the bin",
-            Edges::theta,
+            GridBin::theta_deg,
         ),
-        centre("phi_o_deg", "azimuth in the middle of the bin", Edges::phi),
+        centre(
+            "phi_o_deg",
+            "azimuth in the middle of the bin",
+            GridBin::phi_deg,
+        ),
     ]
 }
 

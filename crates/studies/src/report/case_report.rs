@@ -12,6 +12,7 @@ use crate::comparison::compared::{COMPARED, key};
 use crate::comparison::conclusion::{conclusion, verdict_name};
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
+use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, Format, Table, distance, with_error, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{
@@ -26,6 +27,7 @@ pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<Strin
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
     warnings.extend(case.stopping.iter().flat_map(|s| s.warnings.clone()));
     warnings.extend(case.outcome.errors.mesh_warning().map(str::to_owned));
+    warnings.extend(case.lobes().iter().filter_map(BinnedLobe::warning));
     let is_tracked = outcome.config.run.polarisation != Polarisation::Averaged;
     let mut models = case.models.iter();
     if is_tracked && models.any(|model| matches!(model.model, CaseModel::Layer(_))) {
@@ -88,7 +90,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     }
     out.push('\n');
 
-    out.push_str(&flux_table(outcome, case));
+    out.push_str(&flux_table(case));
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
@@ -97,7 +99,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     }
     out.push_str(&averaging_lines(case));
     if !case.models.is_empty() {
-        let compared = case.compared(&outcome.spec);
+        let compared = case.compared(case.spec());
         for component in COMPARED {
             let table = distribution_table(compared, component, &orders);
             if !table.is_empty() {
@@ -163,8 +165,8 @@ struct FluxRow {
 }
 
 /// The fluxes by side and component of the light, next to those that the models expect.
-fn flux_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
-    let spec = &outcome.spec;
+fn flux_table(case: &CaseOutcome) -> String {
+    let spec = case.spec();
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),

@@ -344,12 +344,9 @@ fn density_line(
     spec: &TallySpec,
     side: Side,
 ) -> Vec<Point> {
-    let width = 90.0 / spec.grid().n_theta() as f64;
-    let steps = (90.0 / LINE_STEP_DEG) as i32;
-    (-steps..=steps)
+    sliding_bins(spec, side)
         .into_par_iter()
-        .map(|i| {
-            let theta_deg = f64::from(i) * LINE_STEP_DEG;
+        .map(|(theta_deg, width)| {
             let from = (theta_deg - 0.5 * width).max(-90.0).to_radians();
             let to = (theta_deg + 0.5 * width).min(90.0).to_radians();
             let half_width = spec.in_plane_half_width();
@@ -360,4 +357,27 @@ fn density_line(
             Point::exact(theta_deg, flux / solid_angle)
         })
         .collect()
+}
+
+/// Places and widths, degrees, of a bin that slides along the signed angle: of equal bins in small steps, of others in the middle of each and
+/// at the edges between them, where the width is the mean of both.
+fn sliding_bins(spec: &TallySpec, side: Side) -> Vec<(f64, f64)> {
+    let filter = spec.in_plane_filter(side);
+    if spec.grid().edges(side).is_none() {
+        let width = 90.0 / spec.grid().n_theta() as f64;
+        let steps = (90.0 / LINE_STEP_DEG) as i32;
+        let places = (-steps..=steps).map(|i| f64::from(i) * LINE_STEP_DEG);
+        return places.map(|theta_deg| (theta_deg, width)).collect();
+    }
+    let width = |i: usize| {
+        let [from, to] = filter.theta_deg(i);
+        to - from
+    };
+    let places = (0..filter.len()).flat_map(|i| {
+        let middle = (filter.centre_deg(i), width(i));
+        let edge = (i + 1 < filter.len())
+            .then(|| (filter.theta_deg(i)[1], 0.5 * (width(i) + width(i + 1))));
+        [Some(middle), edge].into_iter().flatten()
+    });
+    places.collect()
 }

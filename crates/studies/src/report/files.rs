@@ -148,9 +148,9 @@ fn write_case(
     outcome: &VerifyOutcome,
     case: &CaseOutcome,
 ) -> Result<(), ReportError> {
-    let spec = &outcome.spec;
+    let spec = case.spec();
     let tables = || -> Result<(), ReportError> {
-        flux_tables(outcome, case).write(place)?;
+        flux_tables(case).write(place)?;
         write_comparison(place, case.compared(spec))?;
         let report = case_table(outcome, case);
         Ok(write_bytes(place.claim("report.txt")?, report.as_bytes())?)
@@ -171,10 +171,10 @@ fn write_case(
 }
 
 /// The tables of the fluxes of one case.
-fn flux_tables<'a>(outcome: &'a VerifyOutcome, case: &'a CaseOutcome) -> FluxTables<'a> {
+fn flux_tables(case: &CaseOutcome) -> FluxTables<'_> {
     FluxTables {
         fluxes: Fluxes {
-            spec: &outcome.spec,
+            spec: case.spec(),
             statistics: &case.outcome.statistics,
             errors: &case.outcome.errors,
             rays: case.outcome.work.rays,
@@ -184,9 +184,9 @@ fn flux_tables<'a>(outcome: &'a VerifyOutcome, case: &'a CaseOutcome) -> FluxTab
 }
 
 /// Name, unit and description of each column of the tables of one case, by file.
-fn columns(outcome: &VerifyOutcome, case: &CaseOutcome) -> Value {
-    let mut columns = flux_tables(outcome, case).columns();
-    if let Some(comparison) = comparison_columns(case.compared(&outcome.spec)) {
+fn columns(case: &CaseOutcome) -> Value {
+    let mut columns = flux_tables(case).columns();
+    if let Some(comparison) = comparison_columns(case.compared(case.spec())) {
         columns["comparison.csv"] = comparison;
     }
     columns
@@ -216,8 +216,9 @@ pub fn verify_summary(outcome: &VerifyOutcome) -> Value {
 fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
     let config = json!({ "verify": config(outcome), "case": case.case });
     Summary::new("verify", config, &case.outcome)
-        .with_comparison(json!(ComparisonJson::of(case.compared(&outcome.spec))))
-        .with_columns(columns(outcome, case))
+        .with_comparison(json!(ComparisonJson::of(case.compared(case.spec()))))
+        .with_columns(columns(case))
+        .with_lobes(case.lobes())
         .with_warnings(warnings(outcome, case))
         .with_stopping(case.stopping.clone())
 }

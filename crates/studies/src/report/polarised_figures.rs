@@ -10,7 +10,7 @@ use asperity_tally::{
 use rayon::prelude::*;
 
 use crate::output::{Place, over, projected_solid_angle};
-use crate::report::disc_bins::{disc_bins, disc_shape};
+use crate::report::disc_bins::{disc_bins, disc_edges};
 use crate::report::energies::recorded_orders;
 use crate::report::error::ReportError;
 use crate::report::figures::{PlottedCase, in_plane_points, plot_side, save};
@@ -163,6 +163,7 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
     let vertical = light.incidence.is_vertical();
     let disc = |name: String, value: &dyn Fn(usize) -> Option<f64>| {
         Some(Hemisphere {
+            bins: disc_edges(spec, side),
             values: disc_bins(spec, side).map(value).collect(),
             light_deg: (!vertical).then(|| light.incidence.phi_deg()),
             note: name,
@@ -194,7 +195,6 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
         column_title: "Stokes parameter of the incident light".to_owned(),
         rows: STOKES.map(str::to_owned).to_vec(),
         columns: STOKES.map(str::to_owned).to_vec(),
-        bins: disc_shape(spec),
         colours: SharedColours::OverFirst {
             name: "m01 to m33, over m00",
         },

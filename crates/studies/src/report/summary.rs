@@ -6,6 +6,7 @@ use asperity_tally::{
 };
 use serde::Serialize;
 
+use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, Head};
 use crate::report::polarised::polarised_json;
 use crate::validity::Validity;
@@ -78,6 +79,8 @@ pub struct Summary {
     stopping: Option<Stopping>,
     #[serde(skip_serializing_if = "Option::is_none")]
     validity: Option<Validity>,
+    /// Lobes of single scattering next to the bins that hold their middles.
+    lobes: Vec<BinnedLobe>,
     /// What the fluxes are sure not to differ by, where nothing was traced.
     #[serde(skip_serializing_if = "Option::is_none")]
     deviation_bound: Option<f64>,
@@ -121,6 +124,7 @@ impl Summary {
             warnings: Vec::new(),
             stopping: None,
             validity: None,
+            lobes: Vec::new(),
             deviation_bound: outcome.deviation_bound,
             work: outcome.work.clone(),
         }
@@ -151,6 +155,13 @@ impl Summary {
     #[must_use]
     pub(crate) fn with_validity(mut self, validity: Option<Validity>) -> Self {
         self.validity = validity;
+        self
+    }
+
+    /// With lobes next to bins.
+    #[must_use]
+    pub(crate) fn with_lobes(mut self, lobes: Vec<BinnedLobe>) -> Self {
+        self.lobes = lobes;
         self
     }
 

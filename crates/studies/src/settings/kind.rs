@@ -38,6 +38,8 @@ pub enum Kind {
     Path,
     /// Two numbers along polar angle and azimuth, `THETAxPHI`.
     Grid,
+    /// Such numbers, or one of several names.
+    GridOrChoice(&'static [Choice]),
     /// Numbers of pixels, `COLUMNSxROWS`.
     Pixels,
 }
@@ -70,9 +72,10 @@ impl Kind {
     #[must_use]
     pub const fn choices(self) -> &'static [Choice] {
         match self {
-            Self::Choice(choices) | Self::ChoiceOrFile(choices) | Self::NumberOrChoice(choices) => {
-                choices
-            }
+            Self::Choice(choices)
+            | Self::ChoiceOrFile(choices)
+            | Self::NumberOrChoice(choices)
+            | Self::GridOrChoice(choices) => choices,
             _ => &[],
         }
     }
@@ -126,6 +129,9 @@ impl Kind {
                 .find(|choice| choice.name == text || choice.alias == Some(text))
                 .map(|choice| Value::from(choice.name)),
             Self::Grid => grid(text).map(|grid| Value::from(grid.to_string())),
+            Self::GridOrChoice(choices) => Self::Choice(choices)
+                .parse(text, range)
+                .or_else(|| Self::Grid.parse(text, range)),
             Self::Pixels => {
                 let [columns, rows] = whole_pair(text)?;
                 Some(Value::from(vec![columns, rows]))
@@ -148,6 +154,13 @@ impl Kind {
                 format!(
                     "{}, or {}",
                     Self::Number.expected(range),
+                    one_of(choices, None)
+                )
+            }
+            Self::GridOrChoice(choices) => {
+                format!(
+                    "{}, or {}",
+                    Self::Grid.expected(range),
                     one_of(choices, None)
                 )
             }

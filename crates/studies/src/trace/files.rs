@@ -120,6 +120,7 @@ pub fn trace_summary(outcome: &TraceOutcome) -> Summary {
     };
     summary
         .with_columns(columns)
+        .with_lobes(outcome.lobes.clone())
         .with_warnings(outcome.warnings.clone())
         .with_stopping(outcome.stopping().cloned())
         .with_validity(outcome.validity)

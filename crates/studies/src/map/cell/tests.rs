@@ -149,7 +149,7 @@ fn no_observed_ray_is_an_error_of_three_rays() {
 }
 
 /// A small run of a model that is sampled and of one that is exact.
-fn run() -> VerifyOutcome {
+fn run() -> crate::VerifyOutcome {
     let text = "
         [surface]
         smoothness = 3
@@ -177,7 +177,7 @@ fn run() -> VerifyOutcome {
 fn the_numbers_of_a_cell_are_those_of_its_run() {
     let mut outcome = run();
     let spec = outcome.spec;
-    let found = CellResults::of(&outcome, &outcome.cases[0]);
+    let found = CellResults::of(&outcome.cases[0]);
     let case = &outcome.cases[0];
 
     // Of what the mesh adds to a bin half is light that has moved there, half light that has gone.
@@ -205,7 +205,7 @@ fn the_numbers_of_a_cell_are_those_of_its_run() {
     // of 16 batches a little more.
     let bound = 1e-3;
     outcome.cases[0].outcome.deviation_bound = Some(bound);
-    let known = CellResults::of(&outcome, &outcome.cases[0]);
+    let known = CellResults::of(&outcome.cases[0]);
     let statistics = outcome.cases[0].models[0].expectation.statistics();
     let errors = spec.grid_entries(Component::All);
     let errors: f64 = errors.iter().map(|i| statistics.at(i).se.unwrap()).sum();
@@ -226,7 +226,7 @@ fn a_peak_is_certain_only_if_the_bound_is_far_below_its_light() {
     let light = outcome.cases[0].models[1].judged().sides.clone();
     let mut peaks_at = |fraction: f64, side: usize| {
         outcome.cases[0].outcome.deviation_bound = Some(fraction * light[side].explicit);
-        let known = CellResults::of(&outcome, &outcome.cases[0]);
+        let known = CellResults::of(&outcome.cases[0]);
         [0, 1].map(|model| known.models[model].own.sides[side].peak.unwrap().se_deg)
     };
     for side in [0, 1] {

@@ -128,6 +128,11 @@ pub(super) const POLARISATION: Kind = Kind::Choice(&[
     choice("mueller", "tracked, with Mueller matrices"),
 ]);
 
+pub(super) const BINS: Kind = Kind::GridOrChoice(&[choice(
+    "auto",
+    "18x36, refined around lobes that are narrower than such bins",
+)]);
+
 pub(super) const ROULETTE: Kind = Kind::NumberOrChoice(&[choice(
     "auto",
     "with a target error what the pilot run finds best, else 0.01",

@@ -1,7 +1,8 @@
 //! `[run]`: how much is traced, and how.
 
 use super::choices::{
-    ACCELERATOR, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING, SIDE, VISIBILITY,
+    ACCELERATOR, BINS, BRANCHING, ESTIMATOR, POLARISATION, QUANTITY, ROULETTE, SAMPLING, SIDE,
+    VISIBILITY,
 };
 use super::{ATTENUATION, DEGREES, GENERATE, GONIO, MAP, MODEL, RENDER, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
@@ -79,18 +80,14 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default("1")
     .default_in(&[(MODEL, None)])
     .otherwise("1 for a model that follows rays"),
-    setting(
-        SECTION,
-        "bins",
-        Kind::Grid,
-        TRACING.and(MODEL),
-        "Bins of a hemisphere",
-    )
-    .value_name("THETAxPHI")
-    .default("18x36")
-    .default_in(&[(MODEL, None)])
-    .otherwise("18x36 for a model that follows rays")
-    .excludes(&["model.step", "model.sphere"]),
+    setting(SECTION, "bins", BINS, TRACING, "Bins of a hemisphere")
+        .value_name("THETAxPHI")
+        .default("auto")
+        .default_in(&[(MAP, Some("18x36"))]),
+    setting(SECTION, "bins", Kind::Grid, MODEL, "Bins of a hemisphere")
+        .value_name("THETAxPHI")
+        .otherwise("18x36 for a model that follows rays")
+        .excludes(&["model.step", "model.sphere"]),
     setting(
         SECTION,
         "in_plane_half_width",

@@ -1,0 +1,168 @@
+//! Bins around narrow lobes: what commands write of them, and what they say where lobes are narrower than bins.
+
+use std::fs;
+use std::path::Path;
+
+use crate::support::{Table, json, refused, succeed, words};
+
+/// A smooth surface in a folder of its own: s = 40.
+fn with_smooth_surface() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let generate = "generate --tau 8 --smoothness 40 --size 64 --seed 3 -o h.exr";
+    succeed(folder.path(), &words(generate));
+    folder
+}
+
+fn summary(path: &Path) -> serde_json::Value {
+    json(&fs::read_to_string(path.join("summary.json")).unwrap())
+}
+
+/// Peak of a column over the rows of a side.
+fn peak(table: &Table, side: &str, column: &str) -> f64 {
+    let rows = (0..table.rows.len()).filter(|row| table.text(*row, "side") == side);
+    rows.map(|row| table.number(row, column))
+        .fold(0.0, f64::max)
+}
+
+/// Edges cover each side, the largest BSDF is that of the lobe, and the in-plane slice is narrow enough to show it too.
+#[test]
+fn tables_hold_the_edges_of_bins_that_follow_the_light() {
+    let folder = with_smooth_surface();
+    let folder = folder.path();
+    let text = succeed(
+        folder,
+        &words("trace h.exr --theta 30 --rays 2e5 --no-plots -o t"),
+    );
+    assert!(
+        !text.contains("narrower") && !text.contains("below the peak"),
+        "{text}"
+    );
+    let out = folder.join("t");
+    let table = Table::read(&out.join("histogram.csv"));
+    let in_plane = Table::read(&out.join("in_plane.csv"));
+    let found = summary(&out);
+    for side in ["reflected", "transmitted"] {
+        let of_side = || (0..table.rows.len()).filter(|row| table.text(*row, "side") == side);
+        let solid: f64 = of_side()
+            .map(|row| table.number(row, "solid_angle_sr"))
+            .sum();
+        assert!((solid - 2.0 * std::f64::consts::PI).abs() < 1e-9, "{solid}");
+        let widths = of_side()
+            .map(|row| table.number(row, "theta_max_deg") - table.number(row, "theta_min_deg"));
+        assert!(widths.fold(90.0, f64::min) < 1.2);
+        // Means over the slice and over the bins in it: Gaussian to the side, a quarter of the half width each way.
+        let ratio = peak(&in_plane, side, "intensity") / peak(&table, side, "intensity");
+        assert!((0.9..1.1).contains(&ratio), "{side} {ratio}");
+    }
+    let lobes = found["lobes"].as_array().unwrap();
+    assert_eq!(lobes.len(), 2);
+    for lobe in lobes {
+        assert_eq!(lobe["resolved"], true);
+        let half = lobe["half_width_deg"][0].as_f64().unwrap();
+        let bin = lobe["bin_deg"][0].as_f64().unwrap();
+        assert!((bin / half - 0.25).abs() < 0.01, "{bin} {half}");
+    }
+    assert_eq!(found["config"]["bins"], "auto");
+}
+
+#[test]
+fn named_bins_stay_and_a_warning_gives_both_widths() {
+    let folder = with_smooth_surface();
+    let folder = folder.path();
+    let trace = "trace h.exr --theta 30 --rays 1e4 --no-plots --bins 18x36 -o t";
+    let text = succeed(folder, &words(trace));
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("its bin is 5 x"), "{text}");
+    assert!(
+        text.contains("the lobe of transmitted light at theta 161 deg falls to half within"),
+        "{text}"
+    );
+    let table = Table::read(&folder.join("t/histogram.csv"));
+    assert_eq!(table.rows.len(), 2 * 18 * 36);
+    let warnings = summary(&folder.join("t"))["warnings"].to_string();
+    assert!(warnings.contains("--bins auto"), "{warnings}");
+    // Wide lobes: nothing to say, and bins of equal angles by default.
+    let wide = "verify --smoothness 2 --size 32 --tau 8 --rays 4000 --realisations 3 --models none --no-plots -o v";
+    let text = succeed(folder, &words(wide));
+    assert!(!text.contains("below the peak"), "{text}");
+    let table = Table::read(&folder.join("v/histogram.csv"));
+    assert_eq!(table.rows.len(), 2 * 18 * 36);
+    let said = refused(folder, &words("trace h.exr --theta 30 --bins fine"), 2);
+    assert!(said.contains("18x36") && said.contains("auto"), "{said}");
+}
+
+/// Models are integrated over the same bins, and a true one is not rejected; each angle has bins of its own.
+#[test]
+fn models_are_compared_over_bins_that_follow_the_light() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let verify = "verify --smoothness 40 --tau 8 --size 48 --theta 0,40 --rays 6e4 --realisations 6 --models smith --no-plots -o v";
+    let text = succeed(folder, &words(verify));
+    assert!(text.contains("smith is not rejected"), "{text}");
+    let sizes = ["s40_n1.5_theta0", "s40_n1.5_theta40"].map(|case| {
+        let found = summary(&folder.join("v").join(case));
+        assert!(found["lobes"][0]["resolved"].as_bool().unwrap());
+        let table = Table::read(&folder.join("v").join(case).join("comparison.csv"));
+        // Bin by bin to a few standard errors, and to rounding where there is no light.
+        for row in 0..table.rows.len() {
+            let [found, model] = ["flux_single", "flux_smith"].map(|name| table.number(row, name));
+            assert!((found - model).abs() < 1e-3, "{:?}", table.rows[row]);
+        }
+        table.rows.len()
+    });
+    assert!(
+        sizes[0] != sizes[1] && sizes.iter().all(|n| *n > 2 * 18 * 36),
+        "{sizes:?}"
+    );
+}
+
+/// Of several directions each has edges of its own; arrays are padded, and a measurement resumes to the same bytes.
+#[test]
+fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
+    let folder = with_smooth_surface();
+    let folder = folder.path();
+    let gonio = "gonio --surface h.exr --theta 0,40 --rays 2e4 -o out";
+    succeed(folder, &words(gonio));
+    let out = folder.join("out");
+    let names = [
+        "bsdf.npy",
+        "bsdf_se.npy",
+        "theta_edges.npy",
+        "phi_edges.npy",
+        "bsdf.csv",
+        "in_plane.csv",
+    ];
+    let before = names.map(|name| fs::read(out.join(name)).unwrap());
+    let shape = |name: &str| -> Vec<usize> {
+        let bytes = fs::read(out.join(name)).unwrap();
+        let header = String::from_utf8_lossy(&bytes[..128]).into_owned();
+        let list = header.split_once("'shape': (").unwrap().1;
+        let list = list.split_once(')').unwrap().0;
+        list.split(',')
+            .filter_map(|n| n.trim().parse().ok())
+            .collect()
+    };
+    let [bsdf, theta, phi] = ["bsdf.npy", "theta_edges.npy", "phi_edges.npy"].map(shape);
+    assert_eq!(bsdf[..4], [1, 2, 1, 2]);
+    assert_eq!([theta[4], phi[4]], [bsdf[4] + 1, bsdf[5] + 1]);
+    let directions = summary(&out)["directions"].clone();
+    assert_ne!(directions[0]["bins"], directions[1]["bins"]);
+    assert!(out.join("plots/lobe_theta40_transmitted.svg").exists());
+    // The same table by trace.
+    succeed(
+        folder,
+        &words("trace h.exr --theta 40 --rays 2e4 --no-plots -o t"),
+    );
+    let [ours, theirs] = ["out/directions/n1.5_theta40_phi0.csv", "t/histogram.csv"]
+        .map(|name| Table::read(&folder.join(name)));
+    assert_eq!(ours.rows.len(), theirs.rows.len());
+    for row in 0..ours.rows.len() {
+        for column in ["theta_min_deg", "phi_max_deg", "flux", "bsdf_se"] {
+            assert_eq!(ours.text(row, column), theirs.text(row, column));
+        }
+    }
+    fs::remove_file(out.join("directions/n1.5_theta40_phi0.json")).unwrap();
+    succeed(folder, &words(gonio));
+    let after = names.map(|name| fs::read(out.join(name)).unwrap());
+    assert!(before == after);
+}
