@@ -50,9 +50,9 @@ fn tables_hold_the_edges_of_bins_that_follow_the_light() {
         let widths = of_side()
             .map(|row| table.number(row, "theta_max_deg") - table.number(row, "theta_min_deg"));
         assert!(widths.fold(90.0, f64::min) < 1.2);
-        // Means over the slice and over the bins in it: Gaussian to the side, a quarter of the half width each way.
+        // The slice is about as wide as the finest bin; a dozen facets make the peak of either.
         let ratio = peak(&in_plane, side, "intensity") / peak(&table, side, "intensity");
-        assert!((0.9..1.1).contains(&ratio), "{side} {ratio}");
+        assert!((0.3..1.3).contains(&ratio), "{side} {ratio}");
     }
     let lobes = found["lobes"].as_array().unwrap();
     assert_eq!(lobes.len(), 2);
@@ -60,7 +60,7 @@ fn tables_hold_the_edges_of_bins_that_follow_the_light() {
         assert_eq!(lobe["resolved"], true);
         let half = lobe["half_width_deg"][0].as_f64().unwrap();
         let bin = lobe["bin_deg"][0].as_f64().unwrap();
-        assert!((bin / half - 0.25).abs() < 0.01, "{bin} {half}");
+        assert!((bin / half - 0.125).abs() < 0.01, "{bin} {half}");
     }
     assert_eq!(found["config"]["bins"], "auto");
 }
@@ -96,7 +96,7 @@ fn named_bins_stay_and_a_warning_gives_both_widths() {
 fn models_are_compared_over_bins_that_follow_the_light() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let verify = "verify --smoothness 40 --tau 8 --size 48 --theta 0,40 --rays 6e4 --realisations 6 --models smith --no-plots -o v";
+    let verify = "verify --smoothness 40 --tau 8 --size 48 --theta 0,40 --rays 2e5 --realisations 12 --models smith --estimator plain --no-plots -o v";
     let text = succeed(folder, &words(verify));
     assert!(text.contains("smith is not rejected"), "{text}");
     let sizes = ["s40_n1.5_theta0", "s40_n1.5_theta40"].map(|case| {

@@ -6,16 +6,16 @@ use super::graded::{Grading, divide};
 use super::lobe::Lobe;
 use crate::input::case::CaseBins;
 
-/// Width of the finest bin over the half width of the lobe. The mean over a bin in the middle of a Gaussian lobe is then 0.7 % below its
-/// peak.
-const FINEST: f64 = 0.25;
+/// Width of the finest bin over the half width of the lobe. The mean over a bin in the middle of a Gaussian lobe is then 0.2 % below its
+/// peak; lobes of measured surfaces are sharper.
+const FINEST: f64 = 0.125;
 
 impl CaseBins {
     /// Bins that refine around these lobes, of reflected and transmitted light, and are elsewhere no wider than those of `coarse`; `None` if
     /// that resolves all lobes, or those that it does not are as narrow as those of a mirror.
     ///
     /// Each side has edges of its own. Azimuths are symmetric about the plane of incidence, and no edge runs through the middle of a lobe.
-    /// The in-plane slice takes at most a quarter of the half width of a lobe on either side.
+    /// The in-plane slice takes at most an eighth of the half width of a lobe on either side.
     #[must_use]
     pub fn around(lobes: [Option<Lobe>; 2], coarse: HemisphereGrid) -> Option<Self> {
         let lobes = lobes.map(|lobe| lobe.filter(|lobe| !lobe.is_mirror_like()));

@@ -55,7 +55,7 @@ fn expected_peak(side: Side, theta: f64) -> f64 {
     }
 }
 
-/// Bins of a quarter of the half width lie 0.7 % below the peak in their middle. Surfaces scatter by as much as their errors say.
+/// Bins of an eighth of the half width lie 0.2 % below the peak in their middle. Surfaces scatter by as much as their errors say.
 #[test]
 fn peaks_of_random_surfaces_are_those_of_their_density_of_slopes() {
     for (estimator, surfaces, total) in [
@@ -81,7 +81,7 @@ fn peaks_of_random_surfaces_are_those_of_their_density_of_slopes() {
                     "{estimator} {theta_deg} {side}: {off:+.4} +- {se:.4}, by the bin -{below:.4}"
                 );
                 assert!((off + below).abs() < 4.0 * se + 0.005, "{off} {se}");
-                assert!(se < 0.04 && below < 0.01);
+                assert!(se < 0.06 && below < 0.005);
             }
         }
     }
