@@ -69,7 +69,8 @@ impl<G: BuildAccelerator> RegionRun<G> {
         } else {
             context.observer.stop().unwrap_or(StoppedBy::Interrupt)
         };
-        let tallies = CaseTallies::of_surfaces(self.run.settings.tally, found);
+        let spec = self.run.settings.spec_of(&case.case);
+        let tallies = CaseTallies::of_surfaces(&[spec], found);
         let tallies = tallies.into_iter().next();
         let stopping = Stopping {
             target_error: None,
@@ -114,7 +115,8 @@ impl<G: BuildAccelerator> RegionRun<G> {
         let way = WayOfPaths::of(&case.methods[0]);
         let is_complete = |found: &SurfaceTallies| matches!(found.cases.as_slice(), [one] if one.work.rays == rays && one.way == way);
         let saved = store.and_then(|store| store.load(key));
-        let saved = saved.and_then(|saved| saved.restore(self.run.settings.tally));
+        let spec = self.run.settings.spec_of(&case.case);
+        let saved = saved.and_then(|saved| saved.restore(&[spec]));
         if let Some(saved) = saved.filter(is_complete) {
             observer.advance(rays);
             return Ok(Some(saved));
@@ -151,7 +153,7 @@ impl<G: BuildAccelerator> RegionRun<G> {
         let method_of = |i: usize| &*case.methods[i];
         let mut lit = built.lit(&case.case, method_of, settings)?;
         let way = WayOfPaths::of(&case.methods[0]);
-        let mut found = CaseOnSurface::new(way, settings.tally, lit.len());
+        let mut found = CaseOnSurface::new(way, settings.spec_of(&case.case), lit.len());
         let border = built.meshes().next().map(Geometry::border);
         let windows = border.map_or_else(Vec::new, |border| self.regions.windows(region, border));
         let of_window = self.blocks(case);

@@ -144,7 +144,7 @@ impl PlannedComparison {
         let compared = Compared {
             config: &self.config,
             seed: self.seed,
-            spec: &self.settings.tally,
+            spec: outcome.statistics.spec(),
             incidence: self.case.light.incidence,
             free_azimuth: false,
             surface: ModelledSurface {
