@@ -225,8 +225,8 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
         let line = format!("gonio g.toml --threads {threads} -o {out}");
         succeed(folder, &words(&line));
     }
-    // A matrix, and for each angle parts and profiles, of reflected light alone: none is transmitted.
-    assert_eq!(files(&whole.join("plots")).len(), 2 * (1 + 2 * 2));
+    // A matrix, and for each angle parts, profiles and lobe, of reflected light alone: none is transmitted.
+    assert_eq!(files(&whole.join("plots")).len(), 2 * (1 + 3 * 2));
     assert_same_bytes(&whole, &folder.join("pieces"));
     // More directions join those that are there; plots that are not requested go.
     succeed(
