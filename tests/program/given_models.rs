@@ -10,7 +10,7 @@ const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
 /// A surface 32 correlation lengths wide.
 fn rough(folder: &Path, smoothness: &str) {
     let command = format!(
-        "generate --tau 4 --smoothness {smoothness} --size 128 --spacing 1 --cells flat --seed 3 -o rough.npy"
+        "generate --tau 4 --smoothness {smoothness} --size 128 --spacing 1 --seed 3 -o rough.npy"
     );
     succeed(folder, &words(&command));
 }
@@ -152,7 +152,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
     succeed(
         folder,
         &words(
-            "generate --tau 8 --smoothness 3 --size 60 --spacing 1 --cells flat --insist -o small.npy",
+            "generate --tau 8 --smoothness 3 --size 60 --spacing 1 --insist -o small.npy",
         ),
     );
     for (surface, more, expected) in [

@@ -44,7 +44,7 @@ impl BinnedLobe {
     }
 
     /// The angle of its middle from the normal of `side`, degrees, if it is of that side.
-    pub(crate) fn from_normal_deg(&self, side: Side) -> Option<f64> {
+    pub(crate) fn angle_to_normal_deg(&self, side: Side) -> Option<f64> {
         let Lobe { theta_deg, .. } = self.lobe;
         (self.lobe.side == side).then_some(match side {
             Side::Reflected => theta_deg,

@@ -283,7 +283,7 @@ fn lobe(outcome: &GonioOutcome, side: Side, theta: usize) -> InPlaneCurves {
         ),
         subtitle: subtitle(outcome, ""),
         side: plot_side(side),
-        flat_direction_deg: lobes.iter().find_map(|lobe| lobe.from_normal_deg(side)),
+        flat_direction_deg: lobes.iter().find_map(|lobe| lobe.angle_to_normal_deg(side)),
         series: series.collect(),
     }
 }
