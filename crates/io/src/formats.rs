@@ -24,6 +24,10 @@ pub enum HeightMapFormat {
     /// points, `#` before comments; plain (spacing 1, no unit) or after the header lines of an
     /// interferometer (`h=`, `w=`, `pixel size=`, `data unit=`, `height conversion factor (-> m)=`).
     Text,
+    /// TIFF or GeoTIFF, read only: one channel of whole numbers or of half, single or double precision. A projected
+    /// grid in metres or feet is brought to metres; missing points and the scale of heights as GDAL writes them;
+    /// without GeoTIFF tags spacing 1, no unit.
+    Tiff,
     /// Greyscale image of 16 bits, written only, for viewing: black is the lowest height, white the
     /// highest; text chunks keep the mapping `height_min`, `height_max`, `spacing_x`, `spacing_y`,
     /// `unit`. Row 0 is on top.
@@ -59,12 +63,13 @@ pub(crate) const MARKS_WITHIN: usize = 32;
 
 impl HeightMapFormat {
     /// All formats. Where two have an ending in common, the first is that of files whose content says nothing.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Exr,
         Self::Npy,
         Self::Gsf,
         Self::X3p,
         Self::Text,
+        Self::Tiff,
         Self::Png,
     ];
 
@@ -108,6 +113,21 @@ impl HeightMapFormat {
                 with_article: "a text matrix",
                 endings: &["asc", "txt", "csv"],
                 marks: &[],
+                is_read: true,
+                is_written: false,
+            },
+            Self::Tiff => Properties {
+                name: "TIFF image",
+                with_article: "a TIFF image",
+                endings: &["tif", "tiff"],
+                marks: const {
+                    &[
+                        start(b"II*\0"),
+                        start(b"MM\0*"),
+                        start(b"II+\0"),
+                        start(b"MM\0+"),
+                    ]
+                },
                 is_read: true,
                 is_written: false,
             },

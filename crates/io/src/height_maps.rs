@@ -7,6 +7,7 @@ mod npy;
 mod png;
 mod samples;
 mod text;
+mod tiff;
 mod unit;
 mod x3p;
 
@@ -88,6 +89,7 @@ pub(crate) fn read_from<R: BufRead + Seek>(
         HeightMapFormat::Gsf => gsf::read(path, reader, length),
         HeightMapFormat::X3p => x3p::read(path, reader, length),
         HeightMapFormat::Text => text::read(path, reader, length),
+        HeightMapFormat::Tiff => tiff::read(path, reader, length),
         HeightMapFormat::Png => Err(ReadError::NoScale {
             path: path.to_owned(),
         }),

@@ -4,6 +4,7 @@ mod exr;
 mod gsf;
 mod npy;
 mod text;
+mod tiff;
 mod x3p;
 
 use std::io::Cursor;
@@ -44,8 +45,10 @@ fn path(format: HeightMapFormat) -> PathBuf {
 
 /// A valid small file of each format that is read.
 fn valid(format: HeightMapFormat) -> Vec<u8> {
-    if format == HeightMapFormat::Text {
-        return TEXT.into();
+    match format {
+        HeightMapFormat::Text => return TEXT.into(),
+        HeightMapFormat::Tiff => return tiff::terrain(),
+        _ => {}
     }
     let mut out = Cursor::new(Vec::new());
     write_to(&path(format), format, &field(), &mut out).unwrap();

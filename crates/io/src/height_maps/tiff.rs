@@ -1,0 +1,143 @@
+//! TIFF and GeoTIFF (.tif, .tiff), read only.
+//!
+//! One channel of grey: whole numbers of 8 to 64 bits, half, single or double precision; strips or tiles, plain or
+//! compressed by deflate, LZW or PackBits; BigTIFF too. The first page is read: further pages are overviews, or are
+//! named in a note. [`geo`] finds spacing, units, missing points and the scale of heights in the tags of GeoTIFF and
+//! GDAL; other TIFF files state no length, so that their spacing is assumed to be 1.
+
+mod geo;
+mod metadata;
+
+use std::fmt::Display;
+use std::io::{BufRead, Seek};
+use std::path::Path;
+
+use ::tiff::decoder::{Decoder, DecodingResult, Limits};
+use ::tiff::tags::Tag;
+use ::tiff::{ColorType, TiffError};
+use asperity_surface::{RawHeightMap, check_grid};
+
+use self::geo::Georeference;
+use crate::error::ReadError;
+use crate::formats::HeightMapFormat;
+use crate::limits::{check_packed_claim, guarded, room};
+
+/// Most pages of a file that are looked at.
+const MAX_PAGES: usize = 64;
+
+/// Bits of the tag `NewSubfileType`: an overview, a mask of valid points.
+const IS_OVERVIEW: u32 = 1;
+const IS_MASK: u32 = 4;
+
+pub(crate) fn read<R: BufRead + Seek>(
+    path: &Path,
+    reader: R,
+    length: u64,
+) -> Result<RawHeightMap, ReadError> {
+    guarded(|| decode(path, reader, length))
+        .unwrap_or_else(|| Err(malformed(path, "its content is damaged")))
+}
+
+fn decode<R: BufRead + Seek>(
+    path: &Path,
+    reader: R,
+    length: u64,
+) -> Result<RawHeightMap, ReadError> {
+    let fail = |error| decoding(path, error);
+    let mut decoder = Decoder::new(reader).map_err(fail)?;
+    let (columns, rows) = decoder.dimensions().map_err(fail)?;
+    let [ny, nx] = [rows, columns].map(u64::from);
+    let shape = [rows, columns].map(|n| n as usize);
+    check_packed_claim(path, [ny, nx], 1, length)?;
+    let colour = decoder.colortype().map_err(fail)?;
+    let ColorType::Gray(bits) = colour else {
+        return Err(ReadError::unsupported(
+            path,
+            format_args!(
+                "its pixels are {colour:?}, but one channel of heights is needed; a picture has none"
+            ),
+        ));
+    };
+    let place = Georeference::read(path, &mut decoder)?;
+    check_grid(shape, place.spacing().unwrap_or([1.0; 2])).map_err(ReadError::surface(path))?;
+
+    // Room for all samples at their width, and for a strip that holds all of them
+    let bytes = shape[0] * shape[1] * usize::from(bits).div_ceil(8).max(1);
+    let mut limits = Limits::default();
+    limits.decoding_buffer_size = bytes.max(limits.decoding_buffer_size);
+    limits.intermediate_buffer_size = bytes.max(limits.intermediate_buffer_size);
+    let mut decoder = decoder.with_limits(limits);
+    let mut heights = room(path, nx, ny)?;
+    let samples = decoder.read_image().map_err(fail)?;
+    let is_single = matches!(samples, DecodingResult::F32(_));
+    append(samples, &mut heights);
+    let note = note_on_pages(path, &mut decoder)?;
+
+    place.apply(&mut heights, is_single);
+    let spacing = place.spacing();
+    let mut map = RawHeightMap::new(heights, shape, spacing.unwrap_or([1.0; 2]))
+        .map_err(ReadError::surface(path))?;
+    if spacing.is_none() {
+        map = map.with_assumed_spacing();
+    }
+    map.unit = place.unit();
+    map.notes.extend(place.notes().into_iter().chain(note));
+    Ok(map)
+}
+
+/// Appends the samples to `heights`; whole numbers of 64 bits beyond 2^53 are rounded to the nearest double.
+fn append(samples: DecodingResult, heights: &mut Vec<f64>) {
+    match samples {
+        DecodingResult::U8(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::U16(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::U32(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::U64(all) => heights.extend(all.into_iter().map(|x| x as f64)),
+        DecodingResult::I8(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::I16(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::I32(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::I64(all) => heights.extend(all.into_iter().map(|x| x as f64)),
+        DecodingResult::F16(all) => heights.extend(all.into_iter().map(|x| x.to_f64())),
+        DecodingResult::F32(all) => heights.extend(all.into_iter().map(f64::from)),
+        DecodingResult::F64(all) => heights.extend(all),
+    }
+}
+
+/// What further pages of the file hold, unless they are overviews; a mask of missing points is refused.
+fn note_on_pages<R: BufRead + Seek>(
+    path: &Path,
+    decoder: &mut Decoder<R>,
+) -> Result<Option<String>, ReadError> {
+    let fail = |error| decoding(path, error);
+    let mut others = 0;
+    for _ in 1..MAX_PAGES {
+        if !decoder.more_images() {
+            break;
+        }
+        decoder.next_image().map_err(fail)?;
+        let kind = decoder
+            .find_tag_unsigned::<u32>(Tag::NewSubfileType)
+            .map_err(fail)?
+            .unwrap_or(0);
+        if kind & IS_MASK != 0 {
+            return Err(ReadError::unsupported(
+                path,
+                "a page of its own marks missing points, but a number for them (GDAL_NODATA) is needed",
+            ));
+        }
+        others += usize::from(kind & IS_OVERVIEW == 0);
+    }
+    Ok((others > 0).then(|| format!("the first of {} pages is read", others + 1)))
+}
+
+fn malformed(path: &Path, what: impl Display) -> ReadError {
+    ReadError::malformed(path, HeightMapFormat::Tiff, what)
+}
+
+fn decoding(path: &Path, error: TiffError) -> ReadError {
+    match error {
+        TiffError::IoError(error) => ReadError::io(path, error),
+        TiffError::UnsupportedError(what) => ReadError::unsupported(path, what),
+        TiffError::FormatError(what) => malformed(path, what),
+        other => malformed(path, other),
+    }
+}
