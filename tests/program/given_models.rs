@@ -32,7 +32,7 @@ fn a_surface_is_compared_with_models_of_its_own_slopes() {
     );
     for words in [
         "models have the slopes of this surface: variance",
-        "6 x 6 regions of 5.3 x 5.3 correlation lengths",
+        "6 x 6 regions of 5.2 x 5.3 correlation lengths",
         "p value, sign flips of regions",
         "Single scattering, tested at level",
         "v-cavity is rejected",
@@ -151,9 +151,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
     succeed(folder, &words("mesh rough.npy --border open -o mesh.ply"));
     succeed(
         folder,
-        &words(
-            "generate --tau 8 --smoothness 3 --size 60 --spacing 1 --insist -o small.npy",
-        ),
+        &words("generate --tau 8 --smoothness 3 --size 40 --spacing 1 --insist -o small.npy"),
     );
     for (surface, more, expected) in [
         (
@@ -173,7 +171,7 @@ fn what_cannot_be_compared_is_refused_in_a_sentence() {
         ("rough.npy", "--models cook-torrance-neumann", "reflect"),
         (
             "rough.npy",
-            "--models smith --azimuth random",
+            "--models smith --light-azimuth random",
             "one azimuth",
         ),
         (

@@ -258,6 +258,7 @@ fn random_surfaces_agree_with_an_independent_ensemble() {
         realisations = 24
         rays = 2e5
         seed = 3
+        bins = \"18x36\"
         polarisation = \"averaged\"
         [compare]
         models = []

@@ -7,6 +7,8 @@ use asperity_surface::{Border, Form, HeightField, LengthUnit, Roughness};
 use asperity_tracer::{Geometry, MeshSurface};
 use serde_json::{Value, json};
 
+use crate::surface_lengths::SurfaceLengths;
+
 /// A given surface.
 #[derive(Clone, Debug)]
 pub struct GivenSurface {
@@ -58,6 +60,15 @@ impl GivenSurface {
                 let [x, y, _] = mesh.size();
                 [x, y]
             }
+        }
+    }
+
+    /// Its lengths, to be compared with the wavelength.
+    #[must_use]
+    pub fn lengths(&self) -> SurfaceLengths {
+        match &self.shape {
+            GivenShape::Field(field) => SurfaceLengths::of_field(field),
+            GivenShape::Mesh(mesh) => SurfaceLengths::of_mesh(mesh, self.unit),
         }
     }
 

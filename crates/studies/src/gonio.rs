@@ -28,6 +28,7 @@ use asperity_tally::TallySpec;
 use crate::config::error::ConfigError;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{CHANGED, CheckpointCase, CheckpointError, Checkpoints, Completion};
+use crate::validity::Validity;
 use crate::verify::error::VerifyError;
 use crate::verify::{VerifyOutcome, verify};
 
@@ -92,6 +93,8 @@ pub struct Direction {
     pub spec: TallySpec,
     /// Its lobes, next to its bins.
     pub(crate) lobes: Vec<BinnedLobe>,
+    /// Lengths of the surface against the wavelength, where its unit is known.
+    pub validity: Option<Validity>,
     /// What was found; `None` where the run ended before.
     pub results: Option<DirectionResults>,
 }
@@ -186,6 +189,7 @@ pub fn gonio(
         name: plan.name.clone(),
         spec: plan.spec,
         lobes: plan.lobes.clone(),
+        validity: plan.validity,
         results,
     });
     let [thetas, phis] = config.light.angles()?;

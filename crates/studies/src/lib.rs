@@ -16,6 +16,7 @@ mod model;
 mod output;
 mod report;
 pub mod settings;
+mod surface_lengths;
 mod trace;
 mod validity;
 mod verify;
@@ -67,6 +68,7 @@ pub use report::figures::height_map_figure;
 pub use report::files::{verify_report, verify_summary};
 pub use report::roughness::{realisation_table, roughness_table, smooth_table};
 pub use report::summary::Summary;
+pub use surface_lengths::SurfaceLengths;
 pub use trace::{
     PlannedTrace, TraceComparison, TraceError, TraceOutcome, TracedSurfaces, trace_report,
     trace_summary, trace_table,

@@ -142,7 +142,7 @@ pub struct TraceOutcome {
     pub comparison: Option<TraceComparison>,
     /// What a reader should know.
     pub warnings: Vec<String>,
-    /// Lengths of the surface against the wavelength, of a height map whose unit is known.
+    /// Lengths of the surface against the wavelength, where its unit is known.
     pub validity: Option<Validity>,
     /// The lobes of single scattering next to the bins.
     lobes: Vec<BinnedLobe>,
@@ -204,13 +204,8 @@ impl PlannedTrace {
         let unit = surfaces.surface.unit;
         let surface = surfaces.surface.clone();
         let mut warnings = surface.warnings();
-        let validity = match &surfaces.surface.shape {
-            GivenShape::Field(field) => {
-                let wavelength = config.light.wavelength.map(|wavelength| wavelength.0);
-                Validity::of_field(field, config.incidence()?.theta(), wavelength)
-            }
-            GivenShape::Mesh(_) => None,
-        };
+        let theta = config.incidence()?.theta();
+        let validity = Validity::new(&surface.lengths(), theta, config.light.wavelength_nm());
         let description = description::Surfaces::of(&surfaces, config);
         let shape = surfaces.shape(config.surface.cells.of_given())?;
         let case = config.case(shape.clone())?;
@@ -233,8 +228,8 @@ impl PlannedTrace {
         })
     }
 
-    /// What an earlier run of this configuration on this surface has left in `folder`. The time that a run is given
-    /// and its plots do not belong to it.
+    /// What an earlier run of this configuration on this surface has left in `folder`. The time that a run is given,
+    /// its plots and the wavelength, which changes nothing that is traced, do not belong to it.
     ///
     /// # Errors
     /// [`CheckpointError`] if a checkpoint cannot be read, or is of another results epoch, of other settings or of
@@ -245,6 +240,7 @@ impl PlannedTrace {
     ) -> Result<SurfaceCheckpoints<'a>, CheckpointError> {
         let mut settings = self.config.clone();
         settings.run.max_time = None;
+        settings.light.wavelength = None;
         settings.output.plots = true;
         let mut settings = json!(settings);
         settings["points"] = shape_hash(&self.shape);

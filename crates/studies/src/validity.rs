@@ -8,8 +8,10 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use asperity_surface::{Border, HeightField, LengthUnit, Roughness};
+use asperity_surface::LengthUnit;
 use serde::Serialize;
+
+use crate::surface_lengths::SurfaceLengths;
 
 /// The wavelength unless one is given, in nanometres: the middle of visible light.
 pub const DEFAULT_WAVELENGTH_NM: f64 = 550.0;
@@ -31,28 +33,27 @@ pub struct Validity {
     /// The shorter correlation length over the wavelength; `None` where the surface has none.
     pub tau_over_wavelength: Option<f64>,
     /// `R cos^3(theta) / lambda`, R being one over the root mean square second derivative along the more curved axis;
-    /// `None` for a surface without curvature.
+    /// `None` for a surface without curvature, or where it is not known.
     pub curvature_radius_over_wavelength: Option<f64>,
     /// Whether all of them are at least [`LARGE`].
     pub holds: bool,
 }
 
 impl Validity {
-    /// For light at the polar angle `theta`, radians, on a surface; `None` if its unit is not known, or it is flat.
+    /// For light at the polar angle `theta`, radians, on a surface of these lengths; `None` if their unit is not
+    /// known, or the surface is flat. `wavelength_nm`: [`DEFAULT_WAVELENGTH_NM`] without one.
     #[must_use]
-    pub fn of_field(field: &HeightField, theta: f64, wavelength_nm: Option<f64>) -> Option<Self> {
+    pub fn new(lengths: &SurfaceLengths, theta: f64, wavelength_nm: Option<f64>) -> Option<Self> {
         let nanometres = wavelength_nm.unwrap_or(DEFAULT_WAVELENGTH_NM);
-        let wavelength = LengthUnit::Nanometre.conversion(field.unit())?(nanometres);
-        let roughness = Roughness::of(field);
-        if roughness.sq == 0.0 {
+        let wavelength = LengthUnit::Nanometre.conversion(lengths.unit)?(nanometres);
+        if lengths.sigma == 0.0 {
             return None;
         }
         let cos = theta.cos();
-        let rayleigh = 4.0 * PI * roughness.sq * cos / wavelength;
-        let shorter = [roughness.tau_x, roughness.tau_y].into_iter().flatten();
-        let tau = shorter.reduce(f64::min).map(|tau| tau / wavelength);
-        let curvature = root_mean_square_curvature(field);
-        let radius = (curvature > 0.0).then(|| cos.powi(3) / (curvature * wavelength));
+        let rayleigh = 4.0 * PI * lengths.sigma * cos / wavelength;
+        let tau = lengths.tau.map(|tau| tau / wavelength);
+        let curvature = lengths.curvature.filter(|curvature| *curvature > 0.0);
+        let radius = curvature.map(|curvature| cos.powi(3) / (curvature * wavelength));
         let is_large = |number: f64| number >= LARGE;
         Some(Self {
             wavelength_nm: nanometres,
@@ -100,55 +101,17 @@ impl fmt::Display for Validity {
     }
 }
 
-/// Root mean square second derivative of the heights along the axis where it is larger, from neighbouring samples.
-fn root_mean_square_curvature(field: &HeightField) -> f64 {
-    let [ny, nx] = field.shape();
-    let [dx, dy] = field.spacing();
-    // Over a periodic border there are as many as samples, else none at its two ends
-    let range = |n: usize| match field.border() {
-        Border::Periodic => 0..n,
-        _ => 1..n.max(2) - 1,
-    };
-    let second = |[a, b, c]: [f64; 3], d: f64| ((a - 2.0 * b + c) / (d * d)).powi(2);
-    let (mut along_x, mut along_y) = (Mean::default(), Mean::default());
-    for iy in 0..ny {
-        for ix in range(nx) {
-            let three = [ix + nx - 1, ix, ix + 1].map(|ix| field.height(ix % nx, iy));
-            along_x.add(second(three, dx));
-        }
-    }
-    for iy in range(ny) {
-        for ix in 0..nx {
-            let three = [iy + ny - 1, iy, iy + 1].map(|iy| field.height(ix, iy % ny));
-            along_y.add(second(three, dy));
-        }
-    }
-    along_x.value().max(along_y.value()).sqrt()
-}
-
-/// A mean of numbers; zero without any.
-#[derive(Default)]
-struct Mean {
-    sum: f64,
-    count: usize,
-}
-
-impl Mean {
-    fn add(&mut self, number: f64) {
-        self.sum += number;
-        self.count += 1;
-    }
-
-    fn value(&self) -> f64 {
-        self.sum / self.count.max(1) as f64
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
 
+    use asperity_surface::HeightField;
+
     use super::*;
+
+    fn of_field(field: &HeightField, theta: f64, wavelength_nm: Option<f64>) -> Option<Validity> {
+        Validity::new(&SurfaceLengths::of_field(field), theta, wavelength_nm)
+    }
 
     /// Waves of amplitude `a` and period 32 along x, spacing 1.
     fn waves(a: f64, unit: LengthUnit) -> HeightField {
@@ -160,7 +123,7 @@ mod tests {
     #[test]
     fn numbers_follow_from_lengths_and_angle() {
         let theta = 60_f64.to_radians();
-        let found = Validity::of_field(&waves(2.0, LengthUnit::Micrometre), theta, Some(500.0));
+        let found = of_field(&waves(2.0, LengthUnit::Micrometre), theta, Some(500.0));
         let found = found.unwrap();
         // sigma = sqrt 2 um, lambda = 0.5 um
         let rayleigh = 4.0 * PI * 2_f64.sqrt() * 0.5 / 0.5;
@@ -176,7 +139,7 @@ mod tests {
 
     #[test]
     fn shallow_surfaces_are_doubtful_and_unknown_units_are_not_judged() {
-        let shallow = Validity::of_field(&waves(0.02, LengthUnit::Micrometre), 0.0, None).unwrap();
+        let shallow = of_field(&waves(0.02, LengthUnit::Micrometre), 0.0, None).unwrap();
         assert!(!shallow.holds && shallow.wavelength_is_assumed);
         assert!((shallow.coherent_fraction - (-shallow.rayleigh_parameter.powi(2)).exp()) == 0.0);
         let text = shallow.to_string();
@@ -186,13 +149,10 @@ mod tests {
         );
         assert!(text.contains("% of reflected light coherent"), "{text}");
         assert_eq!(
-            Validity::of_field(&waves(1.0, LengthUnit::Arbitrary), 0.0, None),
+            of_field(&waves(1.0, LengthUnit::Arbitrary), 0.0, None),
             None
         );
-        assert_eq!(
-            Validity::of_field(&waves(0.0, LengthUnit::Metre), 0.0, None),
-            None
-        );
+        assert_eq!(of_field(&waves(0.0, LengthUnit::Metre), 0.0, None), None);
         // The same lengths in another unit
         let metres = HeightField::new(
             waves(0.02, LengthUnit::Metre)
@@ -204,7 +164,7 @@ mod tests {
             [1e-6, 1e-6],
         );
         let metres = metres.unwrap().with_unit(LengthUnit::Metre);
-        let same = Validity::of_field(&metres, 0.0, None).unwrap();
+        let same = of_field(&metres, 0.0, None).unwrap();
         assert!((same.rayleigh_parameter / shallow.rayleigh_parameter - 1.0).abs() < 1e-12);
     }
 }

@@ -112,8 +112,8 @@ impl VerifyOutcome {
 }
 
 impl VerifyConfig {
-    /// The surfaces that an earlier run of this configuration has left in `folder`. The time that a run is given and
-    /// its plots do not belong to it.
+    /// The surfaces that an earlier run of this configuration has left in `folder`. The time that a run is given, its
+    /// plots and the wavelength, which changes nothing that is traced, do not belong to it.
     ///
     /// # Errors
     /// [`CheckpointError`] if a checkpoint cannot be read, or is of another results epoch.
@@ -123,6 +123,7 @@ impl VerifyConfig {
     ) -> Result<SurfaceCheckpoints<'a>, CheckpointError> {
         let mut settings = self.clone();
         settings.run.max_time = None;
+        settings.light.wavelength = None;
         settings.output.plots = true;
         SurfaceCheckpoints::open(folder, "verify", json!(settings))
     }

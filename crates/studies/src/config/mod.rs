@@ -134,6 +134,13 @@ pub struct LightConfig {
     pub stokes: Option<OneOrMany<Number>>,
 }
 
+impl LightConfig {
+    /// The wavelength, nanometres, if one is given.
+    pub(crate) fn wavelength_nm(&self) -> Option<f64> {
+        self.wavelength.map(|wavelength| wavelength.0)
+    }
+}
+
 /// `[run]`: how much is traced, and how.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RunConfig {

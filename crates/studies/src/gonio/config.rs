@@ -33,9 +33,17 @@ pub struct GonioLight {
     pub azimuth: Option<Azimuth>,
     /// The side that it comes from.
     pub from: Incident,
+    /// Wavelength, nanometres, against which lengths of the surface are judged.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wavelength: Option<Number>,
 }
 
 impl GonioLight {
+    /// The wavelength, nanometres, if one is given.
+    pub(super) fn wavelength_nm(&self) -> Option<f64> {
+        self.wavelength.map(|wavelength| wavelength.0)
+    }
+
     /// Polar angles and azimuths, degrees; every pair is a direction.
     ///
     /// # Errors

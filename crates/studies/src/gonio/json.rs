@@ -14,6 +14,7 @@ use crate::config::Azimuth;
 use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, Head};
 use crate::report::config_json::config_json;
+use crate::validity::Validity;
 
 #[derive(Serialize)]
 struct Summary<'a> {
@@ -47,6 +48,8 @@ struct Direction<'a> {
     bins: HemisphereGrid,
     /// Lobes of single scattering next to the bins that hold their middles.
     lobes: &'a [BinnedLobe],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    validity: Option<Validity>,
 }
 
 #[derive(Serialize)]
@@ -76,6 +79,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             .map(|results| describe(spec, results)),
         bins: direction.spec.grid(),
         lobes: &direction.lobes,
+        validity: direction.validity,
     });
     let mut measured = outcome.directions.iter();
     let of_direction =

@@ -16,6 +16,7 @@ use crate::config::lobes::BinnedLobe;
 use crate::config::sweep::{Sweep, SweptCase};
 use crate::config::sweep_case::SweepCase;
 use crate::config::{LightConfig, VerifyConfig};
+use crate::validity::Validity;
 use crate::verify::error::VerifyError;
 use asperity_simulate::BottomSurface;
 
@@ -45,6 +46,8 @@ pub(super) struct Plan {
     pub(super) spec: TallySpec,
     /// Lobes of single scattering, next to the bins.
     pub(super) lobes: Vec<BinnedLobe>,
+    /// Lengths of the surface against the wavelength, where its unit is known.
+    pub(super) validity: Option<Validity>,
 }
 
 /// How a direction is measured.
@@ -102,6 +105,7 @@ impl GonioConfig {
     }
 
     fn random(&self) -> Result<Plans, ConfigError> {
+        let wavelength = self.light.wavelength_nm();
         let mut plans = Plans::default();
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
             let setting = plans.number_of(Specimen::of_case(&case));
@@ -111,6 +115,7 @@ impl GonioConfig {
                 spec,
                 lobes,
                 setting,
+                validity: case.validity(wavelength),
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),
@@ -156,6 +161,11 @@ impl GonioConfig {
                 spec,
                 lobes,
                 setting,
+                validity: Validity::new(
+                    &sample.about.lengths,
+                    case.incidence.theta(),
+                    self.light.wavelength_nm(),
+                ),
                 incidence: case.incidence,
                 identity: self.identity(sample, &case, &config.light),
                 work: Work::Given(run),

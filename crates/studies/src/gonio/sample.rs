@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::given::{GivenShape, GivenSurface};
 use crate::output::{corners_hash, heights_hash};
+use crate::surface_lengths::SurfaceLengths;
 
 /// A given surface.
 #[derive(Clone, Debug)]
@@ -26,6 +27,8 @@ pub struct AboutSample {
     pub unit: LengthUnit,
     /// What it is, with a hash of its heights: results are those of another sample where this differs.
     pub description: Value,
+    /// Its lengths, to be compared with the wavelength.
+    pub lengths: SurfaceLengths,
     /// What a reader of the results should know about it.
     pub warnings: Vec<String>,
 }
@@ -53,12 +56,14 @@ impl Sample {
             }
             GivenShape::Mesh(mesh) => mesh_description(mesh, &surface.name, surface.unit),
         };
+        let lengths = surface.lengths();
         Ok(Self {
             shape: surface.shape.simulated(cells)?,
             about: AboutSample {
                 name: surface.name,
                 unit: surface.unit,
                 description,
+                lengths,
                 warnings,
             },
         })

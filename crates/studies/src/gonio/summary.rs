@@ -9,6 +9,7 @@ use super::GonioOutcome;
 use super::specimen::Distinction;
 use super::tables::{Measured, measured, report};
 use crate::config::lobes::BinnedLobe;
+use crate::output::wrapped;
 
 /// The summary as text: report.txt.
 #[must_use]
@@ -46,10 +47,31 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
         };
         out.push_str(&report(&outcome.spec).keys(2).text(directions));
     }
+    if let Some(note) = validity_note(outcome) {
+        let _ = writeln!(out, "\n{}", wrapped(&format!("note: {note}")));
+    }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
     out
+}
+
+/// Whether geometric optics holds, of the direction where lengths are shortest against the wavelength.
+fn validity_note(outcome: &GonioOutcome) -> Option<String> {
+    let known = || {
+        let all = outcome.directions.iter();
+        all.filter_map(|direction| Some((direction, direction.validity?)))
+    };
+    let doubtful = known().filter(|(_, validity)| !validity.holds).count();
+    let (direction, validity) = known().min_by(|(_, a), (_, b)| {
+        let by_parameter = a.rayleigh_parameter.total_cmp(&b.rayleigh_parameter);
+        a.holds.cmp(&b.holds).then(by_parameter)
+    })?;
+    let others = match doubtful.saturating_sub(1) {
+        0 => String::new(),
+        more => format!("; {more} other directions are doubtful"),
+    };
+    Some(format!("{}: {validity}{others}", direction.name))
 }
 
 /// Numbers of bins of a side: of all directions, or of that with the fewest and of that with the most.

@@ -172,7 +172,7 @@ mod tests {
             ("[compare]\nmodels = []", "needs models"),
             (
                 "[compare]\nalpha = 0.05",
-                "compare.alpha is for verify, not for map",
+                "compare.alpha is for trace and verify, not for map",
             ),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
             ("[surface]\nsmoothness = []", "one or several"),

@@ -94,6 +94,9 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
+    if let Some(validity) = case.case.validity(outcome.config.light.wavelength_nm()) {
+        let _ = writeln!(out, "{}", wrapped(&format!("note: {validity}")));
+    }
     for warning in warnings(outcome, case) {
         let _ = writeln!(out, "warning: {warning}");
     }

@@ -8,6 +8,7 @@ use asperity_simulate::{Stopping, layer_name};
 use super::TraceOutcome;
 use super::comparison_text::comparison_text;
 use crate::config::Incident;
+use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::polarised::polarised_text;
 
@@ -32,7 +33,7 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
         let _ = writeln!(text, "{line}");
     }
     if let Some(validity) = &outcome.validity {
-        let _ = writeln!(text, "note: {validity}");
+        let _ = writeln!(text, "{}", wrapped(&format!("note: {validity}")));
     }
     for warning in &outcome.warnings {
         let _ = writeln!(text, "note: {warning}");

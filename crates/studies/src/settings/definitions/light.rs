@@ -1,7 +1,7 @@
 //! `[light]` and `[view]`: directions.
 
 use super::choices::{AZIMUTH, FROM};
-use super::{ATTENUATION, CONVERGE, DEGREES, GONIO, MODEL, RENDER, SWEEPS, TRACE, TRACING};
+use super::{ATTENUATION, CONVERGE, DEGREES, GONIO, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -72,7 +72,7 @@ pub(super) const LIGHT: &[Setting] = &[
         "light",
         "wavelength",
         Kind::Number,
-        TRACE,
+        TRACE.and(VERIFY).and(GONIO),
         "Wavelength against which the lengths of the surface are judged",
     )
     .unit("nm")

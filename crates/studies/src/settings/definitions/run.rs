@@ -87,6 +87,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     setting(SECTION, "bins", Kind::Grid, MODEL, "Bins of a hemisphere")
         .value_name("THETAxPHI")
         .otherwise("18x36 for a model that follows rays")
+        .flag_only()
         .excludes(&["model.step", "model.sphere"]),
     setting(
         SECTION,

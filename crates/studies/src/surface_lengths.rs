@@ -1,0 +1,164 @@
+//! Lengths of a surface that are compared with the wavelength: of random surfaces from their spectrum, of given ones
+//! from heights or triangles.
+
+use asperity_surface::{Border, HeightField, LengthUnit, Psd, Roughness};
+use asperity_tracer::{Geometry, MeshSurface, Triangles};
+
+/// Height, correlation length and curvature of a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceLengths {
+    /// Root mean square height.
+    pub sigma: f64,
+    /// The shorter 1/e correlation length; `None` where the surface has none, or it is not known.
+    pub tau: Option<f64>,
+    /// Root mean square second derivative along the axis where it is larger; `None` where it is not known.
+    pub curvature: Option<f64>,
+    /// Unit of the lengths.
+    pub unit: LengthUnit,
+}
+
+impl SurfaceLengths {
+    /// Of random surfaces, exact.
+    ///
+    /// The fourth derivative of `sigma^2 exp(-u^2 / tau^2)` at zero is `12 sigma^2 / tau^4`.
+    #[must_use]
+    pub fn of_psd(psd: &Psd, unit: LengthUnit) -> Self {
+        let [first, second] = psd.correlation_lengths();
+        let tau = first.min(second);
+        Self {
+            sigma: psd.sigma(),
+            tau: Some(tau),
+            curvature: Some(12_f64.sqrt() * psd.sigma() / (tau * tau)),
+            unit,
+        }
+    }
+
+    /// Of a height map, by neighbouring samples.
+    #[must_use]
+    pub fn of_field(field: &HeightField) -> Self {
+        let roughness = Roughness::of(field);
+        let taus = [roughness.tau_x, roughness.tau_y].into_iter().flatten();
+        Self {
+            sigma: roughness.sq,
+            tau: taus.reduce(f64::min),
+            curvature: Some(root_mean_square_curvature(field)),
+            unit: field.unit(),
+        }
+    }
+
+    /// Of a triangle mesh, over the area that it covers in the mean plane; without correlation length and curvature.
+    #[must_use]
+    pub fn of_mesh(mesh: &MeshSurface, unit: LengthUnit) -> Self {
+        let (mut area, mut first, mut second) = (0.0, 0.0, 0.0);
+        let (mut west, mut east) = (f64::INFINITY, f64::NEG_INFINITY);
+        for index in 0..mesh.facet_count() {
+            let [a, b, c] = mesh.corners(mesh.facet(index));
+            for corner in [a, b, c] {
+                (west, east) = (west.min(corner.x), east.max(corner.x));
+            }
+            let covered = 0.5 * (b - a).cross(c - a).z.abs();
+            area += covered;
+            first += covered * (a.z + b.z + c.z) / 3.0;
+            // The mean of z^2 over a triangle
+            let squares = a.z * a.z + b.z * b.z + c.z * c.z;
+            let products = a.z * b.z + b.z * c.z + c.z * a.z;
+            second += covered * (squares + products) / 6.0;
+        }
+        let variance = match area > 0.0 {
+            true => second / area - (first / area).powi(2),
+            false => 0.0,
+        };
+        // Corners are in tile coordinates
+        let per_tile_length = mesh.size()[0] / (east - west);
+        Self {
+            sigma: variance.max(0.0).sqrt() * per_tile_length,
+            tau: None,
+            curvature: None,
+            unit,
+        }
+    }
+}
+
+/// Root mean square second derivative of the heights along the axis where it is larger, from neighbouring samples.
+fn root_mean_square_curvature(field: &HeightField) -> f64 {
+    let [ny, nx] = field.shape();
+    let [dx, dy] = field.spacing();
+    // Over a periodic border there are as many as samples, else none at its two ends
+    let range = |n: usize| match field.border() {
+        Border::Periodic => 0..n,
+        _ => 1..n.max(2) - 1,
+    };
+    let second = |[a, b, c]: [f64; 3], d: f64| ((a - 2.0 * b + c) / (d * d)).powi(2);
+    let (mut along_x, mut along_y) = (Mean::default(), Mean::default());
+    for iy in 0..ny {
+        for ix in range(nx) {
+            let three = [ix + nx - 1, ix, ix + 1].map(|ix| field.height(ix % nx, iy));
+            along_x.add(second(three, dx));
+        }
+    }
+    for iy in range(ny) {
+        for ix in 0..nx {
+            let three = [iy + ny - 1, iy, iy + 1].map(|iy| field.height(ix, iy % ny));
+            along_y.add(second(three, dy));
+        }
+    }
+    along_x.value().max(along_y.value()).sqrt()
+}
+
+/// A mean of numbers; zero without any.
+#[derive(Default)]
+struct Mean {
+    sum: f64,
+    count: usize,
+}
+
+impl Mean {
+    fn add(&mut self, number: f64) {
+        self.sum += number;
+        self.count += 1;
+    }
+
+    fn value(&self) -> f64 {
+        self.sum / self.count.max(1) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use asperity_surface::Synthesis;
+
+    use super::*;
+
+    #[test]
+    fn lengths_of_a_spectrum_are_those_of_its_surfaces() {
+        let psd = Psd::anisotropic_gaussian(2.0, 16.0, 32.0, 0.0).unwrap();
+        let exact = SurfaceLengths::of_psd(&psd, LengthUnit::Micrometre);
+        let synthesis = Synthesis::new(psd, [1024, 1024], [1.0, 1.0], false).unwrap();
+        let field = synthesis.draw(3, 0).unwrap();
+        let found = SurfaceLengths::of_field(&field.with_unit(LengthUnit::Micrometre));
+        // 2000 independent areas: 1 to 3 percent each
+        assert!((found.sigma / exact.sigma - 1.0).abs() < 0.05, "{found:?}");
+        let tau = found.tau.unwrap() / exact.tau.unwrap();
+        assert!((tau - 1.0).abs() < 0.05, "{found:?}");
+        let curvature = found.curvature.unwrap() / exact.curvature.unwrap();
+        assert!((curvature - 1.0).abs() < 0.05, "{found:?}");
+        assert_eq!(found.unit, exact.unit);
+    }
+
+    #[test]
+    fn a_mesh_has_the_height_of_its_triangles() {
+        let text = "v 0 0 0\nv 3 0 0\nv 3 2 6\nv 0 2 6\nf 1 2 3\nf 1 3 4\n";
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ramp.obj");
+        std::fs::write(&path, text).unwrap();
+        let read = asperity_io::read_mesh(&path).unwrap();
+        let mesh = MeshSurface::new(&read.vertices, read.triangles, Border::Open).unwrap();
+        let found = SurfaceLengths::of_mesh(&mesh, LengthUnit::Metre);
+        // Heights spread evenly from 0 to 6
+        assert!(
+            (found.sigma - 6.0 / 12_f64.sqrt()).abs() < 1e-12,
+            "{found:?}"
+        );
+        assert_eq!((found.tau, found.curvature), (None, None));
+    }
+}
