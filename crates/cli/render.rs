@@ -78,6 +78,7 @@ struct Camera {
 #[derive(Deserialize)]
 struct Lighting {
     sky: f64,
+    horizon: f64,
     sun: f64,
     sun_theta: f64,
     sun_phi: f64,
@@ -283,7 +284,8 @@ impl Lighting {
         let radius = self.sun_radius.to_radians();
         let sun = Sun::new(towards, self.sun, radius, patch).map_err(Failure::usage)?;
         let sun = (self.sun > 0.0).then_some(sun);
-        Lights::new(self.sky, self.below, sun).map_err(Failure::usage)
+        let lights = Lights::new(self.sky, self.below, sun).map_err(Failure::usage)?;
+        lights.with_horizon(self.horizon).map_err(Failure::usage)
     }
 }
 

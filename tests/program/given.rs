@@ -136,6 +136,40 @@ fn lengths_are_judged_against_the_wavelength() {
 }
 
 #[test]
+fn lengths_of_random_surfaces_and_directions_are_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let run = |line: &str| succeed(folder, &words(line));
+    let size = "--smoothness 2 --size 32 --realisations 2 --rays 200 --no-plots";
+    let verify = run(&format!("verify --tau 2um {size} --models none -o v"));
+    assert!(verify.contains("tau / lambda = 3.636"), "{verify}");
+    let read = |path: &str| json(&std::fs::read_to_string(folder.join(path)).unwrap());
+    let validity = &read("v/summary.json")["validity"];
+    // R = tau^2 / (sqrt(12) sigma) = 1.155 um at vertical light
+    let radius = validity["curvature_radius_over_wavelength"]
+        .as_f64()
+        .unwrap();
+    assert!((radius - 4.0 / 12_f64.sqrt() / 0.55).abs() < 1e-12);
+    assert_eq!(validity["wavelength_is_assumed"], true);
+
+    // A wavelength belongs to no checkpoint
+    run(&format!(
+        "verify --tau 2um {size} --models none --wavelength 10 -o v"
+    ));
+    assert_eq!(read("v/summary.json")["validity"]["holds"], true);
+
+    let gonio = run(&format!(
+        "gonio --tau 2um --theta 0,80 {size} --wavelength 300 -o g"
+    ));
+    assert!(gonio.contains("theta80"), "{gonio}");
+    let text = gonio.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("geometric optics is doubtful"), "{text}");
+    let directions = &read("g/summary.json")["directions"];
+    let holds = [0, 1].map(|i| directions[i]["validity"]["holds"].as_bool().unwrap());
+    assert_eq!(holds, [true, false]);
+}
+
+#[test]
 fn rows_are_reversed_on_request() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();

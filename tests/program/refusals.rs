@@ -219,7 +219,7 @@ fn bad_files_get_a_sentence_and_code_1() {
         ("h.jpg", ".npy"),
         (
             "h.jpg",
-            ".txt and .csv as height maps, and from .ply, .obj and .stl as meshes",
+            ".csv, .tif and .tiff as height maps, and from .ply, .obj and .stl as meshes",
         ),
         ("folder.exr", "folder"),
     ] {

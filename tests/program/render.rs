@@ -57,8 +57,9 @@ fn meshes_and_flat_surfaces_have_pictures_too() {
     succeed(&folder, &words("mesh h.exr -o h.ply"));
     let rest = words("--border periodic --size 16x12 --samples 2 --camera orthographic -o m.png");
     succeed(&folder, &[&["render", "h.ply"], &rest[..]].concat());
-    let flat =
-        words("render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --view-theta 0 -o f.exr");
+    let flat = words(
+        "render --flat --size 16x12 --samples 2 --sun 0 --sky 1 --horizon 1 --below 0 --view-theta 0 -o f.exr",
+    );
     let text = succeed(&folder, &flat);
     // Fresnel at normal incidence, (n - 1)^2 / (n + 1)^2, but for the slant of a pinhole's lines.
     assert!(text.contains("mean radiance 0.040"), "{text}");

@@ -2,8 +2,12 @@
 
 use asperity_io::Picture;
 
+/// How much brighter than half of the pixels white may be: beyond that a few highlights would leave all else black.
+const MAX_OVER_MEDIAN: f64 = 4.0;
+
 /// The factor from radiance to brightness, where one is white: nine tenths of white at the 99th percentile of the
-/// pixels that show the surface, or of all pixels if none does. One for a picture without light.
+/// pixels that show the surface, or of all pixels if none does, or at [`MAX_OVER_MEDIAN`] times their median, if that
+/// is less and not zero. One for a picture without light.
 #[must_use]
 pub fn exposure(picture: &Picture) -> f64 {
     let pixels = picture.radiance.iter().zip(&picture.coverage);
@@ -15,7 +19,12 @@ pub fn exposure(picture: &Picture) -> f64 {
         shown.clone_from(&picture.radiance);
     }
     shown.sort_unstable_by(f64::total_cmp);
-    let brightest = shown.get(shown.len() * 99 / 100).copied().unwrap_or(0.0);
+    let percentile = |n: usize| shown.get(shown.len() * n / 100).copied().unwrap_or(0.0);
+    let (median, highlights) = (percentile(50), percentile(99));
+    let brightest = match median > 0.0 {
+        true => highlights.min(MAX_OVER_MEDIAN * median),
+        false => highlights,
+    };
     if brightest > 0.0 {
         0.9 / brightest
     } else {

@@ -24,8 +24,8 @@ mod tile_frame;
 mod view;
 
 use asperity_simulate::{
-    LayerBelow, Observer, SearchedSurface, Shape, StoppedBy, check_memory, hierarchy_bytes,
-    meshes_bytes, smooth_accelerator_bytes,
+    LayerBelow, Observer, SearchedSurface, Shape, StoppedBy, check_height, check_memory,
+    hierarchy_bytes, meshes_bytes, smooth_accelerator_bytes,
 };
 use std::sync::Arc;
 use std::time::Instant;
@@ -160,6 +160,7 @@ fn render_on<G: BuildAccelerator>(
 ) -> Result<RenderOutcome, RenderError> {
     let building = Instant::now();
     check_size(settings.size)?;
+    check_height(geometries.top)?;
     check_grazing(geometries.top, settings)?;
     let accelerator = geometries.top.accelerator(settings.accelerator)?;
     let bottom = geometries.bottom;

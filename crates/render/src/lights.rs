@@ -9,6 +9,8 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lights {
     sky: f64,
+    /// Radiance of the sky at the horizon over that at the zenith.
+    horizon: f64,
     below: f64,
     sun: Option<Sun>,
 }
@@ -43,6 +45,9 @@ pub enum LightsError {
         "the angular radius of the sun is {0} deg; it must be from 0.01 to 60 deg, since no path finds a point"
     )]
     BadRadius(f64),
+    /// The horizon is brighter than the zenith, or dark beyond nothing.
+    #[error("the horizon has {0} times the radiance of the zenith; the factor must be from 0 to 1")]
+    BadHorizon(f64),
     /// The rectangle has no area.
     #[error("the patch is {0:?} to {1:?}; the first two must lie below the other two")]
     BadPatch([f64; 2], [f64; 2]),
@@ -51,7 +56,7 @@ pub enum LightsError {
 impl Lights {
     /// A uniform sky above, uniform light below, and a sun.
     ///
-    /// `sky`: radiance, seen in the medium above. `below`: radiance of what lies below, seen as through a
+    /// `sky`: radiance from all directions, seen in the medium above. `below`: radiance of what lies below, seen as through a
     /// flat interface that reflects nothing: that in the medium below over the square of its index relative
     /// to the medium above.
     ///
@@ -61,7 +66,27 @@ impl Lights {
         for (name, radiance) in [("the sky", sky), ("what lies below", below)] {
             check(name, radiance)?;
         }
-        Ok(Self { sky, below, sun })
+        Ok(Self {
+            sky,
+            horizon: 1.0,
+            below,
+            sun,
+        })
+    }
+
+    /// The same with a sky that falls in proportion to the cosine of the polar angle, from `sky` at the zenith to
+    /// `fraction` of it at the horizon. Mirrors of relief are told from flat ones only by a sky that is not uniform.
+    ///
+    /// # Errors
+    /// [`LightsError::BadHorizon`] unless `fraction` is from 0 to 1.
+    pub fn with_horizon(self, fraction: f64) -> Result<Self, LightsError> {
+        match (0.0..=1.0).contains(&fraction) {
+            true => Ok(Self {
+                horizon: fraction,
+                ..self
+            }),
+            false => Err(LightsError::BadHorizon(fraction)),
+        }
     }
 
     /// The sun, if there is one.
@@ -69,15 +94,15 @@ impl Lights {
         self.sun.as_ref()
     }
 
-    /// Radiance of the sky.
-    pub(crate) const fn sky(&self) -> f64 {
-        self.sky
+    /// Radiance of the sky in the direction `towards`.
+    pub(crate) fn sky(&self, towards: DVec3) -> f64 {
+        self.sky * (self.horizon + (1.0 - self.horizon) * towards.z.max(0.0))
     }
 
     /// Radiance that comes from the direction `towards`, on a line that meets the mean plane at `place`.
     pub(crate) fn above(&self, towards: DVec3, place: impl FnOnce() -> DVec2) -> f64 {
         let sun = self.sun.as_ref().filter(|sun| sun.shines(towards, place));
-        self.sky + sun.map_or(0.0, Sun::radiance)
+        self.sky(towards) + sun.map_or(0.0, Sun::radiance)
     }
 
     /// Radiance that comes from below.

@@ -110,7 +110,7 @@ impl<G: Geometry> Scene<'_, G> {
     /// Radiance along a path, by where it ends.
     fn radiance(&self, path: &PathResult, losses: &mut Losses) -> f64 {
         let radiance = match path.end {
-            PathEnd::Above if path.sampled_by_beams => self.lights.sky(),
+            PathEnd::Above if path.sampled_by_beams => self.lights.sky(path.direction),
             PathEnd::Above => {
                 let place = || self.frame.on_mean_plane(path.origin, path.direction);
                 self.lights.above(path.direction, place)

@@ -1,5 +1,6 @@
 //! Why a simulation fails.
 
+use crate::input::limits::MAX_TILES_AT_45_DEGREES;
 use asperity_analysis::{ModelError, SlopeError};
 use asperity_surface::{CoarseningError, RefinementError, SynthesisError};
 use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
@@ -102,6 +103,15 @@ pub enum SimulateError {
         /// Tiles crossed.
         tiles: f64,
     },
+    /// A surface so much higher than its tile is long that rays would cross too many tiles.
+    #[error(
+        "the surface is {tiles:.0} times higher than its tile is long, {} is the most: give heights and spacing in one unit, or take a larger tile",
+        MAX_TILES_AT_45_DEGREES
+    )]
+    TooHigh {
+        /// Tiles that a ray at 45 degrees crosses between the highest and the lowest point.
+        tiles: f64,
+    },
     /// The run was stopped before there was any result.
     #[error("interrupted before the first surface was finished; nothing is written")]
     Interrupted,
@@ -136,6 +146,7 @@ impl SimulateError {
             | Self::TooManyResults { .. }
             | Self::NotEnoughMemory { .. }
             | Self::TooGrazing { .. }
+            | Self::TooHigh { .. }
             | Self::Interrupted => false,
         }
     }

@@ -1,5 +1,7 @@
 //! What fits into memory, and what light can be followed: checked before the work begins.
 
+use std::f64::consts::FRAC_PI_4;
+
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
@@ -148,11 +150,28 @@ pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
     (left / (2.0 * tallies + 4096.0)).max(1.0) as u64
 }
 
-/// Refuses light that would cross more tiles than a ray may.
+/// Most tiles that a ray at 45 degrees may cross between the highest and the lowest point. Rays between the peaks of
+/// higher surfaces cross thousands of tiles each, most of them scattered ones, whose directions no check foresees.
+pub const MAX_TILES_AT_45_DEGREES: f64 = 1000.0;
+
+/// Refuses surfaces that are so much higher than their tile is long that tracing would not end in any useful time.
 ///
 /// # Errors
-/// [`SimulateError::TooGrazing`].
+/// [`SimulateError::TooHigh`].
+pub fn check_height<G: Geometry>(surface: &G) -> Result<(), SimulateError> {
+    let tiles = tiles_crossed(surface, FRAC_PI_4);
+    match tiles <= MAX_TILES_AT_45_DEGREES {
+        true => Ok(()),
+        false => Err(SimulateError::TooHigh { tiles }),
+    }
+}
+
+/// Refuses surfaces that are too high for their tile, and light that would cross more tiles than a ray may.
+///
+/// # Errors
+/// [`SimulateError::TooHigh`] and [`SimulateError::TooGrazing`].
 pub fn check_grazing<G: Geometry>(surface: &G, incidence: Incidence) -> Result<(), SimulateError> {
+    check_height(surface)?;
     let tiles = tiles_crossed(surface, incidence.theta());
     if can_traverse(surface, incidence.theta()) {
         return Ok(());

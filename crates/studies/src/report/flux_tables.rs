@@ -1,6 +1,8 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
-use asperity_tally::{Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics};
+use asperity_tally::{
+    Component, Estimate, FEW_RAYS, Side, TallyResult, TallySpec, TallyStatistics,
+};
 use serde_json::Value;
 
 use crate::comparison::compared::{COMPARED, key};
@@ -75,9 +77,7 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
     let grid = spec.grid();
     let entry = move |component| move |bin: &usize| spec.grid_entries(component).get(*bin);
     let total = move |bin: &usize| statistics.at(entry(Component::All)(bin));
-    let hits = move |bin: &usize| {
-        ray_count(statistics.means().grid_hits(Component::All, *bin) * rays as f64)
-    };
+    let hits = move |bin: &usize| statistics.means().grid_hits(Component::All, *bin) * rays as f64;
     Table::new()
         .columns(bin_columns(grid, |bin| *bin))
         .column(solid_angle_column(grid, |bin| *bin))
@@ -97,12 +97,25 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
         .column(Column::new(
             "rays",
             "rays that the bin rests on; where bins are folded, those of its mirror image too",
-            hits,
+            move |bin: &usize| ray_count(hits(bin)),
+        ))
+        .column(Column::new(
+            "few_rays",
+            "whether these are fewer than 20, so that the error is at least that of one more ray",
+            move |bin: &usize| yes_or_no(hits(bin) < FEW_RAYS),
         ))
         .columns(fluxes.components(&Component::SURFACE, move |c, bin| entry(c)(bin)))
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))
         .columns(fluxes.averaging(entry(Component::All)))
         .columns(fluxes.errors(entry(Component::All)))
+}
+
+/// What a column of yes or no holds.
+const fn yes_or_no(is_so: bool) -> &'static str {
+    match is_so {
+        true => "yes",
+        false => "no",
+    }
 }
 
 /// theta.csv: a row per side and ring of polar angle.

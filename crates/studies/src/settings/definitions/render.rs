@@ -54,11 +54,22 @@ pub(super) const LIGHTS: &[Setting] = &[
         "sky",
         Kind::Number,
         RENDER,
-        "Radiance of the sky, uniform",
+        "Radiance of the sky at the zenith",
     )
     .value_name("RADIANCE")
     .range(RADIANCE)
-    .default("0.5")
+    .default("0.8")
+    .flag_only(),
+    setting(
+        "lights",
+        "horizon",
+        Kind::Number,
+        RENDER,
+        "Radiance at the horizon over the zenith; 1: uniform",
+    )
+    .value_name("FACTOR")
+    .range(Range::FromTo(0.0, 1.0))
+    .default("0.15")
     .flag_only(),
     setting(
         "lights",
@@ -101,7 +112,7 @@ pub(super) const LIGHTS: &[Setting] = &[
     )
     .unit(DEGREES)
     .range(Range::FromTo(0.01, 60.0))
-    .default("5")
+    .default("15")
     .flag_only(),
     setting(
         "lights",
@@ -122,7 +133,7 @@ pub(super) const LIGHTS: &[Setting] = &[
     )
     .value_name("RADIANCE")
     .range(RADIANCE)
-    .default("0")
+    .default("0.03")
     .flag_only(),
 ];
 
@@ -149,7 +160,7 @@ pub(super) const PICTURE: &[Setting] = &[
     )
     .value_name("FACTOR")
     .range(Range::Above(0.0))
-    .otherwise("by the brightest percent")
+    .otherwise("by the brightest percent, and by four times the median at most")
     .flag_only(),
     setting(
         "picture",
