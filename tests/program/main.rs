@@ -12,6 +12,7 @@ mod cells;
 mod commands;
 mod converge;
 mod estimators;
+mod exactness;
 mod examples;
 mod flags;
 mod given;

@@ -202,6 +202,8 @@ pub struct AttenuationOutcome {
     pub work: AttenuationWork,
     /// How far the slope variance of the mesh lies below that of the continuous surface, as a fraction; 0 for smooth cells.
     pub mesh_slope_deficit: f64,
+    /// Independent points over all surfaces of a sigma: points within a correlation length see much the same.
+    pub(crate) independent_points: f64,
     models_at: Vec<f64>,
     over_sigma_at: Vec<f64>,
     /// What ended the run before all surfaces were measured.
@@ -282,6 +284,7 @@ pub fn attenuation(
             threads: rayon::current_num_threads(),
         },
         mesh_slope_deficit: mesh_slope_deficit(&plan),
+        independent_points: plan.independent_points(first.points) * counts[0].len() as f64,
         models_at: plan.models_at,
         over_sigma_at: plan.over_sigma_at,
         stopped_by,

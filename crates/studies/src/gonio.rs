@@ -41,7 +41,6 @@ pub use specimen::Specimen;
 pub use summary::gonio_table;
 
 use plan::{Plan, Plans, Work};
-use results::TracedEffort;
 
 /// Why there is no measurement.
 #[derive(Debug, thiserror::Error)]
@@ -261,11 +260,7 @@ impl CheckpointCase for Task<'_> {
 /// What a measurement keeps of a verification without models.
 fn on_random_surfaces(outcome: VerifyOutcome) -> Option<DirectionResults> {
     let case = outcome.cases.into_iter().next()?;
-    Some(DirectionResults::of(
-        &case.outcome.statistics,
-        TracedEffort::of(&case.outcome.work),
-        case.outcome.errors_from,
-    ))
+    Some(DirectionResults::of(&case.outcome))
 }
 
 impl Task<'_> {
@@ -293,12 +288,6 @@ impl Task<'_> {
             },
         };
         let outcomes = simulate(&[case], settings, observer)?;
-        Ok(outcomes.first().map(|outcome| {
-            DirectionResults::of(
-                &outcome.statistics,
-                TracedEffort::of(&outcome.work),
-                outcome.errors_from,
-            )
-        }))
+        Ok(outcomes.first().map(DirectionResults::of))
     }
 }

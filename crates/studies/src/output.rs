@@ -9,6 +9,7 @@ mod number;
 mod place;
 mod points_hash;
 mod summary_of_cases;
+mod support;
 mod surface_checkpoints;
 mod table;
 
@@ -27,6 +28,7 @@ pub(crate) use number::{distance, significant, two_digits, with_error};
 pub(crate) use place::{Place, figure_files, of_cases};
 pub(crate) use points_hash::{corners_hash, heights_hash, shape_hash};
 pub(crate) use summary_of_cases::{CaseInFolder, SummaryOfCases};
+pub(crate) use support::{Support, Supported};
 pub use surface_checkpoints::SurfaceCheckpoints;
 pub(crate) use table::unit_of_lengths;
 pub(crate) use table::{Cell, Column, Format, Table};

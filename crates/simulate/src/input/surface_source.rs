@@ -53,6 +53,17 @@ impl SurfaceSource {
         }
     }
 
+    /// Whether it is one given surface without any relief.
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        match self {
+            Self::Random(_) => false,
+            Self::Given(Shape::HeightField { top, .. }) => top.is_flat(),
+            Self::Given(Shape::Smooth { top, .. }) => top.spline().samples().is_flat(),
+            Self::Given(Shape::TriangleMesh { top, .. }) => top.size()[2] == 0.0,
+        }
+    }
+
     /// The heights of a given surface; `None` for random surfaces and for a triangle mesh.
     #[must_use]
     pub fn heights(&self) -> Option<Cow<'_, HeightField>> {

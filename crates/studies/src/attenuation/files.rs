@@ -32,14 +32,16 @@ pub fn attenuation_report(
         Vec::new()
     };
     progress.begin("writing", drawn.len() as u64);
-    tables::attenuation(unit).write_csv(&place.claim("attenuation.csv")?, &outcome.rows)?;
+    let independent = outcome.independent_points;
+    tables::attenuation(unit, independent)
+        .write_csv(&place.claim("attenuation.csv")?, &outcome.rows)?;
     if !outcome.demarcation.is_empty() {
         let path = place.claim("demarcation.csv")?;
         tables::demarcation(unit).write_csv(&path, &outcome.demarcation)?;
     }
     if !outcome.visibility.is_empty() {
         let path = place.claim("visibility.csv")?;
-        tables::visibility(unit).write_csv(&path, &outcome.visibility)?;
+        tables::visibility(unit, independent).write_csv(&path, &outcome.visibility)?;
     }
     for (name, curves) in drawn {
         save(&[&place], name, &curves.draw()?)?;
@@ -95,18 +97,19 @@ struct Summary<'a> {
 #[must_use]
 pub fn attenuation_summary(outcome: &AttenuationOutcome) -> Value {
     let unit = outcome.config.surface.unit;
+    let independent = outcome.independent_points;
     json!(Summary {
         head: Head::of("attenuation"),
         seed: outcome.config.run.seed,
         config: &outcome.config,
         mesh_slope_deficit: outcome.mesh_slope_deficit,
-        rows: tables::attenuation(unit).json(&outcome.rows),
+        rows: tables::attenuation(unit, independent).json(&outcome.rows),
         demarcation: tables::demarcation(unit).json(&outcome.demarcation),
-        visibility: tables::visibility(unit).json(&outcome.visibility),
+        visibility: tables::visibility(unit, independent).json(&outcome.visibility),
         columns: json!({
-            "attenuation.csv": tables::attenuation(unit).description(),
+            "attenuation.csv": tables::attenuation(unit, independent).description(),
             "demarcation.csv": tables::demarcation(unit).description(),
-            "visibility.csv": tables::visibility(unit).description(),
+            "visibility.csv": tables::visibility(unit, independent).description(),
         }),
         warnings: outcome.warnings(),
         stopped_by: outcome.stopped_by,

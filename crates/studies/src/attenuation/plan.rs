@@ -56,6 +56,14 @@ impl Recipes {
 }
 
 impl Plan {
+    /// Independent points among `points` of a surface: no more than there are patches of a correlation length.
+    pub(super) fn independent_points(&self, points: u64) -> f64 {
+        let [ny, nx] = self.shape.map(|n| n as f64);
+        let [dx, dy] = self.spacing;
+        let patches = (nx * dx / self.tau) * (ny * dy / self.tau);
+        patches.max(1.0).min(points as f64)
+    }
+
     /// Whether horizons are found at all.
     pub(super) fn needs_horizons(&self, run: &AttenuationRun) -> bool {
         self.method == VisibilityMethod::Horizons || run.demarcation

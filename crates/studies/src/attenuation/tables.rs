@@ -8,14 +8,26 @@ use asperity_simulate::{Cells, counted, short};
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::output::{Column, Format, Table};
+use crate::output::{Column, Format, Support, Supported, Table};
 
 /// A column of angles in degrees.
 fn angle<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -> Column<'a, R> {
     Column::new(name, about, value).unit("deg")
 }
 
-/// A column of measured fractions.
+/// A column of measured fractions of points, and what they rest on where all points agree.
+fn supported<'a, R: 'a>(
+    name: &'a str,
+    about: &'static str,
+    support: impl Fn(&R) -> Support + 'a,
+    value: impl Fn(&R) -> Option<Estimate> + 'a,
+) -> Column<'a, R> {
+    Column::estimate(name, about, move |row| {
+        Some(Supported::new(value(row)?, support(row)))
+    })
+}
+
+/// A column of measured numbers.
 fn fraction<'a, R: 'a>(
     name: &'a str,
     about: &'static str,
@@ -29,9 +41,17 @@ fn theory<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -
     Column::new(name, about, value).format(Format::Fixed(4))
 }
 
-/// attenuation.csv: a row per sigma, light and view.
-pub(super) fn attenuation(unit: LengthUnit) -> Table<'static, AttenuationRow> {
+/// attenuation.csv: a row per sigma, light and view. `independent`: independent points over all surfaces.
+pub(super) fn attenuation(unit: LengthUnit, independent: f64) -> Table<'static, AttenuationRow> {
     type Row = AttenuationRow;
+    // From straight above nothing is hidden.
+    let unless = move |is_proven: bool| match is_proven {
+        true => Support::Proven,
+        false => Support::Samples(independent),
+    };
+    let of_light = move |row: &Row| unless(row.theta == 0.0);
+    let of_view = move |row: &Row| unless(row.view_theta == 0.0);
+    let of_both = move |row: &Row| unless(row.theta == 0.0 && row.view_theta == 0.0);
     let less = |fraction: Estimate, smith: f64| Estimate {
         mean: fraction.mean - smith,
         ..fraction
@@ -42,26 +62,26 @@ pub(super) fn attenuation(unit: LengthUnit) -> Table<'static, AttenuationRow> {
         .column(angle("phi", "azimuth of the light", |row: &Row| row.phi))
         .column(angle("view_theta", "polar angle of the eye", |row: &Row| row.view_theta))
         .column(angle("view_phi", "azimuth of the eye", |row: &Row| row.view_phi))
-        .column(fraction("lit", "fraction of all points that are lit", |row: &Row| row.lit))
-        .column(fraction("g1", "fraction of the points facing the light that are lit", |row: &Row| row.g1).heading("g1 (facing)"))
-        .column(fraction("g1_projected", "g1 weighted by the areas projected towards the light: Smith's G1", |row: &Row| row.g1_projected))
+        .column(supported("lit", "fraction of all points that are lit", of_light, |row: &Row| Some(row.lit)))
+        .column(supported("g1", "fraction of the points facing the light that are lit", of_light, |row: &Row| Some(row.g1)).heading("g1 (facing)"))
+        .column(supported("g1_projected", "g1 weighted by the areas projected towards the light: Smith's G1", of_light, |row: &Row| Some(row.g1_projected)))
         .column(fraction("lit_projected", "projected area of the lit points over that of the mean plane", |row: &Row| row.lit_projected))
         .column(theory("smith_lit", "lit, by Smith", |row: &Row| row.smith_lit).heading("Smith lit"))
         .column(theory("smith_g1", "g1, by Smith: 1 / (1 + Lambda)", |row: &Row| row.smith_g1).heading("Smith g1"))
         .column(theory("smith_lit_as_printed", "lit, by Smith's formula as the 2019 paper prints it", |row: &Row| row.smith_lit_as_printed).heading("as printed"))
         .column(theory("v_cavity_lit", "lit, of V-cavities", |row: &Row| row.v_cavity_lit).heading("V-cavity lit"))
         .column(theory("v_cavity_g1", "g1, of V-cavities", |row: &Row| row.v_cavity_g1).heading("V-cavity g1"))
-        .column(fraction("local_shadow", "fraction of all points that face away from the light", |row: &Row| row.local_shadow))
-        .column(fraction("distant_shadow", "fraction of all points that face the light and are shadowed", |row: &Row| row.distant_shadow))
-        .column(fraction("local_mask", "fraction of all points that face away from the eye", |row: &Row| row.local_mask))
-        .column(fraction("distant_mask", "fraction of all points that face the eye and are masked", |row: &Row| row.distant_mask))
-        .column(fraction("g1_view", "fraction of the points facing the eye that are visible", |row: &Row| row.g1_view))
-        .column(fraction("g2", "fraction of the points facing both that are lit and visible", |row: &Row| row.g2).heading("g2 (facing both)"))
+        .column(supported("local_shadow", "fraction of all points that face away from the light", of_light, |row: &Row| Some(row.local_shadow)))
+        .column(supported("distant_shadow", "fraction of all points that face the light and are shadowed", of_light, |row: &Row| Some(row.distant_shadow)))
+        .column(supported("local_mask", "fraction of all points that face away from the eye", of_view, |row: &Row| Some(row.local_mask)))
+        .column(supported("distant_mask", "fraction of all points that face the eye and are masked", of_view, |row: &Row| Some(row.distant_mask)))
+        .column(supported("g1_view", "fraction of the points facing the eye that are visible", of_view, |row: &Row| Some(row.g1_view)))
+        .column(supported("g2", "fraction of the points facing both that are lit and visible", of_both, |row: &Row| Some(row.g2)).heading("g2 (facing both)"))
         .column(theory("smith_separable_g2", "g2, by Smith: G1(wi) G1(wo)", |row: &Row| row.smith_separable_g2).heading("separable"))
         .column(theory("smith_correlated_g2", "g2, by Smith: 1 / (1 + Lambda(wi) + Lambda(wo))", |row: &Row| row.smith_correlated_g2).heading("Smith correlated"))
         .column(theory("v_cavity_g2", "g2, of V-cavities", |row: &Row| row.v_cavity_g2).heading("V-cavity"))
-        .column(fraction("paper_g2", "fraction of the samples of the grid that are lit and visible: 1 - N_s / N of the 2019 paper", |row: &Row| row.paper_g2))
-        .column(Column::estimate("mirror_g2", "fraction of all points that are lit and whose mirrored ray escapes", |row: &Row| row.mirror_g2))
+        .column(supported("paper_g2", "fraction of the samples of the grid that are lit and visible: 1 - N_s / N of the 2019 paper", of_both, |row: &Row| Some(row.paper_g2)))
+        .column(supported("mirror_g2", "fraction of all points that are lit and whose mirrored ray escapes", move |_: &Row| unless(false), |row: &Row| row.mirror_g2))
         .column(fraction("g1_less_smith", "g1 less smith_g1", move |row: &Row| less(row.g1, row.smith_g1)))
         .column(fraction("lit_less_smith", "lit less smith_lit", move |row: &Row| less(row.lit, row.smith_lit)))
 }
@@ -141,9 +161,13 @@ fn one_percent_columns() -> [Column<'static, Demarcation>; 4] {
     ]
 }
 
-/// visibility.csv: a row per sigma, light and height.
-pub(super) fn visibility(unit: LengthUnit) -> Table<'static, VisibilityRow> {
+/// visibility.csv: a row per sigma, light and height. `independent`: independent points over all surfaces.
+pub(super) fn visibility(unit: LengthUnit, independent: f64) -> Table<'static, VisibilityRow> {
     type Row = VisibilityRow;
+    let support = move |row: &Row| match row.theta {
+        0.0 => Support::Proven,
+        _ => Support::Samples(independent.min(row.points).max(1.0)),
+    };
     Table::new()
         .column(sigma_column(unit, |row: &Row| row.sigma))
         .column(angle("theta", "polar angle of the light", |row: &Row| {
@@ -169,9 +193,10 @@ pub(super) fn visibility(unit: LengthUnit) -> Table<'static, VisibilityRow> {
             |row: &Row| row.points,
         ))
         .column(
-            Column::estimate(
+            supported(
                 "visibility",
                 "fraction of these points that are lit",
+                support,
                 |row: &Row| row.visibility,
             )
             .heading("explicit"),
@@ -233,7 +258,9 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
         // Eq. 24 is for heights about zero alone.
         let about_zero = outcome.visibility.iter().filter(|row| row.xu_sun.is_some());
         let columns = ["sigma", "theta", "x", "visibility", "smith", "xu_sun"];
-        let table = visibility(unit).select(&columns).text(about_zero);
+        let table = visibility(unit, outcome.independent_points)
+            .select(&columns)
+            .text(about_zero);
         let _ = write!(
             out,
             "\nvisibility of the points at height zero that face the light\n{table}"
@@ -270,7 +297,7 @@ fn fractions(outcome: &AttenuationOutcome) -> String {
     if !slanted {
         columns.push("paper_g2");
     }
-    let mut out = attenuation(unit)
+    let mut out = attenuation(unit, outcome.independent_points)
         .select(&columns)
         .keys(2)
         .text(of_first_view);
@@ -287,7 +314,7 @@ fn fractions(outcome: &AttenuationOutcome) -> String {
             "v_cavity_g2",
             "paper_g2",
         ];
-        let by_view = attenuation(unit)
+        let by_view = attenuation(unit, outcome.independent_points)
             .select(&columns)
             .keys(5)
             .text(&outcome.rows);

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use asperity_tally::{Estimate, HemisphereGrid, TallySpec};
+use asperity_tally::{HemisphereGrid, TallySpec};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ use super::summary::warnings;
 use super::{DirectionResults, GonioOutcome, Specimen, tables};
 use crate::config::Azimuth;
 use crate::config::lobes::BinnedLobe;
-use crate::output::{BySide, Head};
+use crate::output::{BySide, Head, Supported};
 use crate::report::config_json::config_json;
 use crate::validity::Validity;
 
@@ -55,10 +55,10 @@ struct Direction<'a> {
 #[derive(Serialize)]
 struct Results<'a> {
     /// By component of the light; `None` on a side that is not recorded.
-    flux: BTreeMap<&'a str, BySide<Option<Estimate>>>,
-    absorbed: Estimate,
-    truncated: Estimate,
-    lost: Estimate,
+    flux: BTreeMap<&'a str, BySide<Option<Supported>>>,
+    absorbed: Supported,
+    truncated: Supported,
+    lost: Supported,
     surfaces: u64,
     rays: u64,
     errors_from: &'a str,
@@ -123,15 +123,17 @@ fn config(outcome: &GonioOutcome) -> Value {
 }
 
 fn describe<'a>(spec: &TallySpec, results: &'a DirectionResults) -> Results<'a> {
-    let components = results.components.iter().map(|component| {
-        let sides = BySide::of(|side| component.side(spec, side));
+    let components = results.components.iter().enumerate();
+    let components = components.map(|(number, component)| {
+        let sides = BySide::of(|side| results.flux(spec, number, side));
         (component.name.as_str(), sides)
     });
+    let [absorbed, truncated, lost] = results.endings();
     Results {
         flux: components.collect(),
-        absorbed: results.budget.estimate(0),
-        truncated: results.budget.estimate(1),
-        lost: results.budget.estimate(2),
+        absorbed,
+        truncated,
+        lost,
         surfaces: results.surfaces,
         rays: results.rays,
         errors_from: &results.errors_from,

@@ -2,11 +2,13 @@
 
 use std::borrow::Cow;
 
-use asperity_simulate::{ErrorSource, SummaryWork};
+use asperity_simulate::Outcome;
 use asperity_tally::{Component, Estimate, Score, Side, TallyResult, TallySpec, TallyStatistics};
 use serde::{Deserialize, Serialize};
 
+use crate::output::Supported;
 use crate::report::energies::lost_warning;
+use crate::report::support::FluxSupport;
 
 /// Means with their standard errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -65,6 +67,8 @@ pub struct DirectionResults {
     pub rays: u64,
     /// What the errors come from: `surfaces`, `ray blocks`, or a `deviation bound` where nothing was traced.
     pub errors_from: String,
+    /// What fluxes rest on whose samples all agree.
+    pub support: FluxSupport,
     /// What was absorbed, truncated and lost.
     pub budget: Means,
     /// All light, then its components, which add up to it.
@@ -140,42 +144,51 @@ impl MeasuredComponent {
     }
 }
 
-/// How much was traced for one direction.
-pub(super) struct TracedEffort {
-    pub(super) surfaces: u64,
-    pub(super) rays: u64,
-}
-
-impl TracedEffort {
-    pub(super) const fn of(work: &SummaryWork) -> Self {
-        Self {
-            surfaces: work.realisations,
-            rays: work.rays,
-        }
-    }
-}
-
 /// What light fluxes may miss each other by where they add up: rounding, of sums over all bins.
 const ROUNDING: f64 = 1e-9;
 
 impl DirectionResults {
-    /// Takes from the statistics of a run what a measurement keeps.
-    pub(super) fn of(
-        statistics: &TallyStatistics,
-        effort: TracedEffort,
-        errors_from: ErrorSource,
-    ) -> Self {
+    /// Takes from a run what a measurement keeps.
+    pub(super) fn of(outcome: &Outcome) -> Self {
+        Self {
+            surfaces: outcome.work.realisations,
+            rays: outcome.work.rays,
+            errors_from: outcome.errors_from.name().to_owned(),
+            support: FluxSupport::of(outcome),
+            ..Self::of_statistics(&outcome.statistics)
+        }
+    }
+
+    /// The fluxes alone, as if nothing had been traced.
+    fn of_statistics(statistics: &TallyStatistics) -> Self {
         let budget = statistics.budget();
         Self {
-            surfaces: effort.surfaces,
-            rays: effort.rays,
-            errors_from: errors_from.name().to_owned(),
+            surfaces: 0,
+            rays: 0,
+            errors_from: String::new(),
+            support: FluxSupport::of_model(0),
             budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
             components: kept_components(statistics.spec())
                 .map(|component| MeasuredComponent::of(component, statistics))
                 .collect(),
             warnings: lost_warning(statistics).into_iter().collect(),
         }
+    }
+
+    /// Flux of a component that left on `side`, by the number of the component; `None` if there is none.
+    pub(super) fn flux(&self, spec: &TallySpec, component: usize, side: Side) -> Option<Supported> {
+        let flux = self.components.get(component)?.side(spec, side)?;
+        Some(self.support.flux(side, flux))
+    }
+
+    /// Flux that was absorbed, truncated and lost.
+    pub(super) fn endings(&self) -> [Supported; 3] {
+        let [absorbed, truncated, lost] = [0, 1, 2].map(|i| self.budget.estimate(i));
+        [
+            self.support.absorbed(absorbed),
+            self.support.ended(truncated),
+            self.support.ended(lost),
+        ]
     }
 
     /// Whether a run with this spec may have found these numbers: they are fluxes and add up.
@@ -247,11 +260,7 @@ mod tests {
         tally[TallySpec::BUDGET.absorbed] = 0.25;
         let mut statistics = TallyStatistics::new(*spec);
         (0..2).for_each(|_| statistics.push(&tally));
-        let effort = TracedEffort {
-            surfaces: 2,
-            rays: 100,
-        };
-        DirectionResults::of(&statistics, effort, ErrorSource::Surfaces)
+        DirectionResults::of_statistics(&statistics)
     }
 
     #[test]

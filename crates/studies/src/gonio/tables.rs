@@ -331,13 +331,7 @@ pub(super) fn bsdf<'a>() -> Table<'a, DirectionBin<'a>> {
 /// report.txt: a row per direction of a setting. Parts of the transmitted light are in gonio.csv.
 pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
     let flux = move |side: Side, component: usize| {
-        move |row: &Direction| {
-            row.results
-                .as_ref()?
-                .components
-                .get(component)?
-                .side(spec, side)
-        }
+        move |row: &Direction| row.results.as_ref()?.flux(spec, component, side)
     };
     let mut table = Table::new()
         .column(Column::new("theta", "", |row: &Direction| {
@@ -364,7 +358,7 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
     let ends = ["absorbed", "truncated"].into_iter().enumerate();
     table.columns(ends.map(|(i, name)| {
         Column::estimate(name, "", move |row: &Direction| {
-            Some(row.results.as_ref()?.budget.estimate(i))
+            Some(row.results.as_ref()?.endings()[i])
         })
     }))
 }

@@ -17,6 +17,7 @@ use crate::output::{
 };
 use crate::report::energies::energy_table;
 use crate::report::summary::{Order, orders};
+use crate::report::support::FluxSupport;
 
 /// Flux missing from the energies of all orders that no noise explains.
 const UNACCOUNTED: f64 = 0.01;
@@ -34,6 +35,11 @@ pub(super) struct SurfaceBins {
 }
 
 impl SurfaceBins {
+    /// What its fluxes rest on whose samples all agree.
+    const fn support(&self) -> FluxSupport {
+        FluxSupport::of_model(self.expectation.rays())
+    }
+
     pub(super) fn of(
         config: &ModelConfig,
         model: Box<dyn ScatteringModel>,
@@ -76,7 +82,7 @@ impl Evaluation for SurfaceBins {
                 self.expectation.rays()
             ),
         };
-        let mut text = format!("{effort}\n{}", energy_table(statistics));
+        let mut text = format!("{effort}\n{}", energy_table(statistics, &self.support()));
         let missing = 1.0 - statistics.means().budget().total();
         if self.model.scope() == Scope::AllOrders && missing.abs() > UNACCOUNTED {
             text.push_str(&format!(
@@ -102,7 +108,7 @@ impl Evaluation for SurfaceBins {
                 absorbed: budget.absorbed,
                 truncated: budget.truncated,
             },
-            orders: BySide::of(|side| orders(statistics, side)),
+            orders: BySide::of(|side| orders(statistics, &self.support(), side)),
             columns: columns(&table(statistics), file),
         })
     }

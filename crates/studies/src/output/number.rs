@@ -14,7 +14,7 @@ pub(crate) fn with_error(estimate: Estimate) -> String {
             let mean = mean.strip_prefix('-').filter(|_| is_zero).unwrap_or(&mean);
             format!("{mean} +- {se:.digits$}")
         }
-        Some(_) => format!("{} (exact)", short(estimate.mean)),
+        Some(_) => format!("{} (no scatter)", short(estimate.mean)),
         None => format!("{} (no error)", short(estimate.mean)),
     }
 }
@@ -58,7 +58,7 @@ mod tests {
     fn errors_have_two_digits_and_means_as_many_places() {
         let estimate = |mean, se| with_error(Estimate { mean, se: Some(se) });
         assert_eq!(estimate(0.024_812_3, 0.000_041_7), "0.024812 +- 0.000042");
-        assert_eq!(estimate(0.5, 0.0), "0.5 (exact)");
+        assert_eq!(estimate(0.5, 0.0), "0.5 (no scatter)");
         assert_eq!(estimate(-0.000_41, 0.023), "0.000 +- 0.023");
         assert_eq!(estimate(-0.000_61, 0.023), "-0.001 +- 0.023");
         assert_eq!(

@@ -14,7 +14,7 @@ use asperity_tally::Estimate;
 use serde_json::{Map, Value, json};
 
 use super::align::aligned;
-use super::number::with_error;
+use super::support::Supported;
 
 /// A value of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub(crate) enum Cell {
     /// Text.
     Text(Cow<'static, str>),
     /// A mean and its standard error.
-    Estimate(Estimate),
+    Estimate(Supported),
 }
 
 impl From<f64> for Cell {
@@ -63,6 +63,12 @@ impl From<String> for Cell {
 
 impl From<Estimate> for Cell {
     fn from(value: Estimate) -> Self {
+        Self::Estimate(value.into())
+    }
+}
+
+impl From<Supported> for Cell {
+    fn from(value: Supported) -> Self {
         Self::Estimate(value)
     }
 }
@@ -119,10 +125,10 @@ impl<'a, R> Column<'a, R> {
     }
 
     /// A column of means with standard errors, which take the columns `name` and `name_se` of a CSV file.
-    pub(crate) fn estimate(
+    pub(crate) fn estimate<E: Into<Cell>>(
         name: impl Into<Cow<'a, str>>,
         about: &'static str,
-        value: impl Fn(&R) -> Option<Estimate> + 'a,
+        value: impl Fn(&R) -> Option<E> + 'a,
     ) -> Self {
         Self {
             kind: Kind::Estimate,
@@ -158,7 +164,7 @@ impl<'a, R> Column<'a, R> {
             Cell::Empty => "-".to_owned(),
             Cell::Count(count) => count.to_string(),
             Cell::Text(text) => text.into_owned(),
-            Cell::Estimate(estimate) => with_error(estimate),
+            Cell::Estimate(estimate) => estimate.text(),
             Cell::Number(value) => match self.format {
                 Format::Short => short(value),
                 Format::Fixed(places) => format!("{value:.places$}"),
@@ -168,11 +174,14 @@ impl<'a, R> Column<'a, R> {
 
     fn fields(&self, row: &R, out: &mut Vec<CsvField<'static>>) {
         match (self.kind, (self.value)(row)) {
-            (Kind::Estimate, Cell::Estimate(estimate)) => {
+            (Kind::Estimate, Cell::Estimate(supported)) => {
+                let estimate = supported.estimate();
                 out.extend([estimate.mean.into(), estimate.se.into()]);
             }
             (Kind::Estimate, _) => out.extend([CsvField::Empty, CsvField::Empty]),
-            (Kind::Value, Cell::Estimate(estimate)) => out.push(estimate.mean.into()),
+            (Kind::Value, Cell::Estimate(supported)) => {
+                out.push(supported.estimate().mean.into());
+            }
             (Kind::Value, Cell::Empty) => out.push(CsvField::Empty),
             (Kind::Value, Cell::Number(value)) => out.push(value.into()),
             (Kind::Value, Cell::Count(count)) => out.push(count.into()),

@@ -13,13 +13,11 @@ use crate::comparison::conclusion::{conclusion, verdict_name};
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
-use crate::output::{Column, Format, Table, distance, with_error, wrapped};
+use crate::output::{Column, Format, Supported, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
-use crate::report::energies::{
-    endings, errors_table, flux_with_error, lost_warning, recorded_orders,
-};
+use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
 use crate::report::polarised::polarised_text;
-
+use crate::report::support::FluxSupport;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// What a reader must know of the results of a case.
@@ -162,7 +160,7 @@ fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
 /// A row of the table of fluxes.
 struct FluxRow {
     name: String,
-    explicit: Estimate,
+    explicit: Supported,
     /// The component of the light that models may describe; `None` for light that does not leave.
     component: Option<(Side, Component)>,
 }
@@ -170,23 +168,27 @@ struct FluxRow {
 /// The fluxes by side and component of the light, next to those that the models expect.
 fn flux_table(case: &CaseOutcome) -> String {
     let spec = case.spec();
+    let statistics = &case.outcome.statistics;
+    let support = FluxSupport::of(&case.outcome);
     let of_side = |side: Side| {
         let row = move |(name, component)| FluxRow {
             name: format!("{side} {name}"),
-            explicit: case.outcome.statistics.flux(side, component),
+            explicit: support.flux(side, statistics.flux(side, component)),
             component: Some((side, component)),
         };
         components(spec).map(row)
     };
     let endings = endings(spec).map(|(name, i)| FluxRow {
         name: name.to_owned(),
-        explicit: case.outcome.statistics.at(i),
+        explicit: support.of_budget(statistics, i),
         component: None,
     });
     let models = case.models.iter().map(|model| {
         Column::new(model.model.name(), "", |row: &FluxRow| {
             match row.component {
-                Some((side, component)) => model_flux(model, side, component, row.explicit),
+                Some((side, component)) => {
+                    model_flux(model, side, component, row.explicit.estimate())
+                }
                 None => String::new(),
             }
         })
@@ -196,10 +198,7 @@ fn flux_table(case: &CaseOutcome) -> String {
             row.name.clone()
         }))
         .column(Column::new("explicit", "", |row: &FluxRow| {
-            match row.component {
-                Some(_) => with_error(row.explicit),
-                None => flux_with_error(spec, row.explicit),
-            }
+            row.explicit.text()
         }))
         .columns(models)
         .text(spec.sides().flat_map(of_side).chain(endings))

@@ -4,11 +4,12 @@ use std::fmt::Write;
 
 use asperity_simulate::{ControlVariateMean, ErrorBudget, SummaryWork, short};
 use asperity_tally::{
-    Component, Entry, Estimate, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
+    Component, Entry, MAX_LISTED_ORDER, Side, TallyResult, TallySpec, TallyStatistics,
 };
 use asperity_tracer::PathSettings;
 
-use crate::output::{Column, Table, aligned, listed, two_digits, with_error, wrapped};
+use crate::output::{Column, Table, aligned, listed, two_digits, wrapped};
+use crate::report::support::FluxSupport;
 
 /// What light of the first order is called.
 pub(crate) const SINGLE_SCATTERING: &str = "single scattering";
@@ -23,30 +24,24 @@ pub(crate) fn recorded_orders(max_order: u32) -> String {
     }
 }
 
-/// A flux fraction with its error. Inside a medium zero only means that no ray was found.
-pub(crate) fn flux_with_error(spec: &TallySpec, flux: Estimate) -> String {
-    if spec.has_medium() && flux.mean == 0.0 && flux.se == Some(0.0) {
-        return "0 (none observed)".to_owned();
-    }
-    with_error(flux)
-}
-
 /// The light of one side by the components of a medium.
-fn by_medium(spec: &TallySpec, statistics: &TallyStatistics, side: Side) -> Option<String> {
+fn by_medium(statistics: &TallyStatistics, support: &FluxSupport, side: Side) -> Option<String> {
+    let spec = statistics.spec();
     if !spec.has_medium() || statistics.means().flux(side, Component::All) == 0.0 {
         return None;
     }
     let fluxes = spec.components().iter().map(|&component| {
-        let flux = flux_with_error(spec, statistics.flux(side, component));
-        format!("{}: {flux}", component.short_label())
+        let flux = support.flux(side, statistics.flux(side, component));
+        format!("{}: {}", component.short_label(), flux.text())
     });
     let fluxes: Vec<String> = fluxes.collect();
     Some(listed(&side.to_string(), &fluxes))
 }
 
-/// The energies of one run, by side, order of scattering and number of scatterings inside a medium.
+/// The energies of one run, by side, order of scattering and number of scatterings inside a medium. `support`: what
+/// fluxes rest on whose samples all agree.
 #[must_use]
-pub fn energy_table(statistics: &TallyStatistics) -> String {
+pub fn energy_table(statistics: &TallyStatistics, support: &FluxSupport) -> String {
     let spec = statistics.spec();
     let energies = spec.sides().map(|side| {
         let all = spec.flux_entry(side, Component::All);
@@ -54,8 +49,8 @@ pub fn energy_table(statistics: &TallyStatistics) -> String {
     });
     let endings = endings(spec).map(|(name, i)| (name.to_owned(), i));
     let fluxes = energies.chain(endings).map(|(name, i)| {
-        let flux = flux_with_error(spec, statistics.at(i));
-        (name, flux)
+        let flux = support.of_budget(statistics, i);
+        (name, flux.text())
     });
     let residual = statistics.means().budget().total() - 1.0;
     let residual = ("sum - 1".to_owned(), format!("{residual:.1e}"));
@@ -65,8 +60,8 @@ pub fn energy_table(statistics: &TallyStatistics) -> String {
         .collect();
     let mut out = aligned(&rows, 1);
     for side in spec.sides() {
-        let orders = by_order(statistics, side);
-        let of_medium = by_medium(spec, statistics, side);
+        let orders = by_order(statistics, support, side);
+        let of_medium = by_medium(statistics, support, side);
         for line in orders.into_iter().chain(of_medium) {
             let _ = writeln!(out, "{line}");
         }
@@ -75,11 +70,11 @@ pub fn energy_table(statistics: &TallyStatistics) -> String {
 }
 
 /// The light of one side by its order of scattering at the surface; `None` if there is none.
-fn by_order(statistics: &TallyStatistics, side: Side) -> Option<String> {
+fn by_order(statistics: &TallyStatistics, support: &FluxSupport, side: Side) -> Option<String> {
     let mut fluxes: Vec<String> = (1..=4)
         .map(|order| (order, statistics.order(side, order)))
         .filter(|(_, flux)| flux.mean != 0.0)
-        .map(|(order, flux)| format!("{order}: {}", with_error(flux)))
+        .map(|(order, flux)| format!("{order}: {}", support.flux(side, flux).text()))
         .collect();
     let above: f64 = (5..=MAX_LISTED_ORDER)
         .map(|order| statistics.means().order(side, order))

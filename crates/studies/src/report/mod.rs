@@ -14,3 +14,4 @@ pub(crate) mod polarised;
 pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
 pub(crate) mod summary;
+pub(crate) mod support;

@@ -2,27 +2,28 @@
 
 use asperity_simulate::{Outcome, Stopping, SummaryWork};
 use asperity_tally::{
-    Component, Estimate, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side, TallyResult, TallyStatistics,
+    Component, MAX_LISTED_ORDER, MAX_LISTED_PATH, Side, TallyResult, TallyStatistics,
 };
 use serde::Serialize;
 
 use crate::config::lobes::BinnedLobe;
-use crate::output::{BySide, Head};
+use crate::output::{BySide, Head, Supported};
 use crate::report::polarised::polarised_json;
+use crate::report::support::FluxSupport;
 use crate::validity::Validity;
 
 #[derive(Clone, Debug, Serialize)]
 struct Energy {
     /// `None` on a side that is not recorded.
     #[serde(flatten)]
-    sides: BySide<Option<Estimate>>,
-    absorbed: Estimate,
-    truncated: Estimate,
-    lost: Estimate,
+    sides: BySide<Option<Supported>>,
+    absorbed: Supported,
+    truncated: Supported,
+    lost: Supported,
     /// The part of truncated that left an open patch sideways.
-    left_patch: Estimate,
+    left_patch: Supported,
     /// The part of truncated that went to a side that is not recorded.
-    not_recorded: Estimate,
+    not_recorded: Supported,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -31,7 +32,7 @@ pub(crate) struct Order {
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     and_above: bool,
     #[serde(flatten)]
-    flux: Estimate,
+    flux: Supported,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -39,7 +40,7 @@ struct Path {
     events: String,
     side: Side,
     #[serde(flatten)]
-    flux: Estimate,
+    flux: Supported,
 }
 
 #[derive(Clone, Debug, Serialize)]
@@ -47,7 +48,7 @@ struct Inside {
     scatterings: Component,
     side: Side,
     #[serde(flatten)]
-    flux: Estimate,
+    flux: Supported,
 }
 
 /// The contents of summary.json.
@@ -93,11 +94,15 @@ impl Summary {
     pub fn new(command: &'static str, config: serde_json::Value, outcome: &Outcome) -> Self {
         let statistics = &outcome.statistics;
         let spec = statistics.spec();
+        let support = FluxSupport::of(outcome);
         let energy = |side| {
             let recorded = spec.records(side);
-            recorded.then(|| statistics.flux(side, Component::All))
+            recorded.then(|| support.flux(side, statistics.flux(side, Component::All)))
         };
-        let orders = |side| spec.records(side).then(|| orders(statistics, side));
+        let orders = |side| {
+            let recorded = spec.records(side);
+            recorded.then(|| orders(statistics, &support, side))
+        };
         let budget = statistics.budget();
         Self {
             head: Head::of(command),
@@ -107,16 +112,18 @@ impl Summary {
             batches: statistics.batches(),
             energy: Energy {
                 sides: BySide::of(energy),
-                absorbed: budget.absorbed,
-                truncated: budget.truncated,
-                lost: budget.lost,
-                left_patch: budget.left_patch,
-                not_recorded: budget.not_recorded,
+                absorbed: support.absorbed(budget.absorbed),
+                truncated: support.ended(budget.truncated),
+                lost: support.ended(budget.lost),
+                left_patch: support.ended(budget.left_patch),
+                not_recorded: support.ended(budget.not_recorded),
             },
             error_budget: outcome.errors.to_json(outcome.statistics.means()),
             orders: BySide::of(orders),
-            paths: paths(statistics),
-            components: spec.has_medium().then(|| of_components(statistics)),
+            paths: paths(statistics, &support),
+            components: spec
+                .has_medium()
+                .then(|| of_components(statistics, &support)),
             polarised: polarised_json(statistics)
                 .map(|(key, value)| serde_json::Map::from_iter([(key.to_owned(), value)])),
             comparison: None,
@@ -174,36 +181,42 @@ impl Summary {
 }
 
 /// Fluxes by order of scattering, up to the last one that was seen.
-pub(crate) fn orders(statistics: &TallyStatistics, side: Side) -> Vec<Order> {
+pub(crate) fn orders(
+    statistics: &TallyStatistics,
+    support: &FluxSupport,
+    side: Side,
+) -> Vec<Order> {
     let mut orders: Vec<Order> = (1..)
         .zip(statistics.orders(side))
         .map(|(order, flux)| Order {
             order,
             and_above: order == MAX_LISTED_ORDER,
-            flux,
+            flux: support.flux(side, flux),
         })
         .collect();
-    let seen = orders.iter().rposition(|order| order.flux.mean != 0.0);
+    let seen = orders
+        .iter()
+        .rposition(|order| order.flux.estimate().mean != 0.0);
     orders.truncate(seen.map_or(0, |last| last + 1));
     orders
 }
 
 /// Fluxes of the components that are recorded in addition to the orders.
-fn of_components(statistics: &TallyStatistics) -> Vec<Inside> {
+fn of_components(statistics: &TallyStatistics, support: &FluxSupport) -> Vec<Inside> {
     let spec = statistics.spec();
     let of_side = |side| {
         let components = spec.components().iter();
         components.map(move |&component| Inside {
             scatterings: component,
             side,
-            flux: statistics.flux(side, component),
+            flux: support.flux(side, statistics.flux(side, component)),
         })
     };
     spec.sides().flat_map(of_side).collect()
 }
 
 /// Fluxes by event path, those that were seen, the strongest first.
-fn paths(statistics: &TallyStatistics) -> Vec<Path> {
+fn paths(statistics: &TallyStatistics, support: &FluxSupport) -> Vec<Path> {
     let spec = statistics.spec();
     let mut found: Vec<Path> = Vec::new();
     for side in spec.sides() {
@@ -213,10 +226,12 @@ fn paths(statistics: &TallyStatistics) -> Vec<Path> {
         let longer = format!("longer than {MAX_LISTED_PATH}");
         for (events, flux) in listed.chain([(longer, statistics.longer_paths(side))]) {
             if flux.mean != 0.0 {
+                let flux = support.flux(side, flux);
                 found.push(Path { events, side, flux });
             }
         }
     }
-    found.sort_by(|a, b| b.flux.mean.total_cmp(&a.flux.mean));
+    let mean = |path: &Path| path.flux.estimate().mean;
+    found.sort_by(|a, b| mean(b).total_cmp(&mean(a)));
     found
 }

@@ -11,6 +11,7 @@ use crate::config::Incident;
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
 use crate::report::polarised::polarised_text;
+use crate::report::support::FluxSupport;
 
 /// Surface and light, then energies, errors and notes.
 #[must_use]
@@ -21,7 +22,7 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
         outcome.name,
         light_line(outcome),
         found.statistics.batches(),
-        energy_table(&found.statistics),
+        energy_table(&found.statistics, &FluxSupport::of(found)),
         polarised_text(&found.statistics),
         errors_table(&found.errors),
         work_line(&found.work),

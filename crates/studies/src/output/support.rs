@@ -1,0 +1,154 @@
+//! Support: what a mean rests on whose samples all agree, which have no scatter to take an error from.
+
+use asperity_simulate::short;
+use asperity_tally::Estimate;
+use serde::Serialize;
+
+use super::number::{two_digits, with_error};
+
+/// Upper limit, with a probability of 95 %, of the expected number of what was not seen once: `-ln 0.05`, as the rule of
+/// three has it.
+const UNSEEN: f64 = 3.0;
+
+/// Means this near to one are of samples that are all one, but for rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What a mean rests on whose samples all agree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Support {
+    /// It is proven.
+    Proven,
+    /// So many independent samples, each between zero and one.
+    Samples(f64),
+    /// Nothing that gives a limit.
+    Unknown,
+}
+
+/// A mean with its standard error, or with the limit that holds where its samples all agree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub(crate) struct Supported {
+    #[serde(flatten)]
+    estimate: Estimate,
+    /// Limit from above, at 95 %, of what was not seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
+    /// Limit from below, at 95 %, of what was seen without exception.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    above: Option<f64>,
+    #[serde(skip)]
+    is_proven: bool,
+}
+
+impl From<Estimate> for Supported {
+    fn from(estimate: Estimate) -> Self {
+        Self::new(estimate, Support::Unknown)
+    }
+}
+
+impl Supported {
+    pub(crate) fn new(estimate: Estimate, support: Support) -> Self {
+        let agree = estimate.se == Some(0.0);
+        let limit = match support {
+            Support::Samples(count) if agree => Some((UNSEEN / count).min(1.0)),
+            _ => None,
+        };
+        let is_one = (estimate.mean - 1.0).abs() < ROUNDING;
+        Self {
+            estimate,
+            below: limit.filter(|_| estimate.mean == 0.0),
+            above: limit.filter(|_| is_one).map(|limit| 1.0 - limit),
+            is_proven: support == Support::Proven,
+        }
+    }
+
+    pub(crate) const fn estimate(&self) -> Estimate {
+        self.estimate
+    }
+
+    /// As text: with an error, as exact, or with a limit.
+    pub(crate) fn text(&self) -> String {
+        let Estimate { mean, se } = self.estimate;
+        match (se, self.below, self.above) {
+            (Some(0.0), Some(limit), _) => format!("none seen, below {}", two_digits(limit)),
+            (Some(0.0), _, Some(limit)) => {
+                format!("1, all seen, above 1 - {}", two_digits(1.0 - limit))
+            }
+            (Some(0.0), ..) if self.is_proven => format!("{} (exact)", short(mean)),
+            _ => with_error(self.estimate),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn agreed(mean: f64, support: Support) -> Supported {
+        let se = Some(0.0);
+        Supported::new(Estimate { mean, se }, support)
+    }
+
+    #[test]
+    fn only_what_is_proven_is_exact() {
+        let texts = |mean| {
+            let supports = [Support::Proven, Support::Samples(1e4), Support::Unknown];
+            supports.map(|support| agreed(mean, support).text())
+        };
+        assert_eq!(
+            texts(0.0),
+            ["0 (exact)", "none seen, below 3.0e-4", "0 (no scatter)"]
+        );
+        assert_eq!(
+            texts(1.0),
+            [
+                "1 (exact)",
+                "1, all seen, above 1 - 3.0e-4",
+                "1 (no scatter)"
+            ]
+        );
+        assert_eq!(
+            texts(0.04),
+            ["0.04 (exact)", "0.04 (no scatter)", "0.04 (no scatter)"]
+        );
+        let scattered = Estimate {
+            mean: 0.5,
+            se: Some(0.1),
+        };
+        for support in [Support::Proven, Support::Samples(1e4)] {
+            assert_eq!(Supported::new(scattered, support).text(), "0.50 +- 0.10");
+        }
+    }
+
+    #[test]
+    fn limits_are_numbers_too_and_never_beyond_what_is_possible() {
+        let value = |mean, support| json!(agreed(mean, support));
+        assert_eq!(
+            value(0.0, Support::Samples(1e4)),
+            json!({ "mean": 0.0, "se": 0.0, "below": 3e-4 })
+        );
+        assert_eq!(
+            value(1.0, Support::Samples(1e4)),
+            json!({ "mean": 1.0, "se": 0.0, "above": 1.0 - 3e-4 })
+        );
+        assert_eq!(value(0.0, Support::Samples(2.0))["below"], 1.0);
+        assert_eq!(
+            value(0.0, Support::Proven),
+            json!({ "mean": 0.0, "se": 0.0 })
+        );
+        let unknown = Estimate {
+            mean: 0.0,
+            se: None,
+        };
+        let unknown = json!(Supported::new(unknown, Support::Samples(9.0)));
+        assert_eq!(unknown, json!({ "mean": 0.0, "se": null }));
+    }
+
+    /// Where three events are expected, one run in twenty sees none.
+    #[test]
+    fn the_limit_holds_in_nineteen_of_twenty_runs() {
+        let none_seen = (1.0 - UNSEEN / 1e4_f64).powf(1e4);
+        assert!((0.045..0.05).contains(&none_seen), "{none_seen}");
+    }
+}
