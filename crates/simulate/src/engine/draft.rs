@@ -105,17 +105,23 @@ impl Draft {
         let refinement = self.refinement();
         let spec = settings.spec_of(&self.case);
         match &self.case.surface {
-            SurfaceSource::Random(surfaces) => match &**surfaces {
-                RandomSurfaces::Flat(synthesis) => {
-                    MeshErrors::of_random(&self.case, synthesis, &self.method, settings, refinement)
+            SurfaceSource::Random(surfaces) => {
+                let by_pilot_run = self.stopping.mesh_by_pilot_run(surfaces.cells());
+                let by_pilot_run = by_pilot_run.as_deref();
+                match &**surfaces {
+                    RandomSurfaces::Flat(synthesis) => MeshErrors::of_random(
+                        &self.case,
+                        synthesis,
+                        &self.method,
+                        settings,
+                        refinement,
+                        by_pilot_run,
+                    ),
+                    RandomSurfaces::Smooth(_) => {
+                        MeshErrors::of_random_smooth(&self.method, spec, refinement, by_pilot_run)
+                    }
                 }
-                RandomSurfaces::Smooth(_) => MeshErrors::of_random_smooth(
-                    &self.method,
-                    spec,
-                    refinement,
-                    self.stopping.mesh_by_pilot_run().as_deref(),
-                ),
-            },
+            }
             SurfaceSource::Given(shape) => MeshErrors::of_given(shape, spec, refinement),
         }
     }

@@ -121,20 +121,22 @@ impl MeshErrors {
         }
     }
 
-    /// Of a case whose surfaces `synthesis` draws, of flat cells.
+    /// Of a case whose surfaces `synthesis` draws, of flat cells; what the pilot run found, if there was one, in words.
     pub(crate) fn of_random(
         case: &Case,
         synthesis: &Synthesis,
         method: &Method,
         settings: &Settings,
         refinement: Option<Refinement>,
+        by_pilot_run: Option<&str>,
     ) -> Self {
         let first_order = FirstOrder {
             case,
             synthesis,
             spec: settings.spec_of(case),
         };
-        let mut errors = Self::unknown(first_order.spec, NOT_REQUESTED);
+        let unknown = by_pilot_run.unwrap_or(NOT_REQUESTED);
+        let mut errors = Self::unknown(first_order.spec, unknown);
         match method.control_variate() {
             _ if !settings.mesh_quadrature => {}
             Some(control_variate) => {

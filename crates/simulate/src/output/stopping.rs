@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::input::cells::Cells;
 use crate::input::target::Quantity;
 use crate::output::chosen_paths::ChosenPaths;
 use crate::output::stopped_by::StoppedBy;
@@ -94,11 +95,15 @@ impl Stopping {
         self
     }
 
-    /// What the pilot run found of the mesh error, if it did; of smooth cells.
-    pub(crate) fn mesh_by_pilot_run(&self) -> Option<String> {
+    /// What the pilot run found of the mesh error, if it did, of these cells.
+    pub(crate) fn mesh_by_pilot_run(&self, cells: Cells) -> Option<String> {
         let (of, error) = (self.of?, error_in_short(self.mesh_error?));
+        let order = match cells {
+            Cells::Smooth => " and fourth order",
+            Cells::Flat => "",
+        };
         Some(format!(
-            "up to {error} of {of}, by the difference between two spacings in the pilot run and fourth order; --refine traces a finer mesh for each flux"
+            "up to {error} of {of}, by the difference between two spacings in the pilot run{order}; --refine traces a finer mesh for each flux"
         ))
     }
 
@@ -129,7 +134,7 @@ impl Stopping {
             n => format!("; more were added {n} times"),
         };
         let mesh = self.mesh_error.map_or_else(String::new, |e| {
-            format!("; the mesh adds {}", error_in_short(e))
+            format!("; the mesh adds up to {}", error_in_short(e))
         });
         let paths = self.paths.as_ref();
         let paths = paths.map_or_else(String::new, |paths| format!("; {paths}"));

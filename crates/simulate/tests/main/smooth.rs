@@ -105,7 +105,9 @@ fn a_target_error_chooses_the_spacing_of_smooth_cells() {
         of_coarse = of_coarse.max(mesh);
     }
     // Of facets all that two spacings differ by, since no order is seen.
-    let flat = outcome(Cells::Flat, 0.05).stopping;
+    let flat = outcome(Cells::Flat, 0.05);
+    assert!(flat.errors.mesh_explanation().contains("pilot run"));
+    let flat = flat.stopping;
     println!("{:?}", flat.mesh_error);
     assert_eq!(flat.mesh_error, flat.pilot.unwrap().mesh_difference);
     assert!(flat.mesh_error.unwrap() > 5.0 * of_coarse);
