@@ -341,9 +341,17 @@ fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
         assert_eq!(fs::read_to_string(&cell).unwrap(), whole);
         assert_eq!(fs::read(folder.join("out/map.csv")).unwrap(), table);
     }
+    // Numbers of a machine that rounds differently are not mixed with those of this one.
+    let rounding = json(&whole)["rounding"].to_string();
+    fs::write(&cell, changed(&rounding, "\"0123\"")).unwrap();
+    let output = asperity(folder, &words("map m.toml --quiet --no-plots -o out"));
+    let told = String::from_utf8(output.stderr).unwrap();
+    let expected = "theta0.json is of a machine that rounds differently and is computed again";
+    assert!(told.contains(expected), "{told}");
+    assert_eq!(fs::read_to_string(&cell).unwrap(), whole);
     let of_this_build = format!("\"results_epoch\": {}", asperity_io::RESULTS_EPOCH);
     for (mismatched, what) in [
-        (changed("\"schema\": 3", "\"schema\": 4"), "schema 4"),
+        (changed("\"schema\": 4", "\"schema\": 5"), "schema 5"),
         (
             changed(&of_this_build, "\"results_epoch\": 1000"),
             "results epoch 1000",

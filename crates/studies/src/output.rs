@@ -8,6 +8,7 @@ mod head;
 mod number;
 mod place;
 mod points_hash;
+mod rounding;
 mod summary_of_cases;
 mod support;
 mod surface_checkpoints;

@@ -65,6 +65,7 @@ fn believed(results: &CellResults) -> Result<CellResults, String> {
     match checkpoints.read(&plan).unwrap() {
         Found::Results(results) => Ok(results),
         Found::Damaged(reason) => Err(reason),
+        Found::OtherRounding => panic!("the file is of this machine"),
         Found::Missing => panic!("the file is missing"),
     }
 }

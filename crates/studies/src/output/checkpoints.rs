@@ -2,7 +2,8 @@
 //!
 //! A checkpoint is a JSON file with the results of one case, the settings that they follow from, the build that
 //! computed them and a checksum. A run takes up the checkpoints that it finds and computes the rest. A checkpoint
-//! of other settings or of another results epoch is refused by name. A damaged one is computed again.
+//! of other settings or of another results epoch is refused by name. A damaged one is computed again, and so is one
+//! of a machine that rounds differently.
 
 use std::path::{Path, PathBuf};
 
@@ -16,10 +17,11 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
 
+use super::rounding::rounding;
 use crate::config::values::Seconds;
 
 /// Form of the files; another number is another form.
-const SCHEMA: u64 = 3;
+const SCHEMA: u64 = 4;
 
 /// A case of a long run.
 pub(crate) trait CheckpointCase {
@@ -74,6 +76,8 @@ struct Checkpoint<T> {
     schema: u64,
     study: String,
     build: Build,
+    /// How the machine rounds that computed it.
+    rounding: String,
     case: String,
     config: Value,
     results: T,
@@ -87,6 +91,8 @@ pub(crate) enum Found<T> {
     Missing,
     /// A file that is no checkpoint, or whose results are not those that were written: why.
     Damaged(String),
+    /// Results of a machine that rounds differently.
+    OtherRounding,
     /// Its results.
     Results(T),
 }
@@ -155,9 +161,7 @@ impl Checkpoints<'_> {
             ..Completion::default()
         };
         for (case, found) in cases.iter().zip(found) {
-            if let Found::Damaged(reason) = &found {
-                completion.notes.push(damaged(&self.path(case), reason));
-            }
+            completion.notes.extend(found.note(&self.path(case)));
             results.push(match found {
                 Found::Results(results) => Some(results),
                 _ => self.compute(case, &mut completion, &deadline, observer)?,
@@ -225,6 +229,7 @@ impl Checkpoints<'_> {
             schema: SCHEMA,
             study: self.study.to_owned(),
             build: Build::current(),
+            rounding: rounding().to_owned(),
             case: case.title(),
             config: case.settings(),
             results,
@@ -267,6 +272,7 @@ impl Checkpoints<'_> {
         }
         Ok(match case.invalid(&checkpoint.results) {
             Some(reason) => Found::Damaged(reason.to_owned()),
+            None if checkpoint.rounding != rounding() => Found::OtherRounding,
             None => Found::Results(checkpoint.results),
         })
     }
@@ -276,15 +282,23 @@ impl<T> Found<T> {
     const fn is_complete(&self) -> bool {
         matches!(self, Self::Results(_))
     }
-}
 
-/// The sentence on a checkpoint that is damaged.
-pub(super) fn damaged(path: &Path, reason: &str) -> String {
-    let reason = reason.replace('\n', " ");
-    format!(
-        "{} is damaged and is computed again ({reason})",
-        path.display()
-    )
+    /// The sentence on a checkpoint at `path` that is there and not taken up.
+    pub(super) fn note(&self, path: &Path) -> Option<String> {
+        let path = path.display();
+        match self {
+            Self::Damaged(reason) => {
+                let reason = reason.replace('\n', " ");
+                Some(format!(
+                    "{path} is damaged and is computed again ({reason})"
+                ))
+            }
+            Self::OtherRounding => Some(format!(
+                "{path} is of a machine that rounds differently and is computed again"
+            )),
+            Self::Missing | Self::Results(_) => None,
+        }
+    }
 }
 
 /// What tells a checkpoint from those of this form, study and results epoch; `None` if nothing does.

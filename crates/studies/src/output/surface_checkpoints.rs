@@ -4,7 +4,8 @@
 //! settings and the build that it follows from, and a line with the surfaces. A file whose surfaces were all saved
 //! again, as that of rays on a given surface, is removed. Files are written at most as often as [`Pace`] says, so that
 //! short runs write none, and removed when the run has come to its end. Files of another results epoch or of other
-//! settings are refused by name, so that no run removes the work of another.
+//! settings are refused by name, so that no run removes the work of another. Files of a machine that rounds differently
+//! are computed again.
 
 #[cfg(test)]
 mod tests;
@@ -21,7 +22,8 @@ use asperity_simulate::{SavedSurface, SurfaceKey, SurfaceStore};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::checkpoints::{CHANGED, CheckpointError, Found, damaged, first_difference, other_build};
+use super::checkpoints::{CHANGED, CheckpointError, Found, first_difference, other_build};
+use super::rounding::rounding;
 
 /// Folder of the files within the result folder.
 const FOLDER: &str = "checkpoints";
@@ -42,7 +44,7 @@ const PACE: Pace = Pace {
 };
 
 /// Form of the files; another number is another form.
-const SCHEMA: u64 = 1;
+const SCHEMA: u64 = 2;
 
 /// First line of a file.
 #[derive(Serialize, Deserialize)]
@@ -50,6 +52,8 @@ struct Header {
     schema: u64,
     study: String,
     build: Build,
+    /// How the machine rounds that computed it.
+    rounding: String,
     config: Value,
     /// Of the second line, so that a changed number is noticed.
     checksum: String,
@@ -107,17 +111,12 @@ impl<'a> SurfaceCheckpoints<'a> {
         let (mut earlier, mut files) = (HashMap::new(), HashMap::new());
         let mut notes = Vec::new();
         for &number in &numbers {
-            match read(folder, study, &config, number)? {
-                Found::Results(surfaces) => {
-                    folder.keep(&file_name(number));
-                    files.extend(surfaces.iter().map(|(key, _)| (*key, number)));
-                    earlier.extend(surfaces);
-                }
-                Found::Damaged(reason) => {
-                    let path = folder.path().join(file_name(number));
-                    notes.push(damaged(&path, &reason));
-                }
-                Found::Missing => {}
+            let found = read(folder, study, &config, number)?;
+            notes.extend(found.note(&folder.path().join(file_name(number))));
+            if let Found::Results(surfaces) = found {
+                folder.keep(&file_name(number));
+                files.extend(surfaces.iter().map(|(key, _)| (*key, number)));
+                earlier.extend(surfaces);
             }
         }
         Ok(Self {
@@ -211,6 +210,7 @@ impl<'a> SurfaceCheckpoints<'a> {
             schema: SCHEMA,
             study: self.study.to_owned(),
             build: Build::current(),
+            rounding: rounding().to_owned(),
             config: self.config.clone(),
             checksum: checksum(&surfaces),
         };
@@ -253,6 +253,7 @@ fn read(
         return Ok(Found::Damaged(CHANGED.to_owned()));
     }
     Ok(match serde_json::from_str(surfaces) {
+        Ok(_) if header.rounding != rounding() => Found::OtherRounding,
         Ok(surfaces) => Found::Results(surfaces),
         Err(error) => Found::Damaged(error.to_string()),
     })
