@@ -8,13 +8,14 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: AttenuationConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     if document.is_given("view.phi") && !document.is_given("view.theta") {
@@ -44,9 +45,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         attenuation_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
         folder.finish(!is_stopped).map_err(Failure::failed)?;
     }
-    if is_stopped {
+    let end = End::of(is_stopped);
+    if end == End::Interrupted {
         say(&format!(
-            "interrupted; results are of {} that finished",
+            "interrupted; results are of {} that finished, and the same command starts again",
             counted(outcome.work.realisations, "surface")
         ));
     }
@@ -64,5 +66,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         common,
         || attenuation_summary(&outcome),
         || attenuation_table(&outcome),
-    )
+    )?;
+    Ok(end)
 }

@@ -7,13 +7,14 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let config: ConvergeConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
@@ -29,9 +30,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     interrupt::listen();
     let outcome = converge(&config, &bar).map_err(Failure::failed)?;
     converge_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
-    folder.finish(!interrupt::came()).map_err(Failure::failed)?;
-    if interrupt::came() {
-        say("interrupted; the cases that were finished are written");
+    let is_stopped = outcome.left_out > 0;
+    folder.finish(!is_stopped).map_err(Failure::failed)?;
+    let end = End::of(is_stopped);
+    if end == End::Interrupted {
+        say("interrupted; the cases that finished are written, and the same command starts again");
     }
     common.say(|| {
         let cases = counted(outcome.cases.len() as u64, "case");
@@ -41,5 +44,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         common,
         || converge_summary(&outcome),
         || converge_table(&outcome),
-    )
+    )?;
+    Ok(end)
 }

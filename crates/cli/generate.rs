@@ -7,11 +7,13 @@ use asperity_surface::{Roughness, Synthesis};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{
     check_height_map_output, refuse_config, refuse_surface, samples, write_surface,
 };
 use crate::output::note_lines;
+use crate::output_files::check_outputs;
 
 /// What is drawn.
 #[derive(Deserialize)]
@@ -33,7 +35,7 @@ struct Run {
     seed: u64,
 }
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let settings: Settings = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
@@ -47,6 +49,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let synthesis =
         Synthesis::new(psd, shape, surface.spacing(), surface.insist).map_err(refuse_surface)?;
     check_height_map_output(&path)?;
+    check_outputs(&[&path], &[document.file()])?;
     check_memory("this surface", synthesis.peak_bytes()).map_err(Failure::failed)?;
     let clock = std::time::Instant::now();
     let (seed, realisation) = (settings.run.seed, settings.generate.realisation);
@@ -69,5 +72,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
                 path.display(),
             )
         },
-    )
+    )?;
+    Ok(End::Complete)
 }

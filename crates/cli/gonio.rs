@@ -7,6 +7,7 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::completion::{Cases, say_completion};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
@@ -14,7 +15,7 @@ use crate::interrupt;
 use crate::output::result_folder;
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let mut config: GonioConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
@@ -62,5 +63,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         common,
         || gonio_summary(&outcome),
         || gonio_table(&outcome) + "\n",
-    )
+    )?;
+    Ok(End::of(!is_complete))
 }

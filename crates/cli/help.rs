@@ -31,7 +31,8 @@ pub(crate) fn program_help() -> String {
     text.push('\n');
     text.push_str(&wrapped(
         "--theta and --phi give the direction towards the light. Numbers may be quotients \
-         (1/1.4), counts may be written as 1e6. Exit codes: 0 done, 1 failed, 2 wrong usage.",
+         (1/1.4), counts may be written as 1e6. Exit codes: 0 done, 1 failed, 2 wrong usage, 3 interrupted \
+         and the results so far written, 130 interrupted and ended at once.",
         0,
     ));
     text.push('\n');

@@ -13,10 +13,11 @@ use asperity_surface::{HeightField, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{check_height_map_output, name_of, read_surface, required_file, write_surface};
 use crate::output::note_lines;
-use crate::output_files::{refuse_equal_names, refuse_input};
+use crate::output_files::check_outputs;
 
 /// What is read.
 #[derive(Deserialize)]
@@ -25,7 +26,7 @@ struct Settings {
     measured: MeasuredConfig,
 }
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let Settings { surface, measured } = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let file = required_file(&measured, document.command())?;
@@ -39,10 +40,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     let outputs = [results.output.as_deref(), results.plot.as_deref()];
     let outputs: Vec<&Path> = outputs.into_iter().flatten().collect();
-    for path in &outputs {
-        refuse_input(path, file)?;
-    }
-    refuse_equal_names(&outputs)?;
+    check_outputs(&outputs, &[Some(file), document.file()])?;
     let mut input = read_surface(file, &measured, common)?;
     let cells = surface.cells.of_given();
     let statistics = Statistics::of(&input.field, cells);
@@ -61,7 +59,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             let notes = note_lines(&input.notes);
             format!("{}: {}{notes}", file.display(), statistics.text())
         },
-    )
+    )?;
+    Ok(End::Complete)
 }
 
 /// Roughness of the samples and facets, and of the smooth cells through the same heights.

@@ -1,26 +1,44 @@
-//! Ctrl-C, SIGTERM and SIGHUP: the first one ends a run with what is there, the second one ends the program.
+//! Interrupts: Ctrl-C, SIGTERM and SIGHUP. The first one ends a run that [`listen`]s with what is there; any other
+//! ends the program at once, without temporary files left behind.
 
 use std::process::exit;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether there was a first one.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+use asperity_io::remove_temporary_files;
 
-/// Exit code of a program that an interrupt ends, as shells have it.
+use crate::output::say;
+
+/// Whether the first interrupt is left to the run.
+static LISTENS: AtomicBool = AtomicBool::new(false);
+
+/// Whether there was a first one.
+static CAME: AtomicBool = AtomicBool::new(false);
+
+/// Exit code of a program that an interrupt ends at once, as shells have it.
 const KILLED: i32 = 130;
 
-/// From now on the first interrupt is noted, for a run to end by it. Files are written aside and renamed,
-/// so that the second one leaves none half written.
-pub(crate) fn listen() {
+/// From now on an interrupt ends the program cleanly.
+pub(crate) fn handle() {
     // Where there is no handler to be had, an interrupt does what it always did.
     let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            exit(KILLED);
+        let is_first = !CAME.swap(true, Ordering::Relaxed);
+        if is_first && LISTENS.load(Ordering::Relaxed) {
+            return;
         }
+        remove_temporary_files();
+        if is_first {
+            say("interrupted; no incomplete file is left");
+        }
+        exit(KILLED);
     });
+}
+
+/// From now on the first interrupt is noted, for a run to end by it.
+pub(crate) fn listen() {
+    LISTENS.store(true, Ordering::Relaxed);
 }
 
 /// Whether the run should end.
 pub(crate) fn came() -> bool {
-    INTERRUPTED.load(Ordering::Relaxed)
+    CAME.load(Ordering::Relaxed)
 }

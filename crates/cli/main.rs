@@ -5,6 +5,7 @@ mod command_line;
 mod common;
 mod completion;
 mod converge;
+mod end;
 mod failure;
 mod generate;
 mod given;
@@ -29,6 +30,7 @@ use asperity_studies::settings::{Command, Document};
 
 use crate::command_line::{Stop, parse};
 use crate::common::Common;
+use crate::end::End;
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
@@ -42,13 +44,14 @@ fn main() -> ExitCode {
         }
     };
     match run(&document) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(end) => end.code(),
         Err(failure) => failure.report(),
     }
 }
 
-fn run(document: &Document) -> Result<(), Failure> {
+fn run(document: &Document) -> Result<End, Failure> {
     let common = &Common::of(document).map_err(Failure::usage)?;
+    interrupt::handle();
     set_threads(common)?;
     match document.command() {
         Command::Generate => generate::run(document, common),

@@ -5,13 +5,14 @@ use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_ta
 
 use crate::common::{Common, Results};
 use crate::completion::{Cases, say_completion};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::result_folder;
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let config: MapConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
@@ -43,5 +44,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         common,
         || map_summary(&outcome),
         || map_table(&outcome) + "\n",
-    )
+    )?;
+    Ok(End::of(!is_complete))
 }

@@ -9,9 +9,11 @@ use asperity_tracer::{Surface, TriangleMesh};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{read_surface, required_file};
 use crate::output::print;
+use crate::output_files::check_outputs;
 
 /// Bytes per cell of the height field and its triangles.
 const BYTES_PER_CELL: usize = 64;
@@ -31,7 +33,7 @@ struct Fineness {
     deviation: Option<f64>,
 }
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let settings: Settings = document.read().map_err(Failure::usage)?;
     let cells = settings.surface.cells.of_given();
@@ -49,6 +51,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     }
     let measured = &settings.measured;
     let file = required_file(measured, document.command())?;
+    check_outputs(&[&output], &[Some(file), document.file()])?;
     let field = read_surface(file, measured, common)?.field;
     let unit = match field.unit() {
         LengthUnit::Arbitrary => "arbitrary units",
@@ -72,7 +75,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     };
     write_mesh(&output, &view).map_err(Failure::failed)?;
     if common.quiet {
-        return Ok(());
+        return Ok(End::Complete);
     }
     let mut text = format!(
         "{}: {} vertices, {} triangles, lengths in {unit}\n",
@@ -88,7 +91,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             );
         }
     }
-    print(&text)
+    print(&text)?;
+    Ok(End::Complete)
 }
 
 impl Fineness {

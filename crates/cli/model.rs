@@ -6,17 +6,23 @@ use asperity_studies::settings::Document;
 use asperity_studies::{ModelConfig, Resolution, evaluate_model, model_list};
 
 use crate::common::{Common, Results};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::output::print;
+use crate::output_files::check_outputs;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: ModelConfig = document.read().map_err(Failure::usage)?;
     if config.is_list() {
-        return print(&model_list().map_err(Failure::failed)?);
+        print(&model_list().map_err(Failure::failed)?)?;
+        return Ok(End::Complete);
     }
     let results = Results::of(document).map_err(Failure::usage)?;
     let file = results.output.as_deref();
-    file.map_or(Ok(()), check_table_output)?;
+    if let Some(path) = file {
+        check_table_output(path)?;
+        check_outputs(&[path], &[document.file()])?;
+    }
     let resolution = match results.json {
         true => Resolution::Bins,
         false => Resolution::Directions,
@@ -28,7 +34,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     if let (Some(table), None) = (model.csv(), file) {
         let notes = model.notes().iter().filter(|_| !common.quiet);
         let notes: String = notes.map(|note| format!("# {note}\n")).collect();
-        return print(&format!("{notes}{table}"));
+        print(&format!("{notes}{table}"))?;
+        return Ok(End::Complete);
     }
     let text = || {
         let notes: String = model
@@ -42,7 +49,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         }
         text
     };
-    results.print_file(common, || model.summary(file), text)
+    results.print_file(common, || model.summary(file), text)?;
+    Ok(End::Complete)
 }
 
 /// Refuses a file whose ending is not that of a table.

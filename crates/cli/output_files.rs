@@ -1,11 +1,24 @@
-//! Output files: refuses those that would replace an input or each other.
+//! Output files: refuses, before any work, those that cannot be written or would replace an input or each other.
 
 use std::path::{Path, PathBuf};
 
+use asperity_io::check_output_file;
+
 use crate::failure::Failure;
 
+/// Checks that the files `outputs` of a command that reads `inputs` can be written.
+pub(crate) fn check_outputs(outputs: &[&Path], inputs: &[Option<&Path>]) -> Result<(), Failure> {
+    for output in outputs {
+        for input in inputs.iter().flatten() {
+            refuse_input(output, input)?;
+        }
+        check_output_file(output).map_err(Failure::failed)?;
+    }
+    refuse_equal_names(outputs)
+}
+
 /// Refuses to replace a file that is read.
-pub(crate) fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
+fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
     match is_same_file(output, input) {
         true => Err(Failure::usage(format!(
             "{} is the input of this command, which would replace it; choose another output",
@@ -16,7 +29,7 @@ pub(crate) fn refuse_input(output: &Path, input: &Path) -> Result<(), Failure> {
 }
 
 /// Refuses two outputs of one name.
-pub(crate) fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
+fn refuse_equal_names(outputs: &[&Path]) -> Result<(), Failure> {
     let named_before = |(i, path): (usize, &&Path)| {
         let mut before = outputs[..i].iter();
         before.any(|other| is_same_file(other, path))

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{PictureFormat, check_folder_of, write_picture};
+use asperity_io::{PictureFormat, write_picture};
 use asperity_optics::Incidence;
 use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
     render,
 };
-use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape};
+use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape, counted};
 use asperity_studies::settings::Document;
 use asperity_studies::{
     CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, Seconds,
@@ -18,16 +18,17 @@ use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
 
 use crate::common::Common;
+use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::refuse_simulation;
 use crate::interrupt;
 use crate::output::{note_lines, print, say};
-use crate::output_files::{refuse_equal_names, refuse_input};
+use crate::output_files::check_outputs;
 use crate::progress::Bar;
 
 /// What the values of an EXR are.
-const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error; A: fraction of the pixel that shows the surface";
+const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error, NaN where unknown; A: fraction of the pixel that shows the surface";
 
 /// Throughput below which roulette decides: pictures are noisy by other causes, and weak paths take long.
 const ROULETTE: f64 = 0.2;
@@ -103,7 +104,7 @@ struct Run {
     max_time: Option<Seconds>,
 }
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let settings: Settings = document.read().map_err(Failure::usage)?;
     if settings.camera.projection == CameraKind::Orthographic && document.is_given("camera.fov") {
@@ -116,9 +117,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     let picture = &settings.picture;
     for path in &picture.output {
         PictureFormat::from_path(path).map_err(Failure::usage)?;
-        check_folder_of(path).map_err(Failure::failed)?;
     }
-    settings.check_outputs()?;
+    settings.check_outputs(document)?;
     let surface = required_surface(&settings.measured, document, common)?;
     let settings: Settings = settings_for(document, &surface)?;
     let picture = &settings.picture;
@@ -135,31 +135,34 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
     for path in &picture.output {
         write_picture(path, &outcome.picture, factor, COMMENT).map_err(Failure::failed)?;
     }
-    if interrupt::came() {
-        say("interrupted; the picture of the passes that were complete is written");
+    let end = End::of(outcome.stopped_by.is_some());
+    if end == End::Interrupted {
+        say(&format!(
+            "interrupted; the picture of {} per pixel so far is written, and the same command starts again",
+            counted(outcome.samples, "camera ray"),
+        ));
     }
     if common.quiet {
-        return Ok(());
+        return Ok(end);
     }
     let mut text = report(&surface.name, &outcome, factor);
     text.push_str(&note_lines(surface.notes.iter().chain(&settings.notes())));
     for path in &picture.output {
         text.push_str(&format!("picture in {}\n", path.display()));
     }
-    print(&text)
+    print(&text)?;
+    Ok(end)
 }
 
 impl Settings {
-    /// Refuses outputs that would replace an input or each other.
-    fn check_outputs(&self) -> Result<(), Failure> {
+    /// Checks that the pictures can be written.
+    fn check_outputs(&self, document: &Document) -> Result<(), Failure> {
         let outputs: Vec<&Path> = self.picture.output.iter().map(PathBuf::as_path).collect();
         let bottom = self.medium.as_ref().and_then(|m| m.bottom_surface.file());
-        for input in self.measured.file.as_deref().into_iter().chain(bottom) {
-            for output in &outputs {
-                refuse_input(output, input)?;
-            }
-        }
-        refuse_equal_names(&outputs)
+        check_outputs(
+            &outputs,
+            &[self.measured.file.as_deref(), bottom, document.file()],
+        )
     }
 
     fn check_bottom(&self) -> Result<(), Failure> {
@@ -296,13 +299,18 @@ fn report(name: &str, outcome: &RenderOutcome, factor: f64) -> String {
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let [build, follow] = outcome.seconds;
     let rays = outcome.samples as f64 * (columns * rows) as f64;
+    let error = match outcome.passes {
+        1 => "of unknown error, from a single pass".to_owned(),
+        passes => format!(
+            "standard error of a pixel {:.2e} on average, from {passes} passes",
+            mean(&picture.error)
+        ),
+    };
     let mut text = format!(
-        "{name}, {columns} x {rows} pixels of {} camera rays, {rays:.3e} rays in {:.1} s\n  mean radiance {:.5}, standard error of a pixel {:.2e} on average, from {} passes; exposure {factor:.4}\n",
-        outcome.samples,
+        "{name}, {columns} x {rows} pixels of {}, {rays:.3e} rays in {:.1} s\n  mean radiance {:.5}, {error}; exposure {factor:.4}\n",
+        counted(outcome.samples, "camera ray"),
         build + follow,
         mean(&picture.radiance),
-        mean(&picture.error),
-        outcome.passes,
     );
     for (fraction, what) in [
         (outcome.truncated, "ended by a limit"),

@@ -10,6 +10,7 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::completion::say_notes;
+use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
@@ -17,7 +18,7 @@ use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: TraceConfig = document.read().map_err(Failure::usage)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let refuse = |error: TraceError| match error {
@@ -69,13 +70,15 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
             work.build_seconds, work.trace_seconds
         )
     });
-    if interrupt::came() {
+    let end = End::of(is_stopped);
+    if end == End::Interrupted {
         say(match &results.output {
             Some(_) => "interrupted; the results so far are written, and the same command resumes",
             None => "interrupted; these are the results so far",
         });
     }
-    results.print(common, || trace_summary(&outcome), || trace_table(&outcome))
+    results.print(common, || trace_summary(&outcome), || trace_table(&outcome))?;
+    Ok(end)
 }
 
 /// Reads the surface, and the one below it if that is a file.

@@ -6,13 +6,14 @@ use asperity_studies::{VerifyConfig, resume_verify, verify_report, verify_summar
 
 use crate::common::{Common, Results};
 use crate::completion::say_notes;
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Bar;
 
-pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
+pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
     let refuse = |error: &dyn std::fmt::Display| refuse_config(document, error);
     let config = VerifyConfig::of_document(document).map_err(Failure::usage)?;
@@ -46,12 +47,14 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<(), Failure> {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)
     });
-    if interrupt::came() {
+    let end = End::of(is_stopped);
+    if end == End::Interrupted {
         say("interrupted; the results so far are written, and the same command resumes");
     }
     results.print(
         common,
         || verify_summary(&outcome),
         || verify_table(&outcome),
-    )
+    )?;
+    Ok(end)
 }

@@ -19,6 +19,7 @@ mod given;
 mod given_models;
 mod gonio;
 mod gonio_given;
+mod interrupts;
 mod layer_models;
 mod lobes;
 mod map;

@@ -71,6 +71,61 @@ fn files_of_the_user_survive_every_command() {
         assert_eq!(files(&out), [in_the_way.as_str()], "{run}");
         assert_eq!(fs::read_to_string(out.join(in_the_way)).unwrap(), "mine");
         fs::remove_dir_all(&out).unwrap();
+        // So is a folder of the name of a result.
+        fs::create_dir_all(out.join("summary.json")).unwrap();
+        let said = refused(&folder, &words(&format!("{run} -o out")), 1);
+        assert!(said.contains("the folder `out/summary.json`"), "{said}");
+        assert_eq!(files(&out), ["summary.json"], "{run}");
+        fs::remove_dir_all(&out).unwrap();
+    }
+}
+
+/// Files that are named are checked before an input is read: here none is there, and yet it is the output that is
+/// refused.
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    for ending in ["exr", "ply", "csv", "svg"] {
+        fs::create_dir(folder.join(format!("folder.{ending}"))).unwrap();
+    }
+    for (command, ending) in [
+        ("generate --tau 8 --size 64 -o", "exr"),
+        ("mesh no.exr -o", "ply"),
+        ("inspect no.exr -o", "exr"),
+        ("inspect no.exr --plot", "svg"),
+        ("model smith -o", "csv"),
+        ("render no.exr -o", "exr"),
+    ] {
+        for (name, expected) in [
+            (format!("folder.{ending}"), "is a folder"),
+            (format!("no/out.{ending}"), "the folder `no` does not exist"),
+        ] {
+            let line = format!("{command} {name}");
+            let said = refused(folder, &words(&line), 1);
+            let names_it = said.contains(&format!("`{name}`"));
+            assert!(names_it && said.contains(expected), "{line}: {said}");
+        }
+        if cfg!(target_os = "linux") {
+            let name = format!("/proc/self/out.{ending}");
+            let line = format!("{command} {name}");
+            let said = refused(folder, &words(&line), 1);
+            assert!(said.contains(&format!("cannot write `{name}`")), "{said}");
+        }
+    }
+    #[cfg(unix)]
+    {
+        succeed(
+            folder,
+            &words("generate --tau 8 --size 64 --quiet -o h.exr"),
+        );
+        let before = fs::read(folder.join("h.exr")).unwrap();
+        for (command, name) in [("mesh", "link.ply"), ("inspect", "link.npy")] {
+            std::os::unix::fs::symlink("h.exr", folder.join(name)).unwrap();
+            let said = refused(folder, &words(&format!("{command} h.exr -o {name}")), 2);
+            assert!(said.contains("is the input of this command"), "{said}");
+        }
+        assert!(fs::read(folder.join("h.exr")).unwrap() == before);
     }
 }
 

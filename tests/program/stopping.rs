@@ -1,4 +1,4 @@
-//! Runs that end at an error, at the end of their time or by an interrupt.
+//! Runs that end at an error or at the end of their time.
 
 use std::fs;
 use std::path::Path;
@@ -225,40 +225,6 @@ fn flags_say_whether_the_target_of_a_file_holds() {
     );
 }
 
-/// Sends an interrupt to a run that would take hours, as Ctrl-C does, and returns its exit code and what
-/// it said.
-#[cfg(unix)]
-fn interrupted(folder: &Path, arguments: &[&str], times: u32) -> (Option<i32>, String) {
-    use std::process::{Command, Stdio};
-    use std::thread::sleep;
-    use std::time::Duration;
-
-    let program = Command::new(env!("CARGO_BIN_EXE_asperity"))
-        .current_dir(folder)
-        .args(arguments)
-        .stderr(Stdio::piped())
-        .stdout(Stdio::null())
-        .spawn()
-        .unwrap();
-    sleep(Duration::from_millis(700));
-    for _ in 0..times {
-        let id = program.id().to_string();
-        assert!(
-            Command::new("kill")
-                .args(["-INT", &id])
-                .status()
-                .unwrap()
-                .success()
-        );
-        sleep(Duration::from_millis(50));
-    }
-    let output = program.wait_with_output().unwrap();
-    (
-        output.status.code(),
-        String::from_utf8(output.stderr).unwrap(),
-    )
-}
-
 /// Rays beyond any number that could be traced, on one surface and on each of several: what is there when the
 /// time is over is written, and blocks and surfaces are small enough to end soon.
 #[test]
@@ -275,33 +241,6 @@ fn endless_runs_end_when_their_time_is_over() {
         assert!(rays > 0 && rays < 1_000_000_000, "{rays}");
         assert!(summary["energy"]["transmitted"]["se"].as_f64().unwrap() > 0.0);
     }
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupt_writes_the_results_so_far_and_a_second_one_ends_at_once() {
-    let (_keep, folder) = with_surface();
-    let long = verify("--rays 1e9 --realisations 10000", &["-o", "v"]);
-    let trace = words("trace h.exr --theta 30 --rays 1e10 --no-plots -o t");
-    for (out, arguments) in [("v", &long), ("t", &trace)] {
-        let (code, errors) = interrupted(&folder, arguments, 1);
-        assert_eq!(code, Some(0), "{errors}");
-        assert_eq!(errors.lines().count(), 1, "{errors}");
-        assert!(errors.contains("interrupted"), "{errors}");
-        let summary = json(&fs::read_to_string(folder.join(out).join("summary.json")).unwrap());
-        assert_eq!(summary["stopping"]["stopped_by"], "interrupt");
-        assert!(summary["warnings"].to_string().contains("interrupted"));
-        assert!(summary["work"]["rays"].as_u64().unwrap() > 0);
-    }
-    // A block of rays that try every facet does not end soon.
-    let endless =
-        words("trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none");
-    let (code, errors) = interrupted(&folder, &endless, 2);
-    assert_eq!(code, Some(130), "{errors}");
-    assert!(
-        errors.is_empty() && !folder.join("none").exists(),
-        "{errors}"
-    );
 }
 
 /// Runs `arguments`, which must succeed, and returns whether it said that it resumed.

@@ -12,8 +12,9 @@ mod text;
 
 pub use atomic::{write_atomically, write_bytes, write_json};
 pub use csv::{CsvField, csv_text, write_csv};
-pub use folder::{check_folder_of, check_output_folder, create_output_folder, exists, names_in};
+pub use folder::{check_output_file, check_output_folder, create_output_folder, exists, names_in};
 pub use memory::available_memory;
+pub use parts::remove_temporary_files;
 pub use result_folder::ResultFolder;
 pub use text::{read_json, read_text};
 

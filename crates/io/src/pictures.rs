@@ -22,7 +22,7 @@ pub struct Picture {
     pub size: [usize; 2],
     /// Radiance, linear.
     pub radiance: Vec<f64>,
-    /// Its standard error.
+    /// Its standard error; NaN where it is unknown.
     pub error: Vec<f64>,
     /// Fraction of the pixel in which the camera sees the surface, `[0, 1]`.
     pub coverage: Vec<f64>,
@@ -100,7 +100,7 @@ fn write_exr(
     let channels = vec![
         channel("A", &picture.coverage)?,
         channel("Y", &picture.radiance)?,
-        channel("error", &picture.error)?,
+        errors(path, &picture.error)?,
     ];
     let attributes = LayerAttributes {
         comments: Some(Text::from_slice_unchecked(comment.as_bytes())),
@@ -108,6 +108,16 @@ fn write_exr(
     };
     let file = encode_exr(picture.size, attributes, channels).map_err(&io)?;
     out.write_all(&file).map_err(io)
+}
+
+/// The channel of errors, which may be unknown.
+fn errors(path: &Path, values: &[f64]) -> Result<(&'static str, Vec<f32>), WriteError> {
+    let sample = |value: &f64| match value.is_nan() {
+        true => Ok(f32::NAN),
+        false => single(path, "error", *value),
+    };
+    let samples = values.iter().map(sample).collect::<Result<_, _>>()?;
+    Ok(("error", samples))
 }
 
 fn write_png(picture: &Picture, exposure: f64, out: &mut dyn Write) -> io::Result<()> {
@@ -184,6 +194,18 @@ mod tests {
             .map(|channel| channel.name.to_string())
             .collect();
         assert_eq!(names, ["A", "Y", "error"]);
+    }
+
+    #[test]
+    fn unknown_errors_are_written_and_unknown_radiance_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("p.exr");
+        let mut unknown = picture();
+        unknown.error = vec![f64::NAN; 6];
+        write_picture(&path, &unknown, 1.0, "unit").unwrap();
+        unknown.radiance[0] = f64::NAN;
+        let error = write_picture(&path, &unknown, 1.0, "unit").unwrap_err();
+        assert!(matches!(error, WriteError::OutOfRange { .. }), "{error}");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use asperity_io::{
-    ReadError, WriteError, check_folder_of, check_output_folder, create_output_folder,
+    ReadError, WriteError, check_output_file, check_output_folder, create_output_folder,
     read_height_map, write_atomically, write_bytes, write_height_map,
 };
 use asperity_surface::{Border, HeightField, LengthUnit, MissingPolicy, Provenance, Psd};
@@ -397,15 +397,17 @@ fn files_and_folders_in_the_way_are_reported() {
     let at = |name: &str| folder.path().join(name);
     let error = write_bytes(at("no/where.txt"), b"").unwrap_err();
     assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
-    let error = check_folder_of(at("no/where.txt")).unwrap_err();
+    let error = check_output_file(at("no/where.txt")).unwrap_err();
     assert!(matches!(error, WriteError::NoFolder { .. }), "{error}");
-    check_folder_of(at("where.txt")).unwrap();
-    check_folder_of("where.txt").unwrap();
+    check_output_file(at("where.txt")).unwrap();
+    check_output_file("where.txt").unwrap();
     create_output_folder(at("new/deep")).unwrap();
     create_output_folder(at("new/deep")).unwrap();
     assert_eq!(entries(&at("new/deep")).len(), 0);
-    let error = write_bytes(at("new"), b"").unwrap_err();
-    assert!(matches!(error, WriteError::IsFolder { .. }), "{error}");
+    for error in [write_bytes(at("new"), b""), check_output_file(at("new"))] {
+        let error = error.unwrap_err();
+        assert!(matches!(error, WriteError::IsFolder { .. }), "{error}");
+    }
     write_bytes(at("file"), b"").unwrap();
     for name in ["file", "file/below"] {
         for refuse in [create_output_folder, check_output_folder] {
@@ -453,6 +455,8 @@ fn folders_without_permission_to_write_are_reported() {
                 let error = check_output_folder(place).unwrap_err();
                 assert!(matches!(error, WriteError::Folder { .. }), "{error}");
             }
+            let error = check_output_file("/proc/self/results").unwrap_err();
+            assert!(matches!(error, WriteError::Io { .. }), "{error}");
         }
         return;
     }
@@ -461,6 +465,8 @@ fn folders_without_permission_to_write_are_reported() {
         assert!(matches!(error, WriteError::Folder { .. }), "{error}");
     }
     let error = write_height_map(closed.join("a.npy"), &field()).unwrap_err();
+    assert!(matches!(error, WriteError::Io { .. }), "{error}");
+    let error = check_output_file(closed.join("a.npy")).unwrap_err();
     assert!(matches!(error, WriteError::Io { .. }), "{error}");
 }
 

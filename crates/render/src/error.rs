@@ -36,7 +36,7 @@ pub enum RenderError {
         tiles: f64,
     },
     /// There is no picture yet.
-    #[error("stopped before two passes were finished; nothing is written")]
+    #[error("interrupted before the first pass was finished; nothing is written")]
     Interrupted,
     /// No pixels, or too many.
     #[error("the picture has {0} x {1} pixels; 1 to {MAX_PIXELS} per side are allowed")]

@@ -40,7 +40,7 @@ use asperity_tracer::{
 pub use error::RenderError;
 pub use exposure::exposure;
 pub use lights::{Lights, LightsError, Patch, Sun};
-use passes::{BeginBeams, Film, MIN_PASSES, PassPlan, SunlightInMedium, expose};
+use passes::{BeginBeams, Film, PassPlan, SunlightInMedium, expose};
 use scene::Scene;
 pub use settings::{MAX_PIXELS, RenderSettings};
 use tile_frame::TileFrame;
@@ -73,11 +73,12 @@ pub struct RenderOutcome {
 ///
 /// Smooth cells have no light beams: sunlight in a medium below them is found by random paths alone.
 ///
-/// A run that is to stop ends with the passes that are complete: for want of time after two at least.
+/// A run that is to stop ends with the passes that are complete: for want of time after two at least, by an
+/// interrupt after one, whose error is unknown.
 ///
 /// # Errors
 /// [`RenderError`] if the surface or the picture is too large, the layer too thin, the eye too low, parallel
-/// camera rays or the sun too flat, or if an interrupt comes before two passes.
+/// camera rays or the sun too flat, or if an interrupt comes before the first pass is complete.
 pub fn render(
     shape: &Shape,
     material: Material,
@@ -188,7 +189,7 @@ fn render_on<G: BuildAccelerator>(
         SunlightInMedium::new(geometries.top, begin, light, settings.seed, plan)
     });
     let film = expose(&scene, sunlight, plan, settings, progress);
-    if film.passes() < MIN_PASSES {
+    if film.passes() == 0 {
         return Err(RenderError::Interrupted);
     }
     let is_stopped = film.passes() < plan.passes;

@@ -21,7 +21,7 @@ const PASSES: u64 = 16;
 const MAX_SAMPLES_PER_PASS: u64 = 4;
 
 /// Passes that are completed even after the time limit: fewer give no error.
-pub(crate) const MIN_PASSES: u64 = 2;
+const MIN_PASSES: u64 = 2;
 
 /// How samples are divided into passes.
 #[derive(Clone, Copy)]
@@ -84,7 +84,7 @@ impl Film {
         self.radiance.batches()
     }
 
-    /// The mean over passes, with its standard error.
+    /// The mean over passes, with its standard error, which is NaN for a single pass.
     pub(crate) fn develop(mut self) -> Picture {
         let passes = self.passes() as f64;
         self.coverage.iter_mut().for_each(|c| *c /= passes);

@@ -380,7 +380,7 @@ fn a_picture_that_is_stopped_has_whole_passes_and_at_least_two() {
 }
 
 #[test]
-fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_the_first() {
+fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_one() {
     let lights = Lights::new(1.0, 0.0, None).unwrap();
     for samples in [64, 1 << 53, u64::MAX] {
         let settings = RenderSettings {
@@ -390,11 +390,25 @@ fn passes_are_short_however_many_lines_are_asked_for_and_an_interrupt_ends_the_f
         let in_no_time = Patience(AtomicU64::new(0), StoppedBy::Time);
         let outcome = render(&facets(flat()), GLASS, None, &settings, &in_no_time).unwrap();
         assert_eq!((outcome.passes, outcome.samples), (2, 8));
-        let interrupted = Patience(AtomicU64::new(15), StoppedBy::Interrupt);
+        let interrupted = Patience(AtomicU64::new(8), StoppedBy::Interrupt);
         let none = render(&facets(flat()), GLASS, None, &settings, &interrupted);
         assert_eq!(none, Err(RenderError::Interrupted));
         assert!(interrupted.0.load(Ordering::Relaxed) == 0);
     }
+    // One pass is a picture, whose error is unknown.
+    let settings = RenderSettings {
+        samples: 64,
+        ..settings(30.0, ORTHOGRAPHIC, lights)
+    };
+    let interrupted = Patience(AtomicU64::new(12), StoppedBy::Interrupt);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let one = pool
+        .unwrap()
+        .install(|| render(&facets(flat()), GLASS, None, &settings, &interrupted))
+        .unwrap();
+    assert_eq!((one.passes, one.samples), (1, 4));
+    assert!(one.picture.radiance.iter().all(|value| value.is_finite()));
+    assert!(one.picture.error.iter().all(|error| error.is_nan()));
 }
 
 /// Of a sun over a medium, pictures show what straight paths to the eye find by chance. Roughness, tiles that

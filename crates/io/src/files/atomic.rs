@@ -99,7 +99,7 @@ pub(crate) fn replace(
         fs::set_permissions(temporary.path(), old.permissions()).map_err(&io)?;
     }
     temporary.as_file().sync_all().map_err(&io)?;
-    temporary.persist(&target).map_err(|e| io(e.error))?;
+    temporary.persist(&target).map_err(&io)?;
     // The new name lives in the folder. Not every file system can sync one, and the file itself
     // is safe already, so a refusal is no failure.
     if let Ok(folder) = File::open(&folder) {
@@ -134,7 +134,8 @@ fn fill(
     out.flush().map_err(WriteError::io(path))
 }
 
-fn parent(path: &Path) -> PathBuf {
+/// The folder of a file.
+pub(super) fn parent(path: &Path) -> PathBuf {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder.to_owned(),
         _ => PathBuf::from("."),

@@ -4,7 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-use super::parts::{temporary_folder_in, temporary_in};
+use super::atomic::parent;
+use super::parts::{remove_stale_parts, temporary_folder_in, temporary_in};
 use crate::error::WriteError;
 
 /// Whether anything exists under the name `path`, dangling links included.
@@ -38,7 +39,7 @@ pub fn create_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
 
 /// Checks that files can be made in the folder `path`, or that such a folder can be made, and leaves
 /// nothing behind: a long run must not fail at its end because its results have no place, and a refused
-/// run must not leave an empty folder.
+/// run must not leave an empty folder. What killed runs have left there is removed.
 ///
 /// # Errors
 /// As [`create_output_folder`].
@@ -55,6 +56,7 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
         } else {
             there
         };
+        remove_stale_parts(place);
         if missing.as_os_str().is_empty() {
             return temporary_in(place).map(drop);
         }
@@ -69,21 +71,36 @@ pub fn check_output_folder(path: impl AsRef<Path>) -> Result<(), WriteError> {
     rehearse().map_err(WriteError::folder(path))
 }
 
-/// Checks that the folder of the file `path` exists.
+/// Checks, without leaving a trace, that the file `path` can be written, so that a long run does not fail at its
+/// end; removes what killed runs have left in its folder.
 ///
 /// # Errors
-/// [`WriteError::NoFolder`] if it does not.
-pub fn check_folder_of(path: impl AsRef<Path>) -> Result<(), WriteError> {
+/// [`WriteError`] if `path` is a folder, or its folder does not exist or lets no file in.
+pub fn check_output_file(path: impl AsRef<Path>) -> Result<(), WriteError> {
     let path = path.as_ref();
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
-            Err(WriteError::NoFolder {
-                path: path.to_owned(),
-                folder: folder.to_owned(),
-            })
-        }
-        _ => Ok(()),
+    // A link is followed when the file is written.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let found = fs::metadata(&target);
+    if target.as_os_str().is_empty() || found.as_ref().is_ok_and(fs::Metadata::is_dir) {
+        return Err(WriteError::IsFolder {
+            path: path.to_owned(),
+        });
     }
+    if found.is_ok_and(|found| !found.is_file()) {
+        // A device or pipe is written straight, and opened once.
+        return Ok(());
+    }
+    let folder = parent(&target);
+    if !folder.is_dir() {
+        return Err(WriteError::NoFolder {
+            path: path.to_owned(),
+            folder,
+        });
+    }
+    remove_stale_parts(&folder);
+    temporary_in(&folder)
+        .map(drop)
+        .map_err(WriteError::io(path))
 }
 
 /// Refuses a folder whose name, or that of a folder above it, belongs to a file.

@@ -1,9 +1,13 @@
-//! Temporary files: incomplete parts of files, and the removal of those that killed runs left.
+//! Temporary files: incomplete parts of files, and the removal of those that ended runs left.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+
+use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// How the names of temporary files and folders begin and end.
 const PREFIX: &str = ".asperity-";
@@ -12,30 +16,125 @@ const SUFFIX: &str = ".part";
 /// Age below which a temporary file is never stale: it may not be locked yet.
 const MIN_AGE: Duration = Duration::from_secs(2);
 
-/// A temporary file in `folder` with the mode of an ordinary new file, gone when dropped.
+/// The temporary files and folders of this process that exist.
+static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Locks the list. One is made, renamed or removed under this lock alone.
+fn own() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    // A path is inserted in one step, so a panic of another thread leaves the list whole.
+    OWN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of this process, for a process that exits at once: from then on any thread that
+/// makes, renames or drops one waits forever.
+///
+/// Files that were renamed are complete and stay. What cannot be removed stays too, for a later run to remove.
+///
+/// # Examples
+/// ```no_run
+/// // In the handler of a signal that ends the program
+/// asperity_io::remove_temporary_files();
+/// std::process::exit(130);
+/// ```
+pub fn remove_temporary_files() {
+    let own = own();
+    for path in own.iter() {
+        let _ = match path.is_dir() {
+            true => fs::remove_dir_all(path),
+            false => fs::remove_file(path),
+        };
+    }
+    std::mem::forget(own);
+}
+
+/// An entry of the list of temporary files, gone when dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        own().remove(&self.0);
+    }
+}
+
+/// A temporary file, gone when dropped.
+pub(super) struct TemporaryFile {
+    // Dropped before its entry
+    file: NamedTempFile,
+    listed: Listed,
+}
+
+impl TemporaryFile {
+    pub(super) fn path(&self) -> &Path {
+        self.file.path()
+    }
+
+    pub(super) fn as_file(&self) -> &File {
+        self.file.as_file()
+    }
+
+    /// Gives the file its name, in place of an older one.
+    pub(super) fn persist(self, name: &Path) -> io::Result<()> {
+        let Self { file, listed } = self;
+        let own = own();
+        let persisted = file.persist(name);
+        drop(own);
+        drop(listed);
+        persisted.map(drop).map_err(|error| error.error)
+    }
+}
+
+/// A temporary folder, gone with its content when dropped.
+pub(super) struct TemporaryFolder {
+    // Dropped before its entry
+    folder: TempDir,
+    _listed: Listed,
+}
+
+impl TemporaryFolder {
+    pub(super) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+}
+
+fn builder() -> Builder<'static, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(PREFIX).suffix(SUFFIX);
+    builder
+}
+
+/// A temporary file in `folder` with the mode of an ordinary new file.
 ///
 /// It is locked as long as it is open, which tells it from what a killed run has left.
-pub(super) fn temporary_in(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).suffix(SUFFIX);
+pub(super) fn temporary_in(folder: &Path) -> io::Result<TemporaryFile> {
+    let mut builder = builder();
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
         // Set at creation, hence reduced by the umask.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
+    let mut own = own();
     let file = builder.tempfile_in(folder)?;
+    own.insert(file.path().to_owned());
+    drop(own);
     // Where the file system has no locks, stale parts stay.
     let _ = file.as_file().try_lock();
-    Ok(file)
+    Ok(TemporaryFile {
+        listed: Listed(file.path().to_owned()),
+        file,
+    })
 }
 
-/// A temporary folder in `folder`, gone with its content when dropped.
-pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<tempfile::TempDir> {
-    tempfile::Builder::new()
-        .prefix(PREFIX)
-        .suffix(SUFFIX)
-        .tempdir_in(folder)
+/// A temporary folder in `folder`.
+pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> {
+    let mut own = own();
+    let folder = builder().tempdir_in(folder)?;
+    own.insert(folder.path().to_owned());
+    drop(own);
+    Ok(TemporaryFolder {
+        _listed: Listed(folder.path().to_owned()),
+        folder,
+    })
 }
 
 /// Removes the temporary files and folders in `folder` that no running process uses.

@@ -127,7 +127,8 @@ impl ResultFolder {
         &self.root
     }
 
-    /// Checks, without leaving a trace, that files of these names can be written.
+    /// Checks, without leaving a trace, that files of these names can be written; removes what killed runs have left
+    /// of incomplete files.
     ///
     /// # Errors
     /// [`ResultFolderError`] if something is in the way of one of them, one is an input, or the folder
@@ -141,6 +142,7 @@ impl ResultFolder {
     ) -> Result<(), ResultFolderError> {
         check_output_folder(&self.root)?;
         let files = self.files();
+        self.sweep(&files);
         names
             .into_iter()
             .try_for_each(|name| self.refuse_unlisted(&files, checked(name.as_ref())))

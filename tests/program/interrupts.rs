@@ -1,0 +1,192 @@
+//! Runs that are interrupted: what they write, the exit code, and what they leave behind.
+
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use crate::support::{files, json, succeed, with_surface, words};
+
+/// Runs that take long, without their output; with what they say of the same command run again.
+const LONG: [(&str, &str); 7] = [
+    ("trace h.exr --theta 30 --rays 1e10 --no-plots", "resumes"),
+    (
+        "verify --tau 8 --size 128 --smoothness 2 --models none --rays 1e9 --realisations 10000 --no-plots",
+        "resumes",
+    ),
+    (
+        "map --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19 --smoothness 1,2,3,4,5,6,7,8,9,10 --models smith --rays 2e4 --realisations 20 --no-plots",
+        "resumes",
+    ),
+    (
+        "gonio --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19 --smoothness 1,2,3,4,5,6,7,8,9,10 --rays 2e4 --realisations 20 --bins 6x6 --no-plots",
+        "resumes",
+    ),
+    (
+        "attenuation --tau 4 --spacing 1 --size 64 --sigma 1 --theta 45 --realisations 1e6 --no-plots",
+        "starts again",
+    ),
+    (
+        "converge --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34,35,36,37,38,39,40,41,42,43,44,45,46,47,48,49,50,51,52,53,54,55,56,57,58,59,60 --rays 1e3 --surfaces 2 --repeats 2 --reference-rays 1e4 --reference-surfaces 16 --no-plots",
+        "starts again",
+    ),
+    ("render h.exr --size 24x18 --samples 1e9", "starts again"),
+];
+
+/// Begins `arguments` with no one to read what it prints.
+fn begun(folder: &Path, arguments: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_asperity"))
+        .current_dir(folder)
+        .args(arguments)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .unwrap()
+}
+
+fn send(signal: &str, program: &Child) {
+    let id = program.id().to_string();
+    let sent = Command::new("kill").args([signal, &id]).status();
+    assert!(sent.unwrap().success());
+}
+
+/// The exit code of a program, and what it said.
+fn ended(program: Child) -> (Option<i32>, String) {
+    let output = program.wait_with_output().unwrap();
+    let errors = String::from_utf8(output.stderr).unwrap();
+    (output.status.code(), errors)
+}
+
+/// Sends interrupts to a run after a while, as Ctrl-C does, and returns its exit code and what it said.
+fn interrupted(
+    folder: &Path,
+    arguments: &[&str],
+    after: Duration,
+    times: u32,
+) -> (Option<i32>, String) {
+    let program = begun(folder, arguments);
+    sleep(after);
+    for _ in 0..times {
+        send("-INT", &program);
+        sleep(Duration::from_millis(50));
+    }
+    ended(program)
+}
+
+#[test]
+fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
+    let (_keep, folder) = with_surface();
+    for (command, again) in LONG {
+        let out = if command.starts_with("render") {
+            "out.exr"
+        } else {
+            "out"
+        };
+        let line = format!("{command} -o {out}");
+        // A slow machine has nothing to write yet.
+        let patience = [400, 1000, 3000, 9000].map(Duration::from_millis);
+        let runs = patience.map(|after| (&line, after));
+        let mut runs = runs
+            .into_iter()
+            .map(|(line, after)| interrupted(&folder, &words(line), after, 1));
+        let (code, errors) = runs.find(|(code, _)| *code != Some(1)).unwrap();
+        assert_eq!(code, Some(3), "{line}: {errors}");
+        assert_eq!(errors.lines().count(), 1, "{errors}");
+        assert!(errors.starts_with("interrupted"), "{errors}");
+        assert!(errors.contains(again), "{line}: {errors}");
+        let out = folder.join(out);
+        if out.is_file() {
+            fs::remove_file(out).unwrap();
+            continue;
+        }
+        let written = |name: &str| json(&fs::read_to_string(out.join(name)).unwrap());
+        assert_eq!(written("manifest.json")["complete"], false, "{line}");
+        let summary = written("summary.json");
+        if let Some(stopping) = summary.get("stopping") {
+            assert_eq!(stopping["stopped_by"], "interrupt");
+            assert!(summary["warnings"].to_string().contains("interrupted"));
+            assert!(summary["work"]["rays"].as_u64().unwrap() > 0);
+        }
+        fs::remove_dir_all(out).unwrap();
+    }
+}
+
+#[test]
+fn other_signals_that_end_a_program_are_interrupts_too() {
+    let (_keep, folder) = with_surface();
+    for signal in ["-TERM", "-HUP"] {
+        let program = begun(&folder, &words("trace h.exr --theta 30 --rays 1e10 --json"));
+        sleep(Duration::from_millis(300));
+        send(signal, &program);
+        let (code, errors) = ended(program);
+        assert_eq!(code, Some(3), "{signal}: {errors}");
+        assert_eq!(errors, "interrupted; these are the results so far\n");
+    }
+}
+
+#[test]
+fn a_second_interrupt_ends_the_program_at_once() {
+    let (_keep, folder) = with_surface();
+    // A block of rays that try every facet does not end soon.
+    let endless =
+        words("trace h.exr --theta 30 --accelerator brute-force --rays 1e10 --no-plots -o none");
+    let (code, errors) = interrupted(&folder, &endless, Duration::from_millis(700), 2);
+    assert_eq!(code, Some(130), "{errors}");
+    assert!(
+        errors.is_empty() && !folder.join("none").exists(),
+        "{errors}"
+    );
+}
+
+#[test]
+fn an_interrupt_in_the_middle_of_a_file_leaves_the_old_one_and_nothing_else() {
+    let (_keep, folder) = with_surface();
+    fs::write(folder.join("h.obj"), "old").unwrap();
+    let line = "mesh h.exr --cells smooth --subdivide 16 -o h.obj";
+    for signal in ["-INT", "-TERM"] {
+        let program = begun(&folder, &words(line));
+        let began = Instant::now();
+        let is_large = |name: &String| {
+            let size = fs::metadata(folder.join(name)).map_or(0, |found| found.len());
+            name.ends_with(".part") && size > 0
+        };
+        while !files(&folder).iter().any(is_large) {
+            assert!(began.elapsed() < Duration::from_secs(60), "never written");
+        }
+        send(signal, &program);
+        let (code, errors) = ended(program);
+        assert_eq!(code, Some(130), "{errors}");
+        assert_eq!(errors, "interrupted; no incomplete file is left\n");
+        assert_eq!(files(&folder), ["h.exr", "h.obj"]);
+        let old = fs::read_to_string(folder.join("h.obj")).unwrap();
+        assert_eq!(old, "old");
+    }
+}
+
+/// Interrupts at any time, of runs that write many files: nothing temporary is left.
+#[test]
+fn no_interrupt_leaves_temporary_files() {
+    let (_keep, folder) = with_surface();
+    let line = "trace h.exr --theta 30 --rays 1e3 -o out --quiet";
+    let began = Instant::now();
+    succeed(&folder, &words(line));
+    let whole = began.elapsed();
+    for step in 0..8 {
+        let program = begun(&folder, &words(line));
+        sleep(whole * step / 8);
+        for _ in 0..2 {
+            send("-INT", &program);
+        }
+        let (code, errors) = ended(program);
+        // It may have ended before, or before it could listen
+        let is_expected = matches!(code, Some(0 | 1 | 3 | 130) | None);
+        assert!(is_expected, "{code:?}: {errors}");
+        for place in [folder.clone(), folder.join("out")] {
+            let names = files(&place);
+            assert!(!names.iter().any(|n| n.ends_with(".part")), "{names:?}");
+        }
+    }
+}
