@@ -74,7 +74,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     if end == End::Interrupted {
         say(match &results.output {
             Some(_) => "interrupted; the results so far are written, and the same command resumes",
-            None => "interrupted; these are the results so far",
+            None => "interrupted; these are the results so far, and with -o a run resumes",
         });
     }
     results.print(common, || trace_summary(&outcome), || trace_table(&outcome))?;

@@ -123,7 +123,8 @@ fn other_signals_that_end_a_program_are_interrupts_too() {
         send(signal, &program);
         let (code, errors) = ended(program);
         assert_eq!(code, Some(3), "{signal}: {errors}");
-        assert_eq!(errors, "interrupted; these are the results so far\n");
+        let said = "interrupted; these are the results so far, and with -o a run resumes\n";
+        assert_eq!(errors, said);
     }
 }
 
@@ -188,5 +189,35 @@ fn no_interrupt_leaves_temporary_files() {
             let names = files(&place);
             assert!(!names.iter().any(|n| n.ends_with(".part")), "{names:?}");
         }
+    }
+}
+
+#[test]
+fn a_model_that_takes_long_ends_at_the_first_interrupt() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "model xu-sun-mc --smoothness 0.3 --rays 1e10 --json";
+    let began = Instant::now();
+    let after = Duration::from_millis(500);
+    let (code, errors) = interrupted(folder.path(), &words(line), after, 1);
+    assert_eq!(code, Some(130), "{errors}");
+    assert!(began.elapsed() < Duration::from_secs(10));
+}
+
+/// Quadrature does not ask whether it should stop, so it must be short: of the smoothest surfaces, whose lobes are the
+/// narrowest, it takes a second or two.
+#[test]
+fn quadrature_of_the_narrowest_lobes_takes_seconds() {
+    let folder = tempfile::tempdir().unwrap();
+    for line in [
+        "verify --smoothness 1e6 --theta 60 --rays 1e3 --realisations 2 --models smith,heitz --no-plots --quiet -o v",
+        "gonio --smoothness 1e6 --theta 0,89 --rays 1e3 --realisations 2 --no-plots --quiet -o g",
+        "model heitz --smoothness 1e6 --theta 89 --json",
+        "model xu-sun --smoothness 1e6 --theta 89 --json",
+        "model v-cavity --smoothness 1e6 --theta 60 --json",
+    ] {
+        let began = Instant::now();
+        succeed(folder.path(), &words(line));
+        let seconds = began.elapsed().as_secs_f64();
+        assert!(seconds < 30.0, "{line}: {seconds} s");
     }
 }
