@@ -30,7 +30,7 @@ const LONG: [(&str, &str); 7] = [
         "starts again",
     ),
     (
-        "converge --tau 4 --size 32 --theta 0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25,26,27,28,29,30,31,32,33,34,35,36,37,38,39,40,41,42,43,44,45,46,47,48,49,50,51,52,53,54,55,56,57,58,59,60 --rays 1e3 --surfaces 2 --repeats 2 --reference-rays 1e4 --reference-surfaces 16 --no-plots",
+        "converge --tau 4 --size 32 --theta 0,10,20,30,40,50,60,70 --samplings random --accelerators pyramid --estimators plain --rays 1e4 --surfaces 4 --repeats 40 --reference-rays 1e3 --reference-surfaces 8 --no-plots",
         "starts again",
     ),
     ("render h.exr --size 24x18 --samples 1e9", "starts again"),
@@ -87,7 +87,7 @@ fn an_interrupt_writes_the_results_so_far_and_has_an_exit_code_of_its_own() {
         };
         let line = format!("{command} -o {out}");
         // A slow machine has nothing to write yet.
-        let patience = [400, 1000, 3000, 9000].map(Duration::from_millis);
+        let patience = [500, 1000, 2500, 6000].map(Duration::from_millis);
         let runs = patience.map(|after| (&line, after));
         let mut runs = runs
             .into_iter()
