@@ -140,8 +140,10 @@ fn lengths_of_random_surfaces_and_directions_are_judged() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let run = |line: &str| succeed(folder, &words(line));
-    let size = "--smoothness 2 --size 32 --realisations 2 --rays 200 --no-plots";
-    let verify = run(&format!("verify --tau 2um {size} --models none -o v"));
+    let size = "--smoothness 2 --eta 1.5 --size 32 --realisations 2 --rays 200 --no-plots";
+    let verify = run(&format!(
+        "verify --tau 2um --theta 0 {size} --models none -o v"
+    ));
     assert!(verify.contains("tau / lambda = 3.636"), "{verify}");
     let read = |path: &str| json(&std::fs::read_to_string(folder.join(path)).unwrap());
     let validity = &read("v/summary.json")["validity"];
@@ -154,7 +156,7 @@ fn lengths_of_random_surfaces_and_directions_are_judged() {
 
     // A wavelength belongs to no checkpoint
     run(&format!(
-        "verify --tau 2um {size} --models none --wavelength 10 -o v"
+        "verify --tau 2um --theta 0 {size} --models none --wavelength 10 -o v"
     ));
     assert_eq!(read("v/summary.json")["validity"]["holds"], true);
 

@@ -1,9 +1,8 @@
 //! Why a simulation fails.
 
-use crate::input::limits::MAX_TILES_AT_45_DEGREES;
 use asperity_analysis::{ModelError, SlopeError};
 use asperity_surface::{CoarseningError, RefinementError, SynthesisError};
-use asperity_tracer::{BuildError, MAX_TILES, TracedLayerError};
+use asperity_tracer::{BuildError, MAX_TILES, MAX_TILES_AT_45_DEGREES, TracedLayerError};
 
 /// Why a simulation fails.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,7 +8,8 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use asperity_surface::LengthUnit;
+use asperity_optics::Incidence;
+use asperity_surface::{LengthUnit, Psd};
 use serde::Serialize;
 
 use crate::surface_lengths::SurfaceLengths;
@@ -40,6 +41,17 @@ pub struct Validity {
 }
 
 impl Validity {
+    /// For light from `incidence` on random surfaces.
+    pub(crate) fn of_psd(
+        psd: &Psd,
+        unit: LengthUnit,
+        incidence: Incidence,
+        wavelength_nm: Option<f64>,
+    ) -> Option<Self> {
+        let lengths = SurfaceLengths::of_psd(psd, unit);
+        Self::new(&lengths, incidence.theta(), wavelength_nm)
+    }
+
     /// For light at the polar angle `theta`, radians, on a surface of these lengths; `None` if their unit is not
     /// known, or the surface is flat. `wavelength_nm`: [`DEFAULT_WAVELENGTH_NM`] without one.
     #[must_use]

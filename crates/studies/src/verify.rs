@@ -22,6 +22,7 @@ use crate::config::lobes::BinnedLobe;
 use crate::config::sweep_case::SweepCase;
 use crate::config::values::Seconds;
 use crate::output::{CheckpointError, SurfaceCheckpoints};
+use crate::validity::Validity;
 
 /// What was found for one case.
 pub struct CaseOutcome {
@@ -61,6 +62,17 @@ impl CaseOutcome {
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
         self.outcome.case.surface.spacing().unwrap_or_default()
+    }
+
+    /// Lengths of its surfaces against the wavelength; `None` if their unit is not known.
+    pub(crate) fn validity(&self, config: &VerifyConfig) -> Option<Validity> {
+        let SweepCase {
+            psd,
+            unit,
+            incidence,
+            ..
+        } = self.case;
+        Validity::of_psd(&psd, unit, incidence, config.light.wavelength_nm())
     }
 
     /// What comparisons are reported of.

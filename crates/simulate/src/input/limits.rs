@@ -5,7 +5,9 @@ use std::f64::consts::FRAC_PI_4;
 use asperity_io::available_memory;
 use asperity_optics::Incidence;
 use asperity_tally::TallySpec;
-use asperity_tracer::{AcceleratorKind, Geometry, can_traverse, tiles_crossed};
+use asperity_tracer::{
+    AcceleratorKind, Geometry, MAX_TILES_AT_45_DEGREES, can_traverse, tiles_crossed,
+};
 
 use crate::error::SimulateError;
 
@@ -149,10 +151,6 @@ pub(crate) fn most_realisations(spec: &TallySpec, cases: usize) -> u64 {
     let left = RESULT_BUDGET / 8.0 - 8.0 * tallies;
     (left / (2.0 * tallies + 4096.0)).max(1.0) as u64
 }
-
-/// Most tiles that a ray at 45 degrees may cross between the highest and the lowest point. Rays between the peaks of
-/// higher surfaces cross thousands of tiles each, most of them scattered ones, whose directions no check foresees.
-pub const MAX_TILES_AT_45_DEGREES: f64 = 1000.0;
 
 /// Refuses surfaces that are so much higher than their tile is long that tracing would not end in any useful time.
 ///

@@ -9,8 +9,6 @@ use serde::Serialize;
 use asperity_simulate::{layer_folder, layer_name, short, slopes};
 
 use crate::config::case_model::ModelledSurface;
-use crate::surface_lengths::SurfaceLengths;
-use crate::validity::Validity;
 
 /// One combination of smoothness, material, layer and direction of light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -82,12 +80,6 @@ impl SweepCase {
                 short(azimuth)
             )
         })
-    }
-
-    /// Lengths of its surfaces against the wavelength, nanometres; `None` if their unit is not known.
-    pub(crate) fn validity(&self, wavelength_nm: Option<f64>) -> Option<Validity> {
-        let lengths = SurfaceLengths::of_psd(&self.psd, self.unit);
-        Validity::new(&lengths, self.incidence.theta(), wavelength_nm)
     }
 
     /// What models of the case are made for.

@@ -115,7 +115,7 @@ impl GonioConfig {
                 spec,
                 lobes,
                 setting,
-                validity: case.validity(wavelength),
+                validity: Validity::of_psd(&case.psd, case.unit, case.incidence, wavelength),
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),

@@ -92,7 +92,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     out.push('\n');
     out.push_str(&errors_table(&case.outcome.errors));
     out.push_str(&polarised_text(&case.outcome.statistics));
-    if let Some(validity) = case.case.validity(outcome.config.light.wavelength_nm()) {
+    if let Some(validity) = case.validity(&outcome.config) {
         let _ = writeln!(out, "{}", wrapped(&format!("note: {validity}")));
     }
     for warning in warnings(outcome, case) {

@@ -221,7 +221,7 @@ fn case_summary(outcome: &VerifyOutcome, case: &CaseOutcome) -> Summary {
         .with_lobes(case.lobes())
         .with_warnings(warnings(outcome, case))
         .with_stopping(case.stopping.clone())
-        .with_validity(case.case.validity(outcome.config.light.wavelength_nm()))
+        .with_validity(case.validity(&outcome.config))
 }
 
 /// The configuration that was run.

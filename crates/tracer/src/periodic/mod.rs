@@ -25,6 +25,10 @@ pub use self::traversal::{TraversalEnd, TraversalResult, traverse};
 /// rays that are horizontal to rounding and meet nothing.
 pub const MAX_TILES: u32 = 100_000;
 
+/// Most tiles that a ray at 45 degrees may cross between the highest and the lowest point. Rays between the peaks of
+/// higher surfaces cross thousands of tiles each, most of them scattered ones, whose directions no check foresees.
+pub const MAX_TILES_AT_45_DEGREES: f64 = 1000.0;
+
 /// Tiles that light from the polar angle `theta`, radians, may cross between the highest and the
 /// lowest point; zero for an open patch, which has no neighbours.
 #[must_use]
