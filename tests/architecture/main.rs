@@ -175,19 +175,23 @@ fn folders_of_the_engine_use_only_what_lies_below_them() {
 }
 
 /// Folders of the studies, each with those that it may use.
-const STUDIES: [(&str, &[&str]); 15] = [
+const STUDIES: [(&str, &[&str]); 16] = [
     ("border", &[]),
-    ("validity", &[]),
+    ("surface_lengths", &[]),
+    ("validity", &["surface_lengths"]),
     ("settings", &[]),
     ("config", &["settings"]),
     ("output", &["config"]),
     ("comparison", &["config", "output"]),
-    ("verify", &["comparison", "config", "output", "settings"]),
+    (
+        "verify",
+        &["comparison", "config", "output", "settings", "validity"],
+    ),
     (
         "report",
         &["comparison", "config", "output", "validity", "verify"],
     ),
-    ("given", &[]),
+    ("given", &["surface_lengths"]),
     (
         "trace",
         &[
@@ -214,7 +218,16 @@ const STUDIES: [(&str, &[&str]); 15] = [
     ),
     (
         "gonio",
-        &["config", "given", "output", "report", "settings", "verify"],
+        &[
+            "config",
+            "given",
+            "output",
+            "report",
+            "settings",
+            "surface_lengths",
+            "validity",
+            "verify",
+        ],
     ),
     (
         "converge",

@@ -55,7 +55,8 @@ pub use interaction::layer::{BottomShape, DEFAULT_MAX_SCATTERINGS, TracedLayer, 
 pub use interaction::unshadowed::{sum_over_facets, unshadowed_fluxes};
 pub use path::{Illumination, Starts, Tracer, Window, Work};
 pub use periodic::{
-    Heading, MAX_TILES, TraversalEnd, TraversalResult, can_traverse, tiles_crossed, traverse,
+    Heading, MAX_TILES, MAX_TILES_AT_45_DEGREES, TraversalEnd, TraversalResult, can_traverse,
+    tiles_crossed, traverse,
 };
 pub use random::PathStream;
 pub use ray::{HalfSpace, Hit, Query, RayBatch, RayColumns, TileRay};
