@@ -39,10 +39,25 @@ pub struct Hemisphere {
     /// Values of the bins in 1/sr, ring by ring from the normal of the side on which the light leaves, and within
     /// a ring by azimuth from the first edge; `None` leaves a bin blank.
     pub values: Vec<Option<f64>>,
+    /// Numbers of the bins that rest on few rays: they are drawn, but do not stretch the scale.
+    pub few_rays: Vec<usize>,
     /// Azimuth of the direction towards the light, degrees: the tick mark; `None` where it has no meaning.
     pub light_deg: Option<f64>,
     /// Words beneath the disc. May be empty.
     pub note: String,
+}
+
+impl Hemisphere {
+    /// The values, without those of bins of few rays.
+    fn values_of_many_rays(&self) -> Vec<Option<f64>> {
+        let mut values = self.values.clone();
+        for bin in &self.few_rays {
+            if let Some(value) = values.get_mut(*bin) {
+                *value = None;
+            }
+        }
+        values
+    }
 }
 
 /// A matrix of hemispheres, each a disc of equal areas: as much paper as solid angle.
@@ -59,6 +74,7 @@ pub struct Hemisphere {
 /// let lambert = |albedo: f64| Some(Hemisphere {
 ///     bins: DiscBins::equal([6, 12]),
 ///     values: vec![Some(albedo / std::f64::consts::PI); 6 * 12],
+///     few_rays: vec![],
 ///     light_deg: Some(0.0),
 ///     note: format!("{albedo} reflected"),
 /// });
@@ -209,9 +225,13 @@ impl Hemispheres {
     /// The scale of each cell; `None` if nothing that shares it is above zero.
     fn scales(&self) -> Vec<Option<ColourScale>> {
         let shared = |cells: &[Option<Hemisphere>]| {
-            let discs = cells.iter().flatten();
-            let values = discs.map(|cell| (&cell.bins, cell.values.as_slice()));
-            vec![disc::scale(values); cells.len()]
+            let discs = || cells.iter().flatten();
+            let sure: Vec<Vec<Option<f64>>> =
+                discs().map(Hemisphere::values_of_many_rays).collect();
+            let bins = || discs().map(|cell| &cell.bins);
+            let of_sure = disc::scale(bins().zip(sure.iter().map(Vec::as_slice)));
+            let of_all = || disc::scale(bins().zip(discs().map(|cell| cell.values.as_slice())));
+            vec![of_sure.or_else(of_all); cells.len()]
         };
         match self.colours {
             SharedColours::Common => shared(&self.cells),
@@ -405,10 +425,28 @@ mod tests {
             cells: vec![Some(Hemisphere {
                 bins: DiscBins::equal(bins),
                 values: values.into_iter().map(Some).collect(),
+                few_rays: vec![],
                 light_deg: Some(90.0),
                 note: String::new(),
             })],
         }
+    }
+
+    #[test]
+    fn bins_of_few_rays_do_not_stretch_the_scale() {
+        let mut values = vec![1.0; 8];
+        values[3] = 6.0;
+        let mut figure = of_one(values, [2, 4]);
+        let top = |figure: &Hemispheres| figure.scales()[0].as_ref().map(|scale| scale.hi);
+        assert_eq!(top(&figure), Some(6.0));
+        let set = |figure: &mut Hemispheres, bins: Vec<usize>| {
+            figure.cells[0].as_mut().unwrap().few_rays = bins;
+        };
+        set(&mut figure, vec![3]);
+        assert_eq!(top(&figure), Some(1.0));
+        // Where all do, there is no better scale
+        set(&mut figure, (0..8).collect());
+        assert_eq!(top(&figure), Some(6.0));
     }
 
     #[test]

@@ -165,6 +165,7 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
         Some(Hemisphere {
             bins: disc_edges(spec, side),
             values: disc_bins(spec, side).map(value).collect(),
+            few_rays: Vec::new(),
             light_deg: (!vertical).then(|| light.incidence.phi_deg()),
             note: name,
         })
