@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{json, refused, succeed, words};
+use crate::support::{errors_of, json, refused, succeed, words};
 
 /// A matrix of text: waves along x on a ramp along y.
 fn ramp(folder: &Path, name: &str) {
@@ -72,7 +72,7 @@ fn units_convert_from_the_file_to_what_is_printed() {
         ("a.txt --assume-unit furlong", "nm, um, mm, m or km"),
         (
             "a.txt --spacing 3furlong",
-            "a number above 0, such as 1.4, 2e-3 or 5um",
+            "a number above 0, for both axes or two as X,Y, such as 1.4, 2e-3 or 5um",
         ),
     ] {
         let text = refused(folder, &words(&format!("inspect {arguments}")), 2);
@@ -214,7 +214,7 @@ fn names_that_are_not_text_are_refused_by_name() {
             .output()
             .unwrap();
         assert_eq!(output.status.code(), Some(2));
-        String::from_utf8(output.stderr).unwrap()
+        errors_of(&output)
     };
     let file = run(&[b"trace", b"surface\xff.npy"]);
     assert!(

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, files, json, refused, succeed, words};
+use crate::support::{asperity, errors_of, files, json, refused, succeed, words};
 
 /// Four cells in which a model is within tolerance, beyond it and not resolved; in a fraction of a second.
 const CONFIG: &str = "
@@ -206,7 +206,7 @@ fn a_resumed_map_has_the_bytes_of_an_uninterrupted_one_on_any_number_of_threads(
         let output = asperity(folder, &[&line[..], &[threads]].concat());
         assert!(output.status.success());
         assert_eq!(files(&folder.join("parts/cells")).len(), calls);
-        let told = String::from_utf8(output.stderr).unwrap();
+        let told = errors_of(&output);
         if calls < 4 {
             let expected = format!(
                 "the time is over; {calls} of 4 cells are finished, and the same command resumes\n"
@@ -331,7 +331,7 @@ fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
     ] {
         fs::write(&cell, damaged).unwrap();
         let output = asperity(folder, &words("map m.toml --quiet --no-plots -o out"));
-        let told = String::from_utf8(output.stderr).unwrap();
+        let told = errors_of(&output);
         assert!(output.status.success(), "{told}");
         assert!(
             told.contains("theta0.json is damaged and is computed again")
@@ -390,7 +390,7 @@ fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
         folder,
         &words("map m.toml --quiet --no-plots --theta 0,40,60 --max-time 1e-9 -o out"),
     );
-    let told = String::from_utf8(output.stderr).unwrap();
+    let told = errors_of(&output);
     assert!(told.contains("5 of 6 cells are finished"), "{told}");
 }
 
@@ -410,8 +410,8 @@ fn invalid_map_settings_are_refused() {
             "must be a number above 0",
         ),
         (
-            "map m.toml --alpha 0.05 -o out",
-            "--alpha is for trace and verify, not for map",
+            "map m.toml --level 0.05 -o out",
+            "--level is for trace and verify, not for map",
         ),
         ("map m.toml --theta 90 -o out", "below 90"),
         ("map m.toml --tau 2 --spacing 1 -o out", "--insist"),

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use asperity_studies::settings::{Command, reference_page, settings_of};
 
-use crate::support::{asperity, json, refused, succeed, with_surface, words};
+use crate::support::{json, refused, succeed, with_surface, words};
 
 /// The flags that a help text names, without those of clap.
 fn flags(help: &str) -> BTreeSet<String> {
@@ -109,7 +109,7 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
     for (line, expected) in [
         (
             "generate --size 64x32x3 -o a.npy",
-            "--size 64x32x3: must be a whole number of 1 or more, up to 1e15, such as 1000 or 1e6, one for both axes or two as COLUMNSxROWS, such as 512x256",
+            "--size 64x32x3: must be a whole number of 1 or more, up to 1e15, for both axes or two as COLUMNSxROWS, such as 512 or 512x256",
         ),
         (
             "generate --seed -1 -o a.npy",
@@ -117,7 +117,7 @@ fn refusals_name_the_flag_or_the_line_with_what_is_allowed() {
         ),
         (
             "model smith --alpha 0.3",
-            "--alpha is for trace and verify, not for model",
+            "unknown flag --alpha; roughness is given as --smoothness, s = 2 / alpha",
         ),
         (
             "verify unit.toml -o out",
@@ -194,17 +194,17 @@ fn a_size_in_a_file_is_written_as_on_the_command_line_or_as_a_list() {
     assert_eq!(list, text);
     let said = refused(folder, &words("verify bad.toml -o out"), 2);
     assert!(
-        said.contains("two as COLUMNSxROWS, such as 512x256"),
+        said.contains("two as COLUMNSxROWS, such as 512 or 512x256"),
         "{said}"
     );
 }
 
 /// `models = "smith"` is the same as a list of one.
 #[test]
-fn one_name_may_stand_for_a_list_and_old_spellings_stay() {
+fn one_name_may_stand_for_a_list() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let text = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 500\nbins = \"2x2\"\n[compare]\nmodels = \"smith\"\nalpha = 0.05\n";
+    let text = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 500\nbins = \"2x2\"\n[compare]\nmodels = \"smith\"\nlevel = 0.05\n";
     fs::write(folder.join("v.toml"), text).unwrap();
     let summary = json(&succeed(
         folder,
@@ -213,7 +213,16 @@ fn one_name_may_stand_for_a_list_and_old_spellings_stay() {
     let compare = &summary["config"]["verify"]["compare"];
     assert_eq!(compare["models"], json("[\"smith\"]"));
     assert_eq!(compare["level"], 0.05);
-    let help = asperity(folder, &["verify", "--help"]);
-    let help = String::from_utf8(help.stdout).unwrap();
-    assert!(help.contains("--level") && !help.contains("--alpha"));
+    // Alpha is a roughness, never a level.
+    for line in ["verify --alpha 0.05 -o a", "trace h.exr --alpha 0.05"] {
+        let said = refused(folder, &words(line), 2);
+        assert!(said.contains("unknown flag --alpha; roughness"), "{said}");
+    }
+    let said = refused(folder, &words("verify --smothness 3 -o a"), 2);
+    assert_eq!(
+        said,
+        "asperity: unknown flag --smothness; did you mean --smoothness?\n"
+    );
+    let said = refused(folder, &words("inspect a.npy b.npy"), 2);
+    assert!(said.contains("unexpected argument `b.npy`"), "{said}");
 }

@@ -23,7 +23,7 @@ pub(crate) fn words(line: &str) -> Vec<&str> {
 /// Runs a command that must succeed, and returns its standard output.
 pub(crate) fn succeed(folder: &Path, arguments: &[&str]) -> String {
     let output = asperity(folder, arguments);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+    let errors = errors_of(&output);
     assert!(output.status.success(), "{arguments:?}: {errors}");
     assert!(errors.is_empty(), "{arguments:?} on a pipe: {errors}");
     String::from_utf8(output.stdout).unwrap()
@@ -32,7 +32,7 @@ pub(crate) fn succeed(folder: &Path, arguments: &[&str]) -> String {
 /// Runs a command that must be refused with `code` and one sentence, and returns that.
 pub(crate) fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
     let output = asperity(folder, arguments);
-    let errors = String::from_utf8(output.stderr).unwrap();
+    let errors = errors_of(&output);
     assert_eq!(output.status.code(), Some(code), "{arguments:?}: {errors}");
     assert!(!errors.contains("panicked"), "{arguments:?}: {errors}");
     assert!(errors.starts_with("asperity: "), "{errors}");
@@ -42,6 +42,22 @@ pub(crate) fn refused(folder: &Path, arguments: &[&str], code: i32) -> String {
         "one sentence: {errors}"
     );
     errors
+}
+
+/// Standard error without lines of progress, for which a slow machine takes long enough.
+pub(crate) fn errors_of(output: &Output) -> String {
+    without_progress(&String::from_utf8_lossy(&output.stderr))
+}
+
+/// Text without its line breaks, which depend on how long names are.
+pub(crate) fn unwrapped(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn without_progress(errors: &str) -> String {
+    let lines = errors.lines();
+    let others = lines.filter(|line| !line.starts_with("progress: "));
+    others.map(|line| format!("{line}\n")).collect()
 }
 
 pub(crate) fn json(text: &str) -> Value {

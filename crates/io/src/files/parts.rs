@@ -102,19 +102,15 @@ fn builder() -> Builder<'static, 'static> {
     builder
 }
 
-/// A temporary file in `folder` with the mode of an ordinary new file.
+/// A temporary file in `folder` with the mode of an ordinary new file. Errors are those of the operating system,
+/// without the name of the temporary file, which means nothing to users.
 ///
 /// It is locked as long as it is open, which tells it from what a killed run has left.
 pub(super) fn temporary_in(folder: &Path) -> io::Result<TemporaryFile> {
-    let mut builder = builder();
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // Set at creation, hence reduced by the umask.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
+    let mut new = File::options();
+    new.read(true).write(true).create_new(true);
     let mut own = own();
-    let file = builder.tempfile_in(folder)?;
+    let file = builder().make_in(folder, |path| new.open(path))?;
     own.insert(file.path().to_owned());
     drop(own);
     // Where the file system has no locks, stale parts stay.
@@ -127,6 +123,8 @@ pub(super) fn temporary_in(folder: &Path) -> io::Result<TemporaryFile> {
 
 /// A temporary folder in `folder`.
 pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> {
+    // Refused in the words of the operating system alone
+    drop(temporary_in(folder)?);
     let mut own = own();
     let folder = builder().tempdir_in(folder)?;
     own.insert(folder.path().to_owned());
@@ -183,6 +181,19 @@ mod tests {
     fn make_old(file: &File) {
         let hour = Duration::from_secs(3600);
         file.set_modified(SystemTime::now() - hour).unwrap();
+    }
+
+    #[test]
+    fn refusals_do_not_name_temporary_files() {
+        let missing = Path::new("no/such/folder");
+        let errors = [
+            temporary_in(missing).err(),
+            temporary_folder_in(missing).err(),
+        ];
+        for error in errors.map(Option::unwrap) {
+            assert_eq!(error.kind(), io::ErrorKind::NotFound);
+            assert!(!error.to_string().contains(PREFIX), "{error}");
+        }
     }
 
     #[test]

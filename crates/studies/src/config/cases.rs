@@ -225,7 +225,7 @@ mod tests {
             ("[run]\nroulette = 2", "roulette"),
             ("[run]\naccelerator = \"magic\"", "magic"),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
-            ("[compare]\nalpha = 0", "alpha"),
+            ("[compare]\nlevel = 0", "level"),
             ("[run]\nside = \"left\"", "left"),
             (
                 "[run]\nside = \"transmitted\"\n[material]\nkind = \"mirror\"",

@@ -171,8 +171,8 @@ mod tests {
             ),
             ("[compare]\nmodels = []", "needs models"),
             (
-                "[compare]\nalpha = 0.05",
-                "compare.alpha is for trace and verify, not for map",
+                "[compare]\nlevel = 0.05",
+                "compare.level is for trace and verify, not for map",
             ),
             ("[compare]\nmodels = [\"ggx\"]", "ggx"),
             ("[surface]\nsmoothness = []", "one or several"),

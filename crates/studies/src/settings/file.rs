@@ -65,13 +65,10 @@ impl File<'_> {
     ) -> Result<&'static Setting, SettingError> {
         let place = self.place(key.span().start);
         let key = key.get_ref().as_ref();
-        let named = |setting: &&'static Setting| {
-            let same = setting.key == key || setting.aliases.contains(&key);
-            setting.in_file && setting.section == section && same
-        };
-        if let Some(setting) = settings_of(self.command).find(named) {
+        if let Some(setting) = self.setting_named(section, key) {
             return Ok(setting);
         }
+        let named = |setting: &&'static Setting| is_named(setting, section, key);
         let elsewhere = SECTIONS.iter().flat_map(|section| section.settings);
         let commands = elsewhere
             .filter(named)
@@ -92,6 +89,19 @@ impl File<'_> {
             key: key.to_owned(),
             known: known.map(|s| s.key).collect::<Vec<_>>().join(", "),
         })
+    }
+
+    /// The setting of a key that the command has.
+    fn setting_named(&self, section: &str, key: &str) -> Option<&'static Setting> {
+        settings_of(self.command).find(|setting| is_named(setting, section, key))
+    }
+
+    /// The name of the section in which the text at `start` stands; empty if there is none.
+    fn section_before(&self, start: usize) -> &str {
+        let before = self.text[..start.min(self.text.len())].lines().rev();
+        let mut headings = before.filter_map(|line| line.trim().strip_prefix('['));
+        let heading = headings.next().and_then(|line| line.split(']').next());
+        heading.map(str::trim).unwrap_or_default()
     }
 
     /// The refusal of the section `name` of a file with these `sections`.
@@ -172,7 +182,7 @@ impl File<'_> {
         allowed.then_some(Value::Array(values))
     }
 
-    /// What is wrong with text that is not TOML, with a hint for values without quotes.
+    /// What is wrong with text that is not TOML: where it is a value, what that value must be.
     fn syntax_error(&self, start: usize, message: &str) -> SettingError {
         let line = self.text[..start.min(self.text.len())]
             .rsplit('\n')
@@ -184,11 +194,22 @@ impl File<'_> {
                 .next()
                 .unwrap_or_default();
         let reason = message.trim().replace('\n', " ");
+        let line = line.trim();
         let reason = match line.split_once('=') {
-            Some(_) => format!(
-                "`{}` is not valid TOML ({reason}); numbers stand without a unit, text in quotes",
-                line.trim()
-            ),
+            // The value is what is wrong if the line is not TOML by itself either.
+            Some((key, _)) if DeTable::parse(line).is_err() => {
+                let section = self.section_before(start);
+                let quotes = "text and numbers with a unit stand in quotes";
+                match self.setting_named(section, key.trim()) {
+                    Some(setting) => format!(
+                        "`{line}` is not valid TOML: {quotes}; {} must be {}",
+                        key.trim(),
+                        setting.expected(self.command)
+                    ),
+                    None => format!("`{line}` is not valid TOML: {quotes}"),
+                }
+            }
+            Some(_) => format!("`{line}` is not valid TOML: {reason}"),
             None => reason,
         };
         SettingError::Syntax {
@@ -196,6 +217,12 @@ impl File<'_> {
             reason,
         }
     }
+}
+
+/// Whether a file calls a setting so.
+fn is_named(setting: &Setting, section: &str, key: &str) -> bool {
+    let same = setting.key == key || setting.aliases.contains(&key);
+    setting.in_file && setting.section == section && same
 }
 
 /// Whether a file of `command` may hold the section `name`.

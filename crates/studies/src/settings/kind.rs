@@ -142,48 +142,61 @@ impl Kind {
         }
     }
 
-    /// What is allowed, to follow "must be".
-    pub(super) fn expected(self, range: Range) -> String {
+    /// What is allowed, without examples.
+    pub(super) fn allowed(self, range: Range) -> String {
         match self {
             Self::Switch => "true or false".to_owned(),
-            Self::Length if range == Range::Any => "a number such as 1.4, 2e-3 or 5um".to_owned(),
-            Self::Length => format!("a number {range}, such as 1.4, 2e-3 or 5um"),
-            Self::Number if range == Range::Any => "a number such as 1.4, 2e-3 or 1/1.4".to_owned(),
-            Self::Number => format!("a number {range}, such as 1.4, 2e-3 or 1/1.4"),
+            Self::Length | Self::Number if range == Range::Any => "a number".to_owned(),
+            Self::Length | Self::Number => format!("a number {range}"),
             Self::NumberOrChoice(choices) => {
-                format!(
-                    "{}, or {}",
-                    Self::Number.expected(range),
-                    one_of(choices, None)
-                )
+                let number = Self::Number.allowed(range);
+                format!("{number}, or {}", one_of(choices, None))
             }
             Self::GridOrChoice(choices) => {
-                format!(
-                    "{}, or {}",
-                    Self::Grid.expected(range),
-                    one_of(choices, None)
-                )
+                let grid = Self::Grid.allowed(range);
+                format!("{grid}, or {}", one_of(choices, None))
             }
             Self::Count if range != Range::Any => format!("a whole number {range}"),
-            Self::Count => {
-                format!("a whole number of 1 or more, up to {MOST_COUNT:e}, such as 1000 or 1e6")
-            }
+            Self::Count => format!("a whole number of 1 or more, up to {MOST_COUNT:e}"),
             Self::Order => format!("a whole number from 1 to {}", u32::MAX),
             Self::Seed => format!("a whole number from 0 to {}", u64::MAX),
-            Self::Duration => "a time above 0: seconds, or such as 10m or 2h".to_owned(),
+            Self::Duration => "a time above 0, in seconds or with s, m or h".to_owned(),
             Self::Choice(choices) => one_of(choices, None),
             Self::ChoiceOrFile(choices) => one_of(choices, Some("a file")),
             Self::Models => "names of models, or none".to_owned(),
             Self::Model => "the name of a model".to_owned(),
             Self::Path => "a path".to_owned(),
             Self::Grid => {
-                "two whole numbers as THETAxPHI, such as 18x36, with a product of at most 4000000"
-                    .to_owned()
+                "two whole numbers as THETAxPHI, with a product of at most 4000000".to_owned()
             }
-            Self::Pixels => {
-                "two whole numbers of pixels as COLUMNSxROWS, such as 640x480".to_owned()
-            }
+            Self::Pixels => "two whole numbers of pixels as COLUMNSxROWS".to_owned(),
         }
+    }
+
+    /// Values that are allowed, as they are written on the command line.
+    pub(super) fn examples(self, range: Range) -> Vec<&'static str> {
+        let candidates: &[&str] = match self {
+            Self::Length => &["1.4", "2e-3", "5um"],
+            Self::Number | Self::NumberOrChoice(_) => &["1.4", "2e-3", "1/1.4"],
+            Self::Count => &["1000", "1e6"],
+            Self::Duration => &["90", "10m", "2h"],
+            Self::Models => &["smith"],
+            Self::Grid | Self::GridOrChoice(_) => &["18x36"],
+            Self::Pixels => &["640x480"],
+            _ => &[],
+        };
+        let candidates = candidates.iter().copied();
+        candidates
+            .filter(|text| self.parse(text, range).is_some())
+            .collect()
+    }
+}
+
+/// Examples in a sentence: `, such as a, b or c`; nothing without any.
+pub(super) fn such_as(examples: &[&str]) -> String {
+    match examples {
+        [] => String::new(),
+        examples => format!(", such as {}", joined_by_or(examples)),
     }
 }
 
@@ -191,6 +204,10 @@ impl Kind {
 fn one_of(choices: &[Choice], further: Option<&str>) -> String {
     let mut names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
     names.extend(further);
+    joined_by_or(&names)
+}
+
+fn joined_by_or(names: &[&str]) -> String {
     match names.split_last() {
         Some((last, [])) => (*last).to_owned(),
         Some((last, rest)) => format!("{} or {last}", rest.join(", ")),

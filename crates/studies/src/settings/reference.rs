@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::command::{Command, Commands};
 use super::definitions::SECTIONS;
-use super::kind::Kind;
+use super::kind::{Kind, such_as};
 use super::setting::{Arity, Setting};
 
 /// The page, in Markdown.
@@ -101,14 +101,14 @@ fn value(setting: &Setting) -> String {
         _ => {
             let text = match setting.arity {
                 // What holds for lists is said once, below.
-                Arity::ListIn(_) => setting.kind.expected(setting.range),
-                _ => setting.expected(first),
+                Arity::ListIn(_) => setting.kind.allowed(setting.range),
+                _ => setting.allowed(first),
             };
-            let text = text
-                .replace(", such as 1.4, 2e-3 or 5um", " (length)")
-                .replace(" such as 1.4, 2e-3 or 5um", " (length)")
-                .replace(", such as 1.4, 2e-3 or 1/1.4", "")
-                .replace(" such as 1.4, 2e-3 or 1/1.4", "");
+            let text = match setting.kind {
+                Kind::Length => text.replacen("number", "length", 1),
+                Kind::Number | Kind::NumberOrChoice(_) | Kind::Models => text,
+                kind => text + &such_as(&kind.examples(setting.range)),
+            };
             let unit = match (setting.arity, setting.unit) {
                 (Arity::ListIn(_), unit) if !unit.is_empty() => format!(" ({unit})"),
                 _ => String::new(),

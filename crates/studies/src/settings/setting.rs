@@ -1,7 +1,7 @@
 //! Setting: everything that is known about one setting.
 
 use super::command::{Command, Commands};
-use super::kind::Kind;
+use super::kind::{Kind, such_as};
 use super::range::Range;
 
 /// One setting.
@@ -260,20 +260,34 @@ impl Setting {
         }
     }
 
-    /// What is allowed, to follow "must be", with the unit.
+    /// What is allowed, to follow "must be", with the unit and examples.
     #[must_use]
     pub fn expected(&self, command: Command) -> String {
-        let one = self.kind.expected(self.range);
+        let examples = match self.arity {
+            Arity::PerAxis if self.kind == Kind::Count => vec!["512", "512x256"],
+            Arity::Tuple(_) => Vec::new(),
+            _ => self.kind.examples(self.range),
+        };
+        self.allowed(command) + &such_as(&examples)
+    }
+
+    /// What is allowed, with the unit.
+    pub(super) fn allowed(&self, command: Command) -> String {
+        let one = self.kind.allowed(self.range);
         let unit = match self.unit {
             "" => String::new(),
             unit => format!(" ({unit})"),
         };
         match self.arity {
             Arity::PerAxis if self.kind == Kind::Count => {
-                format!("{one}, one for both axes or two as COLUMNSxROWS, such as 512x256")
+                format!("{one}, for both axes or two as COLUMNSxROWS")
             }
-            Arity::PerAxis => format!("{one}{unit}, one for both axes or two as X,Y"),
-            Arity::Tuple(names) => format!("{one}{unit}, given as {}", names.join(",")),
+            Arity::PerAxis => format!("{one}{unit}, for both axes or two as X,Y"),
+            Arity::Tuple(names) => {
+                let count = names.len();
+                format!("{count} numbers{unit} as {}", names.join(","))
+            }
+            _ if self.kind == Kind::Models => one,
             _ if self.is_list(command) => format!("{one}{unit}, one or several"),
             _ => format!("{one}{unit}"),
         }

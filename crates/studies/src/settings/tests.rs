@@ -279,8 +279,24 @@ fn unknown_names_are_refused_with_what_is_known() {
         (
             Command::Verify,
             "[light]\ntheta = 30deg",
-            "line 2: `theta = 30deg` is not valid TOML",
+            "line 2: `theta = 30deg` is not valid TOML: text and numbers with a unit stand in quotes; theta must be a number from 0 to below 90 (degrees), one or several, such as 1.4, 2e-3 or 1/1.4",
         ),
+        (
+            Command::Verify,
+            "[surface]\ntau = 5um",
+            "tau must be a number above 0, such as 1.4, 2e-3 or 5um",
+        ),
+        (
+            Command::Verify,
+            "[compare]\nmodels = smith",
+            "models must be names of models, or none, such as smith",
+        ),
+        (
+            Command::Verify,
+            "[surface]\ntau = 3\ntau = 4",
+            "line 3: `tau = 4` is not valid TOML: duplicate key",
+        ),
+        (Command::Verify, "[surface]\nfoo = 5x", "stand in quotes"),
         (
             Command::Verify,
             "[results]\njson = true",
@@ -293,8 +309,8 @@ fn unknown_names_are_refused_with_what_is_known() {
         ),
         (
             Command::Map,
-            "[compare]\nalpha = 0.1",
-            "compare.alpha is for trace and verify, not for map",
+            "[compare]\nlevel = 0.1",
+            "compare.level is for trace and verify, not for map",
         ),
         (
             Command::Converge,
@@ -318,10 +334,13 @@ fn unknown_names_are_refused_with_what_is_known() {
 
 #[test]
 fn old_spellings_stay_valid() {
-    let mut document = Document::of_text(Command::Verify, "[compare]\nalpha = 0.1").unwrap();
-    assert_eq!(document.value("compare.level"), Some(0.1.into()));
-    document.add_flags(&[flag("alpha", "0.2")], None).unwrap();
-    assert_eq!(document.value("compare.level"), Some(0.2.into()));
+    let mut document = Document::of_text(Command::Attenuation, "[run]\nway = \"rays\"").unwrap();
+    assert_eq!(document.value("run.method"), Some("rays".into()));
+    document
+        .add_flags(&[flag("way", "horizons")], None)
+        .unwrap();
+    assert_eq!(document.value("run.method"), Some("horizons".into()));
+    let mut document = Document::new(Command::Verify);
     let flags = [flag("accelerator", "tiles")];
     document.add_flags(&flags, None).unwrap();
     assert_eq!(document.value("run.accelerator"), Some("pyramid".into()));
@@ -329,9 +348,10 @@ fn old_spellings_stay_valid() {
 
 #[test]
 fn two_spellings_of_one_setting_are_refused_by_both_names() {
-    let said = refusal(Command::Verify, "[compare]\nalpha = 0.1\nlevel = 0.2", &[]);
+    let file = "[run]\nway = \"rays\"\nmethod = \"auto\"";
+    let said = refusal(Command::Attenuation, file, &[]);
     assert!(
-        said.contains("level = 0.2") && said.contains("alpha = 0.1"),
+        said.contains("way = \"rays\"") && said.contains("method = \"auto\""),
         "{said}"
     );
 }

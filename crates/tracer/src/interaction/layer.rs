@@ -36,14 +36,25 @@ pub struct TracedLayer<'a, G: Geometry> {
     max_scatterings: u32,
 }
 
+/// A length to six digits and no less than it, as people write it.
+fn rounded_up(length: f64) -> f64 {
+    if length == 0.0 {
+        return 0.0;
+    }
+    let unit = 10_f64.powi(length.abs().log10().floor() as i32 - 5);
+    let digits = (length / unit).ceil();
+    // The nearest number that prints with these digits
+    format!("{:.5e}", digits * unit).parse().unwrap_or(length)
+}
+
 /// Why a layer does not fit below a surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TracedLayerError {
     /// The surfaces would touch.
     #[error(
-        "invalid thickness {thickness}: must exceed {:.6e}, since the surface goes {depth:.6e} below its mean plane and the bottom rises {height:.6e} above its own",
-        depth + height
+        "invalid thickness {thickness}: must exceed {}, since the surface goes {} below its mean plane and the bottom rises {} above its own",
+        rounded_up(depth + height), rounded_up(*depth), rounded_up(*height)
     )]
     TooThin {
         /// Between both mean planes.

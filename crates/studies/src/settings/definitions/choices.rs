@@ -7,13 +7,13 @@ pub(super) const BORDER: Kind = Kind::Choice(&[
     choice("mirrored", "the tile is mirrored at its border"),
     choice(
         "open",
-        "nothing: light escapes upwards over the rim, and is truncated below",
+        "nothing lies beyond: light that leaves upwards escapes, the rest is truncated",
     ),
 ]);
 
 pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
     choice("periodic", "the tile is repeated"),
-    choice("open", "rays that leave the patch sideways escape"),
+    choice("open", "rays that leave the patch past its border escape"),
 ]);
 
 pub(super) const CELLS: Kind = Kind::Choice(&[

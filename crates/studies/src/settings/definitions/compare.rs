@@ -40,9 +40,8 @@ pub(super) const COMPARE: &[Setting] = &[
         "level",
         Kind::Number,
         TRACE.and(VERIFY),
-        "Level of the tests of one case: probability of a false rejection",
+        "Significance level of the tests of one case together",
     )
-    .aliases(&["alpha"])
     .range(Range::Between(0.0, 1.0))
     .default("0.01"),
 ];

@@ -118,7 +118,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "side",
         SIDE,
         CONVERGE,
-        "The side over whose bins errors are taken",
+        "Side whose bins enter the errors",
     )
     .default("both"),
     setting(
@@ -126,7 +126,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "errors",
         Kind::Number,
         CONVERGE,
-        "Relative errors for which the run time is reported",
+        "Relative errors for which run times are reported",
     )
     .range(Range::Above(0.0))
     .arity(LIST)

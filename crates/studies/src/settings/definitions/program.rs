@@ -34,7 +34,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "verbose",
         Kind::Switch,
         Commands::ALL,
-        "Report progress and times on standard error",
+        "Report on standard error what is done and why, and times",
     )
     .short('v')
     .default("false")

@@ -54,7 +54,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "of",
         QUANTITY,
         AIMED,
-        "Quantity whose error is to reach the target",
+        "Quantity to which the target error applies",
     )
     .value_name("QUANTITY")
     .otherwise("bins"),
@@ -120,7 +120,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "polarisation",
         POLARISATION,
         TRACING,
-        "What paths know of the polarisation of light",
+        "Whether paths carry the polarisation of light",
     )
     .default("tracked"),
     setting(
@@ -153,7 +153,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "estimator",
         ESTIMATOR,
         TRACING,
-        "How paths become results",
+        "How fluxes are estimated from paths",
     )
     .default("auto"),
     setting(
