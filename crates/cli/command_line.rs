@@ -1,22 +1,33 @@
 //! The command line: flags of all commands, built from the definitions of the settings.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
+use asperity_analysis::{FlatLayer, MODEL_NAMES};
 use asperity_io::{HeightMapFormat, MeshFormat, read_text};
 use asperity_studies::settings::{
-    Arity, Command, Document, Setting, SettingError, commands_with_flag, settings_of,
+    Arity, Command, Document, Kind, SECTIONS, Setting, SettingError, commands_with_flag,
+    settings_of,
 };
-use clap::builder::NonEmptyStringValueParser;
+use clap::builder::{NonEmptyStringValueParser, PossibleValue, TypedValueParser, ValueHint};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 
 use crate::failure::Failure;
-use crate::help::{command_help, program_help};
+use crate::help::{Help, PROGRAM_ABOUT, PROGRAM_NOTES, summary};
+use crate::tools::{Tool, ToolRun};
 
 /// Name of what stands without a flag.
 const POSITIONAL: &str = "positional argument";
+
+/// What the command line requests.
+pub(crate) enum Request {
+    /// A command with these settings.
+    Run(Document),
+    /// Something about the command line itself.
+    Tool(ToolRun),
+}
 
 /// Why the program ends before a command runs.
 pub(crate) enum Stop {
@@ -32,26 +43,34 @@ impl From<Failure> for Stop {
     }
 }
 
-/// The settings that the command line and its configuration file give.
-pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Document, Stop> {
+/// What the command line requests, with the settings of its configuration file.
+pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
     let matches = program()
         .try_get_matches_from(&arguments)
         .map_err(|error| refuse(error, &arguments))?;
+    if let Some(tool) = chosen_tool(&matches) {
+        return Ok(Request::Tool(tool));
+    }
     let Some((command, matches)) = chosen(&matches) else {
         return Err(Failure::usage("give a command").into());
     };
-    Ok(document(command, matches)?)
+    Ok(Request::Run(document(command, matches)?))
 }
 
 /// The whole command line, for clap.
 pub(crate) fn program() -> clap::Command {
+    let help = Help::for_output();
     let program = clap::Command::new("asperity")
         .version(env!("CARGO_PKG_VERSION"))
-        .override_help(program_help())
+        .about(PROGRAM_ABOUT)
+        .after_help(PROGRAM_NOTES)
+        .override_help(help.program())
         .subcommand_required(true)
         .arg_required_else_help(true)
         .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
-    program.subcommands(Command::ALL.map(subcommand))
+    program
+        .subcommands(Command::ALL.map(|command| subcommand(command, help)))
+        .subcommands(Tool::ALL.map(|tool| tool.command(help)))
 }
 
 /// The settings of every command, which may also stand before its name.
@@ -59,7 +78,7 @@ fn shared() -> impl Iterator<Item = &'static Setting> {
     settings_of(Command::Trace).filter(|setting| setting.section == "program")
 }
 
-fn subcommand(command: Command) -> clap::Command {
+fn subcommand(command: Command, help: Help) -> clap::Command {
     let mut flags = Vec::new();
     let own = settings_of(command).filter(|setting| setting.section != "program");
     let arguments = own.filter_map(|setting| {
@@ -72,11 +91,16 @@ fn subcommand(command: Command) -> clap::Command {
         Some(argument(setting, command))
     });
     let arguments: Vec<Arg> = arguments.collect();
-    let positional = command
-        .positional()
-        .map(|(name, _)| Arg::new(POSITIONAL).value_name(name));
+    let positional = command.positional().map(|(name, about)| {
+        let argument = Arg::new(POSITIONAL).value_name(name).help(about);
+        match command {
+            Command::Model => argument.value_parser(Offered(names_of_models())),
+            _ => argument.value_hint(ValueHint::FilePath),
+        }
+    });
     clap::Command::new(command.name())
-        .override_help(command_help(command))
+        .about(command.about())
+        .override_help(help.command(command))
         .args(arguments)
         .args(positional)
 }
@@ -91,11 +115,14 @@ fn argument(setting: &Setting, command: Command) -> Arg {
     let argument = Arg::new(flag.clone())
         .long(flag)
         .aliases(setting.aliases.iter().copied())
+        .help(summary(setting, command))
+        .help_heading(heading(setting))
         .action(action);
     let argument = match setting.takes_value() {
         true => argument
             .value_name(setting.placeholder(command))
-            .value_parser(NonEmptyStringValueParser::new())
+            .value_parser(Offered(offered(setting)))
+            .value_hint(hint(setting))
             .allow_negative_numbers(true),
         false => argument,
     };
@@ -103,6 +130,74 @@ fn argument(setting: &Setting, command: Command) -> Arg {
         Some(short) => argument.short(short),
         None => argument,
     }
+}
+
+/// The heading in whose list a setting stands.
+fn heading(setting: &Setting) -> &'static str {
+    let section = SECTIONS
+        .iter()
+        .find(|section| section.name == setting.section);
+    section.map_or("", |section| section.title)
+}
+
+/// Names that completions and man pages offer for a setting.
+fn offered(setting: &Setting) -> Vec<PossibleValue> {
+    match setting.kind {
+        // A shell offers names or files, not both.
+        Kind::ChoiceOrFile(_) => Vec::new(),
+        Kind::Models | Kind::Model => names_of_models(),
+        kind => {
+            let choices = kind.choices().iter();
+            choices
+                .map(|choice| PossibleValue::new(choice.name).help(choice.help))
+                .collect()
+        }
+    }
+}
+
+fn names_of_models() -> Vec<PossibleValue> {
+    let names = MODEL_NAMES.iter().chain(&FlatLayer::NAMES);
+    names.copied().map(PossibleValue::new).collect()
+}
+
+/// What a shell completes a value with.
+fn hint(setting: &Setting) -> ValueHint {
+    match setting.kind {
+        Kind::Path if setting.value_name == "DIR" => ValueHint::DirPath,
+        Kind::Path | Kind::ChoiceOrFile(_) => ValueHint::FilePath,
+        _ => ValueHint::Unknown,
+    }
+}
+
+/// Reads any text that is not empty: the definitions of the settings check it. Shells offer these names.
+#[derive(Clone)]
+struct Offered(Vec<PossibleValue>);
+
+impl TypedValueParser for Offered {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        NonEmptyStringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        match self.0.as_slice() {
+            [] => None,
+            names => Some(Box::new(names.iter().cloned())),
+        }
+    }
+}
+
+/// The command about the command line itself, if it is one.
+fn chosen_tool(matches: &ArgMatches) -> Option<ToolRun> {
+    let (name, matches) = matches.subcommand()?;
+    let tool = Tool::ALL.into_iter().find(|tool| tool.name() == name)?;
+    tool.read(matches)
 }
 
 fn chosen(matches: &ArgMatches) -> Option<(Command, &ArgMatches)> {
@@ -189,7 +284,9 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
     if let (ErrorKind::InvalidSubcommand, Some(ContextValue::String(name))) =
         (error.kind(), error.get(ContextKind::InvalidSubcommand))
     {
-        let known = Command::ALL.map(Command::name).join(", ");
+        let names = Command::ALL.map(Command::name).into_iter();
+        let names = names.chain(Tool::ALL.map(Tool::name));
+        let known = names.collect::<Vec<_>>().join(", ");
         return Failure::usage(format!(
             "unknown command `{name}`; the commands are {known} and help"
         ))
@@ -221,7 +318,33 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
             return Failure::usage(error).into();
         }
     }
+    if let (ErrorKind::UnknownArgument, Some(ContextValue::String(argument))) =
+        (error.kind(), error.get(ContextKind::InvalidArg))
+    {
+        return Failure::usage(unknown_argument(argument, &error)).into();
+    }
     Failure::usage(one_sentence(&error.render().to_string())).into()
+}
+
+/// Names of roughness in other programs.
+const ROUGHNESS: [&str; 2] = ["--alpha", "--roughness"];
+
+/// What is said of an argument that no command has.
+fn unknown_argument(argument: &str, error: &clap::Error) -> String {
+    if !argument.starts_with('-') {
+        return format!("unexpected argument `{argument}`; see --help");
+    }
+    if ROUGHNESS.contains(&argument) {
+        return format!(
+            "unknown flag {argument}; roughness is given as --smoothness, s = 2 / alpha"
+        );
+    }
+    match error.get(ContextKind::SuggestedArg) {
+        Some(ContextValue::String(similar)) => {
+            format!("unknown flag {argument}; did you mean {similar}?")
+        }
+        _ => format!("unknown flag {argument}; see --help"),
+    }
 }
 
 /// What clap has to say, without its heading, usage and hints, in one line.

@@ -1,76 +1,147 @@
-//! Help of the program and of each command, within 80 columns.
+//! Help of the program and of each command, as wide as the terminal.
 
 use asperity_studies::settings::{Command, Kind, SECTIONS, Setting};
+use console::Term;
 
-/// Columns of a terminal.
-const WIDTH: usize = 80;
+use crate::tools::Tool;
+
+/// Columns where standard output is no terminal.
+const DEFAULT_WIDTH: usize = 80;
+
+/// Fewest columns that text is wrapped to.
+const MIN_WIDTH: usize = 70;
+
+/// Most columns: longer lines are hard to read.
+const MAX_WIDTH: usize = 100;
 
 /// Column at which explanations begin.
 const INDENT: usize = 32;
 
-/// The help of the program.
-pub(crate) fn program_help() -> String {
-    let mut text = wrapped(
-        "Light on explicit rough surfaces: traces real reflection and refraction on random or measured surfaces, and \
-         compares the results with scattering models.",
-        0,
-    );
-    text.push_str("\n\nUsage: asperity <COMMAND> [OPTIONS]\n\nCommands:\n");
-    for command in Command::ALL {
-        text.push_str(&row(&format!("  {}", command.name()), command.about(), 15));
-    }
-    text.push_str(&row("  help", "Print this help, or that of a command", 15));
-    text.push('\n');
-    text.push_str(&section("program", Command::Trace).unwrap_or_default());
-    text.push_str(&row(
-        "  -h, --help",
-        "Print help, also of a command",
-        INDENT,
-    ));
-    text.push_str(&row("  -V, --version", "Print the version", INDENT));
-    text.push('\n');
-    text.push_str(&wrapped(
-        "--theta and --phi give the direction towards the light. Numbers may be quotients \
-         (1/1.4), counts may be written as 1e6. Exit codes: 0 done, 1 failed, 2 wrong usage, 3 interrupted \
-         and the results so far written, 130 interrupted and ended at once.",
-        0,
-    ));
-    text.push('\n');
-    text
+/// Column at which those of commands begin.
+const COMMAND_INDENT: usize = 15;
+
+/// What the program does.
+pub(crate) const PROGRAM_ABOUT: &str = "Light on explicit rough surfaces: traces real reflection and refraction on \
+                                        random or measured surfaces, and compares the results with scattering models.";
+
+/// What holds for every command.
+pub(crate) const PROGRAM_NOTES: &str = "--theta and --phi give the direction towards the light. Numbers may be \
+                                        quotients (1/1.4), counts may be written as 1e6. Exit codes: 0 done, \
+                                        1 failed, 2 wrong usage, 3 interrupted and the results so far \
+                                        written, 130 interrupted and ended at once.";
+
+/// Help texts of one width.
+#[derive(Clone, Copy)]
+pub(crate) struct Help {
+    /// Columns.
+    width: usize,
 }
 
-/// The help of `command`.
-pub(crate) fn command_help(command: Command) -> String {
-    let mut text = format!("{}\n\nUsage: asperity {command} [OPTIONS]", command.about());
-    if let Some((name, about)) = command.positional() {
-        text.push_str(&format!(" [{name}]\n\n"));
-        text.push_str(&row(&format!("  [{name}]"), about, 15));
-    } else {
-        text.push('\n');
+impl Help {
+    /// For standard output.
+    pub(crate) fn for_output() -> Self {
+        let width = match Term::stdout().size_checked() {
+            Some((_, columns)) => usize::from(columns).clamp(MIN_WIDTH, MAX_WIDTH),
+            None => DEFAULT_WIDTH,
+        };
+        Self { width }
     }
-    for part in SECTIONS {
-        if let Some(options) = section(part.name, command) {
-            text.push_str(&format!("\n{}:\n{options}", part.title));
+
+    /// The help of the program.
+    pub(crate) fn program(self) -> String {
+        let mut text = self.wrapped(PROGRAM_ABOUT, 0);
+        text.push_str("\n\nUsage: asperity <COMMAND> [OPTIONS]\n\nCommands:\n");
+        let commands = Command::ALL.map(|command| (command.name(), command.about()));
+        let tools = Tool::ALL.map(|tool| (tool.name(), tool.about()));
+        let help = ("help", "Print this help, or that of a command");
+        for (name, about) in commands.into_iter().chain(tools).chain([help]) {
+            text.push_str(&self.row(&format!("  {name}"), about, COMMAND_INDENT));
         }
+        text.push('\n');
+        text.push_str(&self.section("program", Command::Trace).unwrap_or_default());
+        text.push_str(&self.row("  -h, --help", "Print help, also of a command", INDENT));
+        text.push_str(&self.row("  -V, --version", "Print the version", INDENT));
+        text.push('\n');
+        text.push_str(&self.wrapped(PROGRAM_NOTES, 0));
+        text.push('\n');
+        text
     }
-    text.push_str(&row("  -h, --help", "Print help", INDENT));
-    text
-}
 
-/// The flags of a section; `None` if the command has none of them.
-fn section(name: &str, command: Command) -> Option<String> {
-    let section = SECTIONS.iter().find(|section| section.name == name)?;
-    let rows: Vec<String> = section
-        .settings
-        .iter()
-        .filter(|setting| setting.commands.contains(command))
-        .filter(|setting| is_shown(setting, command))
-        .filter_map(|setting| {
-            let flag = flag(setting, command)?;
-            Some(row(&flag, &explanation(setting, command), INDENT))
-        })
-        .collect();
-    (!rows.is_empty()).then(|| rows.concat())
+    /// The help of `command`.
+    pub(crate) fn command(self, command: Command) -> String {
+        let mut text = format!("{}\n\nUsage: asperity {command} [OPTIONS]", command.about());
+        if let Some((name, about)) = command.positional() {
+            text.push_str(&format!(" [{name}]\n\n"));
+            text.push_str(&self.row(&format!("  [{name}]"), about, COMMAND_INDENT));
+        } else {
+            text.push('\n');
+        }
+        for part in SECTIONS {
+            if let Some(options) = self.section(part.name, command) {
+                text.push_str(&format!("\n{}:\n{options}", part.title));
+            }
+        }
+        text.push_str(&self.row("  -h, --help", "Print help", INDENT));
+        text
+    }
+
+    /// The help of `tool`.
+    pub(crate) fn tool(self, tool: Tool) -> String {
+        let (name, about) = tool.positional();
+        let mut text = format!(
+            "{}\n\nUsage: asperity {} <{name}>\n\n",
+            tool.about(),
+            tool.name()
+        );
+        text.push_str(&self.row(&format!("  <{name}>"), about, COMMAND_INDENT));
+        text.push('\n');
+        text.push_str(&self.row("  -h, --help", "Print help", INDENT));
+        text
+    }
+
+    /// The flags of a section; `None` if the command has none.
+    fn section(self, name: &str, command: Command) -> Option<String> {
+        let section = SECTIONS.iter().find(|section| section.name == name)?;
+        let rows: Vec<String> = section
+            .settings
+            .iter()
+            .filter(|setting| setting.commands.contains(command))
+            .filter(|setting| is_shown(setting, command))
+            .filter_map(|setting| {
+                let flag = flag(setting, command)?;
+                Some(self.row(&flag, &explanation(setting, command), INDENT))
+            })
+            .collect();
+        (!rows.is_empty()).then(|| rows.concat())
+    }
+
+    /// A line of two columns; the second is wrapped, and begins a line of its own where the first is too long.
+    fn row(self, left: &str, right: &str, indent: usize) -> String {
+        let right = self.wrapped(right, indent);
+        if left.len() + 2 > indent {
+            return format!("{left}\n{}{right}\n", " ".repeat(indent));
+        }
+        format!("{left:<indent$}{right}\n")
+    }
+
+    /// Text broken into lines that fit next to `indent` columns, which all but the first begin with.
+    fn wrapped(self, text: &str, indent: usize) -> String {
+        let mut lines: Vec<String> = vec![String::new()];
+        for word in text.split_whitespace() {
+            let Some(line) = lines.last_mut() else {
+                break;
+            };
+            if !line.is_empty() && indent + line.len() + 1 + word.len() > self.width {
+                lines.push(word.to_owned());
+                continue;
+            }
+            if !line.is_empty() {
+                line.push(' ');
+            }
+            line.push_str(word);
+        }
+        lines.join(&format!("\n{}", " ".repeat(indent)))
+    }
 }
 
 /// One flag for the spacing of random surfaces and of a given one is shown once.
@@ -106,42 +177,23 @@ fn explanation(setting: &Setting, command: Command) -> String {
             _ => "",
         });
     }
+    text + &default(setting, command)
+}
+
+/// What a setting is, with its default: where choices are listed apart.
+pub(crate) fn summary(setting: &Setting, command: Command) -> String {
+    setting.help.to_owned() + &default(setting, command)
+}
+
+/// The default in brackets; empty if there is none.
+fn default(setting: &Setting, command: Command) -> String {
     match (setting.takes_value(), setting.default_of(command)) {
-        (true, Some(default)) => text.push_str(&format!(" [default: {default}]")),
+        (true, Some(default)) => format!(" [default: {default}]"),
         (true, None) if !setting.otherwise.is_empty() => {
-            text.push_str(&format!(" [default: {}]", setting.otherwise));
+            format!(" [default: {}]", setting.otherwise)
         }
-        _ => {}
+        _ => String::new(),
     }
-    text
-}
-
-/// A line of two columns; the second is wrapped, and begins a line of its own where the first is too long.
-fn row(left: &str, right: &str, indent: usize) -> String {
-    let right = wrapped(right, indent);
-    if left.len() + 2 > indent {
-        return format!("{left}\n{}{right}\n", " ".repeat(indent));
-    }
-    format!("{left:<indent$}{right}\n")
-}
-
-/// Text broken into lines that fit next to `indent` columns, which all but the first begin with.
-fn wrapped(text: &str, indent: usize) -> String {
-    let mut lines: Vec<String> = vec![String::new()];
-    for word in text.split_whitespace() {
-        let Some(line) = lines.last_mut() else {
-            break;
-        };
-        if !line.is_empty() && indent + line.len() + 1 + word.len() > WIDTH {
-            lines.push(word.to_owned());
-            continue;
-        }
-        if !line.is_empty() {
-            line.push(' ');
-        }
-        line.push_str(word);
-    }
-    lines.join(&format!("\n{}", " ".repeat(indent)))
 }
 
 #[cfg(test)]
@@ -149,15 +201,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn help_fits_80_columns() {
-        for text in Command::ALL
-            .map(command_help)
-            .into_iter()
-            .chain([program_help()])
-        {
-            for line in text.lines() {
-                assert!(line.chars().count() <= WIDTH, "{line}");
+    fn help_fits_any_width() {
+        for width in [MIN_WIDTH, DEFAULT_WIDTH, MAX_WIDTH] {
+            let help = Help { width };
+            let commands = Command::ALL.map(|command| help.command(command));
+            let tools = Tool::ALL.map(|tool| help.tool(tool));
+            let texts = commands.into_iter().chain(tools).chain([help.program()]);
+            let mut longest = 0;
+            for line in texts.collect::<String>().lines() {
+                let columns = line.chars().count();
+                assert!(columns <= width, "{width}: {line}");
+                longest = longest.max(columns);
             }
+            assert!(longest > width - 10, "{width}: {longest}");
         }
     }
 }

@@ -21,6 +21,7 @@ mod output;
 mod output_files;
 mod progress;
 mod render;
+mod tools;
 mod trace;
 mod verify;
 
@@ -28,14 +29,14 @@ use std::process::ExitCode;
 
 use asperity_studies::settings::{Command, Document};
 
-use crate::command_line::{Stop, parse};
+use crate::command_line::{Request, Stop, parse, program};
 use crate::common::Common;
 use crate::end::End;
 use crate::failure::Failure;
 
 fn main() -> ExitCode {
-    let document = match parse(std::env::args_os().collect()) {
-        Ok(document) => document,
+    let request = match parse(std::env::args_os().collect()) {
+        Ok(request) => request,
         Err(Stop::Failure(failure)) => return failure.report(),
         // Help and version are no errors; clap knows where they go.
         Err(Stop::Shown(text)) => {
@@ -43,7 +44,11 @@ fn main() -> ExitCode {
             return ExitCode::from(u8::try_from(text.exit_code()).unwrap_or(2));
         }
     };
-    match run(&document) {
+    let done = match request {
+        Request::Run(document) => run(&document),
+        Request::Tool(tool) => tool.run(program()).map(|()| End::Complete),
+    };
+    match done {
         Ok(end) => end.code(),
         Err(failure) => failure.report(),
     }

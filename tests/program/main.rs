@@ -36,4 +36,5 @@ mod settings;
 mod smooth_meshes;
 mod stopping;
 mod support;
+mod tools;
 mod verify;

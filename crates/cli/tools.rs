@@ -1,0 +1,137 @@
+//! Commands about the command line itself: completion scripts and man pages, from its one definition.
+
+use std::path::{Path, PathBuf};
+
+use asperity_io::{check_output_folder, create_output_folder, write_bytes};
+use clap::builder::{PossibleValuesParser, ValueHint};
+use clap::{Arg, ArgMatches};
+use clap_complete::{Shell, generate};
+use clap_mangen::Man;
+
+use crate::failure::Failure;
+use crate::help::Help;
+use crate::output::print;
+
+/// Shells with completion scripts.
+const SHELLS: [(&str, Shell); 3] = [
+    ("bash", Shell::Bash),
+    ("zsh", Shell::Zsh),
+    ("fish", Shell::Fish),
+];
+
+/// Name of the only argument.
+const ARGUMENT: &str = "argument";
+
+/// A command without settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tool {
+    /// Prints a completion script.
+    Completions,
+    /// Writes man pages.
+    Man,
+}
+
+/// A tool and what it works on.
+pub(crate) enum ToolRun {
+    Completions(Shell),
+    Man(PathBuf),
+}
+
+impl Tool {
+    /// All of them, in the order of the help.
+    pub(crate) const ALL: [Self; 2] = [Self::Completions, Self::Man];
+
+    /// Its name on the command line.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Completions => "completions",
+            Self::Man => "man",
+        }
+    }
+
+    /// What it does.
+    pub(crate) const fn about(self) -> &'static str {
+        match self {
+            Self::Completions => "Print a completion script for a shell",
+            Self::Man => "Write the man pages of all commands",
+        }
+    }
+
+    /// Name and description of its argument.
+    pub(crate) const fn positional(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Completions => ("SHELL", "bash, zsh or fish"),
+            Self::Man => ("DIR", "Folder for the pages"),
+        }
+    }
+
+    /// As clap knows it.
+    pub(crate) fn command(self, help: Help) -> clap::Command {
+        let (name, about) = self.positional();
+        let argument = Arg::new(ARGUMENT)
+            .value_name(name)
+            .help(about)
+            .required(true);
+        let argument = match self {
+            Self::Completions => {
+                argument.value_parser(PossibleValuesParser::new(SHELLS.map(|(name, _)| name)))
+            }
+            Self::Man => argument
+                .value_parser(clap::value_parser!(PathBuf))
+                .value_hint(ValueHint::DirPath),
+        };
+        clap::Command::new(self.name())
+            .about(self.about())
+            .override_help(help.tool(self))
+            .arg(argument)
+    }
+
+    /// What is requested of it; `None` if its argument is missing.
+    pub(crate) fn read(self, matches: &ArgMatches) -> Option<ToolRun> {
+        match self {
+            Self::Completions => {
+                let given = matches.get_one::<String>(ARGUMENT)?;
+                let (_, shell) = SHELLS.into_iter().find(|(name, _)| name == given)?;
+                Some(ToolRun::Completions(shell))
+            }
+            Self::Man => {
+                let folder = matches.get_one::<PathBuf>(ARGUMENT)?;
+                Some(ToolRun::Man(folder.clone()))
+            }
+        }
+    }
+}
+
+impl ToolRun {
+    /// Prints or writes what is requested of the command line `program`.
+    pub(crate) fn run(self, program: clap::Command) -> Result<(), Failure> {
+        match self {
+            Self::Completions(shell) => print(&completions(shell, program)),
+            Self::Man(folder) => write_pages(&folder, program),
+        }
+    }
+}
+
+/// The completion script for `shell`.
+fn completions(shell: Shell, mut program: clap::Command) -> String {
+    let name = program.get_name().to_owned();
+    let mut script = Vec::new();
+    generate(shell, &mut program, name, &mut script);
+    String::from_utf8_lossy(&script).into_owned()
+}
+
+/// Writes one page per command, and one of the program.
+fn write_pages(folder: &Path, program: clap::Command) -> Result<(), Failure> {
+    check_output_folder(folder).map_err(Failure::failed)?;
+    create_output_folder(folder).map_err(Failure::failed)?;
+    let mut program = program.disable_help_subcommand(true);
+    program.build();
+    let commands = program.get_subcommands().cloned().collect::<Vec<_>>();
+    for command in [vec![program], commands].concat() {
+        let page = Man::new(command);
+        let mut text = Vec::new();
+        page.render(&mut text).map_err(Failure::failed)?;
+        write_bytes(folder.join(page.get_filename()), &text).map_err(Failure::failed)?;
+    }
+    Ok(())
+}
