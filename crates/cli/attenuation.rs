@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_surface};
 use crate::interrupt;
 use crate::output::{result_folder, say};
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: AttenuationConfig = document.read().map_err(Failure::usage)?;
@@ -37,12 +37,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         None => None,
     };
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = attenuation(&config, &bar).map_err(Failure::failed)?;
+    let outcome = attenuation(&config, &progress).map_err(Failure::failed)?;
     let is_stopped = outcome.stopped_by.is_some();
     if let Some(folder) = folder {
-        attenuation_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+        attenuation_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
         folder.finish(!is_stopped).map_err(Failure::failed)?;
     }
     let end = End::of(is_stopped);

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::{result_folder, say};
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
@@ -26,10 +26,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let names = config.files().map_err(Failure::failed)?;
     let folder = result_folder(&results.required(), "converge", &[document.file()], &names)?;
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = converge(&config, &bar).map_err(Failure::failed)?;
-    converge_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+    let outcome = converge(&config, &progress).map_err(Failure::failed)?;
+    converge_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
     let is_stopped = outcome.left_out > 0;
     folder.finish(!is_stopped).map_err(Failure::failed)?;
     let end = End::of(is_stopped);

@@ -13,7 +13,7 @@ use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
 use crate::interrupt;
 use crate::output::result_folder;
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
@@ -44,9 +44,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let inputs = [document.file(), config.measured.file.as_deref()];
     let folder = result_folder(&results.required(), "gonio", &inputs, &names)?;
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = gonio(&config, sample, &folder, &bar).map_err(|error| match error {
+    let outcome = gonio(&config, sample, &folder, &progress).map_err(|error| match error {
         GonioError::Config(error) => refuse_config(document, &error),
         _ => Failure::failed(error),
     })?;

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::result_folder;
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
@@ -25,9 +25,9 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         .map_err(|error| refuse_config(document, &error))?;
     let folder = result_folder(&results.required(), "map", &[document.file()], &names)?;
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = map(&config, &folder, &bar).map_err(|error| match error {
+    let outcome = map(&config, &folder, &progress).map_err(|error| match error {
         MapError::Config(error) => refuse_config(document, &error),
         _ => Failure::failed(error),
     })?;

@@ -25,7 +25,7 @@ use crate::input::refuse_simulation;
 use crate::interrupt;
 use crate::output::{note_lines, print, say};
 use crate::output_files::check_outputs;
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 /// What the values of an EXR are.
 const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were given; error: its standard error, NaN where unknown; A: fraction of the pixel that shows the surface";
@@ -125,10 +125,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
     let shape = settings.shape(&surface, common)?;
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let bar = Deadline::new(&bar, settings.run.max_time.and_then(Seconds::duration));
-    let outcome = settings.rendered(&shape, &render_settings, &bar)?;
+    let progress = Deadline::new(&progress, settings.run.max_time.and_then(Seconds::duration));
+    let outcome = settings.rendered(&shape, &render_settings, &progress)?;
     let factor = picture
         .exposure
         .unwrap_or_else(|| exposure(&outcome.picture));

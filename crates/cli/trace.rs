@@ -16,7 +16,7 @@ use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
 use crate::interrupt;
 use crate::output::{result_folder, say};
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     let config: TraceConfig = document.read().map_err(Failure::usage)?;
@@ -52,9 +52,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         }
     }
 
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = planned.run(checkpoints.as_ref(), &bar).map_err(refuse)?;
+    let outcome = planned
+        .run(checkpoints.as_ref(), &progress)
+        .map_err(refuse)?;
     let is_stopped = outcome.is_stopped();
     if let (Some(folder), Some(checkpoints)) = (&folder, checkpoints) {
         trace_report(folder, &outcome).map_err(Failure::failed)?;

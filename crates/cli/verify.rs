@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::interrupt;
 use crate::output::{result_folder, say};
-use crate::progress::Bar;
+use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
@@ -35,11 +35,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             counted(checkpoints.resumed() as u64, "surface")
         ));
     }
-    let bar = Bar::new(common);
+    let progress = Progress::new(common);
     interrupt::listen();
-    let outcome = resume_verify(&config, &checkpoints, &bar)
+    let outcome = resume_verify(&config, &checkpoints, &progress)
         .map_err(|error| refuse_verification(document, error))?;
-    verify_report(&folder, &outcome, &bar).map_err(Failure::failed)?;
+    verify_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
     let is_stopped = outcome.is_stopped();
     checkpoints.close(is_stopped).map_err(Failure::failed)?;
     folder.finish(!is_stopped).map_err(Failure::failed)?;

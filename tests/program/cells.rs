@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, files, json, refused, succeed, with_surface, words};
+use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
 
 const VERIFY: &str = "verify --tau 4 --size 32 --spacing 1 --smoothness 1 --eta 1/1.5 --theta 20 --realisations 4 --rays 2e4 --bins 6x4 --models smith";
 const TRACE: &str = "trace h.exr --eta 1.5 --theta 30 --bins 6x4";
@@ -98,7 +98,7 @@ fn stopped_runs_of_smooth_cells_resume_to_the_same_bytes_and_not_with_flat_ones(
             "{said}"
         );
         let resumed = asperity(&folder, &words(&format!("{line} -o part")));
-        let errors = String::from_utf8(resumed.stderr).unwrap();
+        let errors = errors_of(&resumed);
         assert!(errors.starts_with("resumed"), "{errors}");
         assert!(
             tables(&folder.join("part")) == tables(&folder.join("whole")),

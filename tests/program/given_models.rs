@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, files, json, refused, succeed, words};
+use crate::support::{asperity, errors_of, files, json, refused, succeed, words};
 
 const LIGHT: &str = "--eta 1.5 --theta 40 --rays 20000 --bins 9x12 --no-plots";
 
@@ -106,7 +106,7 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     let line = format!("trace rough.npy --border periodic {LIGHT} {models} -o out");
     let resumed = asperity(folder, &words(&line));
     assert!(resumed.status.success());
-    let notes = String::from_utf8(resumed.stderr).unwrap();
+    let notes = errors_of(&resumed);
     assert!(notes.contains("resumed with the rays"), "{notes}");
     trace(folder, &format!("{models} -o once"));
     for name in ["histogram.csv", "comparison.csv"] {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, files, json, refused, succeed, words};
+use crate::support::{asperity, errors_of, files, json, refused, succeed, words};
 use serde_json::Value;
 
 /// Two media and two angles, in a fraction of a second.
@@ -191,7 +191,7 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
         let arguments = words("gonio g.toml --threads 3 --max-time 1e-9 -o pieces");
         let output = asperity(folder, &arguments);
         assert!(output.status.success());
-        let said = String::from_utf8(output.stderr).unwrap();
+        let said = errors_of(&output);
         assert_eq!(
             said.contains("the same command resumes"),
             left > 0,
@@ -214,7 +214,7 @@ fn a_measurement_resumes_and_threads_change_no_byte() {
     for damage in [&text[..text.len() / 2], &more] {
         fs::write(&path, damage).unwrap();
         let output = asperity(folder, &words("gonio g.toml -o pieces"));
-        let said = String::from_utf8(output.stderr).unwrap();
+        let said = errors_of(&output);
         assert!(said.contains("is damaged and is computed again"), "{said}");
         assert_same_bytes(&whole, &folder.join("pieces"));
     }

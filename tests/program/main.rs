@@ -37,4 +37,5 @@ mod smooth_meshes;
 mod stopping;
 mod support;
 mod tools;
+mod verbose;
 mod verify;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, files, json, refused, succeed, with_surface, words};
+use crate::support::{asperity, errors_of, files, json, refused, succeed, with_surface, words};
 
 const SURFACES: &str = "--tau 8 --size 128 --smoothness 2 --models none --no-plots";
 
@@ -246,7 +246,7 @@ fn endless_runs_end_when_their_time_is_over() {
 /// Runs `arguments`, which must succeed, and returns whether it said that it resumed.
 fn resumes(folder: &Path, arguments: &[&str]) -> bool {
     let output = asperity(folder, arguments);
-    let errors = String::from_utf8(output.stderr).unwrap();
+    let errors = errors_of(&output);
     assert!(output.status.success(), "{arguments:?}: {errors}");
     let resumed = errors.starts_with("resumed");
     assert!(errors.lines().count() == usize::from(resumed), "{errors}");

@@ -14,6 +14,8 @@ pub trait Observer: Sync {
     fn end(&self);
     /// Text to show with the progress, until it is replaced.
     fn note(&self, _text: &str) {}
+    /// What is about to be traced and why, in one line.
+    fn explain(&self, _text: &str) {}
     /// The stage is now expected to take `total` steps.
     fn expect(&self, _total: u64) {}
     /// A surface was drawn, of this number; those of pilot runs and those of bottoms have high numbers.
@@ -62,6 +64,9 @@ impl Observer for Deadline<'_> {
     }
     fn note(&self, text: &str) {
         self.observer.note(text);
+    }
+    fn explain(&self, text: &str) {
+        self.observer.explain(text);
     }
     fn expect(&self, total: u64) {
         self.observer.expect(total);

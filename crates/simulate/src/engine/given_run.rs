@@ -86,7 +86,7 @@ impl GivenPilot {
 
 impl<G: BuildAccelerator> GivenRun<G> {
     /// The blocks planned for a case.
-    fn blocks(&self, case: &GivenCase) -> Blocks {
+    pub(super) fn blocks(&self, case: &GivenCase) -> Blocks {
         Blocks::plan(case.rays, MIN_BLOCKS_OF_ONE, self.settings.sampling)
     }
 
@@ -218,6 +218,10 @@ impl<G: BuildAccelerator> GivenRun<G> {
 }
 
 impl<G: BuildAccelerator> ReadyGroup for GivenRun<G> {
+    fn explanations(&self) -> Vec<String> {
+        self.explained()
+    }
+
     fn pilot_rays(&self) -> u64 {
         self.pilot_blocks().rays() * self.cases.len() as u64
     }

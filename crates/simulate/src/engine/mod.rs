@@ -5,7 +5,7 @@
 //! and [`ray_blocks`] in [`given_run`]; [`blocks`] divides the rays of one surface, [`block_run`] traces them, and [`built_surface`] is what
 //! they are traced on. [`region_run`] lights regions of a given surface on their own. [`pilot`] and [`random_plan`] plan the effort that a target error takes, [`spacings`] chooses the spacing, [`path_trial`] and
 //! [`random_paths`] the paths; [`watch`] shows how near the run has come. [`draft`] turns what was found of a case into
-//! its outcome.
+//! its outcome. [`explanation`] says what is about to be traced, and why.
 
 pub(crate) mod block_run;
 pub(crate) mod blocks;
@@ -13,6 +13,7 @@ pub(crate) mod built_surface;
 pub(crate) mod context;
 pub(crate) mod draft;
 pub(crate) mod draw;
+mod explanation;
 pub(crate) mod given;
 pub(crate) mod given_run;
 pub(crate) mod group;

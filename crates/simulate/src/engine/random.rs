@@ -40,7 +40,7 @@ pub(crate) struct RandomGroup {
     /// The same at the spacings of the pilot run, with a target error.
     pub(super) pilot_surfaces: Option<PilotSurfaces>,
     pub(super) settings: Settings,
-    analytic: Vec<AnalyticCase>,
+    pub(super) analytic: Vec<AnalyticCase>,
     pub(super) traced: Vec<TracedCase>,
     pub(super) plan: SurfacePlan,
     pub(super) pilot: PilotOutcome,
@@ -48,10 +48,10 @@ pub(crate) struct RandomGroup {
 
 /// A case that needs no rays.
 #[derive(Clone)]
-struct AnalyticCase {
-    number: usize,
+pub(super) struct AnalyticCase {
+    pub(super) number: usize,
     case: Case,
-    result: Arc<AnalyticResult>,
+    pub(super) result: Arc<AnalyticResult>,
 }
 
 /// What the pilot run told.
@@ -295,6 +295,10 @@ impl RandomGroup {
 }
 
 impl ReadyGroup for RandomGroup {
+    fn explanations(&self) -> Vec<String> {
+        self.explained()
+    }
+
     /// Rays of all cases, as planned.
     fn rays(&self) -> u64 {
         let of_surface = self.group(Stage::Result).blocks().rays();

@@ -12,6 +12,9 @@ pub(crate) trait ReadyGroup {
     /// Plans the effort by a pilot run, where it follows from a target error. `all_cases`: cases of the run.
     fn plan(&mut self, all_cases: usize, context: Context<'_>) -> Result<(), SimulateError>;
 
+    /// What is about to be traced and why, a line each.
+    fn explanations(&self) -> Vec<String>;
+
     /// Surfaces planned.
     fn surfaces(&self) -> u64;
 

@@ -51,7 +51,7 @@ impl<G: BuildAccelerator> RegionRun<G> {
     }
 
     /// Rays of a case on one region.
-    fn rays_of_region(&self, case: &GivenCase) -> u64 {
+    pub(super) fn rays_of_region(&self, case: &GivenCase) -> u64 {
         self.blocks(case).rays() * self.windows_of_one()
     }
 
@@ -183,6 +183,10 @@ impl<G: BuildAccelerator> RegionRun<G> {
 }
 
 impl<G: BuildAccelerator> ReadyGroup for RegionRun<G> {
+    fn explanations(&self) -> Vec<String> {
+        self.explained()
+    }
+
     fn pilot_rays(&self) -> u64 {
         0
     }

@@ -146,6 +146,9 @@ impl Simulation {
             }
             observer.end();
         }
+        for line in groups.iter().flat_map(|group| group.explanations()) {
+            observer.explain(&line);
+        }
         let surfaces = groups.iter().map(|group| group.surfaces()).max();
         let surfaces = surfaces.unwrap_or(0);
         check_results(

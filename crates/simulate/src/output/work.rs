@@ -77,6 +77,11 @@ impl Used {
 }
 
 impl Used {
+    /// Its kind.
+    pub(crate) const fn kind(&self) -> AcceleratorKind {
+        self.accelerator
+    }
+
     /// None, since no rays were traced.
     pub(crate) const fn nothing() -> Self {
         Self {

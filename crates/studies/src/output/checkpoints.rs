@@ -195,6 +195,7 @@ impl Checkpoints<'_> {
             return Ok(None);
         }
         observer.note(&case.title());
+        observer.explain(&case.title());
         let results = case.compute(&Quiet(observer))?;
         // Whether it was complete before the interrupt came cannot be told.
         let results = results.filter(|_| observer.stop().is_none());
@@ -346,13 +347,16 @@ pub(super) fn first_difference(found: &Value, expected: &Value, key: &str) -> Op
     })
 }
 
-/// Passes on the stop and keeps the steps within a case to itself.
+/// Passes on the stop and explanations, and keeps the steps within a case to itself.
 struct Quiet<'a>(&'a dyn Observer);
 
 impl Observer for Quiet<'_> {
     fn begin(&self, _stage: &str, _total: u64) {}
     fn advance(&self, _steps: u64) {}
     fn end(&self) {}
+    fn explain(&self, text: &str) {
+        self.0.explain(text);
+    }
     fn stop(&self) -> Option<StoppedBy> {
         self.0.stop()
     }

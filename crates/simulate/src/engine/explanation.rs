@@ -1,0 +1,159 @@
+//! Explanations: what is about to be traced, and why so, in one line each.
+
+use asperity_tracer::{AcceleratorKind, BuildAccelerator, Instructions};
+
+use super::given_run::{GivenCase, GivenRun};
+use super::random::RandomGroup;
+use super::region_run::RegionRun;
+use crate::input::case::Case;
+use crate::input::estimator::Estimator;
+use crate::input::settings::Settings;
+use crate::methods::method::{ControlVariateMean, Method};
+use crate::output::chosen_paths::WayOfPaths;
+use crate::store::Stage;
+use crate::text::{counted, error_in_short, short};
+
+/// A case that is about to be traced.
+struct Explained<'a> {
+    /// Number of the case among those of the run.
+    number: usize,
+    case: &'a Case,
+    method: &'a Method,
+    /// Whether a pilot run tried other paths.
+    tried: bool,
+    /// Rays over all surfaces.
+    rays: u64,
+}
+
+impl Explained<'_> {
+    fn line(&self, settings: &Settings) -> String {
+        format!(
+            "case {}, theta = {} deg: {} rays, {} bins per side; paths: {}; estimator: {}",
+            self.number + 1,
+            short(self.case.light.incidence.theta_deg()),
+            self.rays,
+            settings.spec_of(self.case).grid(),
+            WayOfPaths::of(self.method),
+            self.reason(settings)
+        )
+    }
+
+    /// Why this estimator.
+    fn reason(&self, settings: &Settings) -> &'static str {
+        if settings.estimator != Estimator::Auto {
+            return "as given";
+        }
+        if self.tried {
+            return "the pilot run found it best";
+        }
+        match self.method.control_variate_mean() {
+            Some(ControlVariateMean::GaussianSlopes) => {
+                "controlled, since the mean of unshadowed single scattering follows from Gaussian slopes"
+            }
+            Some(ControlVariateMean::FacetsOfSurface) => {
+                "controlled, since the mean of unshadowed single scattering follows from the facets"
+            }
+            None if self.case.layer.is_some() => {
+                "plain, since no control variate covers a medium below the surface"
+            }
+            None if self.case.light.is_polarised() => {
+                "plain, since no control variate covers polarised light"
+            }
+            None => "plain, since there is no control variate for this case that saves time",
+        }
+    }
+}
+
+/// The accelerator, by which instructions it is searched, and by how many threads.
+fn accelerator_line(settings: &Settings, used: AcceleratorKind) -> String {
+    let why = match settings.accelerator {
+        AcceleratorKind::Auto => "auto, by the kind of surface",
+        _ => "as given",
+    };
+    format!(
+        "accelerator: {used} ({why}); instruction set: {}, the widest of this processor; {}",
+        Instructions::best(),
+        counted(rayon::current_num_threads() as u64, "thread")
+    )
+}
+
+impl RandomGroup {
+    /// Surfaces, accelerator, and how each case is estimated.
+    pub(super) fn explained(&self) -> Vec<String> {
+        let settings = &self.settings;
+        let [ny, nx] = self.surfaces.shape();
+        let [dx, dy] = self.surfaces.spacing().map(short);
+        let plan = match settings.target() {
+            None => "as given",
+            Some(_) => "planned by a pilot run",
+        };
+        let surfaces = format!(
+            "{} ({plan}) of {nx} x {ny} {} cells, spacing {dx} x {dy}, seed {}",
+            counted(self.plan.surfaces, "random surface"),
+            self.surfaces.cells(),
+            settings.seed
+        );
+        let analytic = self.analytic.iter().map(|case| {
+            format!(
+                "case {}: not traced, since shadowing, masking and multiple scattering change no flux by more than {}",
+                case.number + 1,
+                error_in_short(case.result.bound)
+            )
+        });
+        let of_surface = self.group(Stage::Result).blocks().rays();
+        let traced = self.traced.iter().zip(&self.pilot.tried);
+        let traced = traced.map(|(case, tried)| {
+            let explained = Explained {
+                number: case.number,
+                case: &case.case,
+                method: &case.method,
+                tried: !tried.is_empty(),
+                rays: of_surface.saturating_mul(self.plan.surfaces),
+            };
+            explained.line(settings)
+        });
+        let mut lines: Vec<String> = analytic.chain(traced).collect();
+        if !self.traced.is_empty() {
+            let used = settings.accelerator.on_height_field(false);
+            lines.splice(0..0, [surfaces, accelerator_line(settings, used)]);
+        }
+        lines
+    }
+}
+
+impl<G: BuildAccelerator> GivenRun<G> {
+    /// Accelerator, and how each case is estimated with as many rays as `rays` tells.
+    fn explained_by(&self, rays: impl Fn(&GivenCase) -> u64) -> Vec<String> {
+        let of_case = |case: &GivenCase| {
+            let explained = Explained {
+                number: case.number,
+                case: &case.case,
+                method: &case.methods[0],
+                tried: !case.tried.is_empty(),
+                rays: rays(case),
+            };
+            explained.line(&self.settings)
+        };
+        let accelerator = accelerator_line(&self.settings, self.built.used().kind());
+        let head = [
+            format!("one given surface, seed {}", self.settings.seed),
+            accelerator,
+        ];
+        head.into_iter()
+            .chain(self.cases.iter().map(of_case))
+            .collect()
+    }
+
+    /// The same with the rays that are planned.
+    pub(super) fn explained(&self) -> Vec<String> {
+        self.explained_by(|case| self.blocks(case).rays())
+    }
+}
+
+impl<G: BuildAccelerator> RegionRun<G> {
+    /// As of the whole surface, with the rays of all regions.
+    pub(super) fn explained(&self) -> Vec<String> {
+        self.run
+            .explained_by(|case| self.regions.count() * self.rays_of_region(case))
+    }
+}
