@@ -2,7 +2,7 @@
 
 use asperity_simulate::check_memory;
 use asperity_studies::settings::Document;
-use asperity_studies::{SurfaceConfig, realisation_table};
+use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
 use asperity_surface::{Roughness, Synthesis};
 use serde::Deserialize;
 
@@ -67,10 +67,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         || {
             let table = realisation_table(&roughness);
             let note = note_lines(&note);
-            format!(
+            wrapped(&format!(
                 "{}: {nx} x {ny} samples, periodic, seed {seed}, realisation {realisation}\n{table}{note}",
                 path.display(),
-            )
+            ))
         },
     )?;
     Ok(End::Complete)

@@ -7,7 +7,7 @@ use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
 use asperity_studies::{
     CellsConfig, MeasuredConfig, height_map_figure, realisation_table, roughness_table,
-    smooth_table,
+    smooth_table, wrapped,
 };
 use asperity_surface::{HeightField, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
@@ -57,7 +57,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         || &statistics,
         || {
             let notes = note_lines(&input.notes);
-            format!("{}: {}{notes}", file.display(), statistics.text())
+            wrapped(&format!("{}: {}{notes}", file.display(), statistics.text()))
         },
     )?;
     Ok(End::Complete)

@@ -3,7 +3,7 @@
 use asperity_io::{MeshFormat, MeshView, write_mesh};
 use asperity_simulate::{Cells, check_memory};
 use asperity_studies::settings::Document;
-use asperity_studies::{CellsConfig, MeasuredConfig};
+use asperity_studies::{CellsConfig, MeasuredConfig, wrapped};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
 use asperity_tracer::{Surface, TriangleMesh};
 use serde::Deserialize;
@@ -87,11 +87,11 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         text.push_str(&format!("{comment}\n"));
         if MeshFormat::from_path(&output) == Some(MeshFormat::Stl) {
             text.push_str(
-                "STL rounds coordinates to single precision, which is not in this bound\n",
+                "note: STL rounds coordinates to single precision, which this distance leaves out\n",
             );
         }
     }
-    print(&text)?;
+    print(&wrapped(&text))?;
     Ok(End::Complete)
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use asperity_studies::settings::Document;
-use asperity_studies::{ModelConfig, Resolution, evaluate_model, model_list};
+use asperity_studies::{ModelConfig, Resolution, evaluate_model, model_list, wrapped};
 
 use crate::common::{Common, Results};
 use crate::end::End;
@@ -47,7 +47,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         if let Some(path) = file {
             text.push_str(&format!("{}: {}\n", path.display(), model.rows()));
         }
-        text
+        wrapped(&text)
     };
     results.print_file(common, || model.summary(file), text)?;
     Ok(End::Complete)

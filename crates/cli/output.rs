@@ -4,6 +4,7 @@ use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use asperity_io::ResultFolder;
+use asperity_studies::wrapped;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -19,10 +20,12 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// A line for each note.
+/// Lines for each note.
 pub(crate) fn note_lines<'a>(notes: impl IntoIterator<Item = &'a String>) -> String {
     let notes = notes.into_iter();
-    notes.map(|note| format!("note: {note}\n")).collect()
+    notes
+        .map(|note| format!("{}\n", wrapped(&format!("note: {note}"))))
+        .collect()
 }
 
 /// Prints `value` as JSON.

@@ -8,11 +8,11 @@ use asperity_render::{
     Lights, Patch, Projection, RenderError, RenderOutcome, RenderSettings, Sun, View, exposure,
     render,
 };
-use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape, counted};
+use asperity_simulate::{BottomSurface, Cells, Deadline, Observer, Shape, counted, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{
     CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, Seconds,
-    TraceError,
+    TraceError, wrapped,
 };
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
@@ -34,8 +34,7 @@ const COMMENT: &str = "Y: radiance, linear, in the unit in which the lights were
 const ROULETTE: f64 = 0.2;
 
 /// Said where cells are smooth: light beams need flat facets.
-const SUN_BY_CHANCE: &str =
-    "sunlight below smooth cells is left to chance, which takes many samples or a wide sun";
+const SUN_BY_CHANCE: &str = "below smooth cells sunlight is found by random paths alone, which takes many samples or a wide sun";
 
 /// What is rendered, and how.
 #[derive(Deserialize)]
@@ -150,7 +149,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     for path in &picture.output {
         text.push_str(&format!("picture in {}\n", path.display()));
     }
-    print(&text)?;
+    print(&wrapped(&text))?;
     Ok(end)
 }
 
@@ -307,19 +306,20 @@ fn report(name: &str, outcome: &RenderOutcome, factor: f64) -> String {
         ),
     };
     let mut text = format!(
-        "{name}, {columns} x {rows} pixels of {}, {rays:.3e} rays in {:.1} s\n  mean radiance {:.5}, {error}; exposure {factor:.4}\n",
+        "{name}, {columns} x {rows} pixels of {}, {} rays in {:.1} s\nmean radiance {:.5}, {error}\nexposure {factor:.4}\n",
         counted(outcome.samples, "camera ray"),
+        short(rays),
         build + follow,
         mean(&picture.radiance),
     );
     for (fraction, what) in [
-        (outcome.truncated, "ended by a limit"),
-        (outcome.left_patch, "left the patch sideways"),
+        (outcome.truncated, "was truncated by a limit of the paths"),
+        (outcome.left_patch, "left the open patch past its rim"),
         (outcome.lost, "failed numerically"),
     ] {
         if fraction > 0.0 {
             text.push_str(&format!(
-                "note: {fraction:.1e} of the light {what} and is dark\n"
+                "note: a fraction of {fraction:.1e} of the light {what} and is missing from the picture\n"
             ));
         }
     }

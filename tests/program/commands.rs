@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::support::{asperity, json, refused, succeed, with_surface, words};
+use crate::support::{asperity, errors_of, json, refused, succeed, unwrapped, with_surface, words};
 
 #[test]
 fn generate_then_inspect_shows_requested_and_realised_statistics() {
@@ -382,7 +382,7 @@ fn spacing_and_unit_come_from_the_file_or_from_flags() {
         &[&["generate", "--seed", "1", "-o", "a.npy"], &half[..]].concat(),
     );
     assert!(
-        text.contains("--spacing 0.5,0.5 --assume-unit um --border periodic"),
+        unwrapped(&text).contains("--spacing 0.5,0.5 --assume-unit um --border periodic"),
         "{text}"
     );
     succeed(
@@ -479,5 +479,5 @@ fn quiet_says_nothing_and_help_names_every_command() {
         &folder,
         &["trace", "h.exr", "--theta", "3", "--rays", "1e3", "-v"],
     );
-    assert!(String::from_utf8_lossy(&verbose.stderr).contains("traced in"));
+    assert!(errors_of(&verbose).contains("traced in"));
 }

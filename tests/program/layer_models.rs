@@ -23,8 +23,8 @@ fn a_layer_is_told_at_single_directions_with_its_deltas_apart() {
         text.lines().partition(|line| line.starts_with('#'));
     assert_eq!(rows[0], "side,theta_deg,phi_deg,bsdf");
     // Eqs. 20 and 21 of the slides, computed apart.
-    assert!(notes[0].contains("0.0415226 of the flux at theta 30, phi 180"));
-    assert!(notes[1].contains("0.826228 of the flux at theta 150, phi 180"));
+    assert!(notes[0].contains("flux 0.0415226 at theta 30, phi 180"));
+    assert!(notes[1].contains("flux 0.826228 at theta 150, phi 180"));
     let straight = rows
         .iter()
         .find(|row| row.starts_with("transmitted,150,180"))

@@ -39,3 +39,4 @@ mod support;
 mod tools;
 mod verbose;
 mod verify;
+mod width;

@@ -77,10 +77,10 @@ impl LayerPaths {
     pub const fn description(self) -> &'static str {
         match self {
             Self::HanrahanKrueger => {
-                "flat layer, light scattered inside once at most and reflected at no inner face: Hanrahan and Krueger 1993, Eqs. 18 to 21"
+                "flat layer, unscattered light and single scattering inside, no reflection at inner faces (Hanrahan and Krueger 1993, Eqs. 18 to 21)"
             }
             Self::All => {
-                "flat layer, light scattered inside once at most, with all reflections at its faces"
+                "flat layer, unscattered light and single scattering inside, all reflections at its faces"
             }
         }
     }

@@ -60,7 +60,7 @@ pub use map::{
     map_report, map_summary, map_table, summarise,
 };
 pub use model::{Evaluation, EvaluationError, ModelConfig, Resolution, evaluate_model, model_list};
-pub use output::{CheckpointError, Completion, SurfaceCheckpoints};
+pub use output::{CheckpointError, Completion, SurfaceCheckpoints, wrapped};
 pub use report::case_report::verify_table;
 pub use report::energies::energy_table;
 pub use report::error::ReportError;

@@ -14,7 +14,8 @@ mod support;
 mod surface_checkpoints;
 mod table;
 
-pub(crate) use align::{aligned, listed, wrapped};
+pub use align::wrapped;
+pub(crate) use align::{aligned, indented, listed};
 pub(crate) use by_side::BySide;
 #[cfg(test)]
 pub(crate) use checkpoints::Found;

@@ -290,7 +290,7 @@ impl PlannedTrace {
         found.warnings.extend(rim);
         if found.lacks_comparison() {
             found.warnings.push(
-                "the run was ended before the surface was compared with models; the same command goes on"
+                "the run was ended before the surface was compared with models; the same command resumes it"
                     .to_owned(),
             );
         }

@@ -72,7 +72,10 @@ pub fn layer_name(layer: &Layer, unit: LengthUnit) -> String {
             Bottom::Absorbing => "on an absorbing bottom".to_owned(),
             Bottom::Mirror => "on a mirror".to_owned(),
             Bottom::Lambertian { reflectance } => {
-                format!("on a Lambertian bottom of {}", short(reflectance))
+                format!(
+                    "on a Lambertian bottom of reflectance {}",
+                    short(reflectance)
+                )
             }
             _ => String::new(),
         };

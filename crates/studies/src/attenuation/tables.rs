@@ -8,7 +8,7 @@ use asperity_simulate::{Cells, counted, short};
 use asperity_tally::Estimate;
 
 use super::{AttenuationOutcome, AttenuationRow, Demarcation, VisibilityRow};
-use crate::output::{Column, Format, Support, Supported, Table};
+use crate::output::{Column, Format, Support, Supported, Table, wrapped};
 
 /// A column of angles in degrees.
 fn angle<'a, R: 'a>(name: &'a str, about: &'static str, value: fn(&R) -> f64) -> Column<'a, R> {
@@ -221,7 +221,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     let mut out = String::new();
     let _ = writeln!(
         out,
-        "tau {}{}, {} of {} points, {} border, by {};\nfractions of points, not of projected areas",
+        "tau {}{}, {} of {} points, {} border, by {}; fractions of points, not of projected areas",
         short(surface.tau.0),
         surface.unit.suffix(),
         counted(work.realisations, "surface"),
@@ -237,12 +237,12 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     let _ = match surface.cells.of_random() {
         Cells::Flat => writeln!(
             out,
-            "errors from the scatter between surfaces; the slope variance of the mesh is\n{:.2} % below that of the continuous surface\n",
+            "errors from the scatter between surfaces; the slope variance of the mesh is {:.2} % below that of the continuous surface\n",
             100.0 * outcome.mesh_slope_deficit,
         ),
         Cells::Smooth => writeln!(
             out,
-            "errors from the scatter between surfaces; cells are smooth, with the slope\nvariance of the continuous surface\n",
+            "errors from the scatter between surfaces; cells are smooth, with the slope variance of the continuous surface\n",
         ),
     };
     let unit = outcome.config.surface.unit;
@@ -269,7 +269,7 @@ pub fn attenuation_table(outcome: &AttenuationOutcome) -> String {
     for warning in outcome.warnings() {
         let _ = writeln!(out, "warning: {warning}");
     }
-    out
+    wrapped(&out)
 }
 
 /// The fractions by light, and by light and view where a view is not vertical.

@@ -12,7 +12,7 @@ use super::{
     ConvergeOutcome, ConvergedCase, Efficiency, Measurement, Method, MethodOutcome, RepeatedError,
     SecondsTo,
 };
-use crate::output::{Cell, Column, Table, significant, with_error};
+use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
 
 /// What a method is called among the methods of its case: what they have in common is left out, the
 /// estimator and the sampling aside.
@@ -44,21 +44,21 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     let runs = counted(outcome.config.converge.repeats.0, "run");
     let _ = writeln!(
         out,
-        "seconds are medians of {runs} on {} threads, and in brackets the fastest and the slowest\n",
+        "seconds are medians of {runs} on {} threads; in brackets the fastest and the slowest run\n",
         case.work.threads,
     );
     out.push_str(&measured(case).text(measurements(case)));
     if measurements(case).any(|row| !row.measurement.usable) {
-        out.push_str("* as small as the error of the reference, and not fitted\n");
+        out.push_str("* too close to the error of the reference, and left out of the fit\n");
     }
     out.push_str(&case_notes(case));
     out.push('\n');
     out.push_str(&compared(outcome, case).text(&case.methods));
     let _ = writeln!(
         out,
-        "\n~ lies beyond what was measured. In brackets, and as efficiency at equal rays: how many times\nlonger plain random rays take to the same error."
+        "\n~ lies beyond what was measured. In brackets: how many times longer plain random rays take to the same error. Efficiency: the same at equal numbers of rays."
     );
-    out
+    wrapped(&out)
 }
 
 /// The surfaces of a case, its reference and how its meshes differ from the surface.
@@ -70,7 +70,7 @@ fn case_head(outcome: &ConvergeOutcome, case: &ConvergedCase) -> String {
     let _ = writeln!(out, "{}", case.case);
     let _ = writeln!(
         out,
-        "surfaces of {} x {}{}; the reference is {} of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
+        "surfaces of {} x {}{}; reference: {} surfaces of {nx} x {ny} samples with {} rays each, {} and {}, in {} s",
         short(x),
         short(y),
         match case.case.unit {

@@ -118,7 +118,7 @@ pub(super) fn bottom_in_words(bottom: Bottom) -> String {
         Bottom::Absorbing => "absorbing bottom".to_owned(),
         Bottom::Mirror => "mirror below".to_owned(),
         Bottom::Lambertian { reflectance } => {
-            format!("Lambertian bottom of {}", short(reflectance))
+            format!("Lambertian bottom of reflectance {}", short(reflectance))
         }
         _ => String::new(),
     }

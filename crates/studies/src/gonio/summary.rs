@@ -53,7 +53,7 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
-    out
+    wrapped(&out)
 }
 
 /// Whether geometric optics holds, of the direction where lengths are shortest against the wavelength.
@@ -138,6 +138,6 @@ fn narrow_lobes(outcome: &GonioOutcome) -> Option<String> {
     let first = narrow.next()?;
     Some(match narrow.count() {
         0 => first,
-        others => format!("{first}; so in {others} other directions"),
+        others => format!("{first}; the same in {others} other directions"),
     })
 }

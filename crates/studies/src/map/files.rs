@@ -108,9 +108,9 @@ fn figure(outcome: &MapOutcome, light: ComparedLight) -> ValidityMap {
         ComparedLight::All => "each model against all light",
     };
     ValidityMap {
-        title: format!("Where models hold: {what}"),
+        title: format!("Validity map: {what}"),
         subtitle: format!(
-            "Signs: total variation within {}, energy per side within {} of the incident flux, peaks within {}°, each at 95 % confidence{}",
+            "Signs compare 95 % confidence intervals with total variation {}, energy per side {} of the incident flux, peak direction {}°{}",
             short(tolerances.total_variation.0),
             short(tolerances.energy.0),
             short(tolerances.peak.0),

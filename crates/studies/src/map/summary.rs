@@ -10,7 +10,7 @@ use super::MapOutcome;
 use super::cell::{ComparedLight, FEWEST_SURFACES};
 use super::interval::CellVerdict;
 use crate::config::case_text::material_text;
-use crate::output::{Column, Table};
+use crate::output::{Column, Table, wrapped};
 
 /// What the map says of one model on one material, in one comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -159,7 +159,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     }
     let _ = writeln!(
         out,
-        "within tolerance: total variation up to {}, energy of each side to {} of the\nincident flux, peaks to {} deg, at 95 % confidence for one measure in one cell,\nnot corrected over the map; not resolved: the error leaves it open.\nBy angle of incidence: the least s from which a model is within tolerance at that\nangle and all smaller ones. Then the numbers of cells.",
+        "within tolerance: the 95 % confidence interval of each measure lies within total variation {}, energy of each side {} of the incident flux, direction of each peak {} deg; beyond: that of one measure lies outside; not resolved: neither. Confidence is per measure and cell, not corrected for the number of cells.\nBy angle of incidence: the least s from which a model is within tolerance at that angle and all smaller ones. Then the numbers of cells.",
         short(tolerances.total_variation.0),
         short(tolerances.energy.0),
         short(tolerances.peak.0),
@@ -179,7 +179,7 @@ pub fn map_table(outcome: &MapOutcome) -> String {
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
-    out
+    wrapped(&out)
 }
 
 /// A row per model: from which smoothness on it is within the tolerances, and its numbers of cells.
@@ -226,7 +226,7 @@ pub(super) fn warnings(outcome: &MapOutcome) -> Vec<String> {
     let few = |r: &super::CellResults| r.deviation_bound.is_none() && r.surfaces < FEWEST_SURFACES;
     if results().any(few) {
         warnings.push(format!(
-            "cells of fewer than {FEWEST_SURFACES} surfaces are not resolved, whatever their rays"
+            "cells with fewer than {FEWEST_SURFACES} surfaces are never resolved, however many rays they have"
         ));
     }
     if results().any(|r| r.lost != 0.0) {

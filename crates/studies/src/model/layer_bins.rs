@@ -153,9 +153,11 @@ pub(super) fn unscattered_notes(model: &FlatLayer, incidence: Incidence) -> Vec<
     let sentence = |beam: &UnscatteredBeam| {
         let [theta, phi] = beam.angles_deg();
         format!(
-            "{}, never scattered: {} of the flux at theta {theta}, phi {phi} deg, a delta",
+            "{}, unscattered: flux {} at theta {}, phi {} deg (a delta)",
             beam.side,
-            short(beam.flux)
+            short(beam.flux),
+            short(theta),
+            short(phi),
         )
     };
     beams.iter().map(sentence).collect()

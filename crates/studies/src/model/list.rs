@@ -4,6 +4,7 @@ use asperity_analysis::{LayerPaths, MODEL_NAMES, SlopeCovariance, create_model};
 use asperity_optics::Material;
 
 use super::error::EvaluationError;
+use crate::output::indented;
 
 /// Every model with its source and where it is meant to hold.
 ///
@@ -12,7 +13,9 @@ use super::error::EvaluationError;
 pub fn model_list() -> Result<String, EvaluationError> {
     let slopes = SlopeCovariance::isotropic(3.0)?;
     let entry = |name: &str, description: &str, range: &str| {
-        format!("{name}\n  {description}\n  for {range}\n")
+        let [description, range] =
+            [description.to_owned(), format!("for {range}")].map(|text| indented(&text, "  "));
+        format!("{name}\n{description}\n{range}\n")
     };
     let of_surface = |name: &&str| -> Result<String, EvaluationError> {
         let model = create_model(name, slopes, Material::Mirror)?;

@@ -74,9 +74,18 @@ fn block(rows: &[Vec<String>], widths: &[usize], columns: &[usize], keys: usize)
     out
 }
 
-/// Words in lines of at most [`TEXT_WIDTH`] characters, broken at blanks.
-pub(crate) fn wrapped(text: &str) -> String {
-    joined(text.split(' '), " ", "")
+/// Text with its lines broken at blanks to at most 80 characters. Lines that fit stay as they are, and words that are
+/// longer are not cut.
+#[must_use]
+pub fn wrapped(text: &str) -> String {
+    let lines = text.split('\n');
+    let lines: Vec<String> = lines.map(|line| joined(line.split(' '), " ", "")).collect();
+    lines.join("\n")
+}
+
+/// One paragraph whose lines all begin with `indent`.
+pub(crate) fn indented(text: &str, indent: &str) -> String {
+    joined(format!("{indent}{text}").split(' '), " ", indent)
 }
 
 /// `heading`, then items with commas between them. Items that do not fit into the line begin a new one, set in by
@@ -165,6 +174,11 @@ mod tests {
         let text = wrapped(&"word ".repeat(40));
         assert!(text.lines().all(|line| line.len() <= TEXT_WIDTH), "{text}");
         assert_eq!(text.split_whitespace().count(), 40);
+        let fits = "a  b\n\n  c   d \n";
+        assert_eq!(wrapped(fits), fits);
+        let text = indented(&"word ".repeat(40), "  ");
+        assert!(text.lines().all(|line| line.starts_with("  word")));
+        assert!(text.lines().all(|line| line.len() <= TEXT_WIDTH), "{text}");
         let items: Vec<String> = (0..20).map(|i| format!("{i}: 0.5 +- 0.1")).collect();
         let text = listed("orders", &items);
         assert!(text.starts_with("orders  0: 0.5 +- 0.1,  1: "), "{text}");

@@ -20,6 +20,9 @@ use crate::report::polarised::polarised_text;
 use crate::report::support::FluxSupport;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
+/// Longest title of a case that a table repeats in each row, characters.
+const MAX_CASE_WIDTH: usize = 34;
+
 /// What a reader must know of the results of a case.
 pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
     let mut warnings: Vec<String> = lost_warning(&case.outcome.statistics).into_iter().collect();
@@ -64,7 +67,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
     let _ = match case.outcome.deviation_bound {
         Some(bound) => writeln!(
             out,
-            "nothing was traced: fluxes without shadowing and masking, which differ from the\ntrue ones by at most {bound:.1e}",
+            "nothing was traced: fluxes without shadowing and masking, which differ from the true ones by at most {bound:.1e}",
         ),
         None => writeln!(
             out,
@@ -112,7 +115,7 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
         }
         let _ = writeln!(out, "\n{}", conclusion(compared));
     }
-    out
+    wrapped(&out)
 }
 
 /// The deviation from each model that describes all light, and what it would be with averaged light, where both are traced.
@@ -270,9 +273,28 @@ fn overview(outcome: &VerifyOutcome) -> String {
         };
         of(Side::Reflected) + of(Side::Transmitted)
     };
-    Table::new()
-        .column(Column::new("case", "", |row: &Row<'_>| {
-            row.case.case.to_string()
+    let titles: Vec<String> = outcome.cases.iter().map(|c| c.case.to_string()).collect();
+    let is_long = |title: &String| title.chars().count() > MAX_CASE_WIDTH;
+    // Long titles stand above the table, which refers to them by number.
+    let numbered = titles.iter().any(is_long);
+    let number = |case: &CaseOutcome| {
+        1 + outcome
+            .cases
+            .iter()
+            .position(|c| std::ptr::eq(c, case))
+            .unwrap_or(0)
+    };
+    let mut out = String::new();
+    if numbered {
+        for (i, title) in titles.iter().enumerate() {
+            let _ = writeln!(out, "{}", wrapped(&format!("case {}: {title}", i + 1)));
+        }
+        out.push('\n');
+    }
+    let table = Table::new()
+        .column(Column::new("case", "", |row: &Row<'_>| match numbered {
+            true => number(row.case).to_string(),
+            false => row.case.case.to_string(),
         }))
         .column(Column::new("model", "", |row: &Row<'_>| {
             row.model.model.name()
@@ -293,10 +315,10 @@ fn overview(outcome: &VerifyOutcome) -> String {
             let test = row.compared.comparison.test.as_ref().ok()?;
             Some(format!("{:.4}", test.p))
         }))
-        .column(Column::new("multiple flux fraction", "", multiple).format(Format::Fixed(5)))
+        .column(Column::new("multiple flux", "", multiple).format(Format::Fixed(5)))
         .column(Column::new("verdict", "", |row: &Row<'_>| {
             row.compared.verdict.as_ref().map(verdict_name)
         }))
-        .keys(3)
-        .text(judged)
+        .keys(3);
+    out + &table.text(judged)
 }

@@ -53,7 +53,7 @@ pub fn energy_table(statistics: &TallyStatistics, support: &FluxSupport) -> Stri
         (name, flux.text())
     });
     let residual = statistics.means().budget().total() - 1.0;
-    let residual = ("sum - 1".to_owned(), format!("{residual:.1e}"));
+    let residual = ("sum - 1".to_owned(), with_sign(residual));
     let rows: Vec<Vec<String>> = fluxes
         .chain([residual])
         .map(|(name, flux)| vec![name, flux])

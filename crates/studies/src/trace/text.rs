@@ -39,7 +39,7 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     for warning in &outcome.warnings {
         let _ = writeln!(text, "note: {warning}");
     }
-    text
+    wrapped(&text)
 }
 
 /// Material, layer and light.
