@@ -70,7 +70,7 @@ pub(crate) fn program() -> clap::Command {
         .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
     program
         .subcommands(Command::ALL.map(|command| subcommand(command, help)))
-        .subcommands(Tool::ALL.map(|tool| tool.command(help)))
+        .subcommands(Tool::ALL.map(|tool| tool.command().override_help(help.tool(tool))))
 }
 
 /// The settings of every command, which may also stand before its name.

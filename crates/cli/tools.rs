@@ -9,7 +9,6 @@ use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
 use crate::failure::Failure;
-use crate::help::Help;
 use crate::output::print;
 
 /// Shells with completion scripts.
@@ -65,8 +64,8 @@ impl Tool {
         }
     }
 
-    /// As clap knows it.
-    pub(crate) fn command(self, help: Help) -> clap::Command {
+    /// As clap knows it, without its help.
+    pub(crate) fn command(self) -> clap::Command {
         let (name, about) = self.positional();
         let argument = Arg::new(ARGUMENT)
             .value_name(name)
@@ -82,7 +81,6 @@ impl Tool {
         };
         clap::Command::new(self.name())
             .about(self.about())
-            .override_help(help.tool(self))
             .arg(argument)
     }
 
