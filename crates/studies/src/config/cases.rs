@@ -213,7 +213,10 @@ mod tests {
             ("[light]\ntheta = 90", "below 90"),
             ("[light]\ntheta = \"x\"", "must be a number"),
             ("[light]\ntheta = [3, true]", "must be a number"),
-            ("[surface]\nsize = [64, 64, 64]", "one for both axes"),
+            (
+                "[surface]\nsize = [64, 64, 64]",
+                "for both axes, or two as COLUMNSxROWS",
+            ),
             ("[surface]\nsize = [64, 0]", "1 or more"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
             ("[compare]\nmodels = [\"smith\", \"smith\"]", "twice"),
