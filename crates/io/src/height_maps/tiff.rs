@@ -51,11 +51,15 @@ fn decode<R: BufRead + Seek>(
     check_packed_claim(path, [ny, nx], 1, length)?;
     let colour = decoder.colortype().map_err(fail)?;
     let ColorType::Gray(bits) = colour else {
+        let channels = colour.num_samples();
         return Err(ReadError::unsupported(
             path,
-            format_args!(
-                "its pixels are {colour:?}, but one channel of heights is needed; a picture has none"
-            ),
+            match colour {
+                ColorType::Multiband { .. } | ColorType::GrayA(_) => format!(
+                    "it has {channels} channels, but one channel of heights is needed"
+                ),
+                _ => "it is a colour picture, but one channel of heights is needed".to_owned(),
+            },
         ));
     };
     let place = Georeference::read(path, &mut decoder)?;
