@@ -133,7 +133,7 @@ pub(super) const LIGHTS: &[Setting] = &[
     )
     .value_name("RADIANCE")
     .range(RADIANCE)
-    .default("0.03")
+    .default("0.01")
     .flag_only(),
 ];
 
