@@ -22,6 +22,9 @@
 //!   also gives the seconds to an error, beyond what was measured with a mark. A line knows nothing of
 //!   what lies beyond: plain rays, which see the mesh alone, come no nearer to the reference than the mesh
 //!   error of what the control variate takes from the continuous surface.
+//! - A *peer* is another ray tracer that follows as many plain, random rays, one branch each, in the seconds that
+//!   its rate of rays takes; drawing surfaces and building its search structures count as nothing. Its errors are those of
+//!   the same rays traced here.
 //! - The *efficiency* of a method is `err_plain^2 t_plain / (err^2 t)`, the geometric mean over the runs
 //!   of equal effort: how many times longer plain random rays would take to the same error, if errors
 //!   fall as the root of time.
@@ -151,6 +154,8 @@ pub struct Measurement {
 pub struct MethodOutcome {
     /// The method.
     pub method: Method,
+    /// Rays per second of a peer, by which its seconds are computed; `None` for what was timed.
+    pub peer_rate: Option<f64>,
     /// Seconds spent once, before its runs and not counted in theirs: on the mean of its control variate.
     pub setup_seconds: f64,
     /// Its runs, in the order of the efforts.
@@ -346,9 +351,28 @@ impl MethodOutcome {
         let points: Vec<(f64, f64)> = usable.map(|m| (m.seconds, m.error.rms)).collect();
         Self {
             method,
+            peer_rate: None,
             setup_seconds,
             fit: Fit::over(&points),
             measurements,
+        }
+    }
+
+    /// The same rays at the rate of a peer, whose surfaces take no time.
+    fn of_peer(&self, rate: f64) -> Self {
+        let timed = |own: &Measurement| {
+            let seconds = (own.rays_a_surface * own.surfaces) as f64 / rate;
+            Measurement {
+                seconds,
+                seconds_min: seconds,
+                seconds_max: seconds,
+                ..own.clone()
+            }
+        };
+        let measurements = self.measurements.iter().map(timed).collect();
+        Self {
+            peer_rate: Some(rate),
+            ..Self::new(self.method, 0.0, measurements)
         }
     }
 }

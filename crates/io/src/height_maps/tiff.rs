@@ -55,9 +55,9 @@ fn decode<R: BufRead + Seek>(
         return Err(ReadError::unsupported(
             path,
             match colour {
-                ColorType::Multiband { .. } | ColorType::GrayA(_) => format!(
-                    "it has {channels} channels, but one channel of heights is needed"
-                ),
+                ColorType::Multiband { .. } | ColorType::GrayA(_) => {
+                    format!("it has {channels} channels, but one channel of heights is needed")
+                }
                 _ => "it is a colour picture, but one channel of heights is needed".to_owned(),
             },
         ));

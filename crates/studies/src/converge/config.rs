@@ -8,7 +8,7 @@ use std::fmt::Display;
 
 use asperity_surface::Synthesis;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
-use asperity_tracer::{AcceleratorKind, HalfSpace, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
 
 use super::ConvergeError;
@@ -30,6 +30,12 @@ pub struct ConvergenceConfig {
     pub estimators: OneOrMany<Estimator>,
     /// How rays are spread.
     pub samplings: OneOrMany<Sampling>,
+    /// Whether paths follow both branches, or one picked at random.
+    pub branchings: OneOrMany<Branching>,
+    /// Rays per second of another ray tracer, whose plain rays follow one branch: with these rays alone it would take as long
+    /// as the table says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peer_rate: Option<Number>,
     /// How hits are found.
     pub accelerators: OneOrMany<AcceleratorKind>,
     /// Length units per sample, along both axes; that of the surface unless given. The extent of the
@@ -89,6 +95,8 @@ pub(super) struct Plan {
     pub(super) repeats: u64,
     pub(super) reference: PlannedReference,
     pub(super) errors: Vec<f64>,
+    /// Rays per second of a peer.
+    pub(super) peer_rate: Option<f64>,
     pub(super) spec: TallySpec,
     pub(super) incident: HalfSpace,
     pub(super) any_azimuth: bool,
@@ -206,12 +214,14 @@ impl ConvergeConfig {
         })
     }
 
-    /// All methods, by spacing, accelerator, estimator and sampling in that order of nesting.
+    /// All methods, by spacing, accelerator, branching, estimator and sampling in that order of nesting.
     fn methods(&self, spacings: &[PerAxis<Number>]) -> Result<Vec<Method>, ConfigError> {
         let config = &self.converge;
         let estimators = config.estimators.values("estimators")?;
         let samplings = config.samplings.values("samplings")?;
         let accelerators = config.accelerators.values("accelerators")?;
+        let branchings = config.branchings.values("branchings")?;
+        once("branchings", &branchings)?;
         once("estimators", &estimators)?;
         once("samplings", &samplings)?;
         once("accelerators", &accelerators)?;
@@ -220,15 +230,24 @@ impl ConvergeConfig {
             self.shape(spacing)?;
             for &accelerator in &accelerators {
                 check_accelerator(accelerator)?;
-                for &estimator in &estimators {
-                    methods.extend(samplings.iter().map(|&sampling| Method {
-                        estimator,
-                        sampling,
-                        accelerator,
-                        spacing,
-                    }));
+                for &branching in &branchings {
+                    for &estimator in &estimators {
+                        methods.extend(samplings.iter().map(|&sampling| Method {
+                            estimator,
+                            sampling,
+                            branching,
+                            accelerator,
+                            spacing,
+                        }));
+                    }
                 }
             }
+        }
+        if config.peer_rate.is_some() && !methods.iter().any(Method::is_of_peers) {
+            return Err(ConfigError::Contradiction(
+                "peer_rate takes errors of plain random rays that pick a branch: add plain to estimators, random to samplings and pick to branchings"
+                    .to_owned(),
+            ));
         }
         Ok(methods)
     }
@@ -266,12 +285,14 @@ impl ConvergeConfig {
                 method: Method {
                     estimator: Estimator::Controlled,
                     sampling: Sampling::QuasiRandom,
+                    branching: Branching::Split,
                     accelerator: AcceleratorKind::Auto,
                     spacing,
                 },
                 effort: reference,
             },
             errors,
+            peer_rate: config.peer_rate.map(|rate| rate.0),
             spec: verification.run.ray_settings()?.tally,
             incident: HalfSpace::from(self.light.from),
             any_azimuth: verification.any_azimuth(),

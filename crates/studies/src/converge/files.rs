@@ -113,8 +113,17 @@ fn figure(outcome: &ConvergeOutcome, case: &ConvergedCase) -> ErrorOverTime {
 fn timed(case: &ConvergedCase, method: &MethodOutcome) -> TimedMethod {
     let of = &method.method;
     TimedMethod {
-        name: method_name(case, of),
-        family: format!("{} {} {}", of.estimator, of.accelerator, of.spacing_text()),
+        name: method_name(case, method),
+        family: match method.peer_rate {
+            Some(_) => "peer".to_owned(),
+            None => format!(
+                "{} {} {} {}",
+                of.estimator,
+                of.branching,
+                of.accelerator,
+                of.spacing_text()
+            ),
+        },
         variant: of.sampling.to_string(),
         runs: method
             .measurements

@@ -2,7 +2,7 @@
 
 use crate::config::sweep_case::SweepCase;
 use asperity_simulate::Estimator;
-use asperity_tracer::{AcceleratorKind, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -39,6 +39,10 @@ struct Method<'a> {
     name: String,
     estimator: Estimator,
     sampling: Sampling,
+    branching: Branching,
+    /// Rays per second of a peer, by which seconds are computed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peer_rate: Option<f64>,
     accelerator: AcceleratorKind,
     spacing: PerAxis<Number>,
     setup_seconds: f64,
@@ -119,9 +123,11 @@ fn of_method<'a>(
     });
     let of = &method.method;
     Method {
-        name: method_name(case, of),
+        name: method_name(case, method),
         estimator: of.estimator,
         sampling: of.sampling,
+        branching: of.branching,
+        peer_rate: method.peer_rate,
         accelerator: of.accelerator,
         spacing: of.spacing,
         setup_seconds: method.setup_seconds,

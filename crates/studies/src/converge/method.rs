@@ -1,7 +1,7 @@
 //! What is measured: methods, and how much each of them does.
 
 use asperity_simulate::{Estimator, convergence_stream, short};
-use asperity_tracer::{AcceleratorKind, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 use rand::RngExt;
 use serde::Serialize;
 
@@ -15,6 +15,8 @@ pub struct Method {
     pub estimator: Estimator,
     /// How rays are spread.
     pub sampling: Sampling,
+    /// Whether paths follow both branches, or one picked at random.
+    pub branching: Branching,
     /// How hits are found.
     pub accelerator: AcceleratorKind,
     /// Length units per sample.
@@ -27,8 +29,17 @@ impl Method {
         self.accelerator == other.accelerator && self.spacing == other.spacing
     }
 
-    /// Whether it is what others are compared with: independent rays, and nothing else.
+    /// Whether it is what others are compared with: independent rays, both branches, and nothing else.
     pub(super) fn is_baseline(&self) -> bool {
+        self.is_plain_and_random() && self.branching == Branching::Split
+    }
+
+    /// Whether its paths are those of other ray tracers: independent rays that follow one branch.
+    pub(super) fn is_of_peers(&self) -> bool {
+        self.is_plain_and_random() && self.branching == Branching::Pick
+    }
+
+    fn is_plain_and_random(&self) -> bool {
         self.estimator == Estimator::Plain && self.sampling == Sampling::Random
     }
 
@@ -64,8 +75,13 @@ pub(super) fn run_seed(
     effort: RunEffort,
     repeat: u64,
 ) -> u64 {
+    // Methods that split have no word for it, as before there were others.
+    let branching = match method.branching {
+        Branching::Split => "",
+        Branching::Pick => " pick",
+    };
     let name = format!(
-        "{} {} {} {} {} {}",
+        "{} {} {} {} {} {}{branching}",
         case.folder(),
         method.estimator,
         method.sampling,
@@ -93,6 +109,7 @@ mod tests {
         let method = Method {
             estimator: Estimator::Plain,
             sampling: Sampling::Random,
+            branching: Branching::Split,
             accelerator: AcceleratorKind::Mesh,
             spacing: PerAxis::Both(Number(1.0)),
         };
@@ -114,6 +131,10 @@ mod tests {
             sampling: Sampling::Stratified,
             ..method
         };
+        let pick = Method {
+            branching: Branching::Pick,
+            ..method
+        };
         let finer = Method {
             spacing: PerAxis::Both(Number(0.5)),
             ..method
@@ -125,6 +146,7 @@ mod tests {
             run_seed(1, &cases[0], &controlled, effort, 0),
             run_seed(1, &cases[0], &stratified, effort, 0),
             run_seed(1, &cases[0], &finer, effort, 0),
+            run_seed(1, &cases[0], &pick, effort, 0),
             run_seed(1, &cases[0], &method, RunEffort { rays: 65, ..effort }, 0),
             run_seed(
                 1,

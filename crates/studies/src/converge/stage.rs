@@ -7,10 +7,11 @@ use asperity_analysis::{
 };
 use asperity_optics::Material;
 use asperity_simulate::{
-    Case, Light, Observer, Settings, SimulateError, Simulation, StoppedBy, SummaryWork,
+    Case, Light, Observer, PathChoice, Settings, SimulateError, Simulation, StoppedBy, SummaryWork,
     SurfaceSource, slopes,
 };
 use asperity_tally::{Component, Side, TallyResult, TallyStatistics};
+use asperity_tracer::PathSettings;
 
 use super::config::{Plan, PlannedReference};
 use super::deviation::Target;
@@ -19,6 +20,7 @@ use super::{
     ConvergeConfig, ConvergeError, ConvergeWork, ConvergedCase, Measurement, Method, MethodOutcome,
     Reference, RunEffort,
 };
+use crate::config::error::ConfigError;
 use crate::config::sweep_case::SweepCase;
 
 /// Smith's Lambda up to which nothing counts as hidden.
@@ -224,7 +226,7 @@ impl<'a> Stage<'a> {
     fn outcomes(&self, samples: &[Vec<RunSample>], reference: &Reference) -> Vec<MethodOutcome> {
         let efforts = &self.plan.efforts;
         let methods = self.plan.methods.iter();
-        methods
+        let own = methods
             .zip(samples.chunks_exact(efforts.len()))
             .map(|(method, samples)| {
                 let measurements = efforts.iter().zip(samples);
@@ -232,8 +234,12 @@ impl<'a> Stage<'a> {
                     .map(|(effort, samples)| Measurement::over(*effort, samples, reference.error));
                 let setup_seconds = self.prepared(method).seconds;
                 MethodOutcome::new(*method, setup_seconds, measurements.collect())
-            })
-            .collect()
+            });
+        let mut outcomes: Vec<MethodOutcome> = own.collect();
+        let peer = outcomes.iter().find(|own| own.method.is_of_peers());
+        let peer = peer.zip(self.plan.peer_rate);
+        outcomes.extend(peer.map(|(own, rate)| own.of_peer(rate)));
+        outcomes
     }
 
     /// Mean fluxes of the bins that are compared.
@@ -325,6 +331,12 @@ fn prepare(
         accelerator: method.accelerator,
         estimator: method.estimator,
         sampling: method.sampling,
+        paths: PathChoice::new(
+            Some(method.branching),
+            None,
+            PathSettings::DEFAULT_MAX_ORDER,
+        )
+        .map_err(ConfigError::from)?,
         effort: engine_effort(plan.reference.effort),
         mesh_quadrature: false,
         ..Settings::default()

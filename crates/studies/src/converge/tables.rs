@@ -16,9 +16,16 @@ use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
 
 /// What a method is called among the methods of its case: what they have in common is left out, the
 /// estimator and the sampling aside.
-pub(super) fn method_name(case: &ConvergedCase, method: &Method) -> String {
+pub(super) fn method_name(case: &ConvergedCase, outcome: &MethodOutcome) -> String {
+    if let Some(rate) = outcome.peer_rate {
+        return format!("a peer of {} rays/s", short(rate));
+    }
+    let method = &outcome.method;
     let mut name = format!("{}, {}", method.estimator, method.sampling);
     let others = || case.methods.iter().map(|other| &other.method);
+    if others().any(|other| other.branching != method.branching) {
+        let _ = write!(name, ", {}", method.branching);
+    }
     if others().any(|other| other.accelerator != method.accelerator) {
         let _ = write!(name, ", {}", method.accelerator);
     }
@@ -180,6 +187,14 @@ fn with_methods<'a>(table: Table<'a, Measured<'a>>) -> Table<'a, Measured<'a>> {
         .column(method("sampling", "how rays are distributed", |m| {
             m.sampling.to_string()
         }))
+        .column(method("branching", "branches that paths follow", |m| {
+            m.branching.to_string()
+        }))
+        .column(Column::new(
+            "peer_rate",
+            "rays per second of a peer, by which seconds are computed; empty for what was timed",
+            |row: &Row<'_>| row.method.peer_rate,
+        ))
         .column(method("accelerator", "accelerator", |m| {
             m.accelerator.to_string()
         }))
@@ -260,7 +275,7 @@ fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
     };
     let table = Table::new()
         .column(Column::new("method", "", |row: &Row<'_>| match row.first {
-            true => method_name(case, &row.method.method),
+            true => method_name(case, row.method),
             false => String::new(),
         }))
         .column(Column::new("surfaces", "", |row: &Row<'_>| {
@@ -284,7 +299,7 @@ fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
 
 /// A row per method: slope, seconds to each error, gains.
 fn compared<'a>(outcome: &'a ConvergeOutcome, case: &'a ConvergedCase) -> Table<'a, MethodOutcome> {
-    let name = |method: &MethodOutcome| method_name(case, &method.method);
+    let name = |method: &MethodOutcome| method_name(case, method);
     let seconds_to = |&error: &f64| {
         let seconds = move |method: &MethodOutcome| {
             let seconds = marked(method.fit?.seconds_to(error)?);

@@ -3,12 +3,13 @@
 use super::*;
 use crate::config::values::{Number, PerAxis};
 use asperity_simulate::{Estimator, Silent};
-use asperity_tracer::{AcceleratorKind, Sampling};
+use asperity_tracer::{AcceleratorKind, Branching, Sampling};
 
 fn method(estimator: Estimator, sampling: Sampling) -> Method {
     Method {
         estimator,
         sampling,
+        branching: Branching::Split,
         accelerator: AcceleratorKind::Auto,
         spacing: PerAxis::Both(Number(1.0)),
     }
@@ -174,4 +175,36 @@ fn errors_fall_with_rays_and_agree_with_the_exact_answer() {
     assert!((exact - many.error.rms).abs() <= added, "{exact} {added}");
     assert!(many.energy_error.unwrap() < 1e-3);
     assert_eq!(case.work.runs, 33);
+}
+
+#[test]
+fn a_peer_takes_the_time_of_its_rays() {
+    let pick = Method {
+        branching: Branching::Pick,
+        ..method(Estimator::Plain, Sampling::Random)
+    };
+    // 128 rays with an error of 0.04, then 0.02
+    let runs = [measured(&[3.0], 4e-2), measured(&[12.0], 2e-2)];
+    let mut own = MethodOutcome::new(pick, 1.0, runs.to_vec());
+    own.measurements[1].surfaces = 8;
+    let peer = own.of_peer(1024.0);
+    let seconds: Vec<f64> = peer.measurements.iter().map(|m| m.seconds).collect();
+    assert_eq!(seconds, [0.125, 0.5]);
+    assert_eq!((peer.setup_seconds, peer.peer_rate), (0.0, Some(1024.0)));
+    let to = peer.fit.unwrap().seconds_to(1e-2).unwrap();
+    assert!(
+        (to.seconds - 2.0).abs() < 1e-12 && to.extrapolated,
+        "{to:?}"
+    );
+}
+
+#[test]
+fn a_peer_needs_rays_that_pick() {
+    let with = |converge: &str| {
+        let text = format!("[converge]\npeer_rate = 5e6\n{converge}");
+        ConvergeConfig::from_toml(&text).unwrap().check()
+    };
+    let error = with("").unwrap_err().to_string();
+    assert!(error.contains("pick to branchings"), "{error}");
+    with("branchings = [\"split\", \"pick\"]").unwrap();
 }

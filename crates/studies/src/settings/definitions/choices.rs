@@ -121,6 +121,11 @@ pub(super) const BRANCHING: Kind = Kind::Choice(&[
     choice("pick", "pick one at random"),
 ]);
 
+pub(super) const BRANCHINGS: Kind = Kind::Choice(&[
+    choice("split", "follow the reflected and the transmitted branch"),
+    choice("pick", "pick one at random"),
+]);
+
 pub(super) const POLARISATION: Kind = Kind::Choice(&[
     choice("tracked", "carried along each path"),
     choice("averaged", "unpolarised again at every interface"),

@@ -1,7 +1,7 @@
 //! `[converge]`: methods and their effort.
 
 use super::CONVERGE;
-use super::choices::{ACCELERATOR, ESTIMATOR, SAMPLING, SIDE};
+use super::choices::{ACCELERATOR, BRANCHINGS, ESTIMATOR, SAMPLING, SIDE};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
 use crate::settings::setting::{Arity, Setting, setting};
@@ -24,6 +24,25 @@ pub(super) const SETTINGS: &[Setting] = &[
     .value_name("NAMES")
     .arity(LIST)
     .default("random,stratified,quasi-random"),
+    setting(
+        SECTION,
+        "branchings",
+        BRANCHINGS,
+        CONVERGE,
+        "Branches that paths follow",
+    )
+    .value_name("NAMES")
+    .arity(LIST)
+    .default("split"),
+    setting(
+        SECTION,
+        "peer_rate",
+        Kind::Number,
+        CONVERGE,
+        "Rays per second of a peer, to be compared with",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("no peer"),
     setting(
         SECTION,
         "accelerators",
