@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use asperity_io::write_bytes;
+use asperity_optics::Incidence;
 use asperity_simulate::Cells;
 use asperity_studies::settings::Document;
 use asperity_studies::{
-    CellsConfig, MeasuredConfig, height_map_figure, realisation_table, roughness_table,
-    smooth_table, wrapped,
+    CellsConfig, MeasuredConfig, Number, OneOrMany, ShadowShares, height_map_figure,
+    realisation_table, roughness_table, smooth_table, wrapped,
 };
 use asperity_surface::{HeightField, Roughness, SplineRoughness, SplineSurface};
 use serde::{Deserialize, Serialize};
@@ -15,7 +16,9 @@ use serde::{Deserialize, Serialize};
 use crate::common::{Common, Results};
 use crate::end::End;
 use crate::failure::Failure;
-use crate::input::{check_height_map_output, name_of, read_surface, required_file, write_surface};
+use crate::input::{
+    check_height_map_output, name_of, read_surface, refuse_simulation, required_file, write_surface,
+};
 use crate::output::note_lines;
 use crate::output_files::check_outputs;
 
@@ -24,10 +27,34 @@ use crate::output_files::check_outputs;
 struct Settings {
     surface: CellsConfig,
     measured: MeasuredConfig,
+    light: Light,
+}
+
+/// The lights whose shadow is measured.
+#[derive(Deserialize)]
+struct Light {
+    theta: Option<OneOrMany<Number>>,
+    phi: Number,
+}
+
+impl Light {
+    fn directions(&self) -> Result<Vec<Incidence>, Failure> {
+        let thetas = self.theta.as_ref().map(|list| list.values("theta"));
+        let thetas = thetas.transpose().map_err(Failure::usage)?;
+        let direction = |theta: &Number| Incidence::from_degrees(theta.0, self.phi.0);
+        let thetas = thetas.unwrap_or_default();
+        let directions = thetas.iter().map(direction).collect::<Result<_, _>>();
+        directions.map_err(Failure::usage)
+    }
 }
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
-    let Settings { surface, measured } = document.read().map_err(Failure::usage)?;
+    let Settings {
+        surface,
+        measured,
+        light,
+    } = document.read().map_err(Failure::usage)?;
+    let lights = light.directions()?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let file = required_file(&measured, document.command())?;
     let plot = results
@@ -43,7 +70,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     check_outputs(&outputs, &[Some(file), document.file()])?;
     let mut input = read_surface(file, &measured, common)?;
     let cells = surface.cells.of_given();
-    let statistics = Statistics::of(&input.field, cells);
+    let statistics = Statistics::of(&input.field, cells, &lights)?;
     if let (Some(path), Some(format)) = (&results.plot, plot) {
         draw(path, format, &input.field, &name_of(file))?;
         common.say(|| format!("{} drawn", path.display()));
@@ -71,16 +98,20 @@ struct Statistics {
     cells: Cells,
     #[serde(skip_serializing_if = "Option::is_none")]
     smooth: Option<SplineRoughness>,
+    /// Lit and shadowed fractions, one per light.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    shadows: Vec<ShadowShares>,
 }
 
 impl Statistics {
-    fn of(field: &HeightField, cells: Cells) -> Self {
+    fn of(field: &HeightField, cells: Cells, lights: &[Incidence]) -> Result<Self, Failure> {
         let smooth = || SplineRoughness::of(&SplineSurface::through(field));
-        Self {
+        Ok(Self {
             facets: Roughness::of(field),
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
-        }
+            shadows: ShadowShares::of(field, cells, lights).map_err(refuse_simulation)?,
+        })
     }
 
     fn text(&self) -> String {
@@ -90,7 +121,8 @@ impl Statistics {
             None => CELLS.to_owned(),
             Some(smooth) => smooth_table(facets, smooth),
         };
-        format!("{table}{realisation}{cells}")
+        let shadows = self.shadows.iter().map(|shares| shares.text() + "\n");
+        format!("{table}{realisation}{cells}{}", shadows.collect::<String>())
     }
 }
 

@@ -224,3 +224,49 @@ fn names_that_are_not_text_are_refused_by_name() {
     let output = run(&[b"gonio", b"-o", b"out\xff"]);
     assert!(output.contains("out\u{fffd}"), "{output}");
 }
+
+#[test]
+fn shadow_of_a_terrain_is_measured_in_both_formats() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    // A wall of height 30 along y in a plane of 10 x 10 cells of 10 m, one corner of which is missing
+    let row = |y: usize| {
+        let heights = (0..11).map(|x| match (x, y) {
+            (0, 0) => "-9999",
+            (5, _) => "30",
+            _ => "0",
+        });
+        heights.collect::<Vec<_>>().join(" ")
+    };
+    let rows: Vec<String> = (0..11).map(row).collect();
+    let header = "ncols 11\nnrows 11\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999\n";
+    std::fs::write(
+        folder.join("wall.asc"),
+        header.to_owned() + &rows.join("\n"),
+    )
+    .unwrap();
+    let inspect = |file: &str| {
+        let line = format!("inspect {file} --missing fill --border open --theta 0,60 --json");
+        json(&succeed(folder, &words(&line)))["shadows"].clone()
+    };
+    let found = inspect("wall.asc");
+    assert_eq!(found[0]["lit"]["mean"], 1.0);
+    // Light from +x, 30 degrees high: the slope of 10 m behind the crest faces away, and the shadow on the ground ends
+    // at 30 tan(60) = 52 m from the crest, beyond the border at 50 m
+    let away = found[1]["facing_away"]["mean"].as_f64().unwrap();
+    let hidden = found[1]["hidden"]["mean"].as_f64().unwrap();
+    assert!((away - 0.1).abs() < 1e-9, "{found}");
+    assert!((hidden - 0.4).abs() < 0.01, "{found}");
+    succeed(
+        folder,
+        &words("inspect wall.asc --missing fill --border open -o wall.exr"),
+    );
+    assert_eq!(inspect("wall.exr"), found);
+    let text = succeed(folder, &words("inspect wall.exr --theta 60"));
+    assert!(
+        text.contains("light from theta 60 deg, phi 0 deg: lit"),
+        "{text}"
+    );
+    let error = refused(folder, &words("inspect wall.exr --theta 95"), 2);
+    assert!(error.contains("--theta"), "{error}");
+}

@@ -35,6 +35,9 @@
 //! between surfaces. Surfaces of different sigma are the same ones, higher or lower: errors at
 //! different sigma, as at different angles, are not independent. No surface is rescaled to its sigma.
 //!
+//! # Given surfaces
+//! [`ShadowShares`] counts lit, averted and hidden points of one height map, for `inspect --theta`.
+//!
 //! # Two methods
 //! Rays: one visibility ray per point and direction ([`asperity_tracer::trace_visibility`]). Horizons: the
 //! steepest rise along an azimuth answers for all its polar angles ([`asperity_tracer::Horizons`]), and for all
@@ -51,6 +54,7 @@ mod estimate;
 mod figures;
 mod files;
 mod flat_ground;
+mod given;
 mod ground;
 mod heights;
 mod plan;
@@ -82,6 +86,7 @@ pub use config::{
 };
 pub use demarcation::Demarcation;
 pub use files::{attenuation_report, attenuation_summary};
+pub use given::ShadowShares;
 pub use heights::VisibilityRow;
 pub use tables::attenuation_table;
 

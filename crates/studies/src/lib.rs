@@ -24,7 +24,7 @@ mod verify;
 pub use attenuation::{
     AttenuationConfig, AttenuationError, AttenuationLight, AttenuationOutcome, AttenuationOutput,
     AttenuationRow, AttenuationRun, AttenuationSurface, AttenuationView, AttenuationWork,
-    Demarcation, VisibilityMethod, VisibilityRow, attenuation, attenuation_report,
+    Demarcation, ShadowShares, VisibilityMethod, VisibilityRow, attenuation, attenuation_report,
     attenuation_summary, attenuation_table,
 };
 pub use border::{ASSUMED_BORDER, border_notes};

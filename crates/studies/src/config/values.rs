@@ -95,7 +95,7 @@ impl<T: Copy> OneOrMany<T> {
         }
     }
 
-    pub(crate) fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
+    pub fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
         match self {
             Self::One(value) => Ok(vec![*value]),
             Self::Many(values) if values.is_empty() => Err(ConfigError::EmptyList(name)),

@@ -1,7 +1,9 @@
 //! `[light]` and `[view]`: directions.
 
 use super::choices::{AZIMUTH, FROM};
-use super::{ATTENUATION, CONVERGE, DEGREES, GONIO, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY};
+use super::{
+    ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY,
+};
 use crate::settings::command::Commands;
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -41,6 +43,28 @@ pub(super) const LIGHT: &[Setting] = &[
     .default("0")
     .default_yields()
     .excludes(&["light.directions"]),
+    setting(
+        "light",
+        "theta",
+        Kind::Number,
+        INSPECT,
+        "Polar angle towards a light whose shadow is measured",
+    )
+    .unit(DEGREES)
+    .range(POLAR)
+    .arity(Arity::ListIn(INSPECT))
+    .otherwise("no shadow is measured")
+    .flag_only(),
+    setting(
+        "light",
+        "phi",
+        Kind::Number,
+        INSPECT,
+        "Azimuth of the direction towards the light",
+    )
+    .unit(DEGREES)
+    .default("0")
+    .flag_only(),
     setting(
         "light",
         "directions",
