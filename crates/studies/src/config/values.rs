@@ -95,6 +95,10 @@ impl<T: Copy> OneOrMany<T> {
         }
     }
 
+    /// All values; `name` is that of the setting.
+    ///
+    /// # Errors
+    /// [`ConfigError::EmptyList`] of a list without values.
     pub fn values(&self, name: &'static str) -> Result<Vec<T>, ConfigError> {
         match self {
             Self::One(value) => Ok(vec![*value]),
