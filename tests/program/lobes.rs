@@ -166,3 +166,28 @@ fn a_measurement_holds_the_edges_of_each_direction_and_resumes() {
     let after = names.map(|name| fs::read(out.join(name)).unwrap());
     assert!(before == after);
 }
+
+#[test]
+fn gonio_names_the_peak_of_each_side() {
+    let folder = with_smooth_surface();
+    let folder = folder.path();
+    let text = succeed(
+        folder,
+        &words("gonio --surface h.exr --eta 1.5 --theta 30 --rays 2e5 --no-plots -o g"),
+    );
+    assert!(text.contains("BTDF peak (1/sr)"), "{text}");
+    let peak_of = &summary(&folder.join("g"))["directions"][0]["peak"];
+    let table = Table::read(&folder.join("g/bsdf.csv"));
+    // Mirrored at 30 degrees, refracted at 180 less 19.5
+    for (side, expected) in [("reflected", 30.0), ("transmitted", 160.5)] {
+        let found = &peak_of[side];
+        let [from, to] = [0, 1].map(|i| found["theta_deg"][i].as_f64().unwrap());
+        assert!(
+            from - 3.0 < expected && expected < to + 3.0,
+            "{side} {found}"
+        );
+        // Noise of two errors may hide a brighter bin
+        let ratio = found["bsdf"]["mean"].as_f64().unwrap() / peak(&table, side, "bsdf");
+        assert!((0.8..=1.0).contains(&ratio), "{side} {ratio}");
+    }
+}

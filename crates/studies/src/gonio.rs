@@ -8,6 +8,7 @@ mod config;
 mod figures;
 mod files;
 mod json;
+mod peak;
 mod plan;
 mod results;
 mod sample;

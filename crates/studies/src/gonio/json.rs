@@ -7,6 +7,7 @@ use asperity_tally::{HemisphereGrid, TallySpec};
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::peak::Peak;
 use super::results::component_names;
 use super::summary::warnings;
 use super::{DirectionResults, GonioOutcome, Specimen, tables};
@@ -46,6 +47,8 @@ struct Direction<'a> {
     results: Option<Results<'a>>,
     /// Numbers of rings and sectors of a side.
     bins: HemisphereGrid,
+    /// The brightest bin of each side; `None` where no light leaves, and before the direction is measured.
+    peak: BySide<Option<Peak>>,
     /// Lobes of single scattering next to the bins that hold their middles.
     lobes: &'a [BinnedLobe],
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -78,6 +81,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             .as_ref()
             .map(|results| describe(spec, results)),
         bins: direction.spec.grid(),
+        peak: BySide::of(|side| Peak::of(direction, side)),
         lobes: &direction.lobes,
         validity: direction.validity,
     });

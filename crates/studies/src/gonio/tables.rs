@@ -5,6 +5,7 @@ use asperity_optics::{Incidence, ParticipatingMedium, PhaseFunction, Slab};
 use asperity_surface::LengthUnit;
 use asperity_tally::{Estimate, Side, TallySpec};
 
+use super::peak::Peak;
 use super::results::{MeasuredComponent, component_names};
 use super::specimen::bottom_in_words;
 use super::{Direction, DirectionResults, GonioOutcome, Specimen};
@@ -354,6 +355,17 @@ pub(super) fn report(spec: &TallySpec) -> Table<'_, Direction> {
             };
             Column::estimate(name, "", flux(side, component))
         }));
+    }
+    for side in spec.sides() {
+        let name = match side {
+            Side::Reflected => "BRDF peak (1/sr)",
+            Side::Transmitted => "BTDF peak (1/sr)",
+        };
+        let bsdf = move |row: &Direction| Some(Peak::of(row, side)?.bsdf);
+        let place = move |row: &Direction| Some(Peak::of(row, side)?.place());
+        table = table
+            .column(Column::estimate(name, "", bsdf))
+            .column(Column::new("at theta, phi", "", place));
     }
     let ends = ["absorbed", "truncated"].into_iter().enumerate();
     table.columns(ends.map(|(i, name)| {
