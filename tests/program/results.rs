@@ -183,18 +183,38 @@ fn a_folder_keeps_to_one_command_and_says_what_wrote_it() {
     for key in ["version", "results_epoch", "commit"] {
         assert_eq!(summary[key], manifest[key], "{key}");
     }
-    let listed: Vec<&str> = manifest["files"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .map(|name| name.as_str().unwrap())
-        .collect();
+    let listed: Vec<&String> = manifest["files"].as_object().unwrap().keys().collect();
     let others = before.iter().filter(|name| *name != "manifest.json");
-    assert!(listed.iter().eq(others), "{listed:?} {before:?}");
+    assert!(listed.iter().copied().eq(others), "{listed:?} {before:?}");
     // Results of a build without manifests are told apart from files of the user.
     fs::remove_file(folder.join("out/manifest.json")).unwrap();
     let said = refused(&folder, &words(&format!("{} -o out", RUNS[1])), 1);
     assert!(said.contains("manifest.json"), "{said}");
+}
+
+/// A file of the user in the place of a result is neither replaced nor removed.
+#[test]
+fn a_result_that_was_changed_is_refused_by_name() {
+    let (_keep, folder) = with_surface();
+    let run = "trace h.exr --theta 30 --rays 1e3 --quiet -o out";
+    succeed(&folder, &words(run));
+    for (name, line) in [
+        ("lobes.png", format!("{run} --no-plots")),
+        ("in_plane.csv", run.to_owned()),
+    ] {
+        let path = folder.join("out").join(name);
+        fs::write(&path, "mine").unwrap();
+        let said = refused(&folder, &words(&line), 1);
+        assert!(said.contains(name), "{said}");
+        assert!(
+            said.contains("was changed after the `trace` run that wrote it; move it, or delete it"),
+            "{said}"
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+        fs::remove_file(&path).unwrap();
+        succeed(&folder, &words(run));
+        assert!(path.exists());
+    }
 }
 
 /// Files of `folder` and its folders that end in `.csv`, as paths within it.

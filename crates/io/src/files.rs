@@ -2,6 +2,7 @@
 
 mod atomic;
 mod csv;
+mod fingerprint;
 mod folder;
 mod manifest;
 mod memory;
@@ -19,4 +20,5 @@ pub use result_folder::ResultFolder;
 pub use text::{read_json, read_text};
 
 pub(crate) use atomic::{replace, replace_alone};
+pub(crate) use fingerprint::hex;
 pub(crate) use open::open;

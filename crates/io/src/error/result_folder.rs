@@ -20,6 +20,14 @@ pub enum ResultFolderError {
         /// Command of this run.
         command: String,
     },
+    /// A result of an earlier run has another content than was written.
+    #[error("`{}` was changed after the `{command}` run that wrote it; move it, or delete it to have it replaced", .path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// Command that wrote it.
+        command: String,
+    },
     /// A result has the name of an input.
     #[error("`{}` is an input of this run, which would replace it; choose another folder", .path.display())]
     Input {

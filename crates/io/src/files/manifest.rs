@@ -1,12 +1,13 @@
 //! Manifest: reads and writes `manifest.json`, the list of the files that a run wrote.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::io;
 use std::path::{Component, Path};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::atomic::write_json;
+use super::fingerprint::Fingerprint;
 use super::text::read_json;
 use crate::build::Build;
 use crate::error::{ReadError, ResultFolderError};
@@ -15,7 +16,14 @@ use crate::error::{ReadError, ResultFolderError};
 pub(super) const MANIFEST: &str = "manifest.json";
 
 /// Form of the file; another number is another form.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
+
+/// The form before, whose files are a list of names.
+const SCHEMA_OF_NAMES: u32 = 1;
+
+/// Files by their path relative to the folder, separated by `/`. A file has no fingerprint while it may still be
+/// written, or if it is a checkpoint, which has a checksum of its own.
+pub(super) type ListedFiles = BTreeMap<String, Option<Fingerprint>>;
 
 /// The files that a run wrote into a folder, and what wrote them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -28,12 +36,12 @@ pub(super) struct Manifest {
     /// Whether the run came to its end. The list of a run that did not may name files that do not
     /// exist.
     pub(super) complete: bool,
-    /// Paths relative to the folder, separated by `/`.
-    pub(super) files: BTreeSet<String>,
+    #[serde(deserialize_with = "files_of_any_schema")]
+    pub(super) files: ListedFiles,
 }
 
 impl Manifest {
-    pub(super) fn new(command: &str, complete: bool, files: BTreeSet<String>) -> Self {
+    pub(super) fn new(command: &str, complete: bool, files: ListedFiles) -> Self {
         Self {
             schema: SCHEMA,
             command: command.to_owned(),
@@ -62,13 +70,13 @@ impl Manifest {
             Err(ReadError::Json { source, .. }) => return Err(invalid(source.to_string())),
             Err(error) => return Err(error.into()),
         };
-        if manifest.schema != SCHEMA {
+        if ![SCHEMA, SCHEMA_OF_NAMES].contains(&manifest.schema) {
             return Err(invalid(format!(
                 "its schema is {}, this program knows {SCHEMA}",
                 manifest.schema
             )));
         }
-        if let Some(name) = manifest.files.iter().find(|name| !is_inside(name)) {
+        if let Some(name) = manifest.files.keys().find(|name| !is_inside(name)) {
             return Err(invalid(format!(
                 "it lists `{name}`, which is not in the folder"
             )));
@@ -79,6 +87,23 @@ impl Manifest {
     pub(super) fn write(&self, folder: &Path) -> Result<(), ResultFolderError> {
         Ok(write_json(folder.join(MANIFEST), self)?)
     }
+}
+
+/// Reads files with their fingerprints, or a list of their names.
+fn files_of_any_schema<'de, D: Deserializer<'de>>(source: D) -> Result<ListedFiles, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(
+        untagged,
+        expecting = "`files` must map names to their length and MD5, or list names"
+    )]
+    enum Files {
+        Listed(ListedFiles),
+        Names(Vec<String>),
+    }
+    Ok(match Files::deserialize(source)? {
+        Files::Listed(files) => files,
+        Files::Names(names) => names.into_iter().map(|name| (name, None)).collect(),
+    })
 }
 
 /// Whether `name` is a relative path of plain components that stays inside its folder and is not the

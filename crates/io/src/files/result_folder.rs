@@ -5,12 +5,17 @@
 //!   that would write a file of that name is refused.
 //! - A listed file is replaced by a complete new one, or, once the run has come to its end, removed if
 //!   the run did not write it again. An input of the run is never touched.
+//! - A listed file whose content is not what was written belongs to the user: runs are refused until it is moved or
+//!   deleted. The manifest keeps fingerprints of the results of a run that came to its end. Files without one count as
+//!   unchanged: those of a killed run, and checkpoints.
 //! - A name is listed before its file is written, so that an interrupted run leaves no file that a
 //!   later run would take for the user's. The manifest of a complete run is written last.
 //! - Symbolic links and folders are never listed files, and no listed file lies behind a link.
 
+mod listed;
 #[cfg(test)]
 mod tests;
+mod unlisted;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -18,13 +23,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use serde_json::Value;
-
+use super::fingerprint::Fingerprint;
 use super::folder::{check_output_folder, create_output_folder};
-use super::manifest::{Manifest, is_inside};
+use super::manifest::{ListedFiles, Manifest, is_inside};
 use super::parts::remove_stale_parts;
-use super::text::read_json;
 use crate::error::{ResultFolderError, WriteError};
+use listed::{Files, Role};
+use unlisted::{has_unlisted_results, unlisted_results};
 
 /// A folder that takes the files of one run.
 ///
@@ -58,27 +63,6 @@ pub struct ResultFolder {
     files: Mutex<Files>,
 }
 
-/// The names of files by who wrote them.
-#[derive(Debug, Default)]
-struct Files {
-    /// Listed by the manifest of an earlier run.
-    earlier: BTreeSet<String>,
-    /// Claimed or kept by this run.
-    current: BTreeSet<String>,
-    /// Whether the manifest on disk is that of this run.
-    begun: bool,
-}
-
-impl Files {
-    fn lists(&self, name: &str) -> bool {
-        self.earlier.contains(name) || self.current.contains(name)
-    }
-
-    fn all(&self) -> BTreeSet<String> {
-        self.earlier.union(&self.current).cloned().collect()
-    }
-}
-
 impl ResultFolder {
     /// Opens the folder `path`, which need not exist, for a run of `command`.
     ///
@@ -97,7 +81,7 @@ impl ResultFolder {
             None if has_unlisted_results(&root) => {
                 return Err(unlisted_results(root));
             }
-            None => BTreeSet::new(),
+            None => ListedFiles::new(),
             Some(manifest) if manifest.command != command => {
                 return Err(ResultFolderError::OtherCommand {
                     folder: root,
@@ -127,12 +111,12 @@ impl ResultFolder {
         &self.root
     }
 
-    /// Checks, without leaving a trace, that files of these names can be written; removes what killed runs have left
-    /// of incomplete files.
+    /// Checks, without leaving a trace, that files of these names can be written, and that the files of earlier runs
+    /// are as they were written; removes what killed runs have left of incomplete files.
     ///
     /// # Errors
-    /// [`ResultFolderError`] if something is in the way of one of them, one is an input, or the folder
-    /// can neither be made nor written to.
+    /// [`ResultFolderError`] if something is in the way of one of them, one is an input, a file of an earlier run was
+    /// changed, or the folder can neither be made nor written to.
     ///
     /// # Panics
     /// If a name is not a relative path inside the folder.
@@ -145,7 +129,9 @@ impl ResultFolder {
         self.sweep(&files);
         names
             .into_iter()
-            .try_for_each(|name| self.refuse_unlisted(&files, checked(name.as_ref())))
+            .try_for_each(|name| self.refuse_unlisted(&files, checked(name.as_ref())))?;
+        let mut earlier = files.earlier.keys();
+        earlier.try_for_each(|name| self.refuse_changed(&files, name))
     }
 
     /// Lists `name` as a file of this run and returns the path to write it to, whose folder exists.
@@ -159,7 +145,23 @@ impl ResultFolder {
     /// # Panics
     /// If `name` is not a relative path inside the folder.
     pub fn claim(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
-        self.claim_all([name])?;
+        self.claim_as(Role::Result, name)
+    }
+
+    /// [`claim`](Self::claim) for a file that later runs extend or replace, and whose content they check themselves:
+    /// it has no fingerprint.
+    ///
+    /// # Errors
+    /// As [`claim`](Self::claim).
+    ///
+    /// # Panics
+    /// As [`claim`](Self::claim).
+    pub fn claim_checkpoint(&self, name: &str) -> Result<PathBuf, ResultFolderError> {
+        self.claim_as(Role::Checkpoint, name)
+    }
+
+    fn claim_as(&self, role: Role, name: &str) -> Result<PathBuf, ResultFolderError> {
+        self.list(role, [name])?;
         let path = self.root.join(name);
         if let Some(folder) = path.parent() {
             create_output_folder(folder)?;
@@ -178,13 +180,22 @@ impl ResultFolder {
         &self,
         names: impl IntoIterator<Item = &'a str>,
     ) -> Result<(), ResultFolderError> {
+        self.list(Role::Result, names)
+    }
+
+    fn list<'a>(
+        &self,
+        role: Role,
+        names: impl IntoIterator<Item = &'a str>,
+    ) -> Result<(), ResultFolderError> {
         let mut files = self.files();
         let mut is_listed = files.begun;
         let mut claimed = Vec::new();
         for name in names {
             self.refuse_unlisted(&files, checked(name))?;
-            is_listed &= files.lists(name);
-            claimed.push(name.to_owned());
+            self.refuse_changed(&files, name)?;
+            is_listed &= files.lists_without_fingerprint(name);
+            claimed.push((name.to_owned(), role));
         }
         if !files.begun {
             create_output_folder(&self.root)?;
@@ -203,41 +214,53 @@ impl ResultFolder {
     /// A file that is not listed remains the user's.
     pub fn keep(&self, name: &str) {
         let mut files = self.files();
-        if files.earlier.contains(name) {
-            files.current.insert(name.to_owned());
-        }
+        let role = match files.earlier.get(name) {
+            None => return,
+            Some(None) => Role::Checkpoint,
+            Some(Some(_)) => Role::Result,
+        };
+        files.current.entry(name.to_owned()).or_insert(role);
     }
 
     /// Removes a listed file now, such as a checkpoint that has served; does nothing if it is not
     /// listed or does not exist.
     ///
     /// # Errors
-    /// [`WriteError`] if the operating system refuses.
+    /// [`ResultFolderError`] if the operating system refuses.
     pub fn discard(&self, name: &str) -> Result<(), ResultFolderError> {
         let mut files = self.files();
         if files.lists(name) {
-            self.remove(name)?;
+            self.remove_unchanged(&files, name)?;
             files.current.remove(name);
         }
         Ok(())
     }
 
-    /// Ends the run: removes the files that only earlier runs wrote, and the folders that become empty
-    /// by that, then writes the manifest. `is_complete`: whether all of the run is done, and not stopped by a time
-    /// limit or an interrupt.
+    /// Ends the run: removes the files that only earlier runs wrote, unless they were changed meanwhile, and the
+    /// folders that become empty by that, then writes the manifest. `is_complete`: whether all of the run is done, and
+    /// not stopped by a time limit or an interrupt.
     ///
     /// Without this call, as after an error, everything stays, listed in an incomplete manifest.
     ///
     /// # Errors
-    /// [`WriteError`] if a file cannot be removed or the manifest not written.
+    /// [`ResultFolderError`] if a file cannot be read or removed, or the manifest not written.
     pub fn finish(self, is_complete: bool) -> Result<(), ResultFolderError> {
         self.claim_all([])?;
         let files = self.files();
-        for name in files.earlier.difference(&files.current) {
-            self.remove(name)?;
+        for name in files.only_earlier() {
+            self.remove_unchanged(&files, name)?;
         }
-        let exists = |name: &&String| self.root.join(name).exists();
-        let written = files.current.iter().filter(exists).cloned().collect();
+        let mut written = ListedFiles::new();
+        for (name, role) in &files.current {
+            let path = self.root.join(name);
+            if path.is_file() {
+                let fingerprint = match role {
+                    Role::Result => Some(Fingerprint::of(&path)?),
+                    Role::Checkpoint => None,
+                };
+                written.insert(name.clone(), fingerprint);
+            }
+        }
         Manifest::new(&self.command, is_complete, written).write(&self.root)
     }
 
@@ -262,6 +285,27 @@ impl ResultFolder {
             return Ok(());
         }
         Err(self.in_the_way(path, kind_of(found.file_type())))
+    }
+
+    /// Refuses a file of an earlier run that was changed since.
+    fn refuse_changed(&self, files: &Files, name: &str) -> Result<(), ResultFolderError> {
+        match self.is_changed(files, name)? {
+            true => Err(ResultFolderError::Changed {
+                path: self.root.join(name),
+                command: self.command.clone(),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// Whether a file that an earlier run wrote, and this one did not claim, has another content than was written.
+    fn is_changed(&self, files: &Files, name: &str) -> Result<bool, ResultFolderError> {
+        match files.fingerprint(name) {
+            Some(fingerprint) if self.is_ours(name) => {
+                Ok(!fingerprint.is_of(&self.root.join(name))?)
+            }
+            _ => Ok(false),
+        }
     }
 
     fn in_the_way(&self, path: PathBuf, kind: &'static str) -> ResultFolderError {
@@ -289,14 +333,20 @@ impl ResultFolder {
         fs::canonicalize(path).is_ok_and(|path| self.inputs.contains(&path))
     }
 
-    /// Removes a listed file unless it is an input or has been replaced by something else, then the
-    /// folders above it that are empty.
-    fn remove(&self, name: &str) -> Result<(), ResultFolderError> {
+    /// Whether there is a file at the place of a listed one, neither behind a link nor an input.
+    fn is_ours(&self, name: &str) -> bool {
         let path = self.root.join(name);
         let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
-        if !is_file || self.linked_folder(name).is_some() || self.is_input(&path) {
+        is_file && self.linked_folder(name).is_none() && !self.is_input(&path)
+    }
+
+    /// Removes a listed file unless it is an input or has been replaced by something else, then the
+    /// folders above it that are empty.
+    fn remove_unchanged(&self, files: &Files, name: &str) -> Result<(), ResultFolderError> {
+        if !self.is_ours(name) || self.is_changed(files, name)? {
             return Ok(());
         }
+        let path = self.root.join(name);
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
                 return Err(WriteError::io(&path)(error).into());
@@ -316,7 +366,7 @@ impl ResultFolder {
     fn sweep(&self, files: &Files) {
         let folders: BTreeSet<PathBuf> = files
             .earlier
-            .iter()
+            .keys()
             .filter(|name| self.linked_folder(name).is_none())
             .filter_map(|name| Some(self.root.join(name).parent()?.to_owned()))
             .chain([self.root.clone()])
@@ -343,36 +393,4 @@ fn checked(name: &str) -> &str {
         "`{name}` is not a name inside a result folder"
     );
     name
-}
-
-/// Why a folder with results and without a manifest is refused: they may be a part of those in a folder above.
-fn unlisted_results(folder: PathBuf) -> ResultFolderError {
-    let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
-    for above in path.ancestors().skip(1) {
-        let inside = path.strip_prefix(above).unwrap_or(&path);
-        if let Ok(Some(manifest)) = Manifest::read(above)
-            && manifest
-                .files
-                .iter()
-                .any(|name| Path::new(name).starts_with(inside))
-        {
-            return ResultFolderError::PartOfResults {
-                folder,
-                found: manifest.command,
-                results: above.to_owned(),
-            };
-        }
-    }
-    ResultFolderError::NoManifest { folder }
-}
-
-/// Whether `folder` holds a `summary.json` of this program.
-fn has_unlisted_results(folder: &Path) -> bool {
-    let Ok(summary) = read_json::<Value>(folder.join("summary.json")) else {
-        return false;
-    };
-    let has = |key: &str, is: fn(&Value) -> bool| summary.get(key).is_some_and(is);
-    has("schema", Value::is_u64)
-        && has("command", Value::is_string)
-        && has("version", Value::is_string)
 }

@@ -225,7 +225,7 @@ impl Checkpoints<'_> {
         case: &C,
         results: &C::Results,
     ) -> Result<(), CheckpointError> {
-        let path = self.folder.claim(&self.file(case))?;
+        let path = self.folder.claim_checkpoint(&self.file(case))?;
         let checkpoint = Checkpoint {
             schema: SCHEMA,
             study: self.study.to_owned(),

@@ -198,7 +198,7 @@ impl<'a> SurfaceCheckpoints<'a> {
     }
 
     fn write_file(&self, number: usize, surfaces: &Surfaces) -> Result<(), CheckpointError> {
-        let path = self.folder.claim(&file_name(number))?;
+        let path = self.folder.claim_checkpoint(&file_name(number))?;
         let json = |error| {
             ResultFolderError::Write(asperity_io::WriteError::Json {
                 path: path.clone(),

@@ -3,10 +3,12 @@
 use std::fs;
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::*;
 use crate::build::{Build, RESULTS_EPOCH};
 use crate::files::manifest::MANIFEST;
-use crate::files::{write_bytes, write_json};
+use crate::files::{read_json, write_bytes, write_json};
 
 const USER: &str = "the user's own";
 
@@ -68,16 +70,17 @@ fn manifest_lists_command_build_and_files() {
     run(folder.path(), &["b.csv", "sub/deep/a.csv"], "1");
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
     let build = Build::current();
+    let content = serde_json::json!({"bytes": 1, "md5": "c4ca4238a0b923820dcc509a6f75849b"});
     assert_eq!(
         manifest,
         serde_json::json!({
-            "schema": 1,
+            "schema": 2,
             "command": "verify",
             "version": build.version,
             "results_epoch": RESULTS_EPOCH,
             "commit": build.commit,
             "complete": true,
-            "files": ["b.csv", "sub/deep/a.csv"],
+            "files": {"b.csv": content, "sub/deep/a.csv": content},
         })
     );
 }
@@ -175,6 +178,112 @@ fn folders_and_links_in_the_way_are_refused() {
     }
 }
 
+#[test]
+fn changed_files_are_refused_before_the_run_and_survive() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let names = ["a.csv", "lobes.png", "cases/b.csv"];
+    run(path, &names, "result");
+    // Of another length and of the same, written again by the next run or not
+    for (name, own) in [
+        ("a.csv", USER),
+        ("lobes.png", "RESULT"),
+        ("cases/b.csv", ""),
+    ] {
+        fs::write(path.join(name), own).unwrap();
+        let before = text(path, MANIFEST);
+        for written in [&names[..], &["a.csv"], &["new.csv"]] {
+            let error = refused(
+                open(path).check(written),
+                "was changed after the `verify` run",
+            );
+            assert!(
+                matches!(&error, ResultFolderError::Changed { path: p, .. } if *p == path.join(name))
+            );
+            assert_eq!(text(path, MANIFEST), before);
+        }
+        refused(open(path).claim(name), "was changed after");
+        assert_eq!(text(path, name), own);
+        // Moved or deleted, it is not in the way.
+        fs::remove_file(path.join(name)).unwrap();
+        run(path, &names, "result");
+    }
+}
+
+#[test]
+fn files_changed_during_a_run_are_not_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv", "old.csv", "older.csv"], "first");
+    let results = open(path);
+    results.check(["a.csv"]).unwrap();
+    write(&results, &["a.csv"], "second");
+    fs::write(path.join("old.csv"), USER).unwrap();
+    results.discard("old.csv").unwrap();
+    results.finish(true).unwrap();
+    assert_eq!(tree(path), ["a.csv", MANIFEST, "old.csv"]);
+    assert_eq!(text(path, "old.csv"), USER);
+    // From then on it is the user's.
+    refused(open(path).check(["old.csv"]), "not written by an earlier");
+}
+
+/// What a killed run wrote cannot be told from a change, and counts as ours. What it did not claim is known.
+#[test]
+fn files_of_a_killed_run_count_as_unchanged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv", "b.csv"], "first");
+    let results = open(path);
+    write(&results, &["new.csv", "a.csv"], "second");
+    drop(results);
+    for name in ["a.csv", "new.csv"] {
+        fs::write(path.join(name), "half").unwrap();
+        open(path).check([name]).unwrap();
+    }
+    fs::write(path.join("b.csv"), USER).unwrap();
+    refused(open(path).check(["a.csv"]), "b.csv` was changed after");
+}
+
+#[test]
+fn checkpoints_are_extended_and_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    let results = open(path);
+    for name in ["cells/1.json", "cells/2.json"] {
+        write_bytes(results.claim_checkpoint(name).unwrap(), b"1").unwrap();
+    }
+    results.finish(false).unwrap();
+    // A damaged one is found by its reader, not by the folder.
+    fs::write(path.join("cells/1.json"), "damaged").unwrap();
+    let results = open(path);
+    results.check(["a.csv"]).unwrap();
+    results.keep("cells/2.json");
+    write_bytes(results.claim_checkpoint("cells/1.json").unwrap(), b"2").unwrap();
+    results.finish(false).unwrap();
+    let manifest: Value = read_json(path.join(MANIFEST)).unwrap();
+    assert_eq!(
+        manifest["files"],
+        serde_json::json!({"cells/1.json": null, "cells/2.json": null})
+    );
+}
+
+/// A list of names, as the first form of the manifest has it, says nothing of contents.
+#[test]
+fn manifests_of_the_first_form_are_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    run(path, &["a.csv", "old.csv"], "first");
+    let mut manifest: Value = read_json(path.join(MANIFEST)).unwrap();
+    manifest["schema"] = 1.into();
+    manifest["files"] = serde_json::json!(["a.csv", "old.csv"]);
+    write_json(path.join(MANIFEST), &manifest).unwrap();
+    fs::write(path.join("a.csv"), "other").unwrap();
+    run(path, &["a.csv"], "second");
+    assert_eq!(tree(path), ["a.csv", MANIFEST]);
+    let manifest: Value = read_json(path.join(MANIFEST)).unwrap();
+    assert_eq!(manifest["schema"], 2);
+}
+
 /// What is no longer the file that was written is no longer ours.
 #[cfg(unix)]
 #[test]
@@ -258,13 +367,12 @@ fn names_are_listed_before_their_files_exist() {
         let file = results.claim(name).unwrap();
         assert!(!file.exists() && file.parent().unwrap().is_dir());
         let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
-        let files = manifest["files"].as_array().unwrap();
-        assert!(files.contains(&name.into()), "{files:?}");
+        assert_eq!(manifest["files"].get(name), Some(&Value::Null), "{name}");
     }
     // What was claimed but not written is not listed in the end.
     results.finish(true).unwrap();
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
-    assert_eq!(manifest["files"], serde_json::json!([]));
+    assert_eq!(manifest["files"], serde_json::json!({}));
 }
 
 #[test]
@@ -347,10 +455,11 @@ fn invalid_manifests_are_refused_and_left() {
     let absolute = outside.path().to_str().unwrap();
     for (manifest, words) in [
         ("{}".to_owned(), "missing field"),
+        (valid.replace("\"md5\"", "\"sha1\""), "not a manifest"),
         (String::new(), "EOF"),
         (valid[..valid.len() / 2].to_owned(), "not a manifest"),
         (
-            valid.replace("\"schema\": 1", "\"schema\": 7"),
+            valid.replace("\"schema\": 2", "\"schema\": 7"),
             "schema is 7",
         ),
         (valid.replace("a.csv", "../a.csv"), "`../a.csv`"),
@@ -377,7 +486,10 @@ fn stale_parts_are_swept_from_all_folders_of_results() {
     let check = || open(path).check(["cells/1.json"]).unwrap();
     let write = || run(path, &["cells/1.json"], "1");
     for sweep in [&check as &dyn Fn(), &write] {
-        for name in [".asperity-a.part", "cells/.asperity-b.part"] {
+        for name in [
+            ".asperity-0123456789ab.part",
+            "cells/.asperity-0123456789ac.part",
+        ] {
             let part = fs::File::create(path.join(name)).unwrap();
             let hour = std::time::Duration::from_secs(3600);
             part.set_modified(std::time::SystemTime::now() - hour)
@@ -406,7 +518,7 @@ fn files_are_claimed_from_several_threads() {
     });
     results.finish(true).unwrap();
     let manifest: Value = read_json(folder.path().join(MANIFEST)).unwrap();
-    assert_eq!(manifest["files"].as_array().unwrap().len(), 32);
+    assert_eq!(manifest["files"].as_object().unwrap().len(), 32);
 }
 
 #[test]

@@ -11,6 +11,7 @@ use zip::result::ZipError;
 use super::grid::Grid;
 use super::xml::{Xml, malformed};
 use crate::error::ReadError;
+use crate::files::hex;
 use crate::limits::{COMPRESSION_LIMIT, check_packed_claim, room};
 
 /// Refuses a part whose MD5 checksum is not the stated one.
@@ -30,18 +31,6 @@ pub(super) fn verify_checksum(
         found,
         stated: stated.trim().chars().take(40).collect(),
     })
-}
-
-pub(super) fn hex(digest: Md5) -> String {
-    use std::fmt::Write;
-    digest
-        .finalize()
-        .iter()
-        .fold(String::new(), |mut text, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        })
 }
 
 /// The parts of the archive.

@@ -9,9 +9,9 @@ use zip::result::ZipError;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::archive::hex;
 use super::{CHECKSUM, MAIN};
 use crate::error::WriteError;
+use crate::files::hex;
 use crate::height_maps::unit::power_of;
 
 const DATA: &str = "bindata/data.bin";

@@ -1,0 +1,42 @@
+//! Unlisted results: results in a folder without a manifest.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::error::ResultFolderError;
+use crate::files::manifest::Manifest;
+use crate::files::text::read_json;
+
+/// Why a folder with results and without a manifest is refused: they may be a part of those in a folder above.
+pub(super) fn unlisted_results(folder: PathBuf) -> ResultFolderError {
+    let path = fs::canonicalize(&folder).unwrap_or_else(|_| folder.clone());
+    for above in path.ancestors().skip(1) {
+        let inside = path.strip_prefix(above).unwrap_or(&path);
+        if let Ok(Some(manifest)) = Manifest::read(above)
+            && manifest
+                .files
+                .keys()
+                .any(|name| Path::new(name).starts_with(inside))
+        {
+            return ResultFolderError::PartOfResults {
+                folder,
+                found: manifest.command,
+                results: above.to_owned(),
+            };
+        }
+    }
+    ResultFolderError::NoManifest { folder }
+}
+
+/// Whether `folder` holds a `summary.json` of this program.
+pub(super) fn has_unlisted_results(folder: &Path) -> bool {
+    let Ok(summary) = read_json::<Value>(folder.join("summary.json")) else {
+        return false;
+    };
+    let has = |key: &str, is: fn(&Value) -> bool| summary.get(key).is_some_and(is);
+    has("schema", Value::is_u64)
+        && has("command", Value::is_string)
+        && has("version", Value::is_string)
+}
