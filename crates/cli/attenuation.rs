@@ -8,11 +8,10 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::end::End;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_surface};
-use crate::interrupt;
-use crate::output::{result_folder, say};
+use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
@@ -37,21 +36,20 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         None => None,
     };
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = attenuation(&config, &progress).map_err(Failure::failed)?;
-    let is_stopped = outcome.stopped_by.is_some();
-    if let Some(folder) = folder {
-        attenuation_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
-        folder.finish(!is_stopped).map_err(Failure::failed)?;
+    if let Some(folder) = &folder {
+        attenuation_report(folder, &outcome, &progress).map_err(Failure::failed)?;
     }
-    let end = End::of(is_stopped);
-    if end == End::Interrupted {
-        say(&format!(
-            "interrupted; results are of {} that finished, and the same command starts again",
+    let ended = EndedRun {
+        stopped_by: outcome.stopped_by,
+        so_far: &format!(
+            "results are of {} that finished",
             counted(outcome.work.realisations, "surface")
-        ));
-    }
+        ),
+        again: Again::StartsAgain,
+    };
+    let end = ended.close(folder)?;
     common.say(|| {
         let work = &outcome.work;
         format!(

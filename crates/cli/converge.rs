@@ -7,11 +7,10 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::end::End;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
-use crate::interrupt;
-use crate::output::{result_folder, say};
+use crate::output::result_folder;
 use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
@@ -26,16 +25,19 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let names = config.files().map_err(Failure::failed)?;
     let folder = result_folder(&results.required(), "converge", &[document.file()], &names)?;
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = converge(&config, &progress).map_err(Failure::failed)?;
     converge_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
-    let is_stopped = outcome.left_out > 0;
-    folder.finish(!is_stopped).map_err(Failure::failed)?;
-    let end = End::of(is_stopped);
-    if end == End::Interrupted {
-        say("interrupted; the cases that finished are written, and the same command starts again");
-    }
+    let finished = outcome.cases.len();
+    let ended = EndedRun {
+        stopped_by: outcome.stopped_by(),
+        so_far: &format!(
+            "{finished} of {} cases are finished",
+            finished + outcome.left_out
+        ),
+        again: Again::StartsAgain,
+    };
+    let end = ended.close(Some(folder))?;
     common.say(|| {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)

@@ -2,7 +2,11 @@
 
 use std::process::ExitCode;
 
-use crate::interrupt;
+use asperity_io::ResultFolder;
+use asperity_simulate::StoppedBy;
+
+use crate::failure::Failure;
+use crate::output::say;
 
 /// Exit code of a run that an interrupt ended early, and that wrote what it had.
 const INTERRUPTED: u8 = 3;
@@ -16,19 +20,101 @@ pub(crate) enum End {
     Interrupted,
 }
 
-impl End {
-    /// That of a run which `is_stopped` early or not. An interrupt that comes after the work changes nothing.
-    pub(crate) fn of(is_stopped: bool) -> Self {
-        match is_stopped && interrupt::came() {
-            true => Self::Interrupted,
-            false => Self::Complete,
+/// What a run does that is stopped and started again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Again {
+    /// It goes on with what is finished.
+    Resumes,
+    /// It would go on if it had a folder to keep what is finished in.
+    ResumesWithOutput,
+    /// It computes everything anew.
+    StartsAgain,
+}
+
+/// A run that wrote its results.
+pub(crate) struct EndedRun<'a> {
+    /// What ended it before all that was planned was done.
+    pub(crate) stopped_by: Option<StoppedBy>,
+    /// What is finished of a run that was stopped: a clause.
+    pub(crate) so_far: &'a str,
+    pub(crate) again: Again,
+}
+
+impl EndedRun<'_> {
+    /// Marks the results in `folder` as complete or not, and says what stopped the run, if something did.
+    pub(crate) fn close(self, folder: Option<ResultFolder>) -> Result<End, Failure> {
+        if let Some(folder) = folder {
+            let is_complete = self.stopped_by.is_none();
+            folder.finish(is_complete).map_err(Failure::failed)?;
         }
+        if let Some(line) = self.line() {
+            say(&line);
+        }
+        Ok(match self.stopped_by {
+            Some(StoppedBy::Interrupt) => End::Interrupted,
+            _ => End::Complete,
+        })
     }
 
+    /// What is said of a run that was stopped.
+    fn line(&self) -> Option<String> {
+        let why = match self.stopped_by? {
+            StoppedBy::Interrupt => "interrupted",
+            StoppedBy::Time => "the time is over",
+            _ => return None,
+        };
+        let again = match self.again {
+            Again::Resumes => "the same command resumes",
+            Again::ResumesWithOutput => "the same command with -o resumes",
+            Again::StartsAgain => "the same command starts again",
+        };
+        Some(format!("{why}; {}, and {again}", self.so_far))
+    }
+}
+
+impl End {
     pub(crate) fn code(self) -> ExitCode {
         match self {
             Self::Complete => ExitCode::SUCCESS,
             Self::Interrupted => ExitCode::from(INTERRUPTED),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether an interrupt came does not matter, only what stopped the run.
+    #[test]
+    fn only_runs_that_an_interrupt_stopped_are_interrupted() {
+        let ended = |stopped_by| EndedRun {
+            stopped_by,
+            so_far: "all is written",
+            again: Again::StartsAgain,
+        };
+        for (stopped_by, end, words) in [
+            (None, End::Complete, None),
+            (Some(StoppedBy::Target), End::Complete, None),
+            (
+                Some(StoppedBy::Time),
+                End::Complete,
+                Some("the time is over"),
+            ),
+            (
+                Some(StoppedBy::Interrupt),
+                End::Interrupted,
+                Some("interrupted"),
+            ),
+        ] {
+            let line = words
+                .map(|words| format!("{words}; all is written, and the same command starts again"));
+            assert_eq!(ended(stopped_by).line(), line);
+            assert!(
+                ended(stopped_by)
+                    .close(None)
+                    .is_ok_and(|found| found == end)
+            );
         }
     }
 }

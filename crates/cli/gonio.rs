@@ -6,12 +6,11 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, say_completion};
-use crate::end::End;
+use crate::completion::say_completion;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
-use crate::interrupt;
 use crate::output::result_folder;
 use crate::progress::Progress;
 
@@ -44,25 +43,27 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let inputs = [document.file(), config.measured.file.as_deref()];
     let folder = result_folder(&results.required(), "gonio", &inputs, &names)?;
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = gonio(&config, sample, &folder, &progress).map_err(|error| match error {
         GonioError::Config(error) => refuse_config(document, &error),
         _ => Failure::failed(error),
     })?;
     gonio_report(&folder, &outcome).map_err(Failure::failed)?;
-    let is_complete = outcome.completion.stopped_by.is_none();
-    folder.finish(is_complete).map_err(Failure::failed)?;
-    let directions = Cases {
-        name: "direction",
-        total: outcome.directions.len(),
-        missing: outcome.missing(),
+    let total = outcome.directions.len();
+    let ended = EndedRun {
+        stopped_by: outcome.completion.stopped_by,
+        so_far: &format!(
+            "{} of {total} directions are finished",
+            total - outcome.missing()
+        ),
+        again: Again::Resumes,
     };
-    say_completion(&outcome.completion, &directions, common);
+    say_completion(&outcome.completion, "direction", common);
+    let end = ended.close(Some(folder))?;
     results.print(
         common,
         || gonio_summary(&outcome),
         || gonio_table(&outcome) + "\n",
     )?;
-    Ok(End::of(!is_complete))
+    Ok(end)
 }

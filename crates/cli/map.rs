@@ -4,11 +4,10 @@ use asperity_studies::settings::Document;
 use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_table};
 
 use crate::common::{Common, Results};
-use crate::completion::{Cases, say_completion};
-use crate::end::End;
+use crate::completion::say_completion;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
-use crate::interrupt;
 use crate::output::result_folder;
 use crate::progress::Progress;
 
@@ -25,25 +24,27 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         .map_err(|error| refuse_config(document, &error))?;
     let folder = result_folder(&results.required(), "map", &[document.file()], &names)?;
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = map(&config, &folder, &progress).map_err(|error| match error {
         MapError::Config(error) => refuse_config(document, &error),
         _ => Failure::failed(error),
     })?;
     map_report(&folder, &outcome).map_err(Failure::failed)?;
-    let is_complete = outcome.completion.stopped_by.is_none();
-    folder.finish(is_complete).map_err(Failure::failed)?;
-    let cells = Cases {
-        name: "cell",
-        total: outcome.cells.len(),
-        missing: outcome.missing(),
+    let total = outcome.cells.len();
+    let ended = EndedRun {
+        stopped_by: outcome.completion.stopped_by,
+        so_far: &format!(
+            "{} of {total} cells are finished",
+            total - outcome.missing()
+        ),
+        again: Again::Resumes,
     };
-    say_completion(&outcome.completion, &cells, common);
+    say_completion(&outcome.completion, "cell", common);
+    let end = ended.close(Some(folder))?;
     results.print(
         common,
         || map_summary(&outcome),
         || map_table(&outcome) + "\n",
     )?;
-    Ok(End::of(!is_complete))
+    Ok(end)
 }

@@ -33,7 +33,9 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    pub(crate) fn new(common: &Common) -> Self {
+    /// Of a run that begins: from now on the first interrupt ends it with the results so far.
+    pub(crate) fn begin_run(common: &Common) -> Self {
+        interrupt::listen();
         let shown = match (common.quiet, stderr().is_terminal()) {
             (true, _) => Shown::Nothing,
             (false, true) => Shown::Bar(None),

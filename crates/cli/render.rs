@@ -18,12 +18,11 @@ use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
 
 use crate::common::Common;
-use crate::end::End;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::refuse_simulation;
-use crate::interrupt;
-use crate::output::{note_lines, print, say};
+use crate::output::{note_lines, print};
 use crate::output_files::check_outputs;
 use crate::progress::Progress;
 
@@ -124,8 +123,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let render_settings = settings.render_settings(settings.view(surface.extent())?, lights)?;
     let shape = settings.shape(&surface, common)?;
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let progress = Deadline::new(&progress, settings.run.max_time.and_then(Seconds::duration));
     let outcome = settings.rendered(&shape, &render_settings, &progress)?;
     let factor = picture
@@ -134,13 +132,15 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     for path in &picture.output {
         write_picture(path, &outcome.picture, factor, COMMENT).map_err(Failure::failed)?;
     }
-    let end = End::of(outcome.stopped_by.is_some());
-    if end == End::Interrupted {
-        say(&format!(
-            "interrupted; the picture of {} per pixel so far is written, and the same command starts again",
-            counted(outcome.samples, "camera ray"),
-        ));
-    }
+    let ended = EndedRun {
+        stopped_by: outcome.stopped_by,
+        so_far: &format!(
+            "the picture of {} per pixel is written",
+            counted(outcome.samples, "camera ray")
+        ),
+        again: Again::StartsAgain,
+    };
+    let end = ended.close(None)?;
     if common.quiet {
         return Ok(end);
     }

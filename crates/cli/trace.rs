@@ -10,11 +10,10 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::completion::say_notes;
-use crate::end::End;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::given::{read_bottom, required_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation};
-use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Progress;
 
@@ -52,19 +51,26 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         }
     }
 
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = planned
         .run(checkpoints.as_ref(), &progress)
         .map_err(refuse)?;
-    let is_stopped = outcome.is_stopped();
+    let stopped_by = outcome.stopped_by;
     if let (Some(folder), Some(checkpoints)) = (&folder, checkpoints) {
         trace_report(folder, &outcome).map_err(Failure::failed)?;
-        checkpoints.close(is_stopped).map_err(Failure::failed)?;
+        let closed = checkpoints.close(stopped_by.is_some());
+        closed.map_err(Failure::failed)?;
     }
-    if let Some(folder) = folder {
-        folder.finish(!is_stopped).map_err(Failure::failed)?;
-    }
+    let (so_far, again) = match &folder {
+        Some(_) => ("the results so far are written", Again::Resumes),
+        None => ("these are the results so far", Again::ResumesWithOutput),
+    };
+    let ended = EndedRun {
+        stopped_by,
+        so_far,
+        again,
+    };
+    let end = ended.close(folder)?;
     common.say(|| {
         let work = &outcome.outcome.work;
         format!(
@@ -72,13 +78,6 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             work.build_seconds, work.trace_seconds
         )
     });
-    let end = End::of(is_stopped);
-    if end == End::Interrupted {
-        say(match &results.output {
-            Some(_) => "interrupted; the results so far are written, and the same command resumes",
-            None => "interrupted; these are the results so far, and with -o a run resumes",
-        });
-    }
     results.print(common, || trace_summary(&outcome), || trace_table(&outcome))?;
     Ok(end)
 }

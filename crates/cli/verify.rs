@@ -6,10 +6,9 @@ use asperity_studies::{VerifyConfig, resume_verify, verify_report, verify_summar
 
 use crate::common::{Common, Results};
 use crate::completion::say_notes;
-use crate::end::End;
+use crate::end::{Again, End, EndedRun};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
-use crate::interrupt;
 use crate::output::{result_folder, say};
 use crate::progress::Progress;
 
@@ -35,22 +34,23 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             counted(checkpoints.resumed() as u64, "surface")
         ));
     }
-    let progress = Progress::new(common);
-    interrupt::listen();
+    let progress = Progress::begin_run(common);
     let outcome = resume_verify(&config, &checkpoints, &progress)
         .map_err(|error| refuse_verification(document, error))?;
     verify_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
-    let is_stopped = outcome.is_stopped();
-    checkpoints.close(is_stopped).map_err(Failure::failed)?;
-    folder.finish(!is_stopped).map_err(Failure::failed)?;
+    let stopped_by = outcome.stopped_by();
+    let closed = checkpoints.close(stopped_by.is_some());
+    closed.map_err(Failure::failed)?;
+    let ended = EndedRun {
+        stopped_by,
+        so_far: "the results so far are written",
+        again: Again::Resumes,
+    };
+    let end = ended.close(Some(folder))?;
     common.say(|| {
         let cases = counted(outcome.cases.len() as u64, "case");
         format!("{cases} in {:.1} s", outcome.seconds)
     });
-    let end = End::of(is_stopped);
-    if end == End::Interrupted {
-        say("interrupted; the results so far are written, and the same command resumes");
-    }
     results.print(
         common,
         || verify_summary(&outcome),

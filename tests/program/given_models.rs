@@ -95,15 +95,18 @@ fn a_comparison_that_was_stopped_is_said_to_be_missing_and_resumes() {
     let folder = folder.path();
     rough(folder, "3");
     let models = "--models smith";
-    let stopped = trace(folder, &format!("{models} --max-time 1e-6 -o out"));
-    let text = stopped.split_whitespace().collect::<Vec<_>>().join(" ");
+    let line = format!("trace rough.npy --border periodic {LIGHT} {models} -o out");
+    let stopped = asperity(folder, &words(&format!("{line} --max-time 1e-6")));
+    let errors = errors_of(&stopped);
+    assert!(errors.starts_with("the time is over; "), "{errors}");
+    let text = String::from_utf8(stopped.stdout).unwrap();
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         text.contains("ended before the surface was compared"),
         "{text}"
     );
     assert!(!folder.join("out/comparison.csv").exists());
     assert!(folder.join("out/checkpoints").exists());
-    let line = format!("trace rough.npy --border periodic {LIGHT} {models} -o out");
     let resumed = asperity(folder, &words(&line));
     assert!(resumed.status.success());
     let notes = errors_of(&resumed);

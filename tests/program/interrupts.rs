@@ -123,9 +123,29 @@ fn other_signals_that_end_a_program_are_interrupts_too() {
         send(signal, &program);
         let (code, errors) = ended(program);
         assert_eq!(code, Some(3), "{signal}: {errors}");
-        let said = "interrupted; these are the results so far, and with -o a run resumes\n";
+        let said =
+            "interrupted; these are the results so far, and the same command with -o resumes\n";
         assert_eq!(errors, said);
     }
+}
+
+/// A run that its own time limit ended is no interrupted run, even if an interrupt comes while it writes its results.
+#[test]
+fn an_interrupt_after_the_time_limit_changes_nothing() {
+    let (_keep, folder) = with_surface();
+    // Its first case takes far longer than its time, so that it is over before the next is begun.
+    let line = "gonio --tau 4 --size 64 --theta 0,30,60 --smoothness 2 --rays 4e5 --realisations 4 --bins 60x60 --max-time 0.01 --no-plots -o g";
+    let program = begun(&folder, &words(line));
+    let began = Instant::now();
+    // The first of several tables that are written at the end
+    while !folder.join("g/gonio.csv").exists() {
+        assert!(began.elapsed() < Duration::from_secs(60), "never written");
+        sleep(Duration::from_millis(1));
+    }
+    send("-INT", &program);
+    let (code, errors) = ended(program);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(errors.starts_with("the time is over; 1 of 3"), "{errors}");
 }
 
 #[test]

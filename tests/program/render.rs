@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::{files, refused, succeed, with_surface, words};
+use crate::support::{asperity, errors_of, files, refused, succeed, with_surface, words};
 
 const SMALL: &str = "render h.exr --size 24x18 --samples 4";
 
@@ -163,7 +163,11 @@ fn long_flights_and_many_lines_come_to_an_end() {
         "--samples 1e8 --max-time 0.05",
     ] {
         let command = format!("render --flat --size 8x6 {flags} -o f.exr");
-        succeed(&folder, &words(&command));
+        let output = asperity(&folder, &words(&command));
+        let errors = errors_of(&output);
+        assert!(output.status.success(), "{errors}");
+        let is_stopped = errors.starts_with("the time is over; the picture of ");
+        assert_eq!(is_stopped, flags.contains("--max-time"), "{errors}");
     }
 }
 

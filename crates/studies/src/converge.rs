@@ -44,7 +44,7 @@ mod tables;
 #[cfg(test)]
 mod tests;
 
-use asperity_simulate::{Observer, SimulateError};
+use asperity_simulate::{Observer, SimulateError, StoppedBy};
 use std::time::Instant;
 
 use asperity_analysis::ModelError;
@@ -233,6 +233,12 @@ impl ConvergeOutcome {
     /// Whether there were several cases to measure.
     fn several(&self) -> bool {
         self.cases.len() + self.left_out > 1
+    }
+
+    /// What ended the run before all cases were measured: nothing but an interrupt does.
+    #[must_use]
+    pub fn stopped_by(&self) -> Option<StoppedBy> {
+        (self.left_out > 0).then_some(StoppedBy::Interrupt)
     }
 }
 

@@ -9,7 +9,7 @@ mod text;
 
 use asperity_io::ResultFolder;
 use asperity_simulate::{
-    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, Stopping,
+    Cells, Deadline, Lobe, Observer, Outcome, Shape, SimulateError, Simulation, StoppedBy, Stopping,
 };
 use asperity_surface::LengthUnit;
 use asperity_tally::TallySpec;
@@ -140,6 +140,8 @@ pub struct TraceOutcome {
     pub outcome: Outcome,
     /// The surface against models; `None` without any, or if a stop came before.
     pub comparison: Option<TraceComparison>,
+    /// What ended the run before all that was planned was done.
+    pub stopped_by: Option<StoppedBy>,
     /// What a reader should know.
     pub warnings: Vec<String>,
     /// Lengths of the surface against the wavelength, where its unit is known.
@@ -151,12 +153,6 @@ pub struct TraceOutcome {
 }
 
 impl TraceOutcome {
-    /// Whether the run ended before all that was planned was done.
-    #[must_use]
-    pub fn is_stopped(&self) -> bool {
-        self.outcome.stopping.is_cut_short() || self.lacks_comparison()
-    }
-
     /// Whether a stop came before the comparison that was requested.
     fn lacks_comparison(&self) -> bool {
         self.comparison.is_none() && !self.config.compare.models.is_empty()
@@ -275,9 +271,18 @@ impl PlannedTrace {
             spec: self.spec,
             outcome,
             comparison,
+            stopped_by: None,
             warnings: self.warnings,
             validity: self.validity,
             described: self.described,
+        };
+        let stopping = &found.outcome.stopping;
+        found.stopped_by = if stopping.is_cut_short() {
+            Some(stopping.stopped_by)
+        } else if found.lacks_comparison() {
+            deadline.stop().or(Some(StoppedBy::Interrupt))
+        } else {
+            None
         };
         let lost = lost_warning(&found.outcome.statistics);
         let ending = found.stopping().map(|stopping| stopping.warnings.clone());

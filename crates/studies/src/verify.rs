@@ -113,13 +113,16 @@ impl VerifyOutcome {
         self.cases.len() + self.left_out.len() > 1
     }
 
-    /// Whether the run ended before all that was planned was done.
+    /// What ended the run before all that was planned was done; an interrupt, if that and the time limit ended cases.
     #[must_use]
-    pub fn is_stopped(&self) -> bool {
+    pub fn stopped_by(&self) -> Option<StoppedBy> {
         let ends = self.cases.iter().filter_map(|case| case.stopping.as_ref());
-        let mut ends = ends.map(|stopping| stopping.stopped_by);
-        !self.left_out.is_empty()
-            || ends.any(|end| matches!(end, StoppedBy::Time | StoppedBy::Interrupt))
+        let ended = |by| ends.clone().any(|stopping| stopping.stopped_by == by);
+        if !self.left_out.is_empty() || ended(StoppedBy::Interrupt) {
+            Some(StoppedBy::Interrupt)
+        } else {
+            ended(StoppedBy::Time).then_some(StoppedBy::Time)
+        }
     }
 }
 
