@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use asperity_io::{check_output_folder, create_output_folder, write_bytes};
+use asperity_io::{check_output_folder, create_output_folder, exists, read_text, write_bytes};
 use clap::builder::{PossibleValuesParser, ValueHint};
 use clap::{Arg, ArgMatches};
 use clap_complete::{Shell, generate};
@@ -118,18 +118,40 @@ fn completions(shell: Shell, mut program: clap::Command) -> String {
     String::from_utf8_lossy(&script).into_owned()
 }
 
-/// Writes one page per command, and one of the program.
+/// How a line of every page of ours begins, by which pages of an earlier call are told from other files.
+const MARK: &str = ".TH asperity";
+
+/// Writes one page per command, and one of the program. Replaces pages of an earlier call and no other file.
 fn write_pages(folder: &Path, program: clap::Command) -> Result<(), Failure> {
     check_output_folder(folder).map_err(Failure::failed)?;
-    create_output_folder(folder).map_err(Failure::failed)?;
     let mut program = program.disable_help_subcommand(true);
     program.build();
     let commands = program.get_subcommands().cloned().collect::<Vec<_>>();
+    let mut pages = Vec::new();
     for command in [vec![program], commands].concat() {
         let page = Man::new(command);
         let mut text = Vec::new();
         page.render(&mut text).map_err(Failure::failed)?;
-        write_bytes(folder.join(page.get_filename()), &text).map_err(Failure::failed)?;
+        pages.push((folder.join(page.get_filename()), text));
+    }
+    for (path, _) in &pages {
+        refuse_other_file(path)?;
+    }
+    create_output_folder(folder).map_err(Failure::failed)?;
+    for (path, text) in pages {
+        write_bytes(path, &text).map_err(Failure::failed)?;
     }
     Ok(())
+}
+
+/// Refuses the name of a page under which there is something else.
+fn refuse_other_file(path: &Path) -> Result<(), Failure> {
+    let is_page = |text: String| text.lines().any(|line| line.starts_with(MARK));
+    if !exists(path) || read_text(path).is_ok_and(is_page) {
+        return Ok(());
+    }
+    Err(Failure::failed(format!(
+        "`{}` is not a man page of this program and is not replaced; move it or choose another folder",
+        path.display()
+    )))
 }

@@ -94,6 +94,39 @@ fn man_writes_a_page_for_every_command() {
     assert!(said.contains("file"), "{said}");
 }
 
+/// Nothing is written if one of the pages would replace a file of the user.
+#[test]
+fn man_replaces_no_file_but_its_own_pages() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    fs::create_dir(folder.join("mine")).unwrap();
+    let own = folder.join("mine/asperity-trace.1");
+    for content in [
+        &b"mine\n"[..],
+        b"",
+        b"\xff\xfe",
+        b".TH other 1\n.SH asperity\n",
+    ] {
+        fs::write(&own, content).unwrap();
+        let said = refused(folder, &["man", "mine"], 1);
+        assert!(
+            said.contains("asperity-trace.1` is not a man page of this program"),
+            "{said}"
+        );
+        assert_eq!(fs::read(&own).unwrap(), content);
+        assert_eq!(files(&folder.join("mine")), ["asperity-trace.1"]);
+    }
+    fs::remove_file(&own).unwrap();
+    succeed(folder, &["man", "mine"]);
+    for name in files(&folder.join("mine")) {
+        let page = fs::read_to_string(folder.join("mine").join(&name)).unwrap();
+        assert!(
+            page.lines().any(|line| line.starts_with(".TH asperity")),
+            "{name}"
+        );
+    }
+}
+
 /// Text as pages write it.
 fn escaped(text: &str) -> String {
     text.replace('-', "\\-")
