@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::output::Supported;
 use crate::report::energies::lost_warning;
-use crate::report::support::FluxSupport;
+use crate::report::flux_support::FluxSupport;
 
 /// Means with their standard errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -150,27 +150,14 @@ const ROUNDING: f64 = 1e-9;
 impl DirectionResults {
     /// Takes from a run what a measurement keeps.
     pub(super) fn of(outcome: &Outcome) -> Self {
+        let statistics = &outcome.statistics;
         Self {
             surfaces: outcome.work.realisations,
             rays: outcome.work.rays,
             errors_from: outcome.errors_from.name().to_owned(),
             support: FluxSupport::of(outcome),
-            ..Self::of_statistics(&outcome.statistics)
-        }
-    }
-
-    /// The fluxes alone, as if nothing had been traced.
-    fn of_statistics(statistics: &TallyStatistics) -> Self {
-        let budget = statistics.budget();
-        Self {
-            surfaces: 0,
-            rays: 0,
-            errors_from: String::new(),
-            support: FluxSupport::of_model(0),
-            budget: Means::collect(vec![budget.absorbed, budget.truncated, budget.lost]),
-            components: kept_components(statistics.spec())
-                .map(|component| MeasuredComponent::of(component, statistics))
-                .collect(),
+            budget: endings_of(statistics),
+            components: components_of(statistics),
             warnings: lost_warning(statistics).into_iter().collect(),
         }
     }
@@ -237,6 +224,18 @@ impl DirectionResults {
     }
 }
 
+/// Flux that was absorbed, truncated and lost.
+fn endings_of(statistics: &TallyStatistics) -> Means {
+    let budget = statistics.budget();
+    Means::collect(vec![budget.absorbed, budget.truncated, budget.lost])
+}
+
+fn components_of(statistics: &TallyStatistics) -> Vec<MeasuredComponent> {
+    kept_components(statistics.spec())
+        .map(|component| MeasuredComponent::of(component, statistics))
+        .collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,7 +259,21 @@ mod tests {
         tally[TallySpec::BUDGET.absorbed] = 0.25;
         let mut statistics = TallyStatistics::new(*spec);
         (0..2).for_each(|_| statistics.push(&tally));
-        DirectionResults::of_statistics(&statistics)
+        let support = serde_json::json!({
+            "basis": { "samples": 1000.0 },
+            "has_medium": true,
+            "absorbs": true,
+            "transmits": true,
+        });
+        DirectionResults {
+            surfaces: 2,
+            rays: 1000,
+            errors_from: "surfaces".to_owned(),
+            support: serde_json::from_value(support).unwrap(),
+            budget: endings_of(&statistics),
+            components: components_of(&statistics),
+            warnings: Vec::new(),
+        }
     }
 
     #[test]

@@ -16,8 +16,8 @@ use crate::output::{
     BySide, Column, Head, Table, bin_columns, over, projected_solid_angle, solid_angle_column,
 };
 use crate::report::energies::energy_table;
+use crate::report::flux_support::FluxSupport;
 use crate::report::summary::{Order, orders};
-use crate::report::support::FluxSupport;
 
 /// Flux missing from the energies of all orders that no noise explains.
 const UNACCOUNTED: f64 = 0.01;
@@ -36,8 +36,8 @@ pub(super) struct SurfaceBins {
 
 impl SurfaceBins {
     /// What its fluxes rest on whose samples all agree.
-    const fn support(&self) -> FluxSupport {
-        FluxSupport::of_model(self.expectation.rays())
+    fn support(&self) -> FluxSupport {
+        FluxSupport::of_model(self.model.as_ref(), self.expectation.rays())
     }
 
     pub(super) fn of(

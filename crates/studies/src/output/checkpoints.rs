@@ -21,7 +21,7 @@ use super::rounding::rounding;
 use crate::config::values::Seconds;
 
 /// Form of the files; another number is another form.
-const SCHEMA: u64 = 4;
+const SCHEMA: u64 = 5;
 
 /// A case of a long run.
 pub(crate) trait CheckpointCase {

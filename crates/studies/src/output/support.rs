@@ -18,6 +18,10 @@ const ROUNDING: f64 = 1e-9;
 pub(crate) enum Support {
     /// It is proven.
     Proven,
+    /// Quadrature, whose error is far below the digits that are printed.
+    Quadrature,
+    /// Nothing: it is not computed, and zero stands in its place.
+    NotComputed,
     /// So many independent samples, each between zero and one.
     Samples(f64),
     /// Nothing that gives a limit.
@@ -35,8 +39,11 @@ pub(crate) struct Supported {
     /// Limit from below, at 95 %, of what was seen without exception.
     #[serde(skip_serializing_if = "Option::is_none")]
     above: Option<f64>,
+    /// Whether the mean is proven.
+    #[serde(rename = "exact", skip_serializing_if = "is_false")]
+    is_exact: bool,
     #[serde(skip)]
-    is_proven: bool,
+    support: Support,
 }
 
 impl From<Estimate> for Supported {
@@ -57,7 +64,8 @@ impl Supported {
             estimate,
             below: limit.filter(|_| estimate.mean == 0.0),
             above: limit.filter(|_| is_one).map(|limit| 1.0 - limit),
-            is_proven: support == Support::Proven,
+            is_exact: agree && support == Support::Proven,
+            support,
         }
     }
 
@@ -65,7 +73,7 @@ impl Supported {
         self.estimate
     }
 
-    /// As text: with an error, as exact, or with a limit.
+    /// As text: with an error, as exact, as integrated, or with a limit.
     pub(crate) fn text(&self) -> String {
         let Estimate { mean, se } = self.estimate;
         match (se, self.below, self.above) {
@@ -73,10 +81,23 @@ impl Supported {
             (Some(0.0), _, Some(limit)) => {
                 format!("1, all seen, above 1 - {}", two_digits(1.0 - limit))
             }
-            (Some(0.0), ..) if self.is_proven => format!("{} (exact)", short(mean)),
+            (Some(0.0), ..) => match self.support {
+                Support::Proven => format!("{} (exact)", short(mean)),
+                Support::Quadrature => format!("{} (quadrature)", short(mean)),
+                Support::NotComputed => "not computed".to_owned(),
+                Support::Samples(_) | Support::Unknown => with_error(self.estimate),
+            },
             _ => with_error(self.estimate),
         }
     }
+}
+
+#[expect(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "the signature that serde calls"
+)]
+const fn is_false(value: &bool) -> bool {
+    !*value
 }
 
 #[cfg(test)]
@@ -112,12 +133,18 @@ mod tests {
             texts(0.04),
             ["0.04 (exact)", "0.04 (no scatter)", "0.04 (no scatter)"]
         );
+        assert_eq!(
+            agreed(0.04, Support::Quadrature).text(),
+            "0.04 (quadrature)"
+        );
         let scattered = Estimate {
             mean: 0.5,
             se: Some(0.1),
         };
-        for support in [Support::Proven, Support::Samples(1e4)] {
-            assert_eq!(Supported::new(scattered, support).text(), "0.50 +- 0.10");
+        for support in [Support::Proven, Support::Quadrature, Support::Samples(1e4)] {
+            let supported = Supported::new(scattered, support);
+            assert_eq!(supported.text(), "0.50 +- 0.10");
+            assert_eq!(json!(supported), json!({ "mean": 0.5, "se": 0.1 }));
         }
     }
 
@@ -135,7 +162,12 @@ mod tests {
         assert_eq!(value(0.0, Support::Samples(2.0))["below"], 1.0);
         assert_eq!(
             value(0.0, Support::Proven),
-            json!({ "mean": 0.0, "se": 0.0 })
+            json!({ "mean": 0.0, "se": 0.0, "exact": true })
+        );
+        // Neither zero nor one, and without scatter
+        assert_eq!(
+            value(0.5, Support::Samples(1e4)),
+            json!({ "mean": 0.5, "se": 0.0 })
         );
         let unknown = Estimate {
             mean: 0.0,

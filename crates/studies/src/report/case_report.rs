@@ -16,8 +16,8 @@ use crate::config::lobes::BinnedLobe;
 use crate::output::{Column, Format, Supported, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
+use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_text;
-use crate::report::support::FluxSupport;
 use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Longest title of a case that a table repeats in each row, characters.

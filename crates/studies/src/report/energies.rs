@@ -9,7 +9,7 @@ use asperity_tally::{
 use asperity_tracer::PathSettings;
 
 use crate::output::{Column, Table, aligned, listed, two_digits, wrapped};
-use crate::report::support::FluxSupport;
+use crate::report::flux_support::FluxSupport;
 
 /// What light of the first order is called.
 pub(crate) const SINGLE_SCATTERING: &str = "single scattering";

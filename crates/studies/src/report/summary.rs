@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::config::lobes::BinnedLobe;
 use crate::output::{BySide, Head, Supported};
+use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_json;
-use crate::report::support::FluxSupport;
 use crate::validity::Validity;
 
 #[derive(Clone, Debug, Serialize)]

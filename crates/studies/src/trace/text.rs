@@ -10,8 +10,8 @@ use super::comparison_text::comparison_text;
 use crate::config::Incident;
 use crate::output::wrapped;
 use crate::report::energies::{energy_table, errors_table, work_line};
+use crate::report::flux_support::FluxSupport;
 use crate::report::polarised::polarised_text;
-use crate::report::support::FluxSupport;
 
 /// Surface and light, then energies, errors and notes.
 #[must_use]
