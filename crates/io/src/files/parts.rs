@@ -9,12 +9,19 @@ use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// How the names of temporary files and folders begin and end.
+/// How the names of temporary files and folders begin and end, with random letters and digits between.
 const PREFIX: &str = ".asperity-";
 const SUFFIX: &str = ".part";
+const RANDOM_LENGTH: usize = 12;
+
+/// Name of the file in a temporary folder that is locked as long as the folder is used.
+const LOCK: &str = ".asperity-lock";
 
 /// Age below which a temporary file is never stale: it may not be locked yet.
 const MIN_AGE: Duration = Duration::from_secs(2);
+
+/// The same of a folder without a file to lock, on whatever clock its disk has.
+const MIN_AGE_WITHOUT_LOCK: Duration = Duration::from_secs(24 * 3600);
 
 /// The temporary files and folders of this process that exist.
 static OWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -85,6 +92,8 @@ impl TemporaryFile {
 
 /// A temporary folder, gone with its content when dropped.
 pub(super) struct TemporaryFolder {
+    // Dropped before the folder, since some systems remove no open files
+    _lock: File,
     // Dropped before its entry
     folder: TempDir,
     _listed: Listed,
@@ -99,6 +108,7 @@ impl TemporaryFolder {
 fn builder() -> Builder<'static, 'static> {
     let mut builder = Builder::new();
     builder.prefix(PREFIX).suffix(SUFFIX);
+    builder.rand_bytes(RANDOM_LENGTH);
     builder
 }
 
@@ -107,10 +117,8 @@ fn builder() -> Builder<'static, 'static> {
 ///
 /// It is locked as long as it is open, which tells it from what a killed run has left.
 pub(super) fn temporary_in(folder: &Path) -> io::Result<TemporaryFile> {
-    let mut new = File::options();
-    new.read(true).write(true).create_new(true);
     let mut own = own();
-    let file = builder().make_in(folder, |path| new.open(path))?;
+    let file = builder().make_in(folder, new_file)?;
     own.insert(file.path().to_owned());
     drop(own);
     // Where the file system has no locks, stale parts stay.
@@ -121,7 +129,12 @@ pub(super) fn temporary_in(folder: &Path) -> io::Result<TemporaryFile> {
     })
 }
 
-/// A temporary folder in `folder`.
+fn new_file(path: &Path) -> io::Result<File> {
+    let mut new = File::options();
+    new.read(true).write(true).create_new(true).open(path)
+}
+
+/// A temporary folder in `folder`, with a locked file inside.
 pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> {
     // Refused in the words of the operating system alone
     drop(temporary_in(folder)?);
@@ -129,7 +142,10 @@ pub(super) fn temporary_folder_in(folder: &Path) -> io::Result<TemporaryFolder> 
     let folder = builder().tempdir_in(folder)?;
     own.insert(folder.path().to_owned());
     drop(own);
+    let lock = new_file(&folder.path().join(LOCK))?;
+    let _ = lock.try_lock();
     Ok(TemporaryFolder {
+        _lock: lock,
         _listed: Listed(folder.path().to_owned()),
         folder,
     })
@@ -144,25 +160,49 @@ pub(crate) fn remove_stale_parts(folder: &Path) {
     };
     for entry in entries.flatten() {
         let name = entry.file_name();
-        let is_part = name
-            .to_str()
-            .is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX));
-        let Ok(found) = entry.metadata() else {
-            continue;
-        };
-        let age = found.modified().ok().and_then(|time| time.elapsed().ok());
-        if !is_part || age.is_none_or(|age| age < MIN_AGE) {
+        if !name.to_str().is_some_and(is_part) {
             continue;
         }
+        let Ok(kind) = entry.file_type() else {
+            continue;
+        };
         let path = entry.path();
-        let _ = if found.is_dir() {
+        let _ = if kind.is_dir() && is_stale_folder(&path) {
             fs::remove_dir_all(path)
-        } else if found.is_file() && is_unlocked(&path) {
+        } else if kind.is_file() && is_stale_file(&path) {
             fs::remove_file(path)
         } else {
             Ok(())
         };
     }
+}
+
+/// Whether this program makes temporary files of that name.
+fn is_part(name: &str) -> bool {
+    let inner = name.strip_prefix(PREFIX);
+    let random = inner.and_then(|inner| inner.strip_suffix(SUFFIX));
+    random.is_some_and(|random| {
+        random.len() == RANDOM_LENGTH && random.bytes().all(|b| b.is_ascii_alphanumeric())
+    })
+}
+
+fn is_stale_file(path: &Path) -> bool {
+    is_older(path, MIN_AGE) && is_unlocked(path)
+}
+
+/// The folder of a process that was killed before it made the file to lock has to be old.
+fn is_stale_folder(path: &Path) -> bool {
+    let lock = path.join(LOCK);
+    match fs::symlink_metadata(&lock) {
+        Ok(found) => found.is_file() && is_stale_file(&lock),
+        Err(_) => is_older(path, MIN_AGE_WITHOUT_LOCK),
+    }
+}
+
+fn is_older(path: &Path, least: Duration) -> bool {
+    let modified = fs::symlink_metadata(path).and_then(|found| found.modified());
+    let age = modified.ok().and_then(|time| time.elapsed().ok());
+    age.is_some_and(|age| age >= least)
 }
 
 /// Whether no process holds the lock of a file.
@@ -178,9 +218,10 @@ mod tests {
 
     use super::*;
 
-    fn make_old(file: &File) {
-        let hour = Duration::from_secs(3600);
-        file.set_modified(SystemTime::now() - hour).unwrap();
+    const HOUR: Duration = Duration::from_secs(3600);
+
+    fn make_old(file: &File, age: Duration) {
+        file.set_modified(SystemTime::now() - age).unwrap();
     }
 
     #[test]
@@ -200,25 +241,64 @@ mod tests {
     fn parts_of_dead_runs_are_removed_and_all_others_stay() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        for name in [".asperity-dead.part", ".asperity-mine", "asperity.part"] {
-            make_old(&File::create(at(name)).unwrap());
+        let [dead, young] = [".asperity-0123456789ab.part", ".asperity-0123456789ac.part"];
+        let others = [
+            ".asperity-mine",
+            "asperity.part",
+            ".asperity-d.part",
+            ".asperity-0123456789abc.part",
+            ".asperity-01234 6789ab.part",
+        ];
+        for name in [dead].iter().chain(&others) {
+            make_old(&File::create(at(name)).unwrap(), 48 * HOUR);
         }
-        fs::write(at(".asperity-young.part"), "x").unwrap();
-        fs::create_dir(at(".asperity-stage.part")).unwrap();
-        make_old(&File::open(at(".asperity-stage.part")).unwrap());
+        fs::write(at(young), "x").unwrap();
         let running = temporary_in(folder.path()).unwrap();
-        make_old(running.as_file());
+        make_old(running.as_file(), 48 * HOUR);
+
+        remove_stale_parts(folder.path());
+        assert!(running.path().exists());
+        assert!(!at(dead).exists());
+        for name in [young].iter().chain(&others) {
+            assert!(at(name).exists(), "{name}");
+        }
+    }
+
+    #[test]
+    fn temporary_folders_are_removed_once_no_process_holds_their_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let make = |name: &str, age| {
+            fs::create_dir(at(name)).unwrap();
+            make_old(&File::open(at(name)).unwrap(), age);
+        };
+        let [dead, killed_early, recent] = [
+            ".asperity-0123456789ab.part",
+            ".asperity-0123456789ac.part",
+            ".asperity-0123456789ad.part",
+        ];
+        // The folder of a user
+        make(".asperity-d.part", 48 * HOUR);
+        make(killed_early, 48 * HOUR);
+        make(recent, HOUR);
+        make(dead, HOUR);
+        make_old(&new_file(&at(dead).join(LOCK)).unwrap(), HOUR);
+        let running = temporary_folder_in(folder.path()).unwrap();
+        let lock = File::options().write(true).open(running.path().join(LOCK));
+        make_old(&lock.unwrap(), 48 * HOUR);
 
         remove_stale_parts(folder.path());
         assert!(running.path().exists());
         for (name, stays) in [
-            (".asperity-dead.part", false),
-            (".asperity-stage.part", false),
-            (".asperity-young.part", true),
-            (".asperity-mine", true),
-            ("asperity.part", true),
+            (".asperity-d.part", true),
+            (killed_early, false),
+            (recent, true),
+            (dead, false),
         ] {
             assert_eq!(at(name).exists(), stays, "{name}");
         }
+        let own = running.path().to_owned();
+        drop(running);
+        assert!(!own.exists());
     }
 }
