@@ -41,17 +41,19 @@ const SHAPE: [usize; 2] = [32, 60];
 pub(super) fn rounding() -> &'static str {
     static ROUNDING: OnceLock<String> = OnceLock::new();
     ROUNDING.get_or_init(|| {
-        let functions = elementary();
         // Only for want of memory is there no surface.
-        let heights = heights().unwrap_or_default();
-        let bits = functions.into_iter().chain(heights).map(f64::to_bits);
-        let bytes: Vec<u8> = bits.flat_map(u64::to_le_bytes).collect();
-        format!("{:016x}", fnv1a(bytes))
+        fingerprint(&elementary(), &heights().unwrap_or_default())
     })
 }
 
+fn fingerprint(functions: &[f64], heights: &[f64]) -> String {
+    let bits = functions.iter().chain(heights).map(|x| x.to_bits());
+    let bytes: Vec<u8> = bits.flat_map(u64::to_le_bytes).collect();
+    format!("{:016x}", fnv1a(bytes))
+}
+
 fn elementary() -> Vec<f64> {
-    // Not known to the compiler, which would call the functions of the machine that it runs on
+    // black_box: no constant folding
     let argument = |i: u32| black_box((f64::from(i) + 0.5) / f64::from(ARGUMENTS));
     let mut values = Vec::new();
     for i in 0..ARGUMENTS {
@@ -75,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_fingerprint_covers_functions_and_heights_and_is_the_same_each_time() {
+    fn the_fingerprint_depends_on_every_bit_of_functions_and_heights() {
         let functions = elementary();
         assert_eq!(
             functions.len(),
@@ -83,12 +85,22 @@ mod tests {
         );
         assert!(functions.iter().all(|value| value.is_finite()));
         assert_eq!(functions, elementary());
-        assert_eq!(heights().unwrap().len(), SHAPE[0] * SHAPE[1]);
-        assert_eq!(rounding().len(), 16);
+        let heights = heights().unwrap();
+        assert_eq!(heights.len(), SHAPE[0] * SHAPE[1]);
+        assert_eq!(rounding(), fingerprint(&functions, &heights));
         // One unit in the last place of one number is another fingerprint.
-        let hash = |values: &[f64]| fnv1a(values.iter().flat_map(|v| v.to_bits().to_le_bytes()));
-        let mut other = functions.clone();
-        other[1000] = f64::from_bits(other[1000].to_bits() ^ 1);
-        assert_ne!(hash(&functions), hash(&other));
+        let rounded = |values: &[f64], index: usize| {
+            let mut other = values.to_vec();
+            other[index] = f64::from_bits(other[index].to_bits() ^ 1);
+            other
+        };
+        for index in [0, 1000, functions.len() - 1] {
+            let other = fingerprint(&rounded(&functions, index), &heights);
+            assert_ne!(rounding(), other, "function value {index}");
+        }
+        for index in [0, 1000, heights.len() - 1] {
+            let other = fingerprint(&functions, &rounded(&heights, index));
+            assert_ne!(rounding(), other, "height {index}");
+        }
     }
 }
