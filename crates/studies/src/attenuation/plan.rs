@@ -10,6 +10,7 @@ use super::AttenuationError;
 use super::config::{AttenuationConfig, AttenuationRun, VisibilityMethod};
 use crate::config::error::ConfigError;
 use crate::config::values::{Number, OneOrMany};
+use crate::report::flux_support::patches;
 
 /// A configuration with its lists checked.
 pub(super) struct Plan {
@@ -58,10 +59,7 @@ impl Recipes {
 impl Plan {
     /// Independent points among `points` of a surface: no more than there are patches of a correlation length.
     pub(super) fn independent_points(&self, points: u64) -> f64 {
-        let [ny, nx] = self.shape.map(|n| n as f64);
-        let [dx, dy] = self.spacing;
-        let patches = (nx * dx / self.tau) * (ny * dy / self.tau);
-        patches.max(1.0).min(points as f64)
+        patches(self.shape, self.spacing, [self.tau; 2]).min(points as f64)
     }
 
     /// Whether horizons are found at all.

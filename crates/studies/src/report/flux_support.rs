@@ -134,11 +134,17 @@ fn independent_samples(outcome: &Outcome) -> f64 {
     let SurfaceSource::Random(surfaces) = &outcome.case.surface else {
         return rays;
     };
-    let [ny, nx] = surfaces.shape();
-    let [dx, dy] = surfaces.spacing();
-    let [tau_x, tau_y] = surfaces.psd().axis_correlation_lengths();
-    let patches = (nx as f64 * dx / tau_x) * (ny as f64 * dy / tau_y);
-    rays.min(outcome.work.realisations as f64 * patches.max(1.0))
+    let lengths = surfaces.psd().axis_correlation_lengths();
+    let patches = patches(surfaces.shape(), surfaces.spacing(), lengths);
+    rays.min(outcome.work.realisations as f64 * patches)
+}
+
+/// Patches of a correlation length on a surface of so many samples `[ny, nx]`, at least one. `spacing` and `lengths`:
+/// along x and y.
+pub(crate) fn patches(shape: [usize; 2], spacing: [f64; 2], lengths: [f64; 2]) -> f64 {
+    let [ny, nx] = shape.map(|samples| samples as f64);
+    let ([dx, dy], [tau_x, tau_y]) = (spacing, lengths);
+    ((nx * dx / tau_x) * (ny * dy / tau_y)).max(1.0)
 }
 
 #[cfg(test)]
@@ -258,5 +264,11 @@ mod tests {
         let text = |support: FluxSupport| support.flux(Side::Reflected, first_order).text();
         assert_eq!(text(over_medium), "0.04 (exact)");
         assert_eq!(text(GLASS), "0.04 (no scatter)");
+    }
+
+    #[test]
+    fn patches_are_squares_of_a_correlation_length() {
+        assert_eq!(patches([30, 20], [0.5, 2.0], [5.0, 10.0]), 12.0);
+        assert_eq!(patches([2, 2], [1.0, 1.0], [8.0, 8.0]), 1.0);
     }
 }
