@@ -24,7 +24,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     }
     // Everything is checked before a surface is drawn; the folder is made when there are results.
     config.check().map_err(|error| match error {
-        AttenuationError::Synthesis(error) => refuse_surface(error),
+        AttenuationError::Synthesis(error) => refuse_surface(document.own_unit(), error),
         AttenuationError::Run(error) => Failure::failed(error),
         error => refuse_config(document, &error),
     })?;

@@ -60,7 +60,7 @@ pub(crate) fn parse(arguments: Vec<OsString>) -> Result<Request, Stop> {
 /// The whole command line, for clap.
 pub(crate) fn program() -> clap::Command {
     let help = Help::for_output();
-    let program = clap::Command::new("asperity")
+    let program = with_help_flag(clap::Command::new("asperity"))
         .version(env!("CARGO_PKG_VERSION"))
         .about(PROGRAM_ABOUT)
         .after_help(PROGRAM_NOTES)
@@ -69,8 +69,21 @@ pub(crate) fn program() -> clap::Command {
         .arg_required_else_help(true)
         .args(shared().map(|setting| argument(setting, Command::Trace).global(true)));
     program
-        .subcommands(Command::ALL.map(|command| subcommand(command, help)))
-        .subcommands(Tool::ALL.map(|tool| tool.command().override_help(help.tool(tool))))
+        .subcommands(Command::ALL.map(|command| with_help_flag(subcommand(command, help))))
+        .subcommands(Tool::ALL.map(|tool| {
+            let command = tool.command().override_help(help.tool(tool));
+            with_help_flag(command)
+        }))
+}
+
+/// The same command with one help for `-h` and `--help`, and man pages that say so.
+fn with_help_flag(command: clap::Command) -> clap::Command {
+    let flag = Arg::new("help")
+        .short('h')
+        .long("help")
+        .help("Print help")
+        .action(ArgAction::Help);
+    command.disable_help_flag(true).arg(flag)
 }
 
 /// The settings of every command, which may also stand before its name.
@@ -237,22 +250,37 @@ fn is_configuration(command: Command, path: &str) -> Result<bool, Failure> {
     if command == Command::Trace {
         return Ok(file.extension().is_some_and(|ending| ending == "toml"));
     }
-    let what = match (
-        MeshFormat::from_path(file),
-        HeightMapFormat::from_path(file),
-    ) {
-        (Some(_), _) => "a triangle mesh",
-        // Text of any ending may be a configuration.
-        (None, Some(format)) if format != HeightMapFormat::Text => "a height map",
-        _ => return Ok(true),
-    };
-    let instead = match command {
-        Command::Gonio => format!("asperity gonio --surface {path}"),
-        _ => format!("asperity trace {path}"),
+    if file.extension().is_some_and(|ending| ending == "toml") {
+        return Ok(true);
+    }
+    let is_mesh = MeshFormat::from_path(file).is_some();
+    let what = match HeightMapFormat::from_path(file) {
+        _ if is_mesh => "a triangle mesh",
+        Some(_) => "a height map",
+        None => {
+            return Err(Failure::usage(format!(
+                "`{path}`: the name of a configuration ends in .toml, as {command}.toml does"
+            )));
+        }
     };
     Err(Failure::usage(format!(
-        "`{path}` is {what}, but `asperity {command}` reads a configuration, such as {command}.toml; for a given surface use `{instead}`"
+        "`{path}` is {what}, but `asperity {command}` reads a configuration, such as {command}.toml; {}",
+        for_given_surface(command, path, is_mesh)
     )))
+}
+
+/// What to do with a given surface, which `command` does not read as its argument.
+fn for_given_surface(command: Command, path: &str, is_mesh: bool) -> String {
+    match command {
+        Command::Gonio => format!("for a given surface use `asperity gonio --surface {path}`"),
+        Command::Verify | Command::Map if !is_mesh => format!(
+            "to compare a given surface with models use `asperity trace {path} --models smith,heitz`"
+        ),
+        Command::Attenuation => format!(
+            "shadowing and masking are measured on random surfaces alone; light on a given surface is traced by `asperity trace {path}`"
+        ),
+        _ => format!("for a given surface use `asperity trace {path}`"),
+    }
 }
 
 /// The flags that are given, with their values.
@@ -291,6 +319,21 @@ fn refuse(error: clap::Error, arguments: &[OsString]) -> Stop {
             "unknown command `{name}`; the commands are {known} and help"
         ))
         .into();
+    }
+    if let (
+        ErrorKind::InvalidValue,
+        Some(ContextValue::String(value)),
+        Some(ContextValue::Strings(names)),
+    ) = (
+        error.kind(),
+        error.get(ContextKind::InvalidValue),
+        error.get(ContextKind::ValidValue),
+    ) && let Some((last, others)) = names.split_last()
+        && !others.is_empty()
+        && !value.is_empty()
+    {
+        let names = format!("{} or {last}", others.join(", "));
+        return Failure::usage(format!("`{value}`: must be {names}")).into();
     }
     if error.kind() == ErrorKind::InvalidUtf8 {
         let argument = arguments

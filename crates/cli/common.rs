@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use asperity_studies::settings::{Document, SettingError};
+use asperity_studies::wrapped;
 use serde::{Deserialize, Serialize};
 
 use crate::failure::Failure;
@@ -32,7 +33,7 @@ impl Common {
     /// Prints a line on standard error with `--verbose`.
     pub(crate) fn say(&self, what: impl FnOnce() -> String) {
         if self.verbose {
-            say(&what());
+            say(&wrapped(&what()));
         }
     }
 }

@@ -46,8 +46,8 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         .map_err(|error| refuse_config(document, &error))?;
     let [nx, ny] = surface.size();
     let shape = [samples(ny)?, samples(nx)?];
-    let synthesis =
-        Synthesis::new(psd, shape, surface.spacing(), surface.insist).map_err(refuse_surface)?;
+    let synthesis = Synthesis::new(psd, shape, surface.spacing(), surface.insist)
+        .map_err(|error| refuse_surface(document.own_unit(), error))?;
     check_height_map_output(&path)?;
     check_outputs(&[&path], &[document.file()])?;
     check_memory("this surface", synthesis.peak_bytes()).map_err(Failure::failed)?;

@@ -31,7 +31,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             )
         })
         .transpose()
-        .map_err(refuse_simulation)?;
+        .map_err(|error| refuse_simulation(document.own_unit(), error))?;
     let sample = sample.as_ref();
     // Everything is checked before a ray is traced.
     config

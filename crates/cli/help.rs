@@ -9,7 +9,13 @@ use crate::tools::Tool;
 const DEFAULT_WIDTH: usize = 80;
 
 /// Fewest columns that text is wrapped to.
-const MIN_WIDTH: usize = 70;
+const MIN_WIDTH: usize = 40;
+
+/// Fewest columns that leave room for explanations beside flags.
+const ROOM_FOR_FLAGS: usize = 70;
+
+/// Column at which explanations begin below their flags.
+const NARROW_INDENT: usize = 8;
 
 /// Most columns: longer lines are hard to read.
 const MAX_WIDTH: usize = 100;
@@ -69,12 +75,15 @@ impl Help {
 
     /// The help of `command`.
     pub(crate) fn command(self, command: Command) -> String {
-        let mut text = format!("{}\n\nUsage: asperity {command} [OPTIONS]", command.about());
+        let mut usage = format!("Usage: asperity {command} [OPTIONS]");
+        if let Some((name, _)) = command.positional() {
+            usage.push_str(&format!(" [{name}]"));
+        }
+        let about = self.wrapped(command.about(), 0);
+        let mut text = format!("{about}\n\n{}\n", self.wrapped(&usage, 2));
         if let Some((name, about)) = command.positional() {
-            text.push_str(&format!(" [{name}]\n\n"));
-            text.push_str(&self.row(&format!("  [{name}]"), about, COMMAND_INDENT));
-        } else {
             text.push('\n');
+            text.push_str(&self.row(&format!("  [{name}]"), &about, COMMAND_INDENT));
         }
         for part in SECTIONS {
             if let Some(options) = self.section(part.name, command) {
@@ -90,7 +99,7 @@ impl Help {
         let (name, about) = tool.positional();
         let mut text = format!(
             "{}\n\nUsage: asperity {} <{name}>\n\n",
-            tool.about(),
+            self.wrapped(tool.about(), 0),
             tool.name()
         );
         text.push_str(&self.row(&format!("  <{name}>"), about, COMMAND_INDENT));
@@ -117,6 +126,10 @@ impl Help {
 
     /// A line of two columns; the second is wrapped, and begins a line of its own where the first is too long.
     fn row(self, left: &str, right: &str, indent: usize) -> String {
+        let indent = match self.width {
+            ..ROOM_FOR_FLAGS => indent.min(NARROW_INDENT),
+            _ => indent,
+        };
         let right = self.wrapped(right, indent);
         if left.len() + 2 > indent {
             return format!("{left}\n{}{right}\n", " ".repeat(indent));
@@ -202,7 +215,7 @@ mod tests {
 
     #[test]
     fn help_fits_any_width() {
-        for width in [MIN_WIDTH, DEFAULT_WIDTH, MAX_WIDTH] {
+        for width in [MIN_WIDTH, ROOM_FOR_FLAGS, DEFAULT_WIDTH, MAX_WIDTH] {
             let help = Help { width };
             let commands = Command::ALL.map(|command| help.command(command));
             let tools = Tool::ALL.map(|tool| help.tool(tool));
@@ -210,7 +223,9 @@ mod tests {
             let mut longest = 0;
             for line in texts.collect::<String>().lines() {
                 let columns = line.chars().count();
-                assert!(columns <= width, "{width}: {line}");
+                // A flag that is longer than the line is not cut.
+                let is_flag = line.trim_start().starts_with('-') && width < ROOM_FOR_FLAGS;
+                assert!(columns <= width || is_flag, "{width}: {line}");
                 longest = longest.max(columns);
             }
             assert!(longest > width - 10, "{width}: {longest}");

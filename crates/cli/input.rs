@@ -5,7 +5,7 @@ use std::path::Path;
 use asperity_io::{
     HeightMapFormat, MeshData, MeshFormat, WriteError, read_height_map, read_mesh, write_height_map,
 };
-use asperity_simulate::SimulateError;
+use asperity_simulate::{SimulateError, counted};
 use asperity_studies::settings::{Command, Document};
 use asperity_studies::{ASSUMED_BORDER, MeasuredConfig, VerifyError, border_notes};
 use asperity_surface::{
@@ -82,7 +82,9 @@ pub(crate) fn read_surface(
         )
     });
     if filled > 0 {
-        notes.push(format!("{filled} missing points were filled"));
+        let were = if filled == 1 { "was" } else { "were" };
+        let points = counted(filled as u64, "missing point");
+        notes.push(format!("{points} {were} filled"));
     }
     Ok(Input {
         field,
@@ -209,19 +211,22 @@ pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<S
 }
 
 /// The sentence for surfaces that are refused, with the flag that insists on them.
-pub(crate) fn refuse_surface(error: SynthesisError) -> Failure {
+/// Lengths of random surfaces are in `unit`.
+pub(crate) fn refuse_surface(unit: LengthUnit, error: SynthesisError) -> Failure {
     match error {
         SynthesisError::Unresolved { .. } | SynthesisError::TooSmallTile { .. } => {
-            Failure::usage(format!("{error} with --insist"))
+            let sentence = error.in_unit(unit);
+            Failure::usage(format!("{sentence} with --insist"))
         }
         _ => Failure::usage(error),
     }
 }
 
 /// The sentence for a simulation that is refused or that failed, with the flag that it is about.
-pub(crate) fn refuse_simulation(error: SimulateError) -> Failure {
+/// Lengths of random surfaces are in `unit`.
+pub(crate) fn refuse_simulation(unit: LengthUnit, error: SimulateError) -> Failure {
     match error {
-        SimulateError::Synthesis(error) => refuse_surface(error),
+        SimulateError::Synthesis(error) => refuse_surface(unit, error),
         SimulateError::Refinement(RefinementError::Open) | SimulateError::SmoothRefinement => {
             Failure::usage(format!("--refine: {error}"))
         }
@@ -233,7 +238,7 @@ pub(crate) fn refuse_simulation(error: SimulateError) -> Failure {
 /// The sentence for a verification that is refused.
 pub(crate) fn refuse_verification(document: &Document, error: VerifyError) -> Failure {
     match error {
-        VerifyError::Simulate(error) => refuse_simulation(error),
+        VerifyError::Simulate(error) => refuse_simulation(document.own_unit(), error),
         error if error.is_usage() => refuse_config(document, &error),
         error => Failure::failed(error),
     }

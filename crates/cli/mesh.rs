@@ -1,7 +1,7 @@
 //! `asperity mesh`: a height map as triangles.
 
 use asperity_io::{MeshFormat, MeshView, write_mesh};
-use asperity_simulate::{Cells, check_memory};
+use asperity_simulate::{Cells, check_memory, short};
 use asperity_studies::settings::Document;
 use asperity_studies::{CellsConfig, MeasuredConfig, wrapped};
 use asperity_surface::{HeightField, LengthUnit, SplineSurface};
@@ -101,8 +101,10 @@ impl Fineness {
         let surface = SplineSurface::through(field);
         let per_cell = match (self.deviation, self.subdivide) {
             (Some(most), _) => surface.per_cell_within(most).ok_or_else(|| {
+                let unit = field.unit().suffix();
                 Failure::usage(format!(
-                    "--deviation {most:e}: must be above {}, to which heights of this surface are rounded",
+                    "--deviation {}{unit}: must be above {}{unit}, to which heights of this surface are rounded",
+                    short(most),
                     rounded_up(surface.deviation(usize::MAX))
                 ))
             })?,
@@ -113,10 +115,7 @@ impl Fineness {
         check_memory("this mesh", bytes).map_err(Failure::failed)?;
         let fine = surface.tessellated(per_cell).map_err(Failure::failed)?;
         let deviation = rounded_up(surface.deviation(per_cell));
-        let unit = match field.unit() {
-            LengthUnit::Arbitrary => String::new(),
-            unit => format!(" {unit}"),
-        };
+        let unit = field.unit().suffix();
         let comment = format!(
             "bicubic B-spline, {per_cell} x {per_cell} parts per cell, at most {deviation}{unit} off"
         );

@@ -4,16 +4,21 @@
 mod lines;
 
 use std::io::{IsTerminal, stderr};
-use std::sync::Mutex;
-use std::time::Instant;
+use std::sync::{Arc, Mutex, Weak};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use asperity_simulate::{Observer, StoppedBy};
+use asperity_studies::wrapped;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use self::lines::Lines;
 use crate::common::Common;
 use crate::interrupt;
 use crate::output::say;
+
+/// Time between two looks at whether a line is due.
+const CHECK_INTERVAL: Duration = Duration::from_secs(1);
 
 /// How progress is shown.
 enum Shown {
@@ -27,7 +32,7 @@ enum Shown {
 
 /// Shows progress, unless `--quiet` is given.
 pub(crate) struct Progress {
-    shown: Mutex<Shown>,
+    shown: Arc<Mutex<Shown>>,
     /// Whether to say what is done, and why.
     verbose: bool,
 }
@@ -36,13 +41,18 @@ impl Progress {
     /// Of a run that begins: from now on the first interrupt ends it with the results so far.
     pub(crate) fn begin_run(common: &Common) -> Self {
         interrupt::listen();
+        let is_lines = !common.quiet && !stderr().is_terminal();
         let shown = match (common.quiet, stderr().is_terminal()) {
             (true, _) => Shown::Nothing,
             (false, true) => Shown::Bar(None),
             (false, false) => Shown::Lines(Lines::default(), Instant::now()),
         };
+        let shown = Arc::new(Mutex::new(shown));
+        if is_lines {
+            say_lines_in_time(&shown);
+        }
         Self {
-            shown: Mutex::new(shown),
+            shown,
             verbose: common.verbose,
         }
     }
@@ -57,9 +67,7 @@ impl Progress {
             Shown::Bar(current) => bar(current),
             Shown::Lines(state, begun) => {
                 lines(state);
-                if let Some(line) = state.due(begun.elapsed()) {
-                    say(&line);
-                }
+                say_if_due(state, *begun);
             }
         }
     }
@@ -73,6 +81,31 @@ impl Progress {
         };
         self.update(on_current, lines);
     }
+}
+
+fn say_if_due(lines: &mut Lines, begun: Instant) {
+    if let Some(line) = lines.due(begun.elapsed()) {
+        say(&line);
+    }
+}
+
+/// Prints lines that are due while steps take long, until `shown` is dropped.
+fn say_lines_in_time(shown: &Arc<Mutex<Shown>>) {
+    let shown: Weak<Mutex<Shown>> = Arc::downgrade(shown);
+    thread::spawn(move || {
+        loop {
+            thread::sleep(CHECK_INTERVAL);
+            let Some(shown) = shown.upgrade() else {
+                return;
+            };
+            let Ok(mut shown) = shown.lock() else {
+                return;
+            };
+            if let Shown::Lines(lines, begun) = &mut *shown {
+                say_if_due(lines, *begun);
+            }
+        }
+    });
 }
 
 /// A bar of `total` steps.
@@ -116,8 +149,8 @@ impl Observer for Progress {
         };
         match &*shown {
             _ if !self.verbose => {}
-            Shown::Bar(Some(bar)) => bar.suspend(|| say(text)),
-            _ => say(text),
+            Shown::Bar(Some(bar)) => bar.suspend(|| say(&wrapped(text))),
+            _ => say(&wrapped(text)),
         }
     }
 

@@ -14,6 +14,7 @@ use asperity_studies::{
     CellsConfig, GivenShape, GivenSurface, MaterialConfig, MeasuredConfig, MediumConfig, Seconds,
     TraceError, wrapped,
 };
+use asperity_surface::LengthUnit;
 use asperity_tracer::{AcceleratorKind, Branching, PathSettings};
 use serde::Deserialize;
 
@@ -125,7 +126,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
 
     let progress = Progress::begin_run(common);
     let progress = Deadline::new(&progress, settings.run.max_time.and_then(Seconds::duration));
-    let outcome = settings.rendered(&shape, &render_settings, &progress)?;
+    let outcome = settings.rendered(&shape, &render_settings, &progress, surface.unit)?;
     let factor = picture
         .exposure
         .unwrap_or_else(|| exposure(&outcome.picture));
@@ -228,15 +229,12 @@ impl Settings {
     /// The surface over the bottom of the layer, if that is given as a file.
     fn shape(&self, surface: &GivenSurface, common: &Common) -> Result<Shape, Failure> {
         let cells = self.surface.cells.of_given();
-        let top = surface
-            .shape
-            .clone()
-            .simulated(cells)
-            .map_err(refuse_simulation)?;
+        let refuse = |error| refuse_simulation(surface.unit, error);
+        let top = surface.shape.clone().simulated(cells).map_err(refuse)?;
         let Some(bottom) = self.bottom(surface, common)? else {
             return Ok(top);
         };
-        let bottom = bottom.simulated(cells).map_err(refuse_simulation)?;
+        let bottom = bottom.simulated(cells).map_err(refuse)?;
         let both = top.over(bottom);
         both.ok_or_else(|| Failure::usage(TraceError::OtherBottom))
     }
@@ -247,11 +245,13 @@ impl Settings {
         shape: &Shape,
         settings: &RenderSettings,
         observer: &dyn Observer,
+        unit: LengthUnit,
     ) -> Result<RenderOutcome, Failure> {
         let material = self.material.material().map_err(Failure::usage)?;
         let layer = self.medium.as_ref().map(|medium| medium.layer(material));
         let layer = layer.transpose().map_err(Failure::usage)?;
-        render(shape, material, layer.as_ref(), settings, observer).map_err(refuse_render)
+        render(shape, material, layer.as_ref(), settings, observer)
+            .map_err(|error| refuse_render(unit, error))
     }
 
     /// What a reader of the picture should know about its light.
@@ -263,13 +263,13 @@ impl Settings {
     }
 }
 
-/// The refusal of settings, or the failure to render by them.
-fn refuse_render(error: RenderError) -> Failure {
+/// The refusal of settings, or the failure to render by them; lengths are in `unit`.
+fn refuse_render(unit: LengthUnit, error: RenderError) -> Failure {
     match error {
-        RenderError::View(_)
-        | RenderError::Layer(_)
-        | RenderError::TooGrazing { .. }
-        | RenderError::BadSize(..) => Failure::usage(error),
+        RenderError::View(error) => Failure::usage(error.in_unit(unit.suffix())),
+        RenderError::Layer(_) | RenderError::TooGrazing { .. } | RenderError::BadSize(..) => {
+            Failure::usage(error)
+        }
         _ => Failure::failed(error),
     }
 }

@@ -22,7 +22,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let results = Results::of(document).map_err(Failure::usage)?;
     let refuse = |error: TraceError| match error {
         TraceError::Config(error) => refuse_config(document, &error),
-        TraceError::Simulate(error) => refuse_simulation(error),
+        TraceError::Simulate(error) => refuse_simulation(document.own_unit(), error),
         error => Failure::usage(error),
     };
     // Everything that can be is checked before the surface is read.

@@ -123,6 +123,10 @@ fn lengths_are_judged_against_the_wavelength() {
         "{doubtful}"
     );
     assert!(doubtful.contains("550 nm, assumed"), "{doubtful}");
+    for wavelength in ["633nm", "0.633um"] {
+        let with_unit = trace(&format!("--assume-unit mm --wavelength {wavelength}"));
+        assert!(with_unit.contains("(633 nm)"), "{wavelength}: {with_unit}");
+    }
     let large = trace("--assume-unit mm --wavelength 633");
     assert!(
         large.contains("note: lengths are large against the wavelength (633 nm)"),

@@ -42,7 +42,7 @@ fn missing_points_are_refused_or_filled_by_choice() {
         error.contains("gap.txt") && error.contains("1 of 12") && error.contains("--missing fill")
     );
     let text = succeed(folder, &["inspect", "gap.txt", "--missing", "fill"]);
-    assert!(text.contains("1 missing points were filled"), "{text}");
+    assert!(text.contains("1 missing point was filled"), "{text}");
 }
 
 #[test]

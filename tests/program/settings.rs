@@ -144,7 +144,9 @@ fn a_surface_in_the_place_of_a_configuration_is_refused_with_the_right_command()
     succeed(folder, &words("generate --tau 4 --size 32 -o h.exr -q"));
     for (line, expected) in [
         ("gonio h.exr -o out", "use `asperity gonio --surface h.exr`"),
-        ("verify h.exr -o out", "use `asperity trace h.exr`"),
+        ("verify h.exr -o out", "`asperity trace h.exr --models"),
+        ("verify h.asc -o out", "`h.asc` is a height map"),
+        ("attenuation h.exr", "random surfaces alone"),
         ("map missing.npy -o out", "`missing.npy` is a height map"),
         ("converge h.PLY -o out", "`h.PLY` is a triangle mesh"),
     ] {
@@ -152,6 +154,63 @@ fn a_surface_in_the_place_of_a_configuration_is_refused_with_the_right_command()
         assert!(said.contains(expected), "{line}: {said}");
         assert!(said.contains("reads a configuration"), "{line}: {said}");
     }
+}
+
+#[test]
+fn configurations_are_files_that_end_in_toml() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = refused(folder.path(), &words("verify v.cfg -o out"), 2);
+    assert!(
+        said.contains("`v.cfg`: the name of a configuration ends in .toml"),
+        "{said}"
+    );
+}
+
+#[test]
+fn examples_fit_their_setting() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let said = refused(folder, &words("verify --tau 8 --threads 0 -o out"), 2);
+    assert!(
+        said.contains("such as 4") && !said.contains("1000"),
+        "{said}"
+    );
+    let said = refused(folder, &words("trace --flat --theta 95"), 2);
+    assert!(said.contains("such as 30 or 42.5"), "{said}");
+}
+
+#[test]
+fn lengths_in_messages_have_their_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let said = refused(
+        folder,
+        &words("generate --tau 3um --spacing 1um -o h.exr"),
+        2,
+    );
+    assert!(
+        said.contains("is 3 um, only 3.00 spacings of 1 um: take a spacing of at most 0.75 um"),
+        "{said}"
+    );
+    let generate = "generate --tau 3um --spacing 0.5um --size 16 -o h.exr";
+    let said = refused(folder, &words(generate), 2);
+    assert!(said.contains("the tile is 8 um long along x"), "{said}");
+    succeed(
+        folder,
+        &words("generate --tau 4um --spacing 1um --size 32 -o h.exr"),
+    );
+    let said = refused(
+        folder,
+        &words("mesh h.exr --cells smooth --deviation 1e-30um -o h.ply"),
+        2,
+    );
+    assert!(
+        said.contains("--deviation 1e-30 um: must be above"),
+        "{said}"
+    );
+    let render = "render h.exr --size 8x6 --samples 1 --view-theta 89 --width 1um -o h.png";
+    let said = refused(folder, &words(render), 2);
+    assert!(said.contains(" um above the mean plane"), "{said}");
 }
 
 #[test]

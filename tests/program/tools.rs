@@ -78,7 +78,7 @@ fn completion_scripts_offer_every_command_its_own_flags() {
         }
     }
     let said = refused(folder.path(), &["completions", "tcsh"], 2);
-    assert!(said.contains("bash, zsh, fish"), "{said}");
+    assert!(said.contains("`tcsh`: must be bash, zsh or fish"), "{said}");
     refused(folder.path(), &["completions"], 2);
 }
 
@@ -119,6 +119,10 @@ fn man_writes_a_page_for_every_command() {
     for command in Named::ALL {
         assert!(main.contains(&escaped(command.about())), "{command}");
         let page = fs::read_to_string(pages.join(page(command.name()))).unwrap();
+        assert!(
+            page.contains("Print help\n") && !page.contains("see a summary"),
+            "{page}"
+        );
         for flag in flags(command) {
             assert!(page.contains(&escaped(&flag)), "{command} {flag}");
         }

@@ -6,7 +6,7 @@ use crate::support::{asperity, errors_of, with_surface, words};
 fn verbose_tells_what_is_done_and_why() {
     let (_keep, folder) = with_surface();
     let random = "--tau 4 --size 32 --smoothness 3 --realisations 4 --rays 2e3 --seed 5 --no-plots --threads 2 -v";
-    let surfaces = "4 random surfaces (as given) of 32 x 32 smooth cells, spacing 1 x 1, seed 5";
+    let surfaces = "4 random surfaces (as given) of 32 x 32 smooth cells, spacing 0.25 x 0.25 correlation lengths, seed 5";
     for (line, expected) in [
         (
             "trace h.exr --rays 2e4 --seed 5 --threads 2 -v".to_owned(),

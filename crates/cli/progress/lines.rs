@@ -77,7 +77,7 @@ impl Stage {
             line.push_str(&format!(" {:.0} %", (100.0 * done).floor()));
         }
         line.push_str(&format!(", {} elapsed", clock(elapsed)));
-        if done > 0.0 {
+        if done > 0.0 && done < 1.0 {
             let left = of_stage.as_secs_f64() * (1.0 / done - 1.0);
             if let Ok(left) = Duration::try_from_secs_f64(left) {
                 line.push_str(&format!(", {} left", clock(left)));
@@ -153,6 +153,6 @@ mod tests {
         );
         lines.advance(20);
         let last = lines.due(at(3630)).unwrap();
-        assert!(last.starts_with("progress: trace 100 %"), "{last}");
+        assert_eq!(last, "progress: trace 100 %, 1:00:30 elapsed (s = 3)");
     }
 }

@@ -1,8 +1,10 @@
 //! Cameras: the ray through each point of a picture.
 
 use std::f64::consts::PI;
+use std::fmt;
 
 use asperity_optics::Incidence;
+use asperity_simulate::short;
 use glam::{DVec2, DVec3};
 
 /// How a camera projects.
@@ -34,21 +36,42 @@ pub struct View {
 #[non_exhaustive]
 pub enum ViewError {
     /// The field of view is invalid.
-    #[error("the field of view is {0} deg; it must be above 0 and below 180 deg")]
     BadFieldOfView(f64),
     /// The width is invalid.
-    #[error("the width of the view is {0:?}; it must be a length above zero")]
     BadWidth(f64),
     /// The eye is in the surface, or below it.
-    #[error(
-        "the eye is {height:.6} above the mean plane, but the surface rises to {highest:.6}: take a wider view, a smaller field of view, or a smaller theta"
-    )]
     EyeTooLow {
         /// Height of the eye, length units of the surface.
         height: f64,
         /// That of the highest point.
         highest: f64,
     },
+}
+
+impl fmt::Display for ViewError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_unit(""))
+    }
+}
+
+impl ViewError {
+    /// The sentence, with `unit` behind each length: a blank and its symbol, or nothing.
+    #[must_use]
+    pub fn in_unit(&self, unit: &str) -> String {
+        match self {
+            Self::BadFieldOfView(degrees) => {
+                format!("the field of view is {degrees} deg; it must be above 0 and below 180 deg")
+            }
+            Self::BadWidth(width) => {
+                format!("the width of the view is {width:?}{unit}; it must be a length above zero")
+            }
+            Self::EyeTooLow { height, highest } => format!(
+                "the eye is {}{unit} above the mean plane, but the surface rises to {}{unit}: take a wider view, a smaller field of view, or a smaller theta",
+                short(*height),
+                short(*highest)
+            ),
+        }
+    }
 }
 
 impl View {

@@ -27,7 +27,7 @@ pub fn short(value: f64) -> String {
 }
 
 /// Magnitudes written without an exponent.
-const PLAIN: Range<f64> = 1e-12..1e15;
+const PLAIN: Range<f64> = 1e-4..1e15;
 
 /// A number without zeros at the end of its fraction.
 fn without_zeros(text: &str) -> &str {
@@ -60,7 +60,9 @@ mod tests {
         assert_eq!(short(30.0), "30");
         assert_eq!(short(100.0), "100");
         assert_eq!(short(0.0), "0");
-        assert_eq!(short(1e-9), "0.000000001");
+        assert_eq!(short(1e-9), "1e-9");
+        assert_eq!(short(1e-4), "0.0001");
+        assert_eq!(short(7.728_03e-8), "7.72803e-8");
     }
 
     #[test]
@@ -81,9 +83,9 @@ mod tests {
             (5e-324, "4.94066e-324"),
             (1e15, "1e15"),
             (9e14, "900000000000000"),
-            (1e-12, "0.000000000001"),
+            (1e-12, "1e-12"),
             (9.9e-13, "9.9e-13"),
-            (1.5e-12, "0.0000000000015"),
+            (1.5e-12, "1.5e-12"),
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(short(value), text);

@@ -14,6 +14,7 @@ mod support;
 mod surface_checkpoints;
 mod table;
 
+pub(crate) use align::TEXT_WIDTH;
 pub use align::wrapped;
 pub(crate) use align::{aligned, indented, listed};
 pub(crate) use by_side::BySide;

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use std::fmt;
 
 use asperity_optics::Incidence;
+use asperity_simulate::short;
 use asperity_surface::{LengthUnit, Psd};
 use serde::Serialize;
 
@@ -36,8 +37,8 @@ pub struct Validity {
     /// `R cos^3(theta) / lambda`, R being one over the root mean square second derivative along the more curved axis;
     /// `None` for a surface without curvature, or where it is not known.
     pub curvature_radius_over_wavelength: Option<f64>,
-    /// Whether all of them are at least [`LARGE`].
-    pub holds: bool,
+    /// Whether all of them are at least [`LARGE`]; `None` where those that are known are, and others are not known.
+    pub holds: Option<bool>,
 }
 
 impl Validity {
@@ -66,7 +67,10 @@ impl Validity {
         let tau = lengths.tau.map(|tau| tau / wavelength);
         let curvature = lengths.curvature.filter(|curvature| *curvature > 0.0);
         let radius = curvature.map(|curvature| cos.powi(3) / (curvature * wavelength));
-        let is_large = |number: f64| number >= LARGE;
+        let known = [Some(rayleigh), tau, radius];
+        let is_doubtful = known.into_iter().flatten().any(|number| number < LARGE);
+        // A surface without curvature has no radius to fall short.
+        let is_complete = tau.is_some() && lengths.curvature.is_some();
         Some(Self {
             wavelength_nm: nanometres,
             wavelength_is_assumed: wavelength_nm.is_none(),
@@ -74,8 +78,28 @@ impl Validity {
             coherent_fraction: (-rayleigh * rayleigh).exp(),
             tau_over_wavelength: tau,
             curvature_radius_over_wavelength: radius,
-            holds: is_large(rayleigh) && tau.is_none_or(is_large) && radius.is_none_or(is_large),
+            holds: (is_doubtful || is_complete).then_some(!is_doubtful),
         })
+    }
+}
+
+impl Validity {
+    /// The verdict where correlation length or curvature is not known.
+    const fn of_known_lengths(&self) -> &'static str {
+        match (
+            self.tau_over_wavelength,
+            self.curvature_radius_over_wavelength,
+        ) {
+            (None, None) => {
+                "the height is large against the wavelength; its height alone is judged, since correlation length and curvature of the surface are not known"
+            }
+            (None, Some(_)) => {
+                "height and radius of curvature are large against the wavelength; the correlation length is not known, so it is not judged"
+            }
+            (Some(_), _) => {
+                "height and correlation length are large against the wavelength; the curvature is not known, so it is not judged"
+            }
+        }
     }
 }
 
@@ -86,15 +110,17 @@ impl fmt::Display for Validity {
             false => "",
         };
         let verdict = match self.holds {
-            true => "lengths are large against the wavelength",
-            false => {
+            Some(true) => "lengths are large against the wavelength",
+            None => self.of_known_lengths(),
+            Some(false) => {
                 "geometric optics is doubtful, since not all lengths are large against the wavelength"
             }
         };
         write!(
             f,
-            "{verdict} ({} nm{assumed}): 4 pi sigma cos(theta) / lambda = {:.3}",
-            self.wavelength_nm, self.rayleigh_parameter
+            "{verdict} ({} nm{assumed}): 4 pi sigma cos(theta) / lambda = {}",
+            short(self.wavelength_nm),
+            short(self.rayleigh_parameter)
         )?;
         if self.coherent_fraction > 1e-4 {
             let percent = 100.0 * self.coherent_fraction;
@@ -104,10 +130,10 @@ impl fmt::Display for Validity {
             )?;
         }
         if let Some(tau) = self.tau_over_wavelength {
-            write!(f, "; tau / lambda = {tau:.3}")?;
+            write!(f, "; tau / lambda = {}", short(tau))?;
         }
         if let Some(radius) = self.curvature_radius_over_wavelength {
-            write!(f, "; R cos^3(theta) / lambda = {radius:.3}")?;
+            write!(f, "; R cos^3(theta) / lambda = {}", short(radius))?;
         }
         write!(f, "; each should be above {LARGE}")
     }
@@ -145,14 +171,36 @@ mod tests {
         let radius = 0.125 / (curvature * 0.5);
         let ratio = found.curvature_radius_over_wavelength.unwrap() / radius;
         assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
-        assert!(found.holds && !found.wavelength_is_assumed);
+        assert!(found.holds == Some(true) && !found.wavelength_is_assumed);
         assert!(found.to_string().starts_with("lengths are large"));
+    }
+
+    #[test]
+    fn unknown_lengths_leave_the_verdict_open_unless_a_known_one_fails() {
+        let of_sigma = |sigma| {
+            let lengths = SurfaceLengths {
+                sigma,
+                tau: None,
+                curvature: None,
+                unit: LengthUnit::Metre,
+            };
+            Validity::new(&lengths, 0.0, None).unwrap()
+        };
+        let high = of_sigma(37.365_127_3);
+        assert_eq!(high.holds, None);
+        let text = high.to_string();
+        assert!(text.contains("its height alone is judged"), "{text}");
+        assert!(text.contains("lambda = 8537"), "{text}");
+        assert!(!text.contains("lengths are large"), "{text}");
+        let shallow = of_sigma(1e-9);
+        assert_eq!(shallow.holds, Some(false));
+        assert!(shallow.to_string().contains("doubtful"));
     }
 
     #[test]
     fn shallow_surfaces_are_doubtful_and_unknown_units_are_not_judged() {
         let shallow = of_field(&waves(0.02, LengthUnit::Micrometre), 0.0, None).unwrap();
-        assert!(!shallow.holds && shallow.wavelength_is_assumed);
+        assert!(shallow.holds == Some(false) && shallow.wavelength_is_assumed);
         assert!((shallow.coherent_fraction - (-shallow.rayleigh_parameter.powi(2)).exp()) == 0.0);
         let text = shallow.to_string();
         assert!(

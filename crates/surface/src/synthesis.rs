@@ -23,7 +23,7 @@ use rustfft::{Fft, FftPlanner};
 use self::filter::{Filter, Numbers};
 use self::noise::Noise;
 use crate::height_field::check_grid;
-use crate::{HeightField, HeightFieldError, Provenance, Psd};
+use crate::{HeightField, HeightFieldError, LengthUnit, Provenance, Psd};
 
 mod direct;
 mod filter;
@@ -53,10 +53,6 @@ pub const MAX_SAMPLES: usize = 1 << 31;
 #[non_exhaustive]
 pub enum SynthesisError {
     /// The grid is too coarse for the correlation length.
-    #[error(
-        "the correlation length along {axis} is {length}, only {per_spacing:.2} spacings of {spacing}: \
-         take a spacing of at most {largest_spacing}, or insist"
-    )]
     Unresolved {
         /// `x` or `y`.
         axis: char,
@@ -70,10 +66,6 @@ pub enum SynthesisError {
         largest_spacing: f64,
     },
     /// The tile is too small for the correlation length.
-    #[error(
-        "the tile is {side} long along {axis}, only {per_length:.2} correlation lengths of {length}: \
-         take at least {fewest_samples} samples along {axis} at this spacing, or insist"
-    )]
     TooSmallTile {
         /// `x` or `y`.
         axis: char,
@@ -87,7 +79,6 @@ pub enum SynthesisError {
         fewest_samples: f64,
     },
     /// More than [`MAX_SAMPLES`].
-    #[error("{nx} x {ny} samples are more than the {MAX_SAMPLES} that one surface may have")]
     TooManySamples {
         /// Columns.
         nx: usize,
@@ -95,14 +86,55 @@ pub enum SynthesisError {
         ny: usize,
     },
     /// The system gives no more memory.
-    #[error("{bytes} bytes of memory were refused; take fewer samples")]
     OutOfMemory {
         /// Requested bytes.
         bytes: usize,
     },
     /// The grid or the heights drawn make no surface.
-    #[error(transparent)]
     HeightField(#[from] HeightFieldError),
+}
+
+impl fmt::Display for SynthesisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.in_unit(LengthUnit::Arbitrary))
+    }
+}
+
+impl SynthesisError {
+    /// The sentence, with lengths in `unit`.
+    #[must_use]
+    pub fn in_unit(&self, unit: LengthUnit) -> String {
+        let unit = unit.suffix();
+        match self {
+            Self::Unresolved {
+                axis,
+                length,
+                spacing,
+                per_spacing,
+                largest_spacing,
+            } => format!(
+                "the correlation length along {axis} is {length}{unit}, only {per_spacing:.2} spacings of {spacing}{unit}: \
+                 take a spacing of at most {largest_spacing}{unit}, or insist"
+            ),
+            Self::TooSmallTile {
+                axis,
+                side,
+                length,
+                per_length,
+                fewest_samples,
+            } => format!(
+                "the tile is {side}{unit} long along {axis}, only {per_length:.2} correlation lengths of {length}{unit}: \
+                 take at least {fewest_samples} samples along {axis} at this spacing, or insist"
+            ),
+            Self::TooManySamples { nx, ny } => format!(
+                "{nx} x {ny} samples are more than the {MAX_SAMPLES} that one surface may have"
+            ),
+            Self::OutOfMemory { bytes } => {
+                format!("{bytes} bytes of memory were refused; take fewer samples")
+            }
+            Self::HeightField(error) => error.to_string(),
+        }
+    }
 }
 
 /// A generator of random periodic surfaces, with its FFTs planned.

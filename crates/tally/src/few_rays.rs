@@ -8,10 +8,19 @@
 use crate::control_variate::{ControlVariate, first_order_totals};
 use crate::filters::Half;
 use crate::values::TallyValues;
-use crate::{Component, Entry, Score, Side, TallyResult, TallySpec};
+use crate::{Component, Entry, Estimate, Score, Side, TallyResult, TallySpec};
 
 /// Rays from which on their own scatter is taken for the error.
 pub const FEW_RAYS: f64 = 20.0;
+
+/// Whether an estimate has the relative standard error of fewer than [`FEW_RAYS`] rays of equal weight, or a larger one.
+///
+/// An exact value does not, nor does one without light and without error. A value of zero with an error does.
+#[must_use]
+pub fn rests_on_few_rays(estimate: Estimate) -> bool {
+    let few = |se: f64| se > estimate.mean.abs() / FEW_RAYS.sqrt();
+    estimate.se.is_some_and(few)
+}
 
 /// A result of rays, as far as its errors depend on their number.
 #[derive(Clone, Copy, Debug)]
@@ -268,6 +277,17 @@ mod tests {
             control_variate: None,
         }
         .least()
+    }
+
+    #[test]
+    fn few_rays_are_known_by_their_relative_error() {
+        let estimate = |mean, se| Estimate { mean, se };
+        assert!(rests_on_few_rays(estimate(1.0, Some(0.23))));
+        assert!(!rests_on_few_rays(estimate(1.0, Some(0.22))));
+        assert!(!rests_on_few_rays(estimate(1.0, Some(1.7e-5))));
+        assert!(rests_on_few_rays(estimate(0.0, Some(1e-9))));
+        assert!(!rests_on_few_rays(estimate(0.0, Some(0.0))));
+        assert!(!rests_on_few_rays(estimate(1.0, None)));
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub use entry::{Entries, Entry, EntryDescription, Score};
 pub use events::{Event, EventPath};
 pub use exit::{Exit, Loss};
 pub use exit_columns::{ExitColumns, ExitRows};
-pub use few_rays::{FEW_RAYS, RayErrors};
+pub use few_rays::{FEW_RAYS, RayErrors, rests_on_few_rays};
 pub use filters::{BinFilter, InPlaneFilter, RingFilter};
 pub use grid::{Bin, HemisphereGrid, HemisphereGridError};
 

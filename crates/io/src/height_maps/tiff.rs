@@ -14,7 +14,7 @@ use std::path::Path;
 
 use ::tiff::decoder::{Decoder, DecodingResult, Limits};
 use ::tiff::tags::Tag;
-use ::tiff::{ColorType, TiffError};
+use ::tiff::{ColorType, TiffError, TiffUnsupportedError};
 use asperity_surface::{RawHeightMap, check_grid};
 
 use self::geo::Georeference;
@@ -140,6 +140,13 @@ fn malformed(path: &Path, what: impl Display) -> ReadError {
 fn decoding(path: &Path, error: TiffError) -> ReadError {
     match error {
         TiffError::IoError(error) => ReadError::io(path, error),
+        TiffError::UnsupportedError(TiffUnsupportedError::UnsupportedCompressionMethod(method)) => {
+            let advice = "bring it to one that is with gdal_translate -co COMPRESS=DEFLATE";
+            ReadError::unsupported(
+                path,
+                format!("compression method {method:?} is not supported; {advice}"),
+            )
+        }
         TiffError::UnsupportedError(what) => ReadError::unsupported(path, what),
         TiffError::FormatError(what) => malformed(path, what),
         other => malformed(path, other),

@@ -235,6 +235,11 @@ impl Curve {
         }
     }
 
+    /// Whether its line has gaps.
+    pub(crate) fn is_dashed(&self) -> bool {
+        !self.pen().dash.is_empty()
+    }
+
     fn draw(&self, scene: &mut Scene, plane: &dyn Plane) {
         let bars = |width| Pen::solid(self.colour.rgb(), width);
         match self.style {

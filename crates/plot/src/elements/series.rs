@@ -112,9 +112,15 @@ impl Series {
         }
     }
 
-    /// What the series stands for beneath others: components, then all light, then models.
-    pub(crate) fn layer(&self) -> (bool, std::cmp::Reverse<usize>) {
-        (self.is_model(), std::cmp::Reverse(self.component))
+    /// What the series stands for beneath others: components, then all light, then models, solid lines before dashed ones: where
+    /// two lines lie at one place, both can be seen.
+    pub(crate) fn layer(&self) -> (bool, bool, std::cmp::Reverse<usize>) {
+        let is_dashed = self.is_model() && self.curve().is_dashed();
+        (
+            self.is_model(),
+            is_dashed,
+            std::cmp::Reverse(self.component),
+        )
     }
 }
 

@@ -444,7 +444,7 @@ mod tests {
         };
         set(&mut figure, vec![3]);
         assert_eq!(top(&figure), Some(1.0));
-        // Where all do, there is no better scale
+        // If all bins rest on few rays, the scale covers all of them.
         set(&mut figure, (0..8).collect());
         assert_eq!(top(&figure), Some(6.0));
     }

@@ -20,8 +20,8 @@ use crate::{Figure, PlotError, Series, Side};
 /// interpolated linearly between its points and compared at the centre of a bin: sample it finely, averaged over a
 /// bin that slides along the angle. Residuals beyond the panel are hollow, at its edge.
 ///
-/// A lobe narrower than 45 degrees fills the linear panel (and the residuals below it); the logarithmic panel
-/// always covers all angles. There values of zero and below are left out with
+/// A lobe narrower than 45 degrees fills the linear panel (and the residuals below it). The logarithmic panel covers all
+/// angles unless what it shows is as narrow. There values of zero and below are left out with
 /// their bars, other bars end at the lower edge, and the scale ends a little below the lowest value that
 /// exceeds its standard error: what lies deeper is noise.
 ///
@@ -53,6 +53,10 @@ const LOBE_FRACTION: f64 = 0.005;
 const QUANTITY: &str = "f |cos θₒ|";
 /// Residuals that are marked.
 const MARKED_Z: f64 = 2.0;
+/// Fraction of the residuals that the scale covers at least.
+const MOST_SHOWN: f64 = 0.9;
+/// Widest lobe that fills a panel, degrees, with its neighbours.
+const NARROW_DEG: f64 = 45.0;
 
 impl InPlaneCurves {
     /// Lays the figure out.
@@ -181,7 +185,7 @@ impl InPlaneCurves {
         curves: &[Curve],
     ) -> Result<(), PlotError> {
         if let Some(y) = log_y_axis(curves) {
-            let x = Axis::degrees(-90.0, 90.0).with_label(self.angle_label());
+            let x = angle_axis(curves, y.lo).with_label(self.angle_label());
             self.draw_panel(scene, &Panel::new(frame, x, y)?, curves);
             return Ok(());
         }
@@ -203,13 +207,18 @@ fn points(curves: &[Curve]) -> impl Iterator<Item = &Point> + Clone {
 /// All angles, or the lobe if it is narrow.
 fn linear_x_axis(curves: &[Curve]) -> Axis {
     let peak = points(curves).fold(0.0_f64, |m, p| m.max(p.y));
-    let lobe = points(curves).filter(|p| peak > 0.0 && p.y >= LOBE_FRACTION * peak);
+    angle_axis(curves, LOBE_FRACTION * peak)
+}
+
+/// All angles, or those of values above zero of at least `least` if they are close together.
+fn angle_axis(curves: &[Curve], least: f64) -> Axis {
+    let lobe = points(curves).filter(|p| p.y > 0.0 && p.y >= least);
     let narrow = extent(lobe.map(|p| p.x)).map(|[lo, hi]| {
         // The neighbours of the lobe are shown too, so that a lobe of one bin has a range.
         let pad = (0.3 * (hi - lo)).max(1.0);
         [(lo - pad).floor(), (hi + pad).ceil()]
     });
-    let narrow = narrow.filter(|[lo, hi]| hi - lo <= 45.0 && points(curves).count() > 1);
+    let narrow = narrow.filter(|[lo, hi]| hi - lo <= NARROW_DEG && points(curves).count() > 1);
     let [lo, hi] = narrow.unwrap_or([-90.0, 90.0]);
     Axis::degrees(lo.max(-90.0), hi.min(90.0))
 }
@@ -260,11 +269,15 @@ fn log_y_axis(curves: &[Curve]) -> Option<Axis> {
     Some(Axis::log10(lo, hi).with_label(&format!("{QUANTITY} {}", per_steradian(0))))
 }
 
-/// Symmetric, at least to z = ±4; what lies beyond ±12 is wrong by any measure.
+/// Symmetric, at least to z = ±4, and beyond ±12 only as far as it takes to show most points.
 fn residual_axis(residuals: &[Residuals]) -> Axis {
     let all = residuals.iter().flat_map(|r| &r.points);
-    let largest = all.fold(0.0_f64, |m, point| m.max(point.y.abs()));
-    let reach = (1.1 * largest).clamp(4.0, 12.0);
+    let mut sizes: Vec<f64> = all.map(|point| point.y.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    let largest = sizes.last().copied().unwrap_or_default();
+    let most = (MOST_SHOWN * sizes.len() as f64) as usize;
+    let shown = sizes.get(most).copied().unwrap_or(largest);
+    let reach = (1.1 * largest).clamp(4.0, (1.1 * shown).max(12.0));
     Axis::linear(-reach, reach, 5, 0).with_label("residual z")
 }
 
@@ -349,6 +362,41 @@ mod tests {
         assert_eq!(interpolate(&samples, -0.1), None);
         assert_eq!(interpolate(&samples, 20.1), None);
         assert_eq!(interpolate(&[], 0.0), None);
+    }
+
+    #[test]
+    fn most_residuals_lie_within_their_panel() {
+        let of = |sizes: Vec<f64>| {
+            let points = sizes.into_iter().map(|z| Point::exact(0.0, z)).collect();
+            let (model, component) = (0, 0);
+            residual_axis(&[Residuals {
+                model,
+                component,
+                points,
+            }])
+            .hi
+        };
+        assert_eq!(of(vec![1.0, -2.0]), 4.0);
+        assert!((of(vec![-8.0, 2.0]) - 8.8).abs() < 1e-12);
+        // A few far ones do not stretch the scale; many do.
+        let mut few = vec![1.0; 19];
+        few.push(500.0);
+        assert_eq!(of(few), 12.0);
+        assert!((of(vec![-40.0; 20]) - 44.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_logarithmic_panel_is_as_wide_as_what_it_shows() {
+        let curve = |points: &[(f64, f64)]| {
+            let points = points.iter().map(|&(x, y)| Point::exact(x, y)).collect();
+            Series::explicit("e", 0, Side::Reflected, points).curve()
+        };
+        let ends = |axis: Axis| [axis.lo, axis.hi];
+        let lobe = [(24.0, 0.01), (30.0, 1.0), (36.0, 0.01)];
+        let far = [(-80.0, 1e-9), (80.0, 0.0)];
+        let narrow = [curve(&[&lobe[..], &far].concat())];
+        assert_eq!(ends(angle_axis(&narrow, 1e-6)), [20.0, 40.0]);
+        assert_eq!(ends(angle_axis(&narrow, 1e-10)), [-90.0, 90.0]);
     }
 
     #[test]

@@ -82,13 +82,15 @@ impl RandomGroup {
     pub(super) fn explained(&self) -> Vec<String> {
         let settings = &self.settings;
         let [ny, nx] = self.surfaces.shape();
-        let [dx, dy] = self.surfaces.spacing().map(short);
+        let lengths = self.surfaces.psd().axis_correlation_lengths();
+        let spacing = self.surfaces.spacing();
+        let [dx, dy] = [0, 1].map(|i| short(spacing[i] / lengths[i]));
         let plan = match settings.target() {
             None => "as given",
             Some(_) => "planned by a pilot run",
         };
         let surfaces = format!(
-            "{} ({plan}) of {nx} x {ny} {} cells, spacing {dx} x {dy}, seed {}",
+            "{} ({plan}) of {nx} x {ny} {} cells, spacing {dx} x {dy} correlation lengths, seed {}",
             counted(self.plan.surfaces, "random surface"),
             self.surfaces.cells(),
             settings.seed

@@ -1,5 +1,6 @@
 //! How a run came to its end.
 
+use asperity_surface::LengthUnit;
 use serde::Serialize;
 
 use crate::input::cells::Cells;
@@ -76,7 +77,7 @@ impl Stopping {
                     .to_owned(),
             ),
             StoppedBy::Interrupt => {
-                Some("interrupted: these are the results so far, and depend on when that was".to_owned())
+                Some("interrupted: these are the results so far, so they depend on when the interrupt came".to_owned())
             }
             StoppedBy::Plan => match (self.error, self.target_error) {
                 (Some(error), Some(target)) if error > target => Some(format!(
@@ -107,9 +108,9 @@ impl Stopping {
         ))
     }
 
-    /// One line of what was chosen and what was got; nothing without a target.
+    /// One line of what was chosen and what was got, with lengths in `unit`; nothing without a target.
     #[must_use]
-    pub fn line(&self) -> Option<String> {
+    pub fn line(&self, unit: LengthUnit) -> Option<String> {
         let (of, target) = (self.of?, self.target_error?);
         let error = self
             .error
@@ -122,10 +123,11 @@ impl Stopping {
         }
         let spacing = self.spacing.map_or_else(String::new, |[dx, dy]| {
             let [x, y] = [dx, dy].map(short);
+            let unit = unit.suffix();
             if x == y {
-                format!(", spacing {x}")
+                format!(", spacing {x}{unit}")
             } else {
-                format!(", spacing {x}, {y}")
+                format!(", spacing {x}, {y}{unit}")
             }
         });
         let rounds = match self.rounds {

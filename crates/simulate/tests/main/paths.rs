@@ -5,7 +5,7 @@ use asperity_simulate::{
     Case, Effort, Estimator, Light, Outcome, PathChoice, Quantity, Settings, SurfaceSource,
     TriedPaths, simulate,
 };
-use asperity_surface::{Psd, Synthesis};
+use asperity_surface::{LengthUnit, Psd, Synthesis};
 use asperity_tracer::{Branching, PathSettings};
 
 use crate::after::OncePlanned;
@@ -88,7 +88,7 @@ fn numbers(outcome: &Outcome) -> String {
 fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
     for case in [random(), given()] {
         let chosen = begin(&case, 1e-3, Quantity::Bins, free());
-        println!("{:?}", chosen.stopping.line());
+        println!("{:?}", chosen.stopping.line(LengthUnit::Arbitrary));
         let all = tried(&chosen);
         assert_eq!((all.len(), all[0].relative_cost), (4, 1.0));
         let best = all
@@ -98,7 +98,7 @@ fn a_long_run_takes_the_best_of_what_the_pilot_run_tried() {
         assert!(best.relative_cost < 0.9, "{best:?}");
         let paths = PathSettings::default().with(best.way.branching, best.way.roulette);
         assert_eq!(traced_on(&chosen), paths);
-        let line = chosen.stopping.line().unwrap();
+        let line = chosen.stopping.line(LengthUnit::Arbitrary).unwrap();
         assert!(line.contains("of the cost x variance of split, roulette 0.01, from above, plain"));
 
         let named = begin(&case, 1e-3, Quantity::Bins, paths.into());
@@ -117,7 +117,7 @@ fn starts_and_estimators_are_tried_too() {
     for (estimator, count) in [(Estimator::Auto, 9), (Estimator::Controlled, 5)] {
         let outcome = begin_by(estimator, &case, 1e-3, Quantity::Bins, free());
         let all = tried(&outcome);
-        println!("{:?}", outcome.stopping.line());
+        println!("{:?}", outcome.stopping.line(LengthUnit::Arbitrary));
         assert_eq!(all.len(), count);
         let others = all.iter().filter(|one| one.way.starts != all[0].way.starts);
         assert!(others.count() > 0);
@@ -140,7 +140,11 @@ fn starts_and_estimators_are_tried_too() {
 fn totals_keep_both_branches_and_a_low_threshold() {
     for case in [random(), given()] {
         let outcome = begin(&case, 1e-6, Quantity::Reflected, free());
-        println!("{:?} {:?}", outcome.stopping.line(), outcome.stopping.pilot);
+        println!(
+            "{:?} {:?}",
+            outcome.stopping.line(LengthUnit::Arbitrary),
+            outcome.stopping.pilot
+        );
         let picked = tried(&outcome)
             .iter()
             .find(|one| one.way.branching == Branching::Pick);

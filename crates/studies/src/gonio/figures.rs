@@ -6,7 +6,7 @@ use asperity_plot::{
     Figure, Hemisphere, Hemispheres, InPlaneCurves, PlotError, Point, ProfileComponent,
     ProfileGrid, Series, SharedColours,
 };
-use asperity_tally::{Estimate, FEW_RAYS, Side, TallySpec};
+use asperity_tally::{Side, TallySpec, rests_on_few_rays};
 use rayon::prelude::*;
 
 use super::config::PlotScale;
@@ -329,12 +329,6 @@ fn hemisphere(direction: &Direction, side: Side, component: usize) -> Option<Hem
         light_deg: (!direction.incidence.is_vertical()).then(|| direction.incidence.phi_deg()),
         note: format!("{letter} = {}", percent(fraction)),
     })
-}
-
-/// Whether a flux has the relative error of few rays, or a larger one.
-fn rests_on_few_rays(flux: Estimate) -> bool {
-    let few = |se: f64| se > flux.mean.abs() / FEW_RAYS.sqrt();
-    flux.se.is_some_and(few)
 }
 
 /// A fraction of the light, to three digits.

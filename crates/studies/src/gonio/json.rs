@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use super::peak::Peak;
 use super::results::component_names;
-use super::summary::warnings;
+use super::summary::{notes, warnings};
 use super::{DirectionResults, GonioOutcome, Specimen, tables};
 use crate::config::Azimuth;
 use crate::config::lobes::BinnedLobe;
@@ -110,7 +110,7 @@ pub fn gonio_summary(outcome: &GonioOutcome) -> Value {
             "bsdf.csv": tables::bsdf().description(),
             "directions/*.csv": of_direction.map(|table| table.description()),
         }),
-        warnings: warnings(outcome),
+        warnings: [notes(outcome), warnings(outcome)].concat(),
     })
 }
 

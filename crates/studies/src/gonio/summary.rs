@@ -10,6 +10,7 @@ use super::specimen::Distinction;
 use super::tables::{Measured, measured, report};
 use crate::config::lobes::BinnedLobe;
 use crate::output::wrapped;
+use crate::validity::Validity;
 
 /// The summary as text: report.txt.
 #[must_use]
@@ -50,6 +51,9 @@ pub fn gonio_table(outcome: &GonioOutcome) -> String {
     if let Some(note) = validity_note(outcome) {
         let _ = writeln!(out, "\n{}", wrapped(&format!("note: {note}")));
     }
+    for note in notes(outcome) {
+        let _ = writeln!(out, "\nnote: {note}");
+    }
     for warning in warnings(outcome) {
         let _ = writeln!(out, "\nwarning: {warning}");
     }
@@ -62,10 +66,13 @@ fn validity_note(outcome: &GonioOutcome) -> Option<String> {
         let all = outcome.directions.iter();
         all.filter_map(|direction| Some((direction, direction.validity?)))
     };
-    let doubtful = known().filter(|(_, validity)| !validity.holds).count();
+    let doubtful = known()
+        .filter(|(_, validity)| validity.holds == Some(false))
+        .count();
     let (direction, validity) = known().min_by(|(_, a), (_, b)| {
         let by_parameter = a.rayleigh_parameter.total_cmp(&b.rayleigh_parameter);
-        a.holds.cmp(&b.holds).then(by_parameter)
+        let is_fine = |validity: &Validity| validity.holds != Some(false);
+        is_fine(a).cmp(&is_fine(b)).then(by_parameter)
     })?;
     let others = match doubtful.saturating_sub(1) {
         0 => String::new(),
@@ -94,7 +101,23 @@ pub(super) fn labelled(title: &str, label: &str) -> String {
     }
 }
 
-/// What a reader of the results should know.
+/// What a reader of the results should know of the surface.
+pub(super) fn notes(outcome: &GonioOutcome) -> Vec<String> {
+    match &outcome.sample {
+        Some(sample) => sample.warnings.clone(),
+        None if outcome.config.run.target_error.is_none()
+            && outcome.config.run.realisations.0 == 1 =>
+        {
+            vec![
+                "one surface: errors hold for this surface, not for the ensemble it comes from"
+                    .to_owned(),
+            ]
+        }
+        None => Vec::new(),
+    }
+}
+
+/// What is wrong with the results, or limits them.
 pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
     let mut warnings = Vec::new();
     if outcome.missing() > 0 {
@@ -103,14 +126,6 @@ pub(super) fn warnings(outcome: &GonioOutcome) -> Vec<String> {
             outcome.missing(),
             outcome.directions.len()
         ));
-    }
-    if let Some(sample) = &outcome.sample {
-        warnings.extend(sample.warnings.iter().cloned());
-    } else if outcome.config.run.target_error.is_none() && outcome.config.run.realisations.0 == 1 {
-        warnings.push(
-            "one surface: errors hold for this surface, not for the ensemble it comes from"
-                .to_owned(),
-        );
     }
     if outcome.config.any_azimuth() && outcome.phis.len() > 1 {
         warnings.push(

@@ -22,6 +22,9 @@ use crate::report::summary::{Order, orders};
 /// Flux missing from the energies of all orders that no noise explains.
 const UNACCOUNTED: f64 = 0.01;
 
+/// Standard errors that such a flux exceeds.
+const SIGNIFICANT: f64 = 3.0;
+
 /// Batches that errors come from.
 const BATCHES: u64 = 64;
 
@@ -84,7 +87,13 @@ impl Evaluation for SurfaceBins {
         };
         let mut text = format!("{effort}\n{}", energy_table(statistics, &self.support()));
         let missing = 1.0 - statistics.means().budget().total();
-        if self.model.scope() == Scope::AllOrders && missing.abs() > UNACCOUNTED {
+        let squares = statistics.budget().parts().into_iter();
+        let error = squares
+            .filter_map(|part| part.se)
+            .map(|se| se * se)
+            .sum::<f64>();
+        let least = UNACCOUNTED.max(SIGNIFICANT * error.sqrt());
+        if self.model.scope() == Scope::AllOrders && missing > least {
             text.push_str(&format!(
                 "  {missing:.3} of the flux is not accounted for by this model\n"
             ));

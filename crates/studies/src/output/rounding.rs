@@ -41,7 +41,7 @@ const SHAPE: [usize; 2] = [32, 60];
 pub(super) fn rounding() -> &'static str {
     static ROUNDING: OnceLock<String> = OnceLock::new();
     ROUNDING.get_or_init(|| {
-        // Only for want of memory is there no surface.
+        // Drawing fails only if memory runs out.
         fingerprint(&elementary(), &heights().unwrap_or_default())
     })
 }

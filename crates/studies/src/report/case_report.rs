@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-use asperity_simulate::{Cells, Stopping, counted, short};
+use asperity_simulate::{Cells, counted, short};
 use asperity_tally::{Component, Estimate, Measure, Side, TallyResult, TallySpec};
 use asperity_tracer::{PathSettings, Polarisation};
 
@@ -13,7 +13,7 @@ use crate::comparison::conclusion::{conclusion, verdict_name};
 use crate::comparison::models::{ComparedComponent, ModelOutcome};
 use crate::config::case_model::CaseModel;
 use crate::config::lobes::BinnedLobe;
-use crate::output::{Column, Format, Supported, Table, distance, wrapped};
+use crate::output::{Column, Format, Supported, TEXT_WIDTH, Table, distance, wrapped};
 use crate::report::distribution_table::{distribution_table, sampled_models};
 use crate::report::energies::{endings, errors_table, lost_warning, recorded_orders};
 use crate::report::flux_support::FluxSupport;
@@ -22,6 +22,9 @@ use crate::verify::{CaseOutcome, VerifyOutcome};
 
 /// Longest title of a case that a table repeats in each row, characters.
 const MAX_CASE_WIDTH: usize = 34;
+
+/// Width of the widest number of a row, `total variation (noise)`, and of the blanks before the columns, characters.
+const MEASURE_WIDTH: usize = 23 + 3 * 2;
 
 /// What a reader must know of the results of a case.
 pub(crate) fn warnings(outcome: &VerifyOutcome, case: &CaseOutcome) -> Vec<String> {
@@ -78,7 +81,11 @@ pub(crate) fn case_table(outcome: &VerifyOutcome, case: &CaseOutcome) -> String 
             case.outcome.errors_from,
         ),
     };
-    if let Some(line) = case.stopping.as_ref().and_then(Stopping::line) {
+    if let Some(line) = case
+        .stopping
+        .as_ref()
+        .and_then(|stopping| stopping.line(case.case.unit))
+    {
         let _ = writeln!(out, "{}", wrapped(&line));
     }
     let max_order = outcome.config.run.max_order;
@@ -267,6 +274,7 @@ fn overview(outcome: &VerifyOutcome) -> String {
                 .chain(apart.map(|compared| judged(unscattered, compared)))
         })
     });
+    let judged: Vec<Row<'_>> = judged.collect();
     let multiple = |row: &Row<'_>| {
         let of = |side| {
             row.case.outcome.statistics.means()[outcome.spec.flux_entry(side, Component::Multiple)]
@@ -274,7 +282,18 @@ fn overview(outcome: &VerifyOutcome) -> String {
         of(Side::Reflected) + of(Side::Transmitted)
     };
     let titles: Vec<String> = outcome.cases.iter().map(|c| c.case.to_string()).collect();
-    let is_long = |title: &String| title.chars().count() > MAX_CASE_WIDTH;
+    let longest = |texts: &mut dyn Iterator<Item = String>| {
+        texts.map(|text| text.chars().count()).max().unwrap_or(0)
+    };
+    let models = outcome.cases.iter().flat_map(|case| &case.models);
+    let names = longest(&mut models.map(|model| model.model.name().to_owned()));
+    let light = longest(
+        &mut judged
+            .iter()
+            .map(|row| row.component.short_label().into_owned()),
+    );
+    let room = TEXT_WIDTH.saturating_sub(names + light + MEASURE_WIDTH);
+    let is_long = |title: &String| title.chars().count() > room.min(MAX_CASE_WIDTH);
     // Long titles stand above the table, which refers to them by number.
     let numbered = titles.iter().any(is_long);
     let number = |case: &CaseOutcome| {

@@ -1,7 +1,7 @@
 //! The tables of the fluxes of one case: histogram.csv, theta.csv, in_plane.csv and comparison.csv.
 
 use asperity_tally::{
-    Component, Estimate, FEW_RAYS, Side, TallyResult, TallySpec, TallyStatistics,
+    Component, Estimate, Side, TallyResult, TallySpec, TallyStatistics, rests_on_few_rays,
 };
 use serde_json::Value;
 
@@ -101,8 +101,8 @@ fn histogram(fluxes: Fluxes<'_>) -> Table<'_, usize> {
         ))
         .column(Column::new(
             "few_rays",
-            "whether these are fewer than 20, so that the error is at least that of one more ray",
-            move |bin: &usize| yes_or_no(hits(bin) < FEW_RAYS),
+            "yes where the relative error of the flux is that of fewer than 20 rays, or larger",
+            move |bin: &usize| yes_or_no(rests_on_few_rays(total(bin))),
         ))
         .columns(fluxes.components(&Component::SURFACE, move |c, bin| entry(c)(bin)))
         .columns(fluxes.components(spec.components(), move |c, bin| entry(c)(bin)))

@@ -6,6 +6,7 @@ use asperity_plot::{
 };
 use asperity_tally::{
     Component, Measure, Polarimetry, Side, TallyResult, TallySpec, TallyStatistics,
+    rests_on_few_rays,
 };
 use rayon::prelude::*;
 
@@ -161,11 +162,15 @@ fn hemispheres(light: &PlottedCase, statistics: &TallyStatistics, side: Side) ->
     let spec = statistics.spec();
     let entries = spec.grid_entries(Component::All);
     let vertical = light.incidence.is_vertical();
+    let few_rays: Vec<usize> = (disc_bins(spec, side).enumerate())
+        .filter(|(_, bin)| rests_on_few_rays(statistics.at(entries.get(*bin))))
+        .map(|(place, _)| place)
+        .collect();
     let disc = |name: String, value: &dyn Fn(usize) -> Option<f64>| {
         Some(Hemisphere {
             bins: disc_edges(spec, side),
             values: disc_bins(spec, side).map(value).collect(),
-            few_rays: Vec::new(),
+            few_rays: few_rays.clone(),
             light_deg: (!vertical).then(|| light.incidence.phi_deg()),
             note: name,
         })

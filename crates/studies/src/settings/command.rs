@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use asperity_io::HeightMapFormat;
+
+use super::kind::joined_by_or;
+
 /// The commands of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
@@ -83,23 +87,23 @@ impl Command {
 
     /// What stands without a flag on the command line: its name in the help, and what it is.
     #[must_use]
-    pub const fn positional(self) -> Option<(&'static str, &'static str)> {
-        match self {
-            Self::Generate => None,
-            Self::Inspect | Self::Mesh => Some((
-                "FILE",
-                "Height map: .exr, .npy, .gsf, .x3p, .asc, .txt or .csv",
-            )),
-            Self::Trace => Some((
+    pub fn positional(self) -> Option<(&'static str, String)> {
+        let (name, about) = match self {
+            Self::Generate => return None,
+            Self::Inspect | Self::Mesh => {
+                return Some(("FILE", format!("Height map: {}", height_map_endings())));
+            }
+            Self::Trace => (
                 "FILE",
                 "Height map, triangle mesh or configuration (.toml); flags override it",
-            )),
-            Self::Render => Some(("FILE", "Height map or triangle mesh")),
+            ),
+            Self::Render => ("FILE", "Height map or triangle mesh"),
             Self::Verify | Self::Map | Self::Gonio | Self::Converge | Self::Attenuation => {
-                Some(("CONFIG", "Configuration (.toml); flags override it"))
+                ("CONFIG", "Configuration (.toml); flags override it")
             }
-            Self::Model => Some(("NAME", "Model, as --list names it")),
-        }
+            Self::Model => ("NAME", "Model, as --list names it"),
+        };
+        Some((name, about.to_owned()))
     }
 
     /// Whether it reads a configuration file.
@@ -113,6 +117,15 @@ impl fmt::Display for Command {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
+}
+
+/// Endings of the height maps that are read, as in `.exr, .npy or .gsf`.
+fn height_map_endings() -> String {
+    let read = HeightMapFormat::ALL.into_iter().filter(|f| f.can_read());
+    let endings = read.flat_map(HeightMapFormat::endings);
+    let endings: Vec<String> = endings.map(|ending| format!(".{ending}")).collect();
+    let endings: Vec<&str> = endings.iter().map(String::as_str).collect();
+    joined_by_or(&endings)
 }
 
 /// Commands that read a configuration file.

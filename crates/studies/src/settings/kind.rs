@@ -1,5 +1,6 @@
 //! Kind: what a value is, and how its text is read.
 
+use asperity_surface::LengthUnit;
 use asperity_tally::HemisphereGrid;
 use serde_json::Value;
 
@@ -18,6 +19,8 @@ pub enum Kind {
     NumberOrChoice(&'static [Choice]),
     /// Such a number with or without a unit of length behind it: [`Length`].
     Length,
+    /// Such a number in this unit, or with another unit of length behind it.
+    LengthIn(LengthUnit),
     /// A whole number of one or more, also written as `1e6`.
     Count,
     /// A count up to 4294967295.
@@ -43,6 +46,9 @@ pub enum Kind {
     /// Numbers of pixels, `COLUMNSxROWS`.
     Pixels,
 }
+
+/// A count that settings allow unless they are for small ones alone.
+const MANY: f64 = 1e6;
 
 /// One name that a setting allows.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +93,7 @@ impl Kind {
             Self::Switch
                 | Self::Number
                 | Self::Length
+                | Self::LengthIn(_)
                 | Self::NumberOrChoice(_)
                 | Self::Count
                 | Self::Order
@@ -107,6 +114,10 @@ impl Kind {
                 let length = Length::parse(text)?;
                 let value = serde_json::to_value(length).ok()?;
                 range.contains(length.number()).then_some(value)
+            }
+            Self::LengthIn(unit) => {
+                let number = Length::parse(text)?.in_unit(unit)?;
+                range.contains(number).then(|| Value::from(number))
             }
             Self::NumberOrChoice(choices) => Self::Choice(choices)
                 .parse(text, range)
@@ -146,8 +157,10 @@ impl Kind {
     pub(super) fn allowed(self, range: Range) -> String {
         match self {
             Self::Switch => "true or false".to_owned(),
-            Self::Length | Self::Number if range == Range::Any => "a number".to_owned(),
-            Self::Length | Self::Number => format!("a number {range}"),
+            Self::Length | Self::LengthIn(_) | Self::Number if range == Range::Any => {
+                "a number".to_owned()
+            }
+            Self::Length | Self::LengthIn(_) | Self::Number => format!("a number {range}"),
             Self::NumberOrChoice(choices) => {
                 let number = Self::Number.allowed(range);
                 format!("{number}, or {}", one_of(choices, None))
@@ -173,11 +186,14 @@ impl Kind {
         }
     }
 
-    /// Values that are allowed, as they are written on the command line.
-    pub(super) fn examples(self, range: Range) -> Vec<&'static str> {
+    /// Values in `unit` that are allowed, as they are written on the command line.
+    pub(super) fn examples(self, range: Range, unit: &str) -> Vec<&'static str> {
         let candidates: &[&str] = match self {
+            Self::Number if unit == "degrees" => &["30", "42.5"],
             Self::Length => &["1.4", "2e-3", "5um"],
+            Self::LengthIn(_) => &["633", "633nm", "0.633um"],
             Self::Number | Self::NumberOrChoice(_) => &["1.4", "2e-3", "1/1.4"],
+            Self::Count if !range.contains(MANY) => &["4"],
             Self::Count => &["1000", "1e6"],
             Self::Duration => &["90", "10m", "2h"],
             Self::Models => &["smith"],
@@ -200,14 +216,15 @@ pub(super) fn such_as(examples: &[&str]) -> String {
     }
 }
 
-/// Names in a sentence: `a, b or c`.
+/// Names of choices in a sentence: `a, b or c`.
 fn one_of(choices: &[Choice], further: Option<&str>) -> String {
     let mut names: Vec<&str> = choices.iter().map(|choice| choice.name).collect();
     names.extend(further);
     joined_by_or(&names)
 }
 
-fn joined_by_or(names: &[&str]) -> String {
+/// Names in a sentence: `a, b or c`.
+pub(super) fn joined_by_or(names: &[&str]) -> String {
     match names.split_last() {
         Some((last, [])) => (*last).to_owned(),
         Some((last, rest)) => format!("{} or {last}", rest.join(", ")),

@@ -105,9 +105,9 @@ fn value(setting: &Setting) -> String {
                 _ => setting.allowed(first),
             };
             let text = match setting.kind {
-                Kind::Length => text.replacen("number", "length", 1),
+                Kind::Length | Kind::LengthIn(_) => text.replacen("number", "length", 1),
                 Kind::Number | Kind::NumberOrChoice(_) | Kind::Models => text,
-                kind => text + &such_as(&kind.examples(setting.range)),
+                kind => text + &such_as(&kind.examples(setting.range, setting.unit)),
             };
             let unit = match (setting.arity, setting.unit) {
                 (Arity::ListIn(_), unit) if !unit.is_empty() => format!(" ({unit})"),

@@ -235,7 +235,7 @@ impl Setting {
     pub fn placeholder(&self, command: Command) -> String {
         let one = match (self.value_name, self.kind, self.unit) {
             ("", Kind::Number, "degrees") => "DEGREES",
-            ("", Kind::Length, _) => "LENGTH",
+            ("", Kind::Length | Kind::LengthIn(_), _) => "LENGTH",
             ("", Kind::Number | Kind::NumberOrChoice(_), _) => "NUMBER",
             ("", Kind::Count | Kind::Order, _) => "COUNT",
             ("", Kind::Seed, _) => "SEED",
@@ -266,7 +266,7 @@ impl Setting {
         let examples = match self.arity {
             Arity::PerAxis if self.kind == Kind::Count => vec!["512", "512x256"],
             Arity::Tuple(_) => Vec::new(),
-            _ => self.kind.examples(self.range),
+            _ => self.kind.examples(self.range, self.unit),
         };
         self.allowed(command) + &such_as(&examples)
     }

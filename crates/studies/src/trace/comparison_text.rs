@@ -39,7 +39,7 @@ fn slopes_line(comparison: &TraceComparison) -> String {
     let [xx, xy, yy] = shifts.elements().map(with_error);
     let [wide, deep] = plan.widths().map(|width| format!("{width:.1}"));
     format!(
-        "models have the slopes of this surface: variance {xx} along x, {yy} along y, covariance {xy}; errors are those of the ensemble that it may come from, by the scatter between {} x {} regions of {wide} x {deep} correlation lengths, increased by {:.0} % for what neighbours share; {} rays fall on them",
+        "models have the slopes of this surface: variance {xx} along x, {yy} along y, covariance {xy}; errors are those of the ensemble that it may come from, by the scatter between {} x {} regions of {wide} x {deep} correlation lengths, increased by {:.0} % since neighbouring regions are correlated; {} rays fall on them",
         plan.regions.columns,
         plan.regions.rows,
         100.0 * (shifts.stretch() - 1.0),
@@ -66,8 +66,7 @@ fn flux_table(comparison: &TraceComparison) -> String {
     });
     let flux = |row: &Row| {
         use asperity_tally::TallyResult;
-        let flux: Estimate = comparison.outcome.statistics.flux(row.side, row.component);
-        short(flux.mean)
+        with_error(comparison.outcome.statistics.flux(row.side, row.component))
     };
     let models = comparison.models.iter().map(|model| {
         Column::new(model.model.name(), "", move |row: &Row| {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use asperity_optics::Material;
-use asperity_simulate::{Stopping, layer_name};
+use asperity_simulate::layer_name;
 
 use super::TraceOutcome;
 use super::comparison_text::comparison_text;
@@ -30,7 +30,10 @@ pub fn trace_table(outcome: &TraceOutcome) -> String {
     if let Some(comparison) = &outcome.comparison {
         text.push_str(&comparison_text(outcome, comparison));
     }
-    if let Some(line) = outcome.stopping().and_then(Stopping::line) {
+    if let Some(line) = outcome
+        .stopping()
+        .and_then(|stopping| stopping.line(outcome.unit))
+    {
         let _ = writeln!(text, "{line}");
     }
     if let Some(validity) = &outcome.validity {

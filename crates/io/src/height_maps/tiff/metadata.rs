@@ -50,9 +50,9 @@ impl HeightScale {
             node.has_tag_name("Item") && matches!(node.attribute("sample"), None | Some("0"))
         });
         for item in items {
-            let target = match item.attribute("role") {
-                Some("scale") => &mut found.scale,
-                Some("offset") => &mut found.offset,
+            let (name, target) = match item.attribute("role") {
+                Some("scale") => ("scale", &mut found.scale),
+                Some("offset") => ("offset", &mut found.offset),
                 _ => continue,
             };
             let text = item.text().unwrap_or_default().trim();
@@ -64,7 +64,7 @@ impl HeightScale {
                     malformed(
                         path,
                         format_args!(
-                            "the scale of its heights is `{text}`, but a number is needed"
+                            "the {name} of its heights is `{text}`, but a number is needed"
                         ),
                     )
                 })?;

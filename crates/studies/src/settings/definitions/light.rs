@@ -1,5 +1,7 @@
 //! `[light]` and `[view]`: directions.
 
+use asperity_surface::LengthUnit;
+
 use super::choices::{AZIMUTH, FROM};
 use super::{
     ATTENUATION, CONVERGE, DEGREES, GONIO, INSPECT, MODEL, RENDER, SWEEPS, TRACE, TRACING, VERIFY,
@@ -95,7 +97,7 @@ pub(super) const LIGHT: &[Setting] = &[
     setting(
         "light",
         "wavelength",
-        Kind::Number,
+        Kind::LengthIn(LengthUnit::Nanometre),
         TRACE.and(VERIFY).and(GONIO),
         "Wavelength against which the lengths of the surface are judged",
     )
