@@ -110,7 +110,8 @@ impl Statistics {
             facets: Roughness::of(field),
             cells,
             smooth: (cells == Cells::Smooth).then(smooth),
-            shadows: ShadowShares::of(field, cells, lights).map_err(refuse_simulation)?,
+            shadows: ShadowShares::of(field, cells, lights)
+                .map_err(|error| refuse_simulation(field.unit(), error))?,
         })
     }
 
