@@ -108,6 +108,33 @@ fn random_surfaces_take_lengths_with_units() {
     assert!(text.contains("--unit"), "{text}");
 }
 
+/// With a control variate few rays are counted in a bin whose flux is known well.
+#[test]
+fn bins_of_small_relative_error_do_not_rest_on_few_rays() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    succeed(
+        folder,
+        &words("generate --tau 8 --smoothness 10 --size 64 -o h.exr"),
+    );
+    succeed(folder, &words("trace h.exr --rays 1e4 --no-plots -o t"));
+    let table = fs::read_to_string(folder.join("t/histogram.csv")).unwrap();
+    let mut lines = table
+        .lines()
+        .map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().unwrap();
+    let column = |name: &str| head.iter().position(|column| *column == name).unwrap();
+    let [flux, se, few] = ["flux", "flux_se", "few_rays"].map(column);
+    let mut counts = [0, 0];
+    for row in lines {
+        let [flux, se] = [flux, se].map(|i| row[i].parse::<f64>().unwrap());
+        let is_few = se > flux.abs() / 20_f64.sqrt();
+        assert_eq!(row[few], if is_few { "yes" } else { "no" }, "{row:?}");
+        counts[usize::from(is_few)] += 1;
+    }
+    assert!(counts[0] > 0 && counts[1] > 0, "{counts:?}");
+}
+
 #[test]
 fn lengths_are_judged_against_the_wavelength() {
     let folder = tempfile::tempdir().unwrap();

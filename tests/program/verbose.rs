@@ -49,7 +49,13 @@ fn verbose_tells_what_is_done_and_why() {
         let output = asperity(&folder, &words(&line));
         let said = errors_of(&output);
         assert!(output.status.success(), "{line}: {said}");
+        for line in said.lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+        // Lines are broken anywhere
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         for part in expected {
+            let part = part.trim_end();
             assert!(said.contains(part), "{line}: {part} is missing in\n{said}");
         }
         let quiet = line.replace(" -v", " -q").replace(" -o ", " -o q");

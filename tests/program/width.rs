@@ -74,6 +74,7 @@ fn tables_of_random_surfaces_fit() {
         "verify --tau 4 --size 32 --smoothness 1e5 --models smith --no-plots -o v5",
         "verify --tau 4 --size 32 --smoothness 3 --polarisation both --models heitz --model-rays 1e3 --rays 3e3 --realisations 4 --no-plots -o v6",
         "verify --tau 4 --size 32 --smoothness 3 --target-error 0.1 --models smith --no-plots -o v7",
+        "verify --tau 4 --size 32 --smoothness 10,20 --theta 10,30.5 --rays 500 --realisations 2 --model-rays 500 --models smith-separable,xu-sun-mc-smith --insist --no-plots -o v8",
         "map --tau 4 --size 32 --smoothness 3,1 --theta 0,30,60 --rays 2e3 --realisations 4 --model-rays 1e3 --no-plots -o m1",
         "map --tau 4 --tau-y 8 --size 64 --smoothness 3,1.5 --theta 10,20,30,40,50,60,70 --rays 2e3 --realisations 2 --models smith,heitz --model-rays 1e3 --no-plots -o m2",
         "gonio --tau 4 --size 32 --smoothness 3 --theta 0,30 --rays 2e3 --realisations 4 --no-plots -o g3",
