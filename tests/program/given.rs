@@ -115,9 +115,12 @@ fn bins_of_small_relative_error_do_not_rest_on_few_rays() {
     let folder = folder.path();
     succeed(
         folder,
-        &words("generate --tau 8 --smoothness 10 --size 64 -o h.exr"),
+        &words("generate --tau 8 --smoothness 2 --size 128 -o h.exr"),
     );
-    succeed(folder, &words("trace h.exr --rays 1e4 --no-plots -o t"));
+    succeed(
+        folder,
+        &words("trace h.exr --border periodic --rays 1e4 --no-plots -o t"),
+    );
     let table = fs::read_to_string(folder.join("t/histogram.csv")).unwrap();
     let mut lines = table
         .lines()

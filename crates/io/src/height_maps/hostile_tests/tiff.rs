@@ -84,6 +84,24 @@ fn terrain_has_spacing_unit_and_missing_points() {
 }
 
 #[test]
+fn a_bad_scale_or_offset_is_named() {
+    for role in ["scale", "offset"] {
+        let metadata = format!(
+            "<GDALMetadata><Item name=\"X\" sample=\"0\" role=\"{role}\">ten</Item></GDALMetadata>"
+        );
+        let file = map(Tags {
+            metadata: Some(&metadata),
+            ..Tags::default()
+        });
+        let said = read(Tiff, &file).unwrap_err().to_string();
+        assert!(
+            said.contains(&format!("the {role} of its heights is `ten`")),
+            "{said}"
+        );
+    }
+}
+
+#[test]
 fn feet_are_brought_to_metres_and_heights_are_scaled() {
     let file = map(Tags {
         matrix: Some(&[
