@@ -352,7 +352,7 @@ fn damaged_cells_are_recomputed_and_mismatched_ones_are_refused() {
     assert_eq!(fs::read_to_string(&cell).unwrap(), whole);
     let of_this_build = format!("\"results_epoch\": {}", asperity_io::RESULTS_EPOCH);
     for (mismatched, what) in [
-        (changed("\"schema\": 4", "\"schema\": 5"), "schema 5"),
+        (changed("\"schema\": 5", "\"schema\": 6"), "schema 6"),
         (
             changed(&of_this_build, "\"results_epoch\": 1000"),
             "results epoch 1000",

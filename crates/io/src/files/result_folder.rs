@@ -201,7 +201,10 @@ impl ResultFolder {
             create_output_folder(&self.root)?;
             self.sweep(&files);
         }
-        files.current.extend(claimed);
+        // A checkpoint stays one when all files are claimed at the end.
+        for (name, role) in claimed {
+            files.current.entry(name).or_insert(role);
+        }
         if !is_listed {
             Manifest::new(&self.command, false, files.all()).write(&self.root)?;
             files.begun = true;

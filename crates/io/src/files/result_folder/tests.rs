@@ -249,9 +249,11 @@ fn checkpoints_are_extended_and_replaced() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     let results = open(path);
-    for name in ["cells/1.json", "cells/2.json"] {
+    let names = ["cells/1.json", "cells/2.json"];
+    for name in names {
         write_bytes(results.claim_checkpoint(name).unwrap(), b"1").unwrap();
     }
+    results.claim_all(names).unwrap();
     results.finish(false).unwrap();
     // A damaged one is found by its reader, not by the folder.
     fs::write(path.join("cells/1.json"), "damaged").unwrap();
