@@ -135,30 +135,35 @@ fn an_input_is_never_replaced_or_removed() {
     let matrix = "0 0.1 0 0.2\n0.3 0 0.1 0\n0 0.2 0 0.1\n0.1 0 0.3 0\n";
     // A height map under the name of a table of the run that reads it.
     fs::write(folder.join("histogram.txt"), matrix).unwrap();
-    let config = "[surface]\ntau = 4\nsize = 32\n[run]\nrealisations = 2\nrays = 2e3\n[compare]\nmodels = []\n";
-    fs::write(folder.join("report.txt"), config).unwrap();
-    let said = refused(&folder, &words("verify report.txt --no-plots -o ."), 1);
-    assert!(said.contains("report.txt"), "{said}");
-    assert_eq!(
-        fs::read_to_string(folder.join("report.txt")).unwrap(),
-        config
-    );
+    fs::write(folder.join("histogram.csv"), matrix).unwrap();
+    let trace = |file: &str, out: &str| {
+        let line = format!(
+            "trace {file} --spacing 1 --border periodic --rays 1e3 --quiet --no-plots -o {out}"
+        );
+        line.split(' ').map(str::to_owned).collect::<Vec<_>>()
+    };
+    let refuse = |file: &str, out: &str| {
+        let line = trace(file, out);
+        let said = refused(
+            &folder,
+            &line.iter().map(String::as_str).collect::<Vec<_>>(),
+            1,
+        );
+        assert_eq!(fs::read_to_string(folder.join(file)).unwrap(), matrix);
+        said
+    };
+    let said = refuse("histogram.csv", ".");
+    assert!(said.contains("histogram.csv"), "{said}");
     // An input that an earlier manifest lists is still an input.
+    let line = trace("histogram.csv", "out");
     succeed(
         &folder,
-        &words("verify report.txt --quiet --no-plots -o out"),
+        &line.iter().map(String::as_str).collect::<Vec<_>>(),
     );
-    fs::write(folder.join("out/report.txt"), config).unwrap();
-    let said = refused(
-        &folder,
-        &words("verify out/report.txt --no-plots -o out"),
-        1,
-    );
+    fs::write(folder.join("out/histogram.csv"), matrix).unwrap();
+    let said = refuse("out/histogram.csv", "out");
     assert!(said.contains("is an input of this run"), "{said}");
-    assert_eq!(
-        fs::read_to_string(folder.join("out/report.txt")).unwrap(),
-        config
-    );
+    fs::remove_file(folder.join("histogram.csv")).unwrap();
     let trace = "trace histogram.txt --spacing 1 --border periodic --theta 30 --rays 1e3 --quiet --no-plots -o .";
     succeed(&folder, &words(trace));
     assert_eq!(

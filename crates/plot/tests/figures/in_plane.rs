@@ -118,16 +118,23 @@ fn in_plane_curves_say_what_they_show() {
 
 #[test]
 fn a_narrow_lobe_fills_the_linear_panel() {
-    let fine = (0..=600)
+    let fine: Vec<Point> = (0..=600)
         .map(|i| {
             let theta = 17.0 + 0.01 * f64::from(i);
             Point::exact(theta, 900.0 * (-((theta - 20.0) / 0.5).powi(2)).exp())
         })
         .collect();
-    let series = vec![Series::model("narrow", 0, Side::Transmitted, fine)];
-    let texts = render(&curves(series).draw().unwrap());
-    // Ticks of the linear panel and of the logarithmic one.
-    assert!(texts.lines().any(|t| t == "20") && texts.lines().any(|t| t == "−90"));
+    let texts = |points: Vec<Point>| {
+        let series = vec![Series::model("narrow", 0, Side::Transmitted, points)];
+        render(&curves(series).draw().unwrap())
+    };
+    let has = |texts: &str, tick: &str| texts.lines().any(|text| text == tick);
+    let alone = texts(fine.clone());
+    assert!(has(&alone, "20") && !has(&alone, "−90"));
+    // Faint light far from the lobe: ticks of the linear panel and of the logarithmic one.
+    let faint = [-60.0, 60.0].map(|theta| Point::exact(theta, 0.01));
+    let with_faint = texts([&fine[..], &faint].concat());
+    assert!(has(&with_faint, "20") && has(&with_faint, "−90"));
 }
 
 #[test]
