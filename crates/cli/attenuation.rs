@@ -47,7 +47,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             "results are of {} that finished",
             counted(outcome.work.realisations, "surface")
         ),
-        again: Again::StartsAgain,
+        again: Again::Restarts,
     };
     let end = ended.close(folder)?;
     common.say(|| {

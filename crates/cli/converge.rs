@@ -35,7 +35,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             "{finished} of {} cases are finished",
             finished + outcome.left_out
         ),
-        again: Again::StartsAgain,
+        again: Again::Restarts,
     };
     let end = ended.close(Some(folder))?;
     common.say(|| {

@@ -28,7 +28,7 @@ pub(crate) enum Again {
     /// It would go on if it had a folder to keep what is finished in.
     ResumesWithOutput,
     /// It computes everything anew.
-    StartsAgain,
+    Restarts,
 }
 
 /// A run that wrote its results.
@@ -66,7 +66,7 @@ impl EndedRun<'_> {
         let again = match self.again {
             Again::Resumes => "the same command resumes",
             Again::ResumesWithOutput => "the same command with -o resumes",
-            Again::StartsAgain => "the same command starts again",
+            Again::Restarts => "the same command starts again",
         };
         Some(format!("{why}; {}, and {again}", self.so_far))
     }
@@ -91,7 +91,7 @@ mod tests {
         let ended = |stopped_by| EndedRun {
             stopped_by,
             so_far: "all is written",
-            again: Again::StartsAgain,
+            again: Again::Restarts,
         };
         for (stopped_by, end, words) in [
             (None, End::Complete, None),

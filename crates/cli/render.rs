@@ -139,7 +139,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
             "the picture of {} per pixel is written",
             counted(outcome.samples, "camera ray")
         ),
-        again: Again::StartsAgain,
+        again: Again::Restarts,
     };
     let end = ended.close(None)?;
     if common.quiet {
