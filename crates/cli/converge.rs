@@ -7,7 +7,7 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::end::{Again, End, EndedRun};
+use crate::end::{Again, End, EndedRun, finished};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::output::result_folder;
@@ -28,13 +28,10 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let progress = Progress::begin_run(common);
     let outcome = converge(&config, &progress).map_err(Failure::failed)?;
     converge_report(&folder, &outcome, &progress).map_err(Failure::failed)?;
-    let finished = outcome.cases.len();
+    let done = outcome.cases.len();
     let ended = EndedRun {
         stopped_by: outcome.stopped_by(),
-        so_far: &format!(
-            "{finished} of {} cases are finished",
-            finished + outcome.left_out
-        ),
+        so_far: &finished(done, done + outcome.left_out, "case"),
         again: Again::Restarts,
     };
     let end = ended.close(Some(folder))?;

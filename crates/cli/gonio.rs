@@ -7,7 +7,7 @@ use asperity_studies::{
 
 use crate::common::{Common, Results};
 use crate::completion::say_completion;
-use crate::end::{Again, End, EndedRun};
+use crate::end::{Again, End, EndedRun, finished};
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
@@ -52,10 +52,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let total = outcome.directions.len();
     let ended = EndedRun {
         stopped_by: outcome.completion.stopped_by,
-        so_far: &format!(
-            "{} of {total} directions are finished",
-            total - outcome.missing()
-        ),
+        so_far: &finished(total - outcome.missing(), total, "direction"),
         again: Again::Resumes,
     };
     say_completion(&outcome.completion, "direction", common);

@@ -5,7 +5,7 @@ use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_ta
 
 use crate::common::{Common, Results};
 use crate::completion::say_completion;
-use crate::end::{Again, End, EndedRun};
+use crate::end::{Again, End, EndedRun, finished};
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::output::result_folder;
@@ -33,10 +33,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let total = outcome.cells.len();
     let ended = EndedRun {
         stopped_by: outcome.completion.stopped_by,
-        so_far: &format!(
-            "{} of {total} cells are finished",
-            total - outcome.missing()
-        ),
+        so_far: &finished(total - outcome.missing(), total, "cell"),
         again: Again::Resumes,
     };
     say_completion(&outcome.completion, "cell", common);

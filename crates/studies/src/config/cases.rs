@@ -215,7 +215,7 @@ mod tests {
             ("[light]\ntheta = [3, true]", "must be a number"),
             (
                 "[surface]\nsize = [64, 64, 64]",
-                "for both axes, or two as COLUMNSxROWS",
+                "for both axes or two as COLUMNSxROWS",
             ),
             ("[surface]\nsize = [64, 0]", "1 or more"),
             ("[surface]\nsmoothness = [3, 3]", "same folder"),
