@@ -6,7 +6,7 @@ use asperity_io::Picture;
 const MAX_OVER_MEDIAN: f64 = 4.0;
 
 /// The factor from radiance to brightness, where one is white: nine tenths of white at the 99th percentile of the
-/// pixels that show the surface, or of all pixels if none does, or at [`MAX_OVER_MEDIAN`] times their median, if that
+/// pixels that show the surface, or of all pixels if none does, or at four times their median, if that
 /// is less and not zero. One for a picture without light.
 #[must_use]
 pub fn exposure(picture: &Picture) -> f64 {
