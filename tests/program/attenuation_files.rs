@@ -185,3 +185,16 @@ fn the_examples_are_understood() {
         assert_eq!(thetas.as_array().unwrap().len(), directions);
     }
 }
+
+#[test]
+fn lengths_of_the_table_have_their_unit() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &str| {
+        let line = format!(
+            "attenuation --tau 0.5{more} --sigma 0.1{more} --spacing 0.05{more} --size 160 --theta 42 --realisations 2"
+        );
+        succeed(folder.path(), &words(&line))
+    };
+    assert!(run("um").contains("sigma (um)  theta"), "{}", run("um"));
+    assert!(run("").contains("sigma  theta"));
+}

@@ -99,7 +99,13 @@ pub(super) fn demarcation(unit: LengthUnit) -> Table<'static, Demarcation> {
 
 /// The column `sigma`.
 fn sigma_column<'a, R: 'a>(unit: LengthUnit, sigma: fn(&R) -> f64) -> Column<'a, R> {
-    Column::new("sigma", "root mean square height", sigma).unit(unit_of_lengths(unit))
+    let heading = match unit {
+        LengthUnit::Arbitrary => "sigma".to_owned(),
+        unit => format!("sigma ({unit})"),
+    };
+    Column::new("sigma", "root mean square height", sigma)
+        .unit(unit_of_lengths(unit))
+        .heading(heading)
 }
 
 /// A column of measured polar angles.
