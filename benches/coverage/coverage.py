@@ -24,8 +24,8 @@ from pathlib import Path
 SURFACES = 32
 RAYS = 100_000
 CASES = list(itertools.product(["0.5", "1", "2", "4"], ["1.5", "1/1.5"], ["10", "40", "70"]))
-# Least rays of a bin that is looked at; others have errors of at least one more ray and are flagged.
-FEW_RAYS = "no"
+# Least number of results of one place, over the seeds
+LEAST_RESULTS = 10
 
 
 def run(program, case, seed):
@@ -58,7 +58,7 @@ def run(program, case, seed):
             place(row, "theta_min_deg", "phi_min_deg"): (float(row["flux"]), float(row["flux_se"]))
             for row in bins
             # Bins are averaged with their mirror images: one of both is enough
-            if row["few_rays"] == FEW_RAYS and float(row["phi_min_deg"]) < 180
+            if row["few_rays"] == "no" and float(row["phi_min_deg"]) < 180
         },
     }
 
@@ -70,7 +70,7 @@ def deviations(runs, kind):
     for place in places:
         results = [run[kind][place] for run in runs if place in run[kind]]
         n = len(results)
-        if n < max(10, len(runs) // 2):
+        if n < max(LEAST_RESULTS, len(runs) // 2):
             continue
         total = math.fsum(x for x, _ in results)
         variance = math.fsum(se * se for _, se in results)
@@ -93,6 +93,8 @@ def main():
     parser.add_argument("--seeds", type=int, default=60)
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()
+    if options.seeds < LEAST_RESULTS:
+        parser.error(f"--seeds {options.seeds}: {LEAST_RESULTS} are needed at least")
 
     kinds = ("totals", "rings", "bins")
     print("| s, n, theta | totals | rings | bins |\n|---|---|---|---|")

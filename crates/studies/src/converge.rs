@@ -49,6 +49,7 @@ use std::time::Instant;
 
 use asperity_analysis::ModelError;
 use asperity_tally::TallyResult;
+use asperity_tracer::Branching;
 use serde::Serialize;
 
 use crate::config::error::ConfigError;
@@ -243,10 +244,13 @@ impl ConvergeOutcome {
 }
 
 impl ConvergedCase {
-    /// Plain random rays on the grid of `method` and with its accelerator, if they were measured.
+    /// Plain random rays on the grid of `method` and with its accelerator, if they were measured: those that split, else
+    /// those that pick.
     fn baseline(&self, method: &Method) -> Option<&MethodOutcome> {
-        let is_it = |m: &&MethodOutcome| m.method.is_baseline() && m.method.shares_grid(method);
-        self.methods.iter().find(is_it)
+        let timed = self.methods.iter().filter(|m| m.peer_rate.is_none());
+        let plain = timed.filter(|m| m.method.is_plain_and_random());
+        let on_grid = plain.filter(|m| m.method.shares_grid(method));
+        on_grid.min_by_key(|m| m.method.branching == Branching::Pick)
     }
 
     /// How many times longer plain random rays take to `error` than `method`, by the fitted lines.

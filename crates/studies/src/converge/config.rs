@@ -32,8 +32,8 @@ pub struct ConvergenceConfig {
     pub samplings: OneOrMany<Sampling>,
     /// Whether paths follow both branches, or one picked at random.
     pub branchings: OneOrMany<Branching>,
-    /// Rays per second of another ray tracer, whose plain rays follow one branch: with these rays alone it would take as long
-    /// as the table says.
+    /// Rays per second of another ray tracer. The tables then have the seconds that it would need for plain random rays
+    /// that pick a branch.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peer_rate: Option<Number>,
     /// How hits are found.

@@ -29,17 +29,13 @@ impl Method {
         self.accelerator == other.accelerator && self.spacing == other.spacing
     }
 
-    /// Whether it is what others are compared with: independent rays, both branches, and nothing else.
-    pub(super) fn is_baseline(&self) -> bool {
-        self.is_plain_and_random() && self.branching == Branching::Split
-    }
-
     /// Whether its paths are those of other ray tracers: independent rays that follow one branch.
     pub(super) fn is_of_peers(&self) -> bool {
         self.is_plain_and_random() && self.branching == Branching::Pick
     }
 
-    fn is_plain_and_random(&self) -> bool {
+    /// Whether it is what others are compared with: independent rays, and nothing else.
+    pub(super) fn is_plain_and_random(&self) -> bool {
         self.estimator == Estimator::Plain && self.sampling == Sampling::Random
     }
 

@@ -236,9 +236,11 @@ impl<'a> Stage<'a> {
                 MethodOutcome::new(*method, setup_seconds, measurements.collect())
             });
         let mut outcomes: Vec<MethodOutcome> = own.collect();
-        let peer = outcomes.iter().find(|own| own.method.is_of_peers());
-        let peer = peer.zip(self.plan.peer_rate);
-        outcomes.extend(peer.map(|(own, rate)| own.of_peer(rate)));
+        if let Some(rate) = self.plan.peer_rate {
+            let of_peers = outcomes.iter().filter(|own| own.method.is_of_peers());
+            let peers: Vec<MethodOutcome> = of_peers.map(|own| own.of_peer(rate)).collect();
+            outcomes.extend(peers);
+        }
         outcomes
     }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use asperity_io::WriteError;
 use asperity_simulate::{counted, short};
 use asperity_tally::Estimate;
+use asperity_tracer::Branching;
 
 use super::{
     ConvergeOutcome, ConvergedCase, Efficiency, Measurement, Method, MethodOutcome, RepeatedError,
@@ -17,15 +18,18 @@ use crate::output::{Cell, Column, Table, significant, with_error, wrapped};
 /// What a method is called among the methods of its case: what they have in common is left out, the
 /// estimator and the sampling aside.
 pub(super) fn method_name(case: &ConvergedCase, outcome: &MethodOutcome) -> String {
-    if let Some(rate) = outcome.peer_rate {
-        return format!("a peer of {} rays/s", short(rate));
-    }
     let method = &outcome.method;
-    let mut name = format!("{}, {}", method.estimator, method.sampling);
     let others = || case.methods.iter().map(|other| &other.method);
-    if others().any(|other| other.branching != method.branching) {
-        let _ = write!(name, ", {}", method.branching);
-    }
+    let mut name = match outcome.peer_rate {
+        Some(rate) => format!("a peer of {rate:e} rays/s"),
+        None => {
+            let branching = match others().any(|other| other.branching != method.branching) {
+                true => format!(", {}", method.branching),
+                false => String::new(),
+            };
+            format!("{}, {}{branching}", method.estimator, method.sampling)
+        }
+    };
     if others().any(|other| other.accelerator != method.accelerator) {
         let _ = write!(name, ", {}", method.accelerator);
     }
@@ -63,9 +67,23 @@ pub(super) fn case_table(outcome: &ConvergeOutcome, case: &ConvergedCase) -> Str
     out.push_str(&compared(outcome, case).text(&case.methods));
     let _ = writeln!(
         out,
-        "\n~ lies beyond what was measured. In brackets: how many times longer plain random rays take to the same error. Efficiency: the same at equal numbers of rays."
+        "\n~ lies beyond what was measured. In brackets: how many times longer plain random rays take to the same error{}. Efficiency: the same at equal numbers of rays.",
+        which_plain(case),
     );
+    if case.methods.iter().any(|method| method.peer_rate.is_some()) {
+        out.push_str("The seconds of a peer are computed, rays over its rate: surfaces and search structures count as nothing. Its errors are those of plain random rays that pick, on as many surfaces.\n");
+    }
     wrapped(&out)
+}
+
+/// Which plain random rays others are compared with, where there are two kinds.
+fn which_plain(case: &ConvergedCase) -> &'static str {
+    let all = || case.methods.iter().map(|other| &other.method);
+    let of = |branching| all().any(|m| m.is_plain_and_random() && m.branching == branching);
+    match (of(Branching::Split), of(Branching::Pick)) {
+        (true, true) => ", following both branches",
+        _ => "",
+    }
 }
 
 /// The surfaces of a case, its reference and how its meshes differ from the surface.
@@ -271,7 +289,10 @@ fn measured(case: &ConvergedCase) -> Table<'_, Measured<'_>> {
     let seconds = |row: &Row<'_>| {
         let m = row.measurement;
         let [median, least, most] = [m.seconds, m.seconds_min, m.seconds_max].map(significant);
-        format!("{median} ({least}-{most})")
+        match row.method.peer_rate {
+            Some(_) => median,
+            None => format!("{median} ({least}-{most})"),
+        }
     };
     let table = Table::new()
         .column(Column::new("method", "", |row: &Row<'_>| match row.first {

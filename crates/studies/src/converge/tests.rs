@@ -208,3 +208,40 @@ fn a_peer_needs_rays_that_pick() {
     assert!(error.contains("pick to branchings"), "{error}");
     with("branchings = [\"split\", \"pick\"]").unwrap();
 }
+
+#[test]
+fn each_grid_has_a_peer_and_pick_alone_is_a_baseline() {
+    let text = "
+        [surface]
+        tau = 8
+        size = 32
+        insist = true
+        [converge]
+        estimators = \"plain\"
+        samplings = \"random\"
+        branchings = \"pick\"
+        accelerators = [\"auto\", \"mesh\"]
+        rays = 64
+        surfaces = [2, 4]
+        repeats = 2
+        reference_rays = 64
+        reference_surfaces = 8
+        peer_rate = 1e6
+        ";
+    let config = ConvergeConfig::from_toml(text).unwrap();
+    let outcome = converge(&config, &Silent).unwrap();
+    let methods = &outcome.cases[0].methods;
+    let rates: Vec<_> = methods.iter().map(|m| m.peer_rate.is_some()).collect();
+    assert_eq!(rates, [false, false, true, true]);
+    for method in methods {
+        let baseline = outcome.cases[0].baseline(&method.method).unwrap();
+        assert_eq!(baseline.method, method.method);
+        assert_eq!(baseline.peer_rate, None);
+    }
+    let report = converge_table(&outcome);
+    assert!(report.contains("a peer of 1e6 rays/s, mesh"), "{report}");
+    assert!(
+        report.contains("seconds of a peer are computed"),
+        "{report}"
+    );
+}
