@@ -198,7 +198,7 @@ pub(crate) fn summary(setting: &Setting, command: Command) -> String {
     setting.help.to_owned() + &default(setting, command)
 }
 
-/// The default in brackets; empty if there is none.
+/// Returns the default in brackets, or an empty string for a setting without one.
 fn default(setting: &Setting, command: Command) -> String {
     match (setting.takes_value(), setting.default_of(command)) {
         (true, Some(default)) => format!(" [default: {default}]"),

@@ -162,7 +162,7 @@ impl DirectionResults {
         }
     }
 
-    /// Flux of a component that left on `side`, by the number of the component; `None` if there is none.
+    /// Returns the flux of component number `component` that left on `side`, or `None` if it was not recorded.
     pub(super) fn flux(&self, spec: &TallySpec, component: usize, side: Side) -> Option<Supported> {
         let flux = self.components.get(component)?.side(spec, side)?;
         Some(self.support.flux(side, flux))

@@ -22,7 +22,7 @@ pub(crate) enum Support {
     Quadrature,
     /// Nothing: it is not computed, and zero stands in its place.
     NotComputed,
-    /// So many independent samples, each between zero and one.
+    /// The number of independent samples, each between zero and one.
     Samples(f64),
     /// Nothing that gives a limit.
     Unknown,

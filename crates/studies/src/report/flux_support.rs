@@ -25,13 +25,13 @@ pub struct FluxSupport {
 enum Basis {
     /// A bound, without tracing.
     Bound,
-    /// So many independent samples on rough surfaces.
+    /// Rays on rough surfaces: the number of independent ones.
     Samples(f64),
-    /// So many independent samples, all of which meet the same facet at the same angle.
+    /// Rays on a level surface, which all meet the same facet at the same angle: their number.
     LevelSamples(f64),
     /// Quadrature of a model.
     Quadrature,
-    /// Quadrature of what a model scatters once, and so many of its rays.
+    /// Single scattering by quadrature, multiple scattering by random paths of the model: their number.
     QuadratureAndRays(f64),
 }
 
@@ -57,7 +57,7 @@ impl FluxSupport {
         }
     }
 
-    /// Of a model that followed so many `rays`; zero if it was integrated alone.
+    /// Of the fluxes of a model. `rays`: number of random paths that it followed; zero if all fluxes come from quadrature.
     #[must_use]
     pub fn of_model(model: &dyn ScatteringModel, rays: u64) -> Self {
         let basis = match (rays, model.density()) {
@@ -139,8 +139,8 @@ fn independent_samples(outcome: &Outcome) -> f64 {
     rays.min(outcome.work.realisations as f64 * patches)
 }
 
-/// Patches of a correlation length on a surface of so many samples `[ny, nx]`, at least one. `spacing` and `lengths`:
-/// along x and y.
+/// Returns how many patches of one correlation length by one a surface has, at least one. `shape`: samples `[ny, nx]`;
+/// `spacing`, `lengths`: distance between samples and correlation length along x and y.
 pub(crate) fn patches(shape: [usize; 2], spacing: [f64; 2], lengths: [f64; 2]) -> f64 {
     let [ny, nx] = shape.map(|samples| samples as f64);
     let ([dx, dy], [tau_x, tau_y]) = (spacing, lengths);

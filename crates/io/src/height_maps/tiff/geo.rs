@@ -31,7 +31,7 @@ const GEOCENTRIC: u16 = 3;
 /// Largest cosine between the axes of a grid that counts as rectangular.
 const MAX_SHEAR: f64 = 1e-6;
 
-/// The grid on the map, as far as the file says.
+/// Grid of a GeoTIFF file; `None` for what the file does not state.
 pub(super) struct Georeference {
     /// `[dx, dy]`, in metres if `is_metric`.
     spacing: Option<[f64; 2]>,
