@@ -114,3 +114,13 @@ pub(crate) fn guarded<T>(decode: impl FnOnce() -> T) -> Option<T> {
     // What the closure borrows is dropped after a panic, never used again.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).ok()
 }
+
+/// Runs the decoder of a height map in [`guarded`]: a file on which it panics is reported as damaged.
+pub(crate) fn read_guarded<T>(
+    path: &Path,
+    format: HeightMapFormat,
+    decode: impl FnOnce() -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
+    guarded(decode)
+        .unwrap_or_else(|| Err(ReadError::malformed(path, format, "its content is damaged")))
+}

@@ -26,7 +26,7 @@ use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, check_grid};
 use crate::encoding::{encode_exr, single};
 use crate::error::{ReadError, WriteError};
 use crate::formats::HeightMapFormat;
-use crate::limits::{check_packed_claim, guarded, room};
+use crate::limits::{check_packed_claim, read_guarded, room};
 
 /// Names under which a channel is taken for the heights, the best first.
 const CHANNEL_NAMES: [&str; 3] = ["height", "Z", "Y"];
@@ -42,9 +42,7 @@ pub(crate) fn read<R: Read + Seek>(
     reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    // The decoder holds assertions about the content of the file.
-    guarded(|| decode(path, reader, length))
-        .unwrap_or_else(|| Err(malformed(path, "its content is damaged")))
+    read_guarded(path, HeightMapFormat::Exr, || decode(path, reader, length))
 }
 
 fn decode<R: Read + Seek>(path: &Path, reader: R, length: u64) -> Result<RawHeightMap, ReadError> {

@@ -20,7 +20,7 @@ use asperity_surface::{RawHeightMap, check_grid};
 use self::geo::Georeference;
 use crate::error::ReadError;
 use crate::formats::HeightMapFormat;
-use crate::limits::{check_packed_claim, guarded, room};
+use crate::limits::{check_packed_claim, read_guarded, room};
 
 /// Most pages of a file that are looked at.
 const MAX_PAGES: usize = 64;
@@ -34,8 +34,7 @@ pub(crate) fn read<R: BufRead + Seek>(
     reader: R,
     length: u64,
 ) -> Result<RawHeightMap, ReadError> {
-    guarded(|| decode(path, reader, length))
-        .unwrap_or_else(|| Err(malformed(path, "its content is damaged")))
+    read_guarded(path, HeightMapFormat::Tiff, || decode(path, reader, length))
 }
 
 fn decode<R: BufRead + Seek>(
