@@ -1,9 +1,12 @@
 //! How the cases of a run that resumes came about, on standard error.
 
+use asperity_io::ResultFolder;
 use asperity_simulate::counted;
 use asperity_studies::Completion;
 
 use crate::common::Common;
+use crate::end::{Again, End, EndedRun, finished};
+use crate::failure::Failure;
 use crate::output::say;
 
 /// Prints what a reader should know of the checkpoints.
@@ -13,12 +16,36 @@ pub(crate) fn say_notes(notes: &[String]) {
     }
 }
 
-/// Prints notes; with `--verbose` also how many cases were computed. `name`: what one is called.
-pub(crate) fn say_completion(completion: &Completion, name: &str, common: &Common) {
+/// Cases of a run that resumes.
+pub(crate) struct Cases {
+    /// What one is called.
+    pub(crate) noun: &'static str,
+    pub(crate) total: usize,
+    pub(crate) missing: usize,
+}
+
+/// Closes the folder of a run that resumes. Prints notes, and with `--verbose` how many cases were computed.
+pub(crate) fn close_resumable(
+    completion: &Completion,
+    cases: &Cases,
+    folder: ResultFolder,
+    common: &Common,
+) -> Result<End, Failure> {
+    let Cases {
+        noun,
+        total,
+        missing,
+    } = *cases;
     say_notes(&completion.notes);
     common.say(|| {
         let (resumed, computed) = (completion.resumed, completion.computed);
-        let resumed = counted(resumed as u64, name);
+        let resumed = counted(resumed as u64, noun);
         format!("{resumed} from checkpoints, {computed} computed")
     });
+    let ended = EndedRun {
+        stopped_by: completion.stopped_by,
+        so_far: &finished(total - missing, total, noun),
+        again: Again::Resumes,
+    };
+    ended.close(Some(folder))
 }

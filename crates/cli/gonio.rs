@@ -6,8 +6,8 @@ use asperity_studies::{
 };
 
 use crate::common::{Common, Results};
-use crate::completion::say_completion;
-use crate::end::{Again, End, EndedRun, finished};
+use crate::completion::{Cases, close_resumable};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::given::{given_surface, settings_for};
 use crate::input::{refuse_config, refuse_simulation, refuse_verification};
@@ -49,14 +49,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         _ => Failure::failed(error),
     })?;
     gonio_report(&folder, &outcome).map_err(Failure::failed)?;
-    let total = outcome.directions.len();
-    let ended = EndedRun {
-        stopped_by: outcome.completion.stopped_by,
-        so_far: &finished(total - outcome.missing(), total, "direction"),
-        again: Again::Resumes,
+    let cases = Cases {
+        noun: "direction",
+        total: outcome.directions.len(),
+        missing: outcome.missing(),
     };
-    say_completion(&outcome.completion, "direction", common);
-    let end = ended.close(Some(folder))?;
+    let end = close_resumable(&outcome.completion, &cases, folder, common)?;
     results.print(
         common,
         || gonio_summary(&outcome),

@@ -4,8 +4,8 @@ use asperity_studies::settings::Document;
 use asperity_studies::{MapConfig, MapError, map, map_report, map_summary, map_table};
 
 use crate::common::{Common, Results};
-use crate::completion::say_completion;
-use crate::end::{Again, End, EndedRun, finished};
+use crate::completion::{Cases, close_resumable};
+use crate::end::End;
 use crate::failure::Failure;
 use crate::input::{refuse_config, refuse_verification};
 use crate::output::result_folder;
@@ -30,14 +30,12 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
         _ => Failure::failed(error),
     })?;
     map_report(&folder, &outcome).map_err(Failure::failed)?;
-    let total = outcome.cells.len();
-    let ended = EndedRun {
-        stopped_by: outcome.completion.stopped_by,
-        so_far: &finished(total - outcome.missing(), total, "cell"),
-        again: Again::Resumes,
+    let cases = Cases {
+        noun: "cell",
+        total: outcome.cells.len(),
+        missing: outcome.missing(),
     };
-    say_completion(&outcome.completion, "cell", common);
-    let end = ended.close(Some(folder))?;
+    let end = close_resumable(&outcome.completion, &cases, folder, common)?;
     results.print(
         common,
         || map_summary(&outcome),
