@@ -50,12 +50,8 @@ impl SurfaceLengths {
     #[must_use]
     pub fn of_mesh(mesh: &MeshSurface, unit: LengthUnit) -> Self {
         let (mut area, mut first, mut second) = (0.0, 0.0, 0.0);
-        let (mut west, mut east) = (f64::INFINITY, f64::NEG_INFINITY);
         for index in 0..mesh.facet_count() {
             let [a, b, c] = mesh.corners(mesh.facet(index));
-            for corner in [a, b, c] {
-                (west, east) = (west.min(corner.x), east.max(corner.x));
-            }
             let covered = 0.5 * (b - a).cross(c - a).z.abs();
             area += covered;
             first += covered * (a.z + b.z + c.z) / 3.0;
@@ -68,10 +64,9 @@ impl SurfaceLengths {
             true => second / area - (first / area).powi(2),
             false => 0.0,
         };
-        // Corners are in tile coordinates
-        let per_tile_length = mesh.size()[0] / (east - west);
         Self {
-            sigma: variance.max(0.0).sqrt() * per_tile_length,
+            // Corners are in tile coordinates
+            sigma: variance.max(0.0).sqrt() * mesh.unit(),
             tau: None,
             curvature: None,
             unit,
