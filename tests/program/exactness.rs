@@ -50,13 +50,13 @@ fn a_measurement_without_multiple_scattering_gives_a_limit() {
     let folder = folder.path();
     let line = "gonio --tau 4 --size 32 --smoothness 40 --theta 30 --realisations 2 --rays 2e3 --bins 6x6 --no-plots -o out";
     let text = succeed(folder, &words(line));
-    // 2 surfaces of 8 x 8 (32 spacings of one) patches of a correlation length.
     let summary = json(&fs::read_to_string(folder.join("out/summary.json")).unwrap());
     let results = &summary["directions"][0]["results"];
     let multiple = &results["flux"]["multiple"]["reflected"];
     assert_eq!(multiple["mean"], 0.0, "{multiple}");
     let limit = multiple["below"].as_f64().unwrap();
-    assert!(limit > 3.0 / 2e3 && limit < 1.0, "{limit}");
+    // The 2048 rays are more than the 128 patches of a correlation length on two surfaces of 8 by 8
+    assert!((limit - 3.0 / 128.0).abs() < 1e-12, "{limit}");
     assert!(text.contains("none seen, below"), "{text}");
     assert!(results["absorbed"].get("below").is_none());
 }

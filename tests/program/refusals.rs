@@ -28,6 +28,11 @@ fn surfaces_out_of_proportion_are_refused_or_pointed_out() {
     }
     assert!(refused(folder, &["inspect", "overflow.txt"], 1).contains("1e200"));
     assert!(succeed(folder, &trace("steep.txt")).contains("same unit"));
+    // 1600 times higher than the tile is long along y, and 500 times
+    fs::write(folder.join("strip.txt"), "0 100 0\n1 0 1\n0 0 100\n").unwrap();
+    let strip = words("trace strip.txt --spacing 1,0.03 --rays 64");
+    assert!(refused(folder, &strip, 1).contains("higher than its tile is long"));
+    succeed(folder, &words("trace strip.txt --spacing 1,0.1 --rays 64"));
     let flat_light = words("trace steep.txt --border periodic --theta 89.9999999");
     assert!(refused(folder, &flat_light, 1).contains("tiles"));
 }

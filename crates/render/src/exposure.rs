@@ -31,3 +31,29 @@ pub fn exposure(picture: &Picture) -> f64 {
         1.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The exposure of 200 pixels that show the surface, three of them `bright`, next to one of sky.
+    fn with_highlights(bright: f64) -> f64 {
+        let mut radiance = vec![0.5; 200];
+        radiance[..3].fill(bright);
+        radiance.push(1e6);
+        let mut coverage = vec![1.0; 200];
+        coverage.push(0.0);
+        exposure(&Picture {
+            size: [201, 1],
+            error: vec![0.0; 201],
+            radiance,
+            coverage,
+        })
+    }
+
+    #[test]
+    fn white_is_at_the_highlights_or_at_four_times_the_median() {
+        assert_eq!(with_highlights(0.8), 0.9 / 0.8);
+        assert_eq!(with_highlights(100.0), 0.9 / 2.0);
+    }
+}

@@ -264,6 +264,21 @@ mod tests {
     }
 
     #[test]
+    fn the_sky_falls_towards_the_horizon() {
+        let lights = Lights::new(0.8, 0.0, None).unwrap();
+        let at = |lights: &Lights, theta: f64| {
+            let towards = Incidence::from_degrees(theta, 20.0).unwrap();
+            lights.above(towards.wi(), || DVec2::ZERO)
+        };
+        assert_eq!([at(&lights, 0.0), at(&lights, 80.0)], [0.8; 2]);
+        let falling = lights.with_horizon(0.25).unwrap();
+        for (theta, expected) in [(0.0, 0.8), (60.0, 0.8 * (0.25 + 0.75 * 0.5))] {
+            assert!((at(&falling, theta) - expected).abs() < 1e-12, "{theta}");
+        }
+        assert!(lights.with_horizon(1.1).is_err());
+    }
+
+    #[test]
     fn impossible_lights_are_refused() {
         let towards = Incidence::from_degrees(30.0, 0.0).unwrap();
         for radius in [0.0, 2.0, f64::NAN] {

@@ -152,6 +152,7 @@ mod tests {
         assert_eq!(found[0].lit.mean, 1.0);
         assert_eq!((found[1].points, found[1].lost), (128, 0));
         assert_eq!(found[1].facing_away.mean, 0.5);
+        // 128 points scatter by 0.038 at most
         assert!((found[1].hidden.mean - 0.25).abs() < 0.06, "{found:?}");
         assert!((found[1].lit.mean - 0.25).abs() < 0.06, "{found:?}");
     }
@@ -169,7 +170,8 @@ mod tests {
         );
         let sum = flat.lit.mean + flat.facing_away.mean + flat.hidden.mean;
         assert!((sum - 1.0).abs() < 1e-12);
-        // Of 32 x 32 correlation lengths the fraction scatters by some hundredths about 1 / (1 + Lambda) times facing points
+        // 1024 patches of a correlation length that are lit or not scatter by 0.016 at most. Facets are 0.2 % flatter than
+        // smooth cells, and points scatter by 7e-4
         let slopes = asperity_analysis::SlopeCovariance::isotropic(2.0).unwrap();
         let smith = asperity_analysis::smith_lit(&slopes, light(60.0).wi());
         assert!(
