@@ -3,7 +3,7 @@
 use asperity_simulate::check_memory;
 use asperity_studies::settings::Document;
 use asperity_studies::{SurfaceConfig, realisation_table, wrapped};
-use asperity_surface::{Roughness, Synthesis};
+use asperity_surface::{FieldSynthesis, Resolution, Roughness};
 use serde::Deserialize;
 
 use crate::common::{Common, Results};
@@ -41,12 +41,16 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     let results = Results::of(document).map_err(Failure::usage)?;
     let path = results.required();
     let surface = &settings.surface;
-    let (_, psd) = surface
-        .psd()
+    let (_, recipe) = surface
+        .recipe()
         .map_err(|error| refuse_config(document, &error))?;
     let [nx, ny] = surface.size();
     let shape = [samples(ny)?, samples(nx)?];
-    let synthesis = Synthesis::new(psd, shape, surface.spacing(), surface.insist)
+    let resolution = match surface.insist {
+        true => Resolution::Any,
+        false => Resolution::Facets,
+    };
+    let synthesis = FieldSynthesis::new(recipe, shape, surface.spacing(), resolution)
         .map_err(|error| refuse_surface(document.own_unit(), error))?;
     check_height_map_output(&path)?;
     check_outputs(&[&path], &[document.file()])?;

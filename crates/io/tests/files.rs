@@ -33,7 +33,9 @@ fn field() -> HeightField {
 
 fn generated() -> HeightField {
     field().with_provenance(Some(Provenance {
-        psd: Psd::anisotropic_gaussian(0.1, 1.0 / 3.0, 2.5, 0.7).unwrap(),
+        recipe: Psd::anisotropic_gaussian(0.1, 1.0 / 3.0, 2.5, 0.7)
+            .unwrap()
+            .into(),
         seed: u64::MAX,
         realisation: 12,
     }))

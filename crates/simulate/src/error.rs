@@ -68,6 +68,11 @@ pub enum SimulateError {
         "the controlled estimator knows unpolarised incident light alone; with --stokes take auto or plain"
     )]
     PolarisedControl,
+    /// A control variate for random surfaces whose slopes are not Gaussian.
+    #[error(
+        "the controlled estimator knows random surfaces of Gaussian slopes alone; these are not, so take auto or plain"
+    )]
+    SlopesControl,
     /// A control variate for light on a triangle mesh.
     #[error(
         "the controlled estimator is for height fields; this is a triangle mesh, so take auto or plain"
@@ -135,6 +140,7 @@ impl SimulateError {
             | Self::OpenControl
             | Self::AzimuthControl
             | Self::PolarisedControl
+            | Self::SlopesControl
             | Self::MeshControl
             | Self::SmoothControl
             | Self::SmoothRefinement

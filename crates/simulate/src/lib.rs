@@ -42,7 +42,7 @@ pub use input::limits::{
     smooth_accelerator_bytes, smooth_traced_bytes, traced_bytes,
 };
 pub use input::path_choice::PathChoice;
-pub use input::random_surfaces::RandomSurfaces;
+pub use input::random_surfaces::{FieldSurfaces, RandomSurfaces};
 pub use input::regions::Regions;
 pub use input::settings::{Effort, Settings};
 pub use input::surface_source::{Shape, SurfaceSource};

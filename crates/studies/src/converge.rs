@@ -306,7 +306,7 @@ pub fn converge(
     let plan = config.plan()?;
     let mut stages = Vec::new();
     for case in &plan.cases {
-        stages.push(Stage::new(config, &plan, *case)?);
+        stages.push(Stage::new(config, &plan, case.clone())?);
     }
     let rays = stages.iter().map(Stage::rays).sum();
     progress.begin("tracing", rays);

@@ -1,7 +1,7 @@
 //! Lengths of a surface that are compared with the wavelength: of random surfaces from their spectrum, of given ones
 //! from heights or triangles.
 
-use asperity_surface::{Border, HeightField, LengthUnit, Psd, Roughness};
+use asperity_surface::{Border, HeightField, LengthUnit, Roughness, SurfaceRecipe};
 use asperity_tracer::{Geometry, MeshSurface, Triangles};
 
 /// Height, correlation length and curvature of a surface.
@@ -18,17 +18,14 @@ pub struct SurfaceLengths {
 }
 
 impl SurfaceLengths {
-    /// Of random surfaces, exact.
-    ///
-    /// The fourth derivative of `sigma^2 exp(-u^2 / tau^2)` at zero is `12 sigma^2 / tau^4`.
+    /// Of random surfaces, by what they are drawn by.
     #[must_use]
-    pub fn of_psd(psd: &Psd, unit: LengthUnit) -> Self {
-        let [first, second] = psd.correlation_lengths();
-        let tau = first.min(second);
+    pub fn of_recipe(recipe: &SurfaceRecipe, unit: LengthUnit) -> Self {
+        let [first, second] = recipe.correlation_lengths();
         Self {
-            sigma: psd.sigma(),
-            tau: Some(tau),
-            curvature: Some(12_f64.sqrt() * psd.sigma() / (tau * tau)),
+            sigma: recipe.sigma(),
+            tau: Some(first.min(second)),
+            curvature: recipe.curvature(),
             unit,
         }
     }
@@ -120,14 +117,14 @@ impl Mean {
 
 #[cfg(test)]
 mod tests {
-    use asperity_surface::Synthesis;
+    use asperity_surface::{Psd, Synthesis};
 
     use super::*;
 
     #[test]
     fn lengths_of_a_spectrum_are_those_of_its_surfaces() {
         let psd = Psd::anisotropic_gaussian(2.0, 16.0, 32.0, 0.0).unwrap();
-        let exact = SurfaceLengths::of_psd(&psd, LengthUnit::Micrometre);
+        let exact = SurfaceLengths::of_recipe(&psd.clone().into(), LengthUnit::Micrometre);
         let synthesis = Synthesis::new(psd, [1024, 1024], [1.0, 1.0], false).unwrap();
         let field = synthesis.draw(3, 0).unwrap();
         let found = SurfaceLengths::of_field(&field.with_unit(LengthUnit::Micrometre));

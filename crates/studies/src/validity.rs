@@ -10,7 +10,7 @@ use std::fmt;
 
 use asperity_optics::Incidence;
 use asperity_simulate::short;
-use asperity_surface::{LengthUnit, Psd};
+use asperity_surface::{LengthUnit, SurfaceRecipe};
 use serde::Serialize;
 
 use crate::surface_lengths::SurfaceLengths;
@@ -43,13 +43,13 @@ pub struct Validity {
 
 impl Validity {
     /// For light from `incidence` on random surfaces.
-    pub(crate) fn of_psd(
-        psd: &Psd,
+    pub(crate) fn of_recipe(
+        recipe: &SurfaceRecipe,
         unit: LengthUnit,
         incidence: Incidence,
         wavelength_nm: Option<f64>,
     ) -> Option<Self> {
-        let lengths = SurfaceLengths::of_psd(psd, unit);
+        let lengths = SurfaceLengths::of_recipe(recipe, unit);
         Self::new(&lengths, incidence.theta(), wavelength_nm)
     }
 

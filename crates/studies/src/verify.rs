@@ -67,12 +67,12 @@ impl CaseOutcome {
     /// Lengths of its surfaces against the wavelength; `None` if their unit is not known.
     pub(crate) fn validity(&self, config: &VerifyConfig) -> Option<Validity> {
         let SweepCase {
-            psd,
+            recipe,
             unit,
             incidence,
             ..
-        } = self.case;
-        Validity::of_psd(&psd, unit, incidence, config.light.wavelength_nm())
+        } = &self.case;
+        Validity::of_recipe(recipe, *unit, *incidence, config.light.wavelength_nm())
     }
 
     /// What comparisons are reported of.
@@ -154,8 +154,13 @@ impl VerifyConfig {
     fn recipe(&self, case: &SweepCase) -> Result<RandomSurfaces, VerifyError> {
         let surface = &self.surface;
         let (shape, spacing) = (surface.shape()?, surface.spacing());
-        let surfaces =
-            RandomSurfaces::new(surface.cells(), case.psd, shape, spacing, surface.insist);
+        let surfaces = RandomSurfaces::new(
+            surface.cells(),
+            case.recipe.clone(),
+            shape,
+            spacing,
+            surface.insist,
+        );
         Ok(surfaces.map_err(SimulateError::from)?)
     }
 
@@ -166,7 +171,7 @@ impl VerifyConfig {
         for case in cases {
             // A recipe takes time to plan, so that neighbours of equal surfaces share it.
             let surfaces = match last.take() {
-                Some((same, surfaces)) if same.psd == case.psd => surfaces,
+                Some((same, surfaces)) if same.recipe == case.recipe => surfaces,
                 _ => self.recipe(case)?,
             };
             last = Some((case, surfaces.clone()));
@@ -237,14 +242,16 @@ fn verify_with(
     let simulation = Simulation::new(&config.simulated(&cases)?, &settings)?;
     let outcomes = run(simulation, observer)?;
     let is_missing = |number: &usize| outcomes.iter().all(|outcome| outcome.number != *number);
-    let left_out = (0..cases.len()).filter(is_missing).map(|i| cases[i]);
+    let left_out = (0..cases.len())
+        .filter(is_missing)
+        .map(|i| cases[i].clone());
     let left_out = left_out.collect();
 
     observer.begin("comparing", outcomes.len() as u64);
     let cases = outcomes
         .into_par_iter()
         .map(|outcome| {
-            let case = cases[outcome.number];
+            let case = cases[outcome.number].clone();
             let compared = judge(config, case, outcome);
             observer.advance(1);
             compared

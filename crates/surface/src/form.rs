@@ -287,7 +287,7 @@ mod tests {
     #[test]
     fn grid_unit_and_border_stay_and_provenance_goes_with_the_plane() {
         let provenance = Provenance {
-            psd: Psd::gaussian(1.0, 2.0).unwrap(),
+            recipe: Psd::gaussian(1.0, 2.0).unwrap().into(),
             seed: 1,
             realisation: 2,
         };

@@ -5,7 +5,8 @@
 //! [`Roughness`] measures any, [`Form`] removes mean, plane or parabola, and [`RawHeightMap`] with
 //! its [`MissingPolicy`] fills or refuses points that an instrument did not see. The same surface on
 //! a finer grid is [`HeightField::refined`]. A [`SplineSurface`] passes through the samples
-//! smoothly; [`SplineSynthesis`] draws random ones.
+//! smoothly; [`SplineSynthesis`] draws random ones. Surfaces that are not Gaussian are drawn by [`FieldSynthesis`] from a
+//! [`SurfaceRecipe`].
 //!
 //! # Conventions
 //! Autocorrelation `C(r) = sigma^2 exp(-r^2 / tau^2)`; `tau` is the 1/e length. The other habit,
@@ -34,10 +35,13 @@
 //! # }
 //! ```
 
+mod field_synthesis;
 mod form;
 mod height_field;
 mod missing;
+mod numerics;
 mod psd;
+mod recipe;
 mod region_slopes;
 mod resampling;
 mod roughness;
@@ -45,10 +49,12 @@ mod slope_moments;
 mod spline;
 mod synthesis;
 
+pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
-pub use psd::{GaussianPsd, Provenance, Psd, PsdError};
+pub use psd::{GaussianPsd, Psd, PsdError};
+pub use recipe::{Provenance, StudentSlopes, SurfaceRecipe};
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};

@@ -19,8 +19,8 @@ pub(crate) use self::gaussian::PreparedDensity;
 /// assert_eq!(psd.slope_variance(), [0.125, 0.125]);
 /// # Ok::<(), asperity_surface::PsdError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Psd {
     /// Gaussian, isotropic or anisotropic.
@@ -160,6 +160,30 @@ impl Psd {
         }
     }
 
+    /// Whether the statistics are the same on either side of the x axis, and so of the y axis.
+    #[must_use]
+    pub fn is_mirror_symmetric(&self) -> bool {
+        match self {
+            Self::Gaussian(gaussian) => gaussian.is_mirror_symmetric(),
+        }
+    }
+
+    /// Largest root mean square second derivative along a line, per length unit: `sqrt(12) sigma / tau^2` of a
+    /// Gaussian, `tau` being the shorter correlation length.
+    #[must_use]
+    pub fn curvature(&self) -> f64 {
+        match self {
+            Self::Gaussian(gaussian) => gaussian.curvature(),
+        }
+    }
+
+    /// The same with all lengths converted.
+    pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
+        match self {
+            Self::Gaussian(gaussian) => Self::Gaussian(gaussian.converted(convert)),
+        }
+    }
+
     /// Autocorrelation `C(x, y)` at the lag `(x, y)`, length units squared.
     #[must_use]
     pub fn autocorrelation(&self, x: f64, y: f64) -> f64 {
@@ -188,17 +212,6 @@ impl Psd {
             Self::Gaussian(gaussian) => gaussian.slope_covariance(),
         }
     }
-}
-
-/// How a surface was generated: the requested statistics and the random stream.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Provenance {
-    /// The requested power spectral density.
-    pub psd: Psd,
-    /// The seed.
-    pub seed: u64,
-    /// The realisation drawn from that seed, counted from zero.
-    pub realisation: u64,
 }
 
 #[cfg(test)]

@@ -190,7 +190,7 @@ impl Realised {
     /// For slopes along an axis, whose autocorrelation is the second derivative of `C`, it is 3/4 of
     /// that relative to the square of their variance, whatever the azimuth.
     fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
-        let psd = &field.provenance()?.psd;
+        let psd = field.provenance()?.recipe.gaussian()?;
         let sigma = psd.sigma();
         let [tau_x, tau_y] = psd.correlation_lengths();
         let [length_x, length_y] = psd.axis_correlation_lengths();

@@ -145,7 +145,7 @@ mod tests {
         ] {
             let psd = Psd::anisotropic_gaussian(1.5, tau_x, tau_y, azimuth).unwrap();
             let spacing = [1.0, 0.8];
-            let facets = Synthesis::new(psd, shape, spacing, true).unwrap();
+            let facets = Synthesis::new(psd.clone(), shape, spacing, true).unwrap();
             check_expected(2000, facets.expected_slope_moments(), |draw| {
                 facets.draw(3, draw).unwrap().slope_moments()
             });
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn slopes_of_a_resolved_spline_are_those_of_the_spectrum() {
         let psd = Psd::anisotropic_gaussian(2.0, 8.0, 6.0, 0.4).unwrap();
-        let splines = SplineSynthesis::new(psd, [64, 80], [1.0, 1.0], false).unwrap();
+        let splines = SplineSynthesis::new(psd.clone(), [64, 80], [1.0, 1.0], false).unwrap();
         let expected = psd.slope_covariance();
         let found = splines.expected_slope_moments().second;
         for (found, expected) in found.iter().zip(expected) {

@@ -21,13 +21,13 @@ use realfft::{ComplexToReal, RealFftPlanner};
 use rustfft::{Fft, FftPlanner};
 
 use self::filter::{Filter, Numbers};
-use self::noise::Noise;
+use self::noise::{Noise, Stream};
 use crate::height_field::check_grid;
-use crate::{HeightField, HeightFieldError, LengthUnit, Provenance, Psd};
+use crate::{HeightField, HeightFieldError, LengthUnit, Provenance, Psd, SurfaceRecipe};
 
 mod direct;
 mod filter;
-mod noise;
+pub(crate) mod noise;
 mod slopes;
 mod spectrum;
 pub(crate) mod splines;
@@ -157,9 +157,12 @@ impl SynthesisError {
 /// ```
 #[derive(Clone)]
 pub struct Synthesis {
+    /// Of Gaussian surfaces.
+    recipe: SurfaceRecipe,
     psd: Psd,
     shape: [usize; 2],
     spacing: [f64; 2],
+    stream: Stream,
     filter: Filter,
     row_inverse: Arc<dyn ComplexToReal<f64>>,
     column_inverse: Arc<dyn Fft<f64>>,
@@ -197,6 +200,16 @@ impl Synthesis {
         insist: bool,
     ) -> Result<Self, SynthesisError> {
         let fewest = (!insist).then_some(MIN_SPACINGS_PER_CORRELATION_LENGTH);
+        Self::of_heights(psd, shape, spacing, fewest)
+    }
+
+    /// As [`Synthesis::new`]. `fewest`: spacings that a correlation length must span; if none, nothing is refused.
+    pub(crate) fn of_heights(
+        psd: Psd,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
         Self::planned(psd, shape, spacing, Numbers::Heights, fewest)
     }
 
@@ -218,10 +231,12 @@ impl Synthesis {
             check_resolution(&psd, shape, spacing, fewest)?;
         }
         Ok(Self {
+            filter: Filter::new(&psd, shape, spacing, numbers),
+            recipe: psd.clone().into(),
             psd,
             shape,
             spacing,
-            filter: Filter::new(&psd, shape, spacing, numbers),
+            stream: Stream::Heights,
             row_inverse: RealFftPlanner::new().plan_fft_inverse(nx),
             column_inverse: FftPlanner::new().plan_fft_inverse(ny),
         })
@@ -231,6 +246,12 @@ impl Synthesis {
     #[must_use]
     pub const fn psd(&self) -> &Psd {
         &self.psd
+    }
+
+    /// The same as what surfaces are drawn by.
+    #[must_use]
+    pub const fn recipe(&self) -> &SurfaceRecipe {
+        &self.recipe
     }
 
     /// `[ny, nx]`.
@@ -304,7 +325,7 @@ impl Synthesis {
     ) -> Result<HeightField, SynthesisError> {
         let [ny, nx] = self.shape;
         let mut heights = self.room_for(ny * nx, room)?;
-        let allowed = self.fill(&Noise::new(seed, realisation), &mut heights)?;
+        let allowed = self.fill(&self.noise(seed, realisation), &mut heights)?;
         let field = if allowed {
             HeightField::of_checked(heights, self.shape, self.spacing)
         } else {
@@ -325,10 +346,21 @@ impl Synthesis {
         Ok(numbers)
     }
 
+    /// The same with random numbers of another stream, so that both are independent for one seed.
+    pub(crate) fn of_stream(mut self, stream: Stream) -> Self {
+        self.stream = stream;
+        self
+    }
+
+    /// The noise of one surface.
+    fn noise(&self, seed: u64, realisation: u64) -> Noise {
+        Noise::of_stream(self.stream, seed, realisation)
+    }
+
     /// The record of a surface.
-    const fn provenance(&self, seed: u64, realisation: u64) -> Provenance {
+    fn provenance(&self, seed: u64, realisation: u64) -> Provenance {
         Provenance {
-            psd: self.psd,
+            recipe: self.recipe.clone(),
             seed,
             realisation,
         }

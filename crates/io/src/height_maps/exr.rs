@@ -4,8 +4,8 @@
 //! is rounded by at most 6e-8 of itself (2^-24); ZIP compression, lossless; row 0 of the heights is
 //! the first scan line, which viewers show on top. Attributes of the header: `spacing_x`,
 //! `spacing_y` (double), `unit`, `border` (text) and, of a generated surface, `sigma`, `tau_x`,
-//! `tau_y`, `azimuth` (double), `seed`, `realisation` (text, since EXR has no 64-bit integers) and
-//! `autocorrelation`, the convention in words.
+//! `tau_y`, `azimuth` (double), `autocorrelation`, the convention in words, of a Gaussian spectrum, or else `recipe`
+//! (text, JSON), and `seed` and `realisation` (text, since EXR has no 64-bit integers).
 //!
 //! Read: the channel `height`, `Z` or `Y`, else the only channel, of half or single precision or of
 //! 32-bit whole numbers; scan lines or tiles, of which the finest level counts; NaN marks missing
@@ -21,7 +21,7 @@ use ::exr::math::Vec2;
 use ::exr::meta::attribute::{AttributeValue, SampleType, Text};
 use ::exr::meta::header::{Header, LayerAttributes};
 use ::exr::prelude::f16;
-use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, check_grid};
+use asperity_surface::{HeightField, Provenance, Psd, RawHeightMap, SurfaceRecipe, check_grid};
 
 use crate::encoding::{encode_exr, single};
 use crate::error::{ReadError, WriteError};
@@ -33,6 +33,9 @@ const CHANNEL_NAMES: [&str; 3] = ["height", "Z", "Y"];
 
 const CONVENTION: &str = "Gaussian: C(u, v) = sigma^2 exp(-u^2 / tau_x^2 - v^2 / tau_y^2), u and v along axes \
      turned by azimuth (radians) from x and y; tau is the 1/e length";
+
+/// The attribute that holds what a surface was drawn by, unless it is a Gaussian spectrum.
+const RECIPE: &str = "recipe";
 
 /// Largest block, in bytes, that is allowed beyond the size of the image.
 const BLOCK_LIMIT: u64 = 1 << 24;
@@ -273,20 +276,32 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
         })
         .transpose()
     };
-    let (Some(sigma), Some(tau_x), Some(tau_y), Some(seed), Some(realisation)) = (
-        number("sigma")?,
-        number("tau_x")?,
-        number("tau_y")?,
-        whole("seed")?,
-        whole("realisation")?,
-    ) else {
+    let (Some(seed), Some(realisation)) = (whole("seed")?, whole("realisation")?) else {
+        return Ok(None);
+    };
+    if let Some(text) = words(path, header, RECIPE)? {
+        let recipe: SurfaceRecipe = serde_json::from_str(&text).map_err(|_| {
+            malformed(
+                path,
+                "its attribute recipe is no description of random surfaces",
+            )
+        })?;
+        return Ok(Some(Provenance {
+            recipe,
+            seed,
+            realisation,
+        }));
+    }
+    let (Some(sigma), Some(tau_x), Some(tau_y)) =
+        (number("sigma")?, number("tau_x")?, number("tau_y")?)
+    else {
         return Ok(None);
     };
     let azimuth = number("azimuth")?.unwrap_or(0.0);
     let psd =
         Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).map_err(|e| malformed(path, e))?;
     Ok(Some(Provenance {
-        psd,
+        recipe: psd.into(),
         seed,
         realisation,
     }))
@@ -326,21 +341,28 @@ fn header_attributes(field: &HeightField) -> Vec<(&'static str, AttributeValue)>
         ("unit", text(field.unit().symbol())),
         ("border", text(&field.border().to_string())),
     ];
-    // The attributes name a Gaussian; spectra of other kinds are not recorded.
     if let Some(Provenance {
-        psd: Psd::Gaussian(gaussian),
+        recipe,
         seed,
         realisation,
     }) = field.provenance()
     {
+        match recipe {
+            SurfaceRecipe::Gaussian(Psd::Gaussian(gaussian)) => attributes.extend([
+                ("sigma", AttributeValue::F64(gaussian.sigma)),
+                ("tau_x", AttributeValue::F64(gaussian.tau_x)),
+                ("tau_y", AttributeValue::F64(gaussian.tau_y)),
+                ("azimuth", AttributeValue::F64(gaussian.azimuth)),
+                ("autocorrelation", text(CONVENTION)),
+            ]),
+            recipe => {
+                let json = serde_json::to_string(recipe);
+                attributes.extend(json.ok().map(|json| (RECIPE, text(&json))));
+            }
+        }
         attributes.extend([
-            ("sigma", AttributeValue::F64(gaussian.sigma)),
-            ("tau_x", AttributeValue::F64(gaussian.tau_x)),
-            ("tau_y", AttributeValue::F64(gaussian.tau_y)),
-            ("azimuth", AttributeValue::F64(gaussian.azimuth)),
             ("seed", text(&seed.to_string())),
             ("realisation", text(&realisation.to_string())),
-            ("autocorrelation", text(CONVENTION)),
         ]);
     }
     attributes

@@ -33,7 +33,7 @@ fn field() -> HeightField {
         .with_unit(LengthUnit::Metre)
         .with_border(Border::Open)
         .with_provenance(Some(Provenance {
-            psd: Psd::gaussian(0.5, 2.0).unwrap(),
+            recipe: Psd::gaussian(0.5, 2.0).unwrap().into(),
             seed: 7,
             realisation: 3,
         }))

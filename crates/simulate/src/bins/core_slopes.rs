@@ -3,7 +3,7 @@
 //! The root mean square of slopes says little of the peak where a few facets are much steeper than all others, as on most measured
 //! surfaces. The core of a distribution is the Gaussian that has as many facets near the mean plane.
 
-use asperity_surface::{Border, Psd};
+use asperity_surface::{Border, SurfaceRecipe};
 use asperity_tracer::Geometry;
 
 use crate::input::surface_source::{Shape, SurfaceSource};
@@ -22,7 +22,7 @@ const CORE: f64 = 0.02;
 /// use asperity_surface::Psd;
 ///
 /// // sigma = 1, tau = 10: a slope variance of 2 / 10^2 along each axis
-/// let slopes = CoreSlopes::of_psd(&Psd::gaussian(1.0, 10.0)?);
+/// let slopes = CoreSlopes::of_recipe(&Psd::gaussian(1.0, 10.0)?.into());
 /// assert!((slopes.deviation(0.3) - 0.02_f64.sqrt()).abs() < 1e-12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -30,10 +30,10 @@ const CORE: f64 = 0.02;
 pub struct CoreSlopes([f64; 3]);
 
 impl CoreSlopes {
-    /// Those of random surfaces of a spectrum, which are Gaussian.
+    /// Those of random surfaces.
     #[must_use]
-    pub fn of_psd(psd: &Psd) -> Self {
-        Self(psd.slope_covariance())
+    pub fn of_recipe(recipe: &SurfaceRecipe) -> Self {
+        Self(recipe.slope_covariance())
     }
 
     /// Those of the upward facets of a given surface, of which at most a million are counted.
@@ -48,7 +48,7 @@ impl CoreSlopes {
 
     pub(crate) fn of_source(source: &SurfaceSource) -> Self {
         match source {
-            SurfaceSource::Random(surfaces) => Self::of_psd(surfaces.psd()),
+            SurfaceSource::Random(surfaces) => Self::of_recipe(surfaces.recipe()),
             SurfaceSource::Given(shape) => Self::of_shape(shape),
         }
     }

@@ -120,6 +120,9 @@ impl Draft {
                     RandomSurfaces::Smooth(_) => {
                         MeshErrors::of_random_smooth(&self.method, spec, refinement, by_pilot_run)
                     }
+                    RandomSurfaces::Fields(_) => {
+                        MeshErrors::of_random_fields(spec, refinement, by_pilot_run)
+                    }
                 }
             }
             SurfaceSource::Given(shape) => MeshErrors::of_given(shape, spec, refinement),

@@ -102,7 +102,7 @@ impl RefinedSplines {
         let respaced = |scale: f64| {
             let shape = given.shape().map(|n| (n as f64 / scale) as usize);
             let spacing = given.spacing().map(|d| d * scale);
-            SplineSynthesis::new(*given.psd(), shape, spacing, false)
+            SplineSynthesis::new(given.psd().clone(), shape, spacing, false)
         };
         let is_even = given.shape().iter().all(|n| n % 2 == 0);
         Ok(Self {

@@ -8,6 +8,7 @@ use super::region_run::RegionRun;
 use crate::input::case::Case;
 use crate::input::estimator::Estimator;
 use crate::input::settings::Settings;
+use crate::input::surface_source::SurfaceSource;
 use crate::methods::method::{ControlVariateMean, Method};
 use crate::output::chosen_paths::WayOfPaths;
 use crate::store::Stage;
@@ -59,8 +60,19 @@ impl Explained<'_> {
             None if self.case.light.is_polarised() => {
                 "plain, since no control variate covers polarised light"
             }
+            None if has_other_slopes(&self.case.surface) => {
+                "plain, since no control variate knows slopes that are not Gaussian"
+            }
             None => "plain, since there is no control variate for this case that saves time",
         }
+    }
+}
+
+/// Whether surfaces are random and their slopes are not Gaussian.
+fn has_other_slopes(surface: &SurfaceSource) -> bool {
+    match surface {
+        SurfaceSource::Random(surfaces) => surfaces.recipe().gaussian().is_none(),
+        SurfaceSource::Given(_) => false,
     }
 }
 
@@ -82,7 +94,7 @@ impl RandomGroup {
     pub(super) fn explained(&self) -> Vec<String> {
         let settings = &self.settings;
         let [ny, nx] = self.surfaces.shape();
-        let lengths = self.surfaces.psd().axis_correlation_lengths();
+        let lengths = self.surfaces.recipe().axis_correlation_lengths();
         let spacing = self.surfaces.spacing();
         let [dx, dy] = [0, 1].map(|i| short(spacing[i] / lengths[i]));
         let plan = match settings.target() {

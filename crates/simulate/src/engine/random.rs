@@ -83,25 +83,25 @@ impl RandomGroup {
         cases: Vec<NumberedCase>,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
-        let psd = surfaces.psd();
+        let recipe = surfaces.recipe();
         // Refused whatever the estimator.
-        slopes(psd)?;
+        slopes(recipe)?;
         let prepared = cases
             .into_par_iter()
-            .map(
-                |NumberedCase { number, case }| match AnalyticResult::of(&case, psd, settings)? {
+            .map(|NumberedCase { number, case }| {
+                match AnalyticResult::of(&case, recipe, settings)? {
                     Some(result) => Ok(Prepared::Analytic(AnalyticCase {
                         number,
                         case,
                         result: Arc::new(result),
                     })),
                     None => Ok(Prepared::Traced(TracedCase {
-                        method: Arc::new(Method::of_random(&case, psd, settings)?),
+                        method: Arc::new(Method::of_random(&case, recipe, settings)?),
                         number,
                         case,
                     })),
-                },
-            )
+                }
+            })
             .collect::<Result<Vec<_>, SimulateError>>()?;
         let (mut analytic, mut traced) = (Vec::new(), Vec::new());
         for case in prepared {
@@ -249,7 +249,7 @@ impl RandomGroup {
     fn slope_control(&self, i: usize, tallies: &CaseTallies) -> Option<SlopeControl> {
         let TracedCase { case, method, .. } = &self.traced[i];
         let folded = method.mirror.is_some();
-        let controls = SlopeControls::of(&case.light, self.surfaces.psd(), folded);
+        let controls = SlopeControls::of(&case.light, self.surfaces.recipe(), folded);
         let of = self
             .settings
             .target()
@@ -257,7 +257,7 @@ impl RandomGroup {
         let observed = Observed {
             tallies: &tallies.surfaces,
             slopes: &tallies.slopes,
-            expected_slopes: self.surfaces.expected_slope_moments(),
+            expected_slopes: self.surfaces.expected_slope_moments()?,
         };
         let spec = self.settings.spec_of(case);
         SlopeControl::fit(observed, controls, &of.entries(&spec))

@@ -15,14 +15,16 @@ use super::blocks::{Blocks, MIN_BLOCKS_OF_ONE};
 use super::built_surface::{BuiltSurface, SurfaceMeshes};
 use super::context::Context;
 use super::draw::{Draw, RefinedSplines};
+use super::draw_fields::SplinesThroughFields;
 use super::tallies::CaseTallies;
 use super::traced_case::TracedCase;
 use super::watch::Watch;
 use crate::error::SimulateError;
+use crate::input::cells::Cells;
 use crate::input::estimator::Estimator;
 use crate::input::layer::BottomSurface;
 use crate::input::limits::{check_memory, meshes_bytes, smooth_meshes_bytes};
-use crate::input::random_surfaces::RandomSurfaces;
+use crate::input::random_surfaces::{FieldSurfaces, RandomSurfaces};
 use crate::input::settings::Settings;
 use crate::observer::Observer;
 use crate::output::chosen_paths::WayOfPaths;
@@ -81,10 +83,10 @@ pub(crate) fn surface_bytes(
     settings: &Settings,
 ) -> usize {
     let (shape, accelerator) = (surfaces.shape(), settings.accelerator);
-    let traced = match surfaces {
+    let traced = match surfaces.cells() {
         // A surface that is drawn is not flat.
-        RandomSurfaces::Flat(_) => meshes_bytes(shape, accelerator, false, settings.refine),
-        RandomSurfaces::Smooth(_) => smooth_meshes_bytes(shape, accelerator, settings.refine),
+        Cells::Flat => meshes_bytes(shape, accelerator, false, settings.refine),
+        Cells::Smooth => smooth_meshes_bytes(shape, accelerator, settings.refine),
     };
     let one = surfaces.peak_bytes().max(traced);
     if have_independent_bottom(cases) {
@@ -299,6 +301,13 @@ impl SurfaceGroup<'_> {
                 self.trace_on(&RefinedSplines::new(recipe)?, number, memory, observer)
             }
             RandomSurfaces::Smooth(recipe) => self.trace_on(recipe, number, memory, observer),
+            RandomSurfaces::Fields(FieldSurfaces { synthesis, cells }) => match cells {
+                Cells::Flat => self.trace_on(synthesis, number, memory, observer),
+                Cells::Smooth => {
+                    let recipe = SplinesThroughFields::new(synthesis, self.settings.refine)?;
+                    self.trace_on(&recipe, number, memory, observer)
+                }
+            },
         }
     }
 

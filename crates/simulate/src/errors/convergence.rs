@@ -1,6 +1,8 @@
 //! Convergence: what meshes of two spacings tell of the error of the finer one.
 
-use asperity_surface::{HeightField, Psd};
+use asperity_surface::HeightField;
+
+use crate::input::cells::Cells;
 
 use crate::input::random_surfaces::RandomSurfaces;
 
@@ -22,12 +24,14 @@ pub(crate) enum Convergence {
 impl Convergence {
     /// Of these random surfaces, the coarser of two with `scale` times their spacing.
     pub(crate) fn of_random(surfaces: &RandomSurfaces, scale: f64) -> Self {
-        match surfaces {
-            RandomSurfaces::Smooth(_) => Self::Fourth,
-            RandomSurfaces::Flat(_) => {
+        match (surfaces.cells(), surfaces.recipe().curvature()) {
+            (Cells::Smooth, Some(_)) => Self::Fourth,
+            (Cells::Flat, Some(curvature)) => {
                 let [dx, dy] = surfaces.spacing();
-                Self::of_facets(rms_curvature(surfaces.psd()) * scale * dx.max(dy))
+                Self::of_facets(curvature * scale * dx.max(dy))
             }
+            // Without a curvature there is no order.
+            (_, None) => Self::Unresolved,
         }
     }
 
@@ -105,15 +109,9 @@ impl Convergence {
     }
 }
 
-/// Largest root mean square second derivative of a Gaussian surface along a line, per length unit: `sqrt(12) sigma / tau^2`.
-fn rms_curvature(psd: &Psd) -> f64 {
-    let [tau_x, tau_y] = psd.correlation_lengths();
-    12_f64.sqrt() * psd.sigma() / tau_x.min(tau_y).powi(2)
-}
-
 #[cfg(test)]
 mod tests {
-    use asperity_surface::{Border, Synthesis};
+    use asperity_surface::{Border, Psd, Synthesis};
 
     use super::*;
 

@@ -22,6 +22,10 @@ const SMOOTH: &str = "none: the spline through the heights given is the surface"
 /// Said of random surfaces of smooth cells that are not refined; the figures are those of docs/smooth_cells.md.
 const RANDOM_SMOOTH: &str = "not estimated: --refine traces a finer mesh; of 4 smooth cells per correlation length it was below 3e-4 in every flux tried, s = 0.5 to 3";
 
+/// Said of random surfaces whose slopes are not Gaussian and that are not refined.
+const NOT_GAUSSIAN: &str =
+    "not estimated: --refine traces a finer mesh; no quadrature knows slopes that are not Gaussian";
+
 /// Said of what a control variate removes where cells are smooth.
 const SAME_SLOPES: &str = "none: smooth cells have the slopes of the continuous surface";
 
@@ -109,6 +113,19 @@ impl MeshErrors {
             errors.explanation.removed = SAME_SLOPES.to_owned();
         }
         errors
+    }
+
+    /// Of random surfaces whose slopes are not Gaussian: what their refinement showed, if they were refined, or else what
+    /// the pilot run found, if there was one, in words.
+    pub(crate) fn of_random_fields(
+        spec: TallySpec,
+        refinement: Option<Refinement>,
+        by_pilot_run: Option<&str>,
+    ) -> Self {
+        match refinement {
+            Some(refinement) => Self::of_refined(refinement),
+            None => Self::unknown(spec, by_pilot_run.unwrap_or(NOT_GAUSSIAN)),
+        }
     }
 
     /// Of one surface that was refined.
@@ -243,7 +260,7 @@ impl FirstOrder<'_> {
 
     fn shift_of_rough(&self) -> Result<ByEntry<Option<f64>>, ModelError> {
         let (material, incidence) = (self.case.material, self.case.light.incidence);
-        let of_surface = slopes(self.synthesis.psd())?;
+        let of_surface = slopes(self.synthesis.recipe())?;
         let control_variate = control_variate(&of_surface, material, incidence, &self.spec)?;
         let fluxes = self.fluxes(&self.slopes(self.synthesis)?)?;
         let of_mesh = ControlVariate::new(self.spec, control_variate.fractions().clone(), &fluxes);
@@ -293,5 +310,5 @@ impl FirstOrder<'_> {
 fn finer(synthesis: &Synthesis) -> Option<Synthesis> {
     let shape = synthesis.shape().map(|n| 2 * n);
     let spacing = synthesis.spacing().map(|d| d / 2.0);
-    Synthesis::new(*synthesis.psd(), shape, spacing, true).ok()
+    Synthesis::new(synthesis.psd().clone(), shape, spacing, true).ok()
 }

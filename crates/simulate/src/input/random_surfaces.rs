@@ -1,7 +1,8 @@
 //! Random surfaces: the recipe that draws them, by the cells that they consist of.
 
 use asperity_surface::{
-    HeightField, Psd, SlopeMoments, SplineSynthesis, Synthesis, SynthesisError,
+    FieldSynthesis, HeightField, Resolution, SlopeMoments, SplineSurface, SplineSynthesis,
+    SurfaceRecipe, Synthesis, SynthesisError,
 };
 
 use super::cells::Cells;
@@ -13,23 +14,49 @@ pub enum RandomSurfaces {
     Flat(Synthesis),
     /// Bicubic B-splines.
     Smooth(SplineSynthesis),
+    /// Heights on a grid of a recipe that is not Gaussian, with cells of either kind.
+    Fields(FieldSurfaces),
+}
+
+/// Random surfaces whose heights are drawn first, and their cells put between.
+#[derive(Clone, Debug)]
+pub struct FieldSurfaces {
+    /// Draws the heights.
+    pub(crate) synthesis: FieldSynthesis,
+    /// Two triangles per cell, or the spline through the heights.
+    pub(crate) cells: Cells,
 }
 
 impl RandomSurfaces {
-    /// Plans surfaces of the power spectral density `psd`; the other parameters are those of [`Synthesis::new`].
+    /// Plans surfaces of `recipe`, such as a power spectral density; the other parameters are those of [`Synthesis::new`].
     ///
     /// # Errors
-    /// As [`Synthesis::new`] or [`SplineSynthesis::new`].
+    /// As [`Synthesis::new`], [`SplineSynthesis::new`] or [`FieldSynthesis::new`].
     pub fn new(
         cells: Cells,
-        psd: Psd,
+        recipe: impl Into<SurfaceRecipe>,
         shape: [usize; 2],
         spacing: [f64; 2],
         insist: bool,
     ) -> Result<Self, SynthesisError> {
-        Ok(match cells {
-            Cells::Flat => Self::Flat(Synthesis::new(psd, shape, spacing, insist)?),
-            Cells::Smooth => Self::Smooth(SplineSynthesis::new(psd, shape, spacing, insist)?),
+        Ok(match (recipe.into(), cells) {
+            (SurfaceRecipe::Gaussian(psd), Cells::Flat) => {
+                Self::Flat(Synthesis::new(psd, shape, spacing, insist)?)
+            }
+            (SurfaceRecipe::Gaussian(psd), Cells::Smooth) => {
+                Self::Smooth(SplineSynthesis::new(psd, shape, spacing, insist)?)
+            }
+            (recipe, cells) => {
+                let resolution = match cells {
+                    _ if insist => Resolution::Any,
+                    Cells::Flat => Resolution::Facets,
+                    Cells::Smooth => Resolution::Splines,
+                };
+                Self::Fields(FieldSurfaces {
+                    synthesis: FieldSynthesis::new(recipe, shape, spacing, resolution)?,
+                    cells,
+                })
+            }
         })
     }
 
@@ -39,15 +66,17 @@ impl RandomSurfaces {
         match self {
             Self::Flat(_) => Cells::Flat,
             Self::Smooth(_) => Cells::Smooth,
+            Self::Fields(fields) => fields.cells,
         }
     }
 
-    /// The requested power spectral density.
+    /// What they are drawn by.
     #[must_use]
-    pub const fn psd(&self) -> &Psd {
+    pub const fn recipe(&self) -> &SurfaceRecipe {
         match self {
-            Self::Flat(synthesis) => synthesis.psd(),
-            Self::Smooth(synthesis) => synthesis.psd(),
+            Self::Flat(synthesis) => synthesis.recipe(),
+            Self::Smooth(synthesis) => synthesis.recipe(),
+            Self::Fields(fields) => fields.synthesis.recipe(),
         }
     }
 
@@ -57,6 +86,7 @@ impl RandomSurfaces {
         match self {
             Self::Flat(synthesis) => synthesis.shape(),
             Self::Smooth(synthesis) => synthesis.shape(),
+            Self::Fields(fields) => fields.synthesis.shape(),
         }
     }
 
@@ -66,15 +96,17 @@ impl RandomSurfaces {
         match self {
             Self::Flat(synthesis) => synthesis.spacing(),
             Self::Smooth(synthesis) => synthesis.spacing(),
+            Self::Fields(fields) => fields.synthesis.spacing(),
         }
     }
 
-    /// Moments that the slopes of its surfaces have on average.
+    /// Moments that the slopes of its surfaces have on average; `None` if these are not known.
     #[must_use]
-    pub(crate) fn expected_slope_moments(&self) -> SlopeMoments {
+    pub(crate) fn expected_slope_moments(&self) -> Option<SlopeMoments> {
         match self {
-            Self::Flat(synthesis) => synthesis.expected_slope_moments(),
-            Self::Smooth(synthesis) => synthesis.expected_slope_moments(),
+            Self::Flat(synthesis) => Some(synthesis.expected_slope_moments()),
+            Self::Smooth(synthesis) => Some(synthesis.expected_slope_moments()),
+            Self::Fields(_) => None,
         }
     }
 
@@ -86,7 +118,7 @@ impl RandomSurfaces {
         let cells = shape.map(|n| (n as f64 / scale).round().max(2.0) as usize);
         // Spacing is that of columns, then of rows; shape the number of rows, then of columns.
         let spacing = [0, 1].map(|i| spacing[i] * shape[1 - i] as f64 / cells[1 - i] as f64);
-        Self::new(self.cells(), *self.psd(), cells, spacing, insist).ok()
+        Self::new(self.cells(), self.recipe().clone(), cells, spacing, insist).ok()
     }
 
     /// Bytes that a program holds at the peak of drawing one of them.
@@ -95,6 +127,7 @@ impl RandomSurfaces {
         match self {
             Self::Flat(synthesis) => synthesis.peak_bytes(),
             Self::Smooth(synthesis) => synthesis.peak_bytes(),
+            Self::Fields(fields) => fields.peak_bytes(),
         }
     }
 
@@ -106,11 +139,33 @@ impl RandomSurfaces {
     pub fn heights(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
         match self {
             Self::Flat(synthesis) => synthesis.draw(seed, realisation),
-            Self::Smooth(synthesis) => {
-                let [ny, nx] = synthesis.shape();
-                let per_cell = (512 / nx.max(ny)).clamp(1, 4);
-                Ok(synthesis.draw(seed, realisation)?.tessellated(per_cell)?)
+            Self::Smooth(synthesis) => picture(&synthesis.draw(seed, realisation)?),
+            Self::Fields(fields) => {
+                let field = fields.synthesis.draw(seed, realisation)?;
+                match fields.cells {
+                    Cells::Flat => Ok(field),
+                    Cells::Smooth => picture(&SplineSurface::through(&field)),
+                }
             }
+        }
+    }
+}
+
+/// Heights of smooth cells on a grid up to four times as fine, of at most 512 samples per side.
+fn picture(spline: &SplineSurface) -> Result<HeightField, SynthesisError> {
+    let [columns, rows] = spline.cells();
+    let per_cell = (512 / columns.max(rows)).clamp(1, 4);
+    Ok(spline.tessellated(per_cell)?)
+}
+
+impl FieldSurfaces {
+    /// Bytes at the peak of drawing one; a spline takes as many as the heights, and is made while these are there.
+    fn peak_bytes(&self) -> usize {
+        let bytes = self.synthesis.peak_bytes();
+        let [ny, nx] = self.synthesis.shape();
+        match self.cells {
+            Cells::Flat => bytes,
+            Cells::Smooth => bytes + (ny + 3) * (nx + 3) * size_of::<f64>(),
         }
     }
 }
@@ -119,7 +174,7 @@ impl RandomSurfaces {
 impl PartialEq for RandomSurfaces {
     fn eq(&self, other: &Self) -> bool {
         self.cells() == other.cells()
-            && self.psd() == other.psd()
+            && self.recipe() == other.recipe()
             && self.shape() == other.shape()
             && self.spacing() == other.spacing()
     }

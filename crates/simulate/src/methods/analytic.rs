@@ -3,7 +3,7 @@
 
 use asperity_analysis::{ModelError, deviation_bound, unshadowed_control_variate};
 use asperity_optics::Material;
-use asperity_surface::Psd;
+use asperity_surface::SurfaceRecipe;
 use asperity_tally::{Polarimetry, TallyResult, TallySpec, TallyStatistics, TallyValues};
 
 use crate::error::SimulateError;
@@ -29,7 +29,7 @@ impl AnalyticResult {
     /// estimator never gives anything else than traced rays.
     pub(crate) fn of(
         case: &Case,
-        psd: &Psd,
+        recipe: &SurfaceRecipe,
         settings: &Settings,
     ) -> Result<Option<Self>, SimulateError> {
         let Some(target) = settings.target() else {
@@ -38,10 +38,15 @@ impl AnalyticResult {
         // Fluxes of unpolarised light are known, and nothing else.
         let is_polarised =
             case.light.is_polarised() || settings.tally.polarimetry() == Polarimetry::Mueller;
-        if settings.estimator == Estimator::Plain || case.layer.is_some() || is_polarised {
+        let is_gaussian = recipe.gaussian().is_some();
+        if settings.estimator == Estimator::Plain
+            || case.layer.is_some()
+            || is_polarised
+            || !is_gaussian
+        {
             return Ok(None);
         }
-        let slopes = slopes(psd)?;
+        let slopes = slopes(recipe)?;
         let incidence = case.light.incidence;
         let bound = deviation_bound(&slopes, case.material, incidence);
         // No norm of fluxes is above one.

@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use asperity_analysis::{Beckmann, ModelError, SlopeCovariance, control_variate};
 use asperity_optics::{Incidence, Material};
-use asperity_surface::Psd;
+use asperity_surface::SurfaceRecipe;
 use asperity_tally::{
     ControlVariate, Mirror, RayErrors, TallyResult, TallySpec, TallyStatistics, TallyValues,
 };
@@ -93,15 +93,15 @@ impl Method {
     /// The method for a case of random surfaces.
     pub(crate) fn of_random(
         case: &Case,
-        psd: &Psd,
+        recipe: &SurfaceRecipe,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let mirror = if settings.fold {
-            symmetry(&case.light, psd, &settings.spec_of(case))
+            symmetry(&case.light, recipe, &settings.spec_of(case))
         } else {
             None
         };
-        let method = Self::with_any_control(case, psd, settings)?;
+        let method = Self::with_any_control(case, recipe, settings)?;
         Ok(Self { mirror, ..method })
     }
 
@@ -111,7 +111,7 @@ impl Method {
     /// mean of others, unless the estimator is named.
     fn with_any_control(
         case: &Case,
-        psd: &Psd,
+        recipe: &SurfaceRecipe,
         settings: &Settings,
     ) -> Result<Self, SimulateError> {
         let one_surface = matches!(settings.effort, Effort::Rays { surfaces: 1, .. });
@@ -125,7 +125,10 @@ impl Method {
         if case.light.is_polarised() {
             return Self::of_polarised(settings);
         }
-        let slopes = slopes(psd)?;
+        if recipe.gaussian().is_none() {
+            return Self::of_other_slopes(settings);
+        }
+        let slopes = slopes(recipe)?;
         let incidence = case.light.incidence;
         match control_variate(&slopes, case.material, incidence, &settings.spec_of(case)) {
             Ok(control_variate) => {
@@ -151,6 +154,14 @@ impl Method {
         match settings.estimator {
             Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
             Estimator::Controlled => Err(SimulateError::PolarisedControl),
+        }
+    }
+
+    /// The method for random surfaces whose slopes are not Gaussian: no control variate knows their distribution.
+    fn of_other_slopes(settings: &Settings) -> Result<Self, SimulateError> {
+        match settings.estimator {
+            Estimator::Auto | Estimator::Plain => Ok(Self::plain(settings)),
+            Estimator::Controlled => Err(SimulateError::SlopesControl),
         }
     }
 
@@ -254,15 +265,14 @@ impl Method {
 /// Light of random azimuth on isotropic surfaces is; light of fixed azimuth along an axis of the samples that is also an axis
 /// of the spectrum. Off the axes, tiles repeat in other directions on the one side than on the other. Polarised light is symmetric
 /// without U and V.
-fn symmetry(light: &Light, psd: &Psd, spec: &TallySpec) -> Option<Mirror> {
+fn symmetry(light: &Light, recipe: &SurfaceRecipe, spec: &TallySpec) -> Option<Mirror> {
     let azimuth = light.incidence.phi();
     let quarters = azimuth / FRAC_PI_2;
     let along_axis = (quarters - quarters.round()).abs() < 1e-9;
-    let axes_agree = |[_, angle]: [f64; 2]| (2.0 * angle).sin().abs() < 1e-9;
     let is_symmetric = if light.random_azimuth {
-        psd.is_isotropic()
+        recipe.is_isotropic()
     } else {
-        along_axis && psd.anisotropy().is_none_or(axes_agree)
+        along_axis && recipe.is_mirror_symmetric()
     };
     let [_, u, v] = light.stokes;
     (is_symmetric && [u, v] == [0.0; 2])

@@ -12,7 +12,7 @@
 //! Sci. 27 (1981) 322, for regression; A. Avramidis, J. Wilson, A splitting scheme for control variates, Oper. Res. Lett. 14 (1993)
 //! 187, for coefficients from other samples.
 
-use asperity_surface::{Psd, SlopeMoments};
+use asperity_surface::{SlopeMoments, SurfaceRecipe};
 use asperity_tally::{Entry, TallySpec, TallyValues};
 
 use crate::input::case::Light;
@@ -39,8 +39,8 @@ pub(crate) enum SlopeControls {
 
 impl SlopeControls {
     /// Those for this light on surfaces of this spectrum; `folded`: whether bins are averaged with their mirror images.
-    pub(crate) fn of(light: &Light, psd: &Psd, folded: bool) -> Self {
-        if light.random_azimuth && psd.is_isotropic() {
+    pub(crate) fn of(light: &Light, recipe: &SurfaceRecipe, folded: bool) -> Self {
+        if light.random_azimuth && recipe.is_isotropic() {
             Self::Isotropic
         } else if folded {
             Self::Symmetric

@@ -26,7 +26,7 @@ pub(crate) fn material_text(material: Material) -> String {
 /// Smoothness, material, angle of incidence and layer of a case.
 pub(crate) fn case_text(case: &SweepCase) -> String {
     let smoothness = short(case.smoothness);
-    let surface = match case.psd.anisotropy() {
+    let surface = match case.recipe.anisotropy() {
         None => format!("s = {smoothness}"),
         Some([ratio, azimuth]) => {
             let (along, across) = (short(azimuth.to_degrees()), short(ratio * case.smoothness));

@@ -27,7 +27,7 @@ impl VerifyConfig {
     /// The cases, each with its own configuration, checked.
     pub(crate) fn sweep(&self) -> Result<Sweep, ConfigError> {
         let sweep = Sweep::of(self)?;
-        let cases: Vec<SweepCase> = sweep.cases.iter().map(|swept| swept.case).collect();
+        let cases: Vec<SweepCase> = sweep.cases.iter().map(|swept| swept.case.clone()).collect();
         self.check(&cases)?;
         Ok(sweep)
     }
@@ -52,7 +52,7 @@ impl VerifyConfig {
     fn check(&self, cases: &[SweepCase]) -> Result<(), ConfigError> {
         let contradiction = |text: &str| Err(ConfigError::Contradiction(text.to_owned()));
         let settings = self.ray_settings()?;
-        let isotropic = cases.iter().all(|case| case.psd.is_isotropic());
+        let isotropic = cases.iter().all(|case| case.recipe.is_isotropic());
         if !isotropic && self.light.azimuth == Some(Azimuth::Random) {
             return contradiction(
                 "on an anisotropic surface the azimuth of the light matters; it cannot be random",

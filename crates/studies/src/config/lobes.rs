@@ -102,7 +102,7 @@ mod tests {
         let psd = Psd::gaussian(1.0, smoothness).unwrap();
         let light = Light::from_above(Incidence::from_degrees(30.0, 0.0).unwrap());
         let glass = Material::dielectric(1.5).unwrap();
-        Lobe::of(&light, &glass, CoreSlopes::of_psd(&psd))
+        Lobe::of(&light, &glass, CoreSlopes::of_recipe(&psd.into()))
     }
 
     fn run(text: &str) -> RunConfig {

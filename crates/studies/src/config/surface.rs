@@ -1,7 +1,7 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
 use asperity_simulate::Cells;
-use asperity_surface::{LengthUnit, Psd};
+use asperity_surface::{LengthUnit, Psd, SurfaceRecipe};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -77,11 +77,11 @@ pub struct SurfaceConfig {
 }
 
 impl SurfaceConfig {
-    /// The smoothness and the power spectral density of a configuration without lists.
+    /// The smoothness and what surfaces are drawn by, of a configuration without lists.
     ///
     /// # Errors
     /// [`ConfigError`] if a value is missing or out of range.
-    pub fn psd(&self) -> Result<(f64, Psd), ConfigError> {
+    pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         let tau = self.tau.0;
         let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
             (Some(smoothness), None) => {
@@ -112,7 +112,7 @@ impl SurfaceConfig {
         let azimuth = self.azimuth.0.to_radians();
         Ok((
             smoothness,
-            Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?,
+            Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?.into(),
         ))
     }
 

@@ -102,13 +102,13 @@ impl Sweep {
 impl VerifyConfig {
     /// The case of a configuration without lists.
     fn single_case(&self) -> Result<SweepCase, ConfigError> {
-        let (smoothness, psd) = self.surface.psd()?;
+        let (smoothness, recipe) = self.surface.recipe()?;
         let material: Material = self.material.material()?;
         let layer = self.medium.as_ref().map(|medium| medium.layer(material));
         let (theta, phi) = (self.light.theta.one("theta")?, self.light.phi.one("phi")?);
         Ok(SweepCase {
             smoothness,
-            psd,
+            recipe,
             unit: self.surface.unit,
             material,
             layer: layer.transpose()?,
@@ -136,7 +136,7 @@ mod tests {
             assert_eq!(sweep.cases.len(), cases.len());
             for (swept, expected) in sweep.cases.iter().zip(&cases) {
                 assert_eq!(swept.case, *expected);
-                assert_eq!(swept.config.cases().unwrap(), [*expected]);
+                assert_eq!(swept.config.cases().unwrap(), [expected.clone()]);
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use asperity_optics::{Incidence, Layer, Material};
-use asperity_surface::{LengthUnit, Psd};
+use asperity_surface::{LengthUnit, SurfaceRecipe};
 use serde::Serialize;
 
 use asperity_simulate::{layer_folder, layer_name, short, slopes};
@@ -11,12 +11,13 @@ use asperity_simulate::{layer_folder, layer_name, short, slopes};
 use crate::config::case_model::ModelledSurface;
 
 /// One combination of smoothness, material, layer and direction of light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SweepCase {
     /// `tau / sigma`, by the first principal axis.
     pub smoothness: f64,
-    /// The power spectral density.
-    pub psd: Psd,
+    /// What the surfaces are drawn by.
+    #[serde(rename = "psd")]
+    pub recipe: SurfaceRecipe,
     /// Unit of lengths.
     #[serde(skip_serializing_if = "is_arbitrary")]
     pub unit: LengthUnit,
@@ -72,7 +73,7 @@ impl SweepCase {
     /// the angle from +x to the first.
     #[must_use]
     pub fn grooves(&self) -> Option<String> {
-        self.psd.anisotropy().map(|[ratio, azimuth]| {
+        self.recipe.anisotropy().map(|[ratio, azimuth]| {
             let (s_y, azimuth) = (ratio * self.smoothness, azimuth.to_degrees());
             format!(
                 "s = {} along the second axis, first axis at {} deg",
@@ -85,7 +86,7 @@ impl SweepCase {
     /// What models of the case are made for.
     pub(crate) fn modelled(&self) -> ModelledSurface {
         ModelledSurface {
-            slopes: slopes(&self.psd),
+            slopes: slopes(&self.recipe),
             material: self.material,
             layer: self.layer,
         }
@@ -109,6 +110,8 @@ impl SweepCase {
 
 #[cfg(test)]
 mod tests {
+    use asperity_surface::Psd;
+
     use super::*;
 
     #[test]
@@ -116,7 +119,7 @@ mod tests {
         let folder = |smoothness: f64, eta: f64| {
             let case = SweepCase {
                 smoothness,
-                psd: Psd::gaussian(1.0, 1.0).unwrap(),
+                recipe: Psd::gaussian(1.0, 1.0).unwrap().into(),
                 unit: LengthUnit::Arbitrary,
                 material: Material::Dielectric { eta },
                 layer: None,

@@ -1,12 +1,12 @@
 //! The configuration of a convergence run: what `asperity converge` reads from a file.
 
 use asperity_simulate::{
-    Estimator, SimulateError, check_memory, check_results, short, traced_bytes,
+    Cells, Estimator, RandomSurfaces, SimulateError, check_memory, check_results, short,
+    traced_bytes,
 };
 use std::collections::BTreeSet;
 use std::fmt::Display;
 
-use asperity_surface::Synthesis;
 use asperity_tally::{HemisphereGrid, Sides, TallySpec};
 use asperity_tracer::{AcceleratorKind, Branching, HalfSpace, Sampling};
 use serde::{Deserialize, Serialize};
@@ -146,13 +146,12 @@ impl ConvergeConfig {
         &self,
         case: &SweepCase,
         method: &Method,
-    ) -> Result<Synthesis, ConvergeError> {
+    ) -> Result<RandomSurfaces, ConvergeError> {
         let [dx, dy] = method.spacing.xy().map(|spacing| spacing.0);
         let shape = self.shape(method.spacing)?;
-        Ok(
-            Synthesis::new(case.psd, shape, [dx, dy], self.surface.insist)
-                .map_err(SimulateError::from)?,
-        )
+        let (recipe, insist) = (case.recipe.clone(), self.surface.insist);
+        let surfaces = RandomSurfaces::new(Cells::Flat, recipe, shape, [dx, dy], insist);
+        Ok(surfaces.map_err(SimulateError::from)?)
     }
 
     /// The same surfaces, material and light as a verification without models.

@@ -94,9 +94,9 @@ impl<'a> Stage<'a> {
         let prepared = methods.map(|method| prepare(config, plan, &case, method));
         Ok(Self {
             plan,
-            case,
-            slopes: slopes(&case.psd).map_err(SimulateError::from)?,
+            slopes: slopes(&case.recipe).map_err(SimulateError::from)?,
             prepared: prepared.collect::<Result<_, _>>()?,
+            case,
         })
     }
 
@@ -168,7 +168,7 @@ impl<'a> Stage<'a> {
         let methods = self.outcomes(&samples, &reference);
         work.seconds = began.elapsed().as_secs_f64();
         Ok(ConvergedCase {
-            case: self.case,
+            case: self.case.clone(),
             reference,
             is_exact: targets.exact.is_some(),
             methods,
@@ -279,11 +279,12 @@ impl<'a> Stage<'a> {
         let SweepCase {
             material,
             incidence,
-            psd,
+            recipe,
             ..
         } = &self.case;
         let wi = incidence.wi();
-        if !psd.is_isotropic() || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN {
+        let is_gaussian = recipe.gaussian().is_some() && recipe.is_isotropic();
+        if !is_gaussian || Beckmann::new(self.slopes).lambda(wi) >= NOTHING_HIDDEN {
             return Ok(None);
         }
         let of = |material| Smith::new(self.slopes, material, Masking::HeightCorrelated);

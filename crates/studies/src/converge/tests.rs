@@ -61,7 +61,7 @@ fn a_point_at_the_reference_bends_no_line() {
 #[test]
 fn gains_are_over_plain_random_rays_on_the_same_grid() {
     let config = ConvergeConfig::default();
-    let case = config.plan().unwrap().cases[0];
+    let case = config.plan().unwrap().cases[0].clone();
     let runs = |scale: f64| -> Vec<Measurement> {
         [(1.0, 4e-2), (4.0, 2e-2)]
             .map(|(t, e)| measured(&[t], scale * e))
@@ -107,7 +107,7 @@ fn nearly_flat_surfaces_have_an_exact_answer_and_rough_ones_none() {
     let stage = |text: &str| {
         let config = ConvergeConfig::from_toml(text).unwrap();
         let plan = config.plan().unwrap();
-        let exact = Stage::new(&config, &plan, plan.cases[0])
+        let exact = Stage::new(&config, &plan, plan.cases[0].clone())
             .unwrap()
             .exact_fluxes()
             .unwrap();

@@ -109,13 +109,14 @@ impl GonioConfig {
         let mut plans = Plans::default();
         for SweptCase { case, config } in self.as_verification()?.sweep()?.cases {
             let setting = plans.number_of(Specimen::of_case(&case));
-            let Binned { bins, spec, lobes } = self.binned(&case, CoreSlopes::of_psd(&case.psd))?;
+            let Binned { bins, spec, lobes } =
+                self.binned(&case, CoreSlopes::of_recipe(&case.recipe))?;
             plans.directions.push(Plan {
                 bins,
                 spec,
                 lobes,
                 setting,
-                validity: Validity::of_psd(&case.psd, case.unit, case.incidence, wavelength),
+                validity: Validity::of_recipe(&case.recipe, case.unit, case.incidence, wavelength),
                 incidence: case.incidence,
                 name: format!("{}_{}", case.folder(), phi_name(case.incidence)),
                 identity: json!(config),

@@ -133,7 +133,7 @@ fn within_from(outcome: &MapOutcome, verdicts: &[PlacedVerdict], theta: f64) -> 
 
 /// What `s` stands for on anisotropic surfaces, which are all of one shape.
 pub(super) fn grooves(outcome: &MapOutcome) -> Option<String> {
-    let [ratio, azimuth] = outcome.cells.first()?.case.psd.anisotropy()?;
+    let [ratio, azimuth] = outcome.cells.first()?.case.recipe.anisotropy()?;
     Some(format!(
         "s along the first axis, at {} deg from x; across it s is {} times as large",
         short(azimuth.to_degrees()),

@@ -54,7 +54,7 @@ impl PlottedCase {
             unit: case.unit,
             from: config.light.from,
             max_order: config.run.max_order,
-            case: Some(*case),
+            case: Some(case.clone()),
         }
     }
 

@@ -107,7 +107,7 @@ fn height_maps(
         return Ok(());
     }
     for sharing in
-        places.chunk_by(|(a, _), (b, _)| a.case.psd == b.case.psd && a.size() == b.size())
+        places.chunk_by(|(a, _), (b, _)| a.case.recipe == b.case.recipe && a.size() == b.size())
     {
         let case = sharing[0].0;
         let Some(first) = first_surface(outcome, case)? else {

@@ -134,7 +134,7 @@ fn independent_samples(outcome: &Outcome) -> f64 {
     let SurfaceSource::Random(surfaces) = &outcome.case.surface else {
         return rays;
     };
-    let lengths = surfaces.psd().axis_correlation_lengths();
+    let lengths = surfaces.recipe().axis_correlation_lengths();
     let patches = patches(surfaces.shape(), surfaces.spacing(), lengths);
     rays.min(outcome.work.realisations as f64 * patches)
 }

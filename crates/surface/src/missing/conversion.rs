@@ -1,7 +1,7 @@
 //! Conversion of a height map: into another unit, and with its rows in reverse order.
 
 use super::RawHeightMap;
-use crate::{GaussianPsd, HeightFieldError, LengthUnit, Provenance, Psd};
+use crate::{HeightFieldError, LengthUnit, Provenance};
 
 impl RawHeightMap {
     /// The same map with its lengths in `unit`; each number is rounded once.
@@ -25,7 +25,7 @@ impl RawHeightMap {
             border: self.border,
             notes: self.notes,
             provenance: self.provenance.map(|provenance| Provenance {
-                psd: converted(&provenance.psd, convert),
+                recipe: provenance.recipe.converted(&convert),
                 ..provenance
             }),
             ..map
@@ -48,21 +48,10 @@ impl RawHeightMap {
     }
 }
 
-/// The spectrum with its lengths converted.
-fn converted(psd: &Psd, convert: impl Fn(f64) -> f64) -> Psd {
-    let Psd::Gaussian(gaussian) = *psd;
-    Psd::Gaussian(GaussianPsd {
-        sigma: convert(gaussian.sigma),
-        tau_x: convert(gaussian.tau_x),
-        tau_y: convert(gaussian.tau_y),
-        azimuth: gaussian.azimuth,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Border, MissingPolicy};
+    use crate::{Border, MissingPolicy, Psd};
 
     fn map(unit: LengthUnit) -> RawHeightMap {
         let heights = vec![1.0, 2.0, 3.0, 4.0, 5.0, f64::NAN];
@@ -71,7 +60,9 @@ mod tests {
         map.border = Some(Border::Open);
         map.notes.push("read in a way".to_owned());
         map.provenance = Some(Provenance {
-            psd: Psd::anisotropic_gaussian(0.25, 8.0, 16.0, 0.5).unwrap(),
+            recipe: Psd::anisotropic_gaussian(0.25, 8.0, 16.0, 0.5)
+                .unwrap()
+                .into(),
             seed: 3,
             realisation: 1,
         });
@@ -89,7 +80,7 @@ mod tests {
         assert_eq!(nm.spacing, [500.0, 2000.0]);
         assert_eq!(&nm.heights[..2], [1000.0, 2000.0]);
         let psd = Psd::anisotropic_gaussian(250.0, 8000.0, 16000.0, 0.5).unwrap();
-        assert_eq!(nm.provenance.unwrap().psd, psd);
+        assert_eq!(nm.provenance.unwrap().recipe, psd.into());
         // Rounded once, so the way back is exact for such numbers.
         let km = map(LengthUnit::Metre)
             .in_unit(LengthUnit::Kilometre)

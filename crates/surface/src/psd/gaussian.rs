@@ -75,6 +75,25 @@ impl GaussianPsd {
         tau_x == tau_y
     }
 
+    pub(super) fn is_mirror_symmetric(&self) -> bool {
+        self.is_isotropic() || (2.0 * self.azimuth).sin().abs() < 1e-9
+    }
+
+    pub(super) fn curvature(&self) -> f64 {
+        // The fourth derivative of sigma^2 exp(-u^2 / tau^2) at zero is 12 sigma^2 / tau^4
+        let tau = self.tau_x.min(self.tau_y);
+        12_f64.sqrt() * self.sigma / (tau * tau)
+    }
+
+    pub(super) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
+        Self {
+            sigma: convert(self.sigma),
+            tau_x: convert(self.tau_x),
+            tau_y: convert(self.tau_y),
+            azimuth: self.azimuth,
+        }
+    }
+
     pub(super) fn axis_correlation_lengths(&self) -> [f64; 2] {
         let Self {
             tau_x,

@@ -144,7 +144,7 @@ fn few_cosines_are_refined_exactly() {
 fn a_refined_surface_is_that_drawn_on_the_finer_grid() {
     let psd = Psd::anisotropic_gaussian(1.0, 8.0, 5.0, 0.3).unwrap();
     let draw = |shape, spacing| {
-        let synthesis = Synthesis::new(psd, shape, spacing, false).unwrap();
+        let synthesis = Synthesis::new(psd.clone(), shape, spacing, false).unwrap();
         synthesis.draw(4, 2).unwrap()
     };
     let refined = draw([65, 70], [1.0, 1.0]).refined().unwrap();

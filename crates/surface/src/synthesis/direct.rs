@@ -3,7 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use super::filter::wave_number;
-use super::noise::{Noise, Side};
+use super::noise::Side;
 use super::{Synthesis, SynthesisError, zeroed};
 use crate::HeightField;
 
@@ -30,7 +30,7 @@ impl Synthesis {
     ) -> Result<HeightField, SynthesisError> {
         let [ny, nx] = self.shape;
         let [dx, dy] = self.spacing;
-        let noise = Noise::new(seed, realisation);
+        let noise = self.noise(seed, realisation);
         let mut heights = zeroed(0.0, ny * nx)?;
         for ix in 0..=nx / 2 {
             for (side, count) in [(Side::Positive, ny / 2 + 1), (Side::Negative, (ny - 1) / 2)] {
@@ -94,7 +94,7 @@ mod tests {
             (1e9, 1.3, 1.0, 0.7, [45, 48], [0.25, 0.22]),
         ] {
             let psd = Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).unwrap();
-            let synthesis = Synthesis::new(psd, shape, spacing, false).unwrap();
+            let synthesis = Synthesis::new(psd.clone(), shape, spacing, false).unwrap();
             let [ny, nx] = shape;
             let waves: Vec<Wave> = (0..=nx / 2)
                 .flat_map(|ix| (0..ny).map(move |iy| (ix, iy)))

@@ -11,8 +11,23 @@
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Sets these numbers apart from any others that the same seed yields elsewhere.
-const PURPOSE: &[u8; 16] = b"asperity heights";
+/// What the numbers are for, which sets them apart from any others that the same seed yields.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Stream {
+    /// Heights of a surface.
+    Heights,
+    /// Amplitude of the slopes of a surface.
+    Amplitude,
+}
+
+impl Stream {
+    const fn key(self) -> &'static [u8; 16] {
+        match self {
+            Self::Heights => b"asperity heights",
+            Self::Amplitude => b"asperity amplit.",
+        }
+    }
+}
 
 /// Waves drawn together; the generator yields as many random bits at a time.
 const BLOCK: usize = 32;
@@ -43,12 +58,18 @@ impl Side {
 }
 
 impl Noise {
-    /// The noise of a realisation of a seed.
+    /// The noise of the heights of a realisation of a seed.
+    #[cfg(test)]
     pub(super) fn new(seed: u64, realisation: u64) -> Self {
+        Self::of_stream(Stream::Heights, seed, realisation)
+    }
+
+    /// The noise of a realisation of a seed.
+    pub(super) fn of_stream(stream: Stream, seed: u64, realisation: u64) -> Self {
         let mut key = [0; 32];
         key[..8].copy_from_slice(&seed.to_le_bytes());
         key[8..16].copy_from_slice(&realisation.to_le_bytes());
-        key[16..].copy_from_slice(PURPOSE);
+        key[16..].copy_from_slice(stream.key());
         Self { key }
     }
 

@@ -139,7 +139,7 @@ mod tests {
         ] {
             let sigma = 3.0;
             let psd = Psd::anisotropic_gaussian(sigma, tau_x, tau_y, azimuth).unwrap();
-            let synthesis = Synthesis::new(psd, shape, [dx, dy], false).unwrap();
+            let synthesis = Synthesis::new(psd.clone(), shape, [dx, dy], false).unwrap();
             let found = synthesis.facet_slope_covariance();
             let at = |x, y| psd.autocorrelation(x, y);
             let c00 = at(0.0, 0.0);

@@ -7,9 +7,8 @@
 //! too, but takes the amplitude for them out of the wave itself, and so is less steep.
 
 use super::filter::Numbers;
-use super::noise::Noise;
 use super::{Synthesis, SynthesisError};
-use crate::{Border, HeightField, Psd, SplineSurface};
+use crate::{Border, HeightField, Psd, SplineSurface, SurfaceRecipe};
 
 /// Fewest spacings a correlation length must span along each axis of a spline.
 ///
@@ -73,6 +72,12 @@ impl SplineSynthesis {
         self.waves.psd()
     }
 
+    /// The same as what surfaces are drawn by.
+    #[must_use]
+    pub const fn recipe(&self) -> &SurfaceRecipe {
+        self.waves.recipe()
+    }
+
     /// Cells `[rows, columns]`.
     #[must_use]
     pub const fn shape(&self) -> [usize; 2] {
@@ -118,7 +123,7 @@ impl SplineSynthesis {
     ) -> Result<SplineSurface, SynthesisError> {
         let (shape, spacing) = (self.shape(), self.spacing());
         let mut coefficients = self.waves.room_for(self.padded_len(), room)?;
-        let noise = Noise::new(seed, realisation);
+        let noise = self.waves.noise(seed, realisation);
         if !self.waves.fill(&noise, &mut coefficients)? {
             // Names the coefficient as a height that no surface may have
             coefficients = HeightField::new(coefficients, shape, spacing)?.into_heights();

@@ -2,4 +2,5 @@
 
 mod roughness;
 mod spline;
+mod student_slopes;
 mod synthesis;

@@ -137,7 +137,7 @@ fn realised_values_scatter_as_claimed() {
     let n = 600;
     for (tau_x, tau_y, azimuth, shape) in [(4.0, 4.0, 0.0, [52, 54]), (4.0, 5.0, 0.5, [60, 56])] {
         let psd = Psd::anisotropic_gaussian(0.7, tau_x, tau_y, azimuth).unwrap();
-        let synthesis = Synthesis::new(psd, shape, [1.0, 1.0], false).unwrap();
+        let synthesis = Synthesis::new(psd.clone(), shape, [1.0, 1.0], false).unwrap();
         let drawn: Vec<_> = (0..n)
             .map(|realisation| {
                 let surface = synthesis.draw(31, realisation).unwrap();

@@ -98,7 +98,7 @@ fn ensemble_has_the_requested_statistics() {
         (13, 5.0, 7.0, 0.6, [71, 65], [1.0, 1.0]),
     ] {
         let psd = Psd::anisotropic_gaussian(0.8, tau_x, tau_y, azimuth).unwrap();
-        let synthesis = Synthesis::new(psd, shape, spacing, false).unwrap();
+        let synthesis = Synthesis::new(psd.clone(), shape, spacing, false).unwrap();
         let area = (shape[0] * shape[1]) as f64 * spacing[0] * spacing[1];
         let m = 0.64 * PI * tau_x * tau_y / area;
         let [dx, dy] = spacing;
@@ -236,7 +236,7 @@ fn heights_too_small_or_too_large_for_a_number_are_zero_or_refused() {
 #[test]
 fn finer_grid_has_the_same_surface() {
     let psd = Psd::anisotropic_gaussian(1.0, 5.0, 6.0, 0.4).unwrap();
-    let coarse = Synthesis::new(psd, [50, 61], [1.0, 1.0], false).unwrap();
+    let coarse = Synthesis::new(psd.clone(), [50, 61], [1.0, 1.0], false).unwrap();
     let fine = Synthesis::new(psd, [150, 122], [0.5, 1.0 / 3.0], false).unwrap();
     let (coarse, fine) = (coarse.draw(9, 4).unwrap(), fine.draw(9, 4).unwrap());
     for iy in 0..50 {
@@ -273,7 +273,7 @@ const PUBLISHED: [(usize, usize, f64); 4] = [
 #[test]
 fn unresolved_spectra_and_small_tiles_are_refused() {
     let psd = Psd::gaussian(1.0, 3.0).unwrap();
-    let coarse = Synthesis::new(psd, [64, 64], [0.5, 1.0], false).unwrap_err();
+    let coarse = Synthesis::new(psd.clone(), [64, 64], [0.5, 1.0], false).unwrap_err();
     assert!(matches!(
         coarse,
         SynthesisError::Unresolved { axis: 'y', .. }
@@ -283,7 +283,7 @@ fn unresolved_spectra_and_small_tiles_are_refused() {
         "the correlation length along y is 3, only 3.00 spacings of 1: \
          take a spacing of at most 0.75, or insist"
     );
-    let small = Synthesis::new(psd, [100, 40], [0.5, 0.5], false).unwrap_err();
+    let small = Synthesis::new(psd.clone(), [100, 40], [0.5, 0.5], false).unwrap_err();
     assert!(matches!(
         small,
         SynthesisError::TooSmallTile { axis: 'x', .. }
@@ -293,10 +293,10 @@ fn unresolved_spectra_and_small_tiles_are_refused() {
         "the tile is 20 long along x, only 6.67 correlation lengths of 3: \
          take at least 48 samples along x at this spacing, or insist"
     );
-    assert!(Synthesis::new(psd, [64, 64], [0.5, 1.0], true).is_ok());
-    assert!(Synthesis::new(psd, [100, 40], [0.5, 0.5], true).is_ok());
+    assert!(Synthesis::new(psd.clone(), [64, 64], [0.5, 1.0], true).is_ok());
+    assert!(Synthesis::new(psd.clone(), [100, 40], [0.5, 0.5], true).is_ok());
     // Following the advice is enough.
-    assert!(Synthesis::new(psd, [64, 64], [0.5, 0.75], false).is_ok());
+    assert!(Synthesis::new(psd.clone(), [64, 64], [0.5, 0.75], false).is_ok());
     assert!(Synthesis::new(psd, [100, 48], [0.5, 0.5], false).is_ok());
     // A long ridge along the diagonal needs room along both axes.
     let ridge = Psd::anisotropic_gaussian(1.0, 20.0, 4.0, PI / 4.0).unwrap();
@@ -310,17 +310,17 @@ fn unresolved_spectra_and_small_tiles_are_refused() {
 fn refuses_sizes_beyond_memory_before_asking_for_it() {
     let psd = Psd::gaussian(1.0, 4.0).unwrap();
     assert!(matches!(
-        Synthesis::new(psd, [1 << 40, 1 << 40], [1.0, 1.0], true),
+        Synthesis::new(psd.clone(), [1 << 40, 1 << 40], [1.0, 1.0], true),
         Err(SynthesisError::HeightField(
             HeightFieldError::TooLarge { .. }
         ))
     ));
     assert!(matches!(
-        Synthesis::new(psd, [1 << 16, 1 << 16], [1.0, 1.0], false),
+        Synthesis::new(psd.clone(), [1 << 16, 1 << 16], [1.0, 1.0], false),
         Err(SynthesisError::TooManySamples { .. })
     ));
     assert!(matches!(
-        Synthesis::new(psd, [1, 64], [1.0, 1.0], true),
+        Synthesis::new(psd.clone(), [1, 64], [1.0, 1.0], true),
         Err(SynthesisError::HeightField(
             HeightFieldError::TooSmall { .. }
         ))

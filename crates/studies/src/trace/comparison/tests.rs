@@ -62,7 +62,7 @@ fn true_models_are_rejected_as_often_as_their_level_says() {
     let of_seed = |seed: u64| {
         let surface = match seed % 2 {
             0 => isotropic(SMOOTH, seed),
-            _ => self::surface(grooves, seed),
+            _ => self::surface(grooves.clone(), seed),
         };
         let cells = ["flat", "smooth"][seed as usize / 2 % 2];
         let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}models = \"smith\"");
@@ -125,7 +125,7 @@ fn slopes_of_the_surface_are_those_of_its_ensemble_within_their_errors() {
     let mut squares = 0.0;
     for seed in 0..8 {
         let planned = planned(
-            surface(psd, seed),
+            surface(psd.clone(), seed),
             &format!("[surface]\ncells = \"smooth\"\n{MIRROR}models = \"smith\""),
         );
         let found = planned

@@ -15,12 +15,12 @@ use super::{BORDERS, jumble};
 #[test]
 fn drawn_spline_converges_to_the_sum_of_the_waves_with_fourth_order() {
     let psd = Psd::anisotropic_gaussian(1.0, 8.0, 6.0, 0.4).unwrap();
-    let fine = Synthesis::new(psd, [192, 256], [0.25, 0.25], true).unwrap();
+    let fine = Synthesis::new(psd.clone(), [192, 256], [0.25, 0.25], true).unwrap();
     let fine = fine.draw(5, 2).unwrap();
     let worst = |n: usize| {
         let shape = [192 / n, 256 / n];
         let d = 0.25 * n as f64;
-        let splines = SplineSynthesis::new(psd, shape, [d, d], true).unwrap();
+        let splines = SplineSynthesis::new(psd.clone(), shape, [d, d], true).unwrap();
         let surface = splines.draw(5, 2).unwrap();
         assert_eq!(surface.provenance(), fine.provenance());
         assert_eq!(surface.border(), Border::Periodic);
@@ -110,7 +110,7 @@ fn images(a: f64, power: i32) -> f64 {
 fn slope_variance_of_a_drawn_spline_is_that_of_its_waves_and_their_images() {
     let psd = Psd::gaussian(1.0, 4.0).unwrap();
     let (shape, spacing) = ([40, 36], [1.0, 0.9]);
-    let splines = SplineSynthesis::new(psd, shape, spacing, false).unwrap();
+    let splines = SplineSynthesis::new(psd.clone(), shape, spacing, false).unwrap();
     let samples = Synthesis::new(psd, shape, spacing, false).unwrap();
     for realisation in 0..3 {
         let found = mean_squared_slopes(&splines.draw(1, realisation).unwrap());
@@ -176,9 +176,9 @@ fn bytes_do_not_depend_on_threads_or_on_reused_memory() {
 #[test]
 fn splines_need_fewer_spacings_per_correlation_length_than_facets() {
     let psd = Psd::gaussian(1.0, 2.5).unwrap();
-    assert!(SplineSynthesis::new(psd, [32, 32], [1.0, 1.0], false).is_ok());
-    assert!(Synthesis::new(psd, [32, 32], [1.0, 1.0], false).is_err());
-    let coarse = SplineSynthesis::new(psd, [32, 32], [1.0, 1.01], false).unwrap_err();
+    assert!(SplineSynthesis::new(psd.clone(), [32, 32], [1.0, 1.0], false).is_ok());
+    assert!(Synthesis::new(psd.clone(), [32, 32], [1.0, 1.0], false).is_err());
+    let coarse = SplineSynthesis::new(psd.clone(), [32, 32], [1.0, 1.01], false).unwrap_err();
     assert!(matches!(
         coarse,
         SynthesisError::Unresolved {
@@ -187,7 +187,7 @@ fn splines_need_fewer_spacings_per_correlation_length_than_facets() {
             ..
         }
     ));
-    assert!(SplineSynthesis::new(psd, [32, 32], [1.0, 2.0], true).is_ok());
+    assert!(SplineSynthesis::new(psd.clone(), [32, 32], [1.0, 2.0], true).is_ok());
     let small = SplineSynthesis::new(psd, [32, 19], [1.0, 1.0], false);
     assert!(matches!(
         small,

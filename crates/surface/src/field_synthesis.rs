@@ -1,0 +1,150 @@
+//! Field synthesis: draws random surfaces of any recipe as heights on a grid.
+
+mod centred;
+mod student;
+
+use self::student::StudentSynthesis;
+use crate::synthesis::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
+use crate::synthesis::{MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis, SynthesisError};
+use crate::{HeightField, Provenance, SurfaceRecipe};
+
+/// How finely a grid has to resolve the surfaces drawn on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Resolution {
+    /// For facets: as [`Synthesis`] requires.
+    Facets,
+    /// For a spline through the heights: as [`SplineSynthesis`](crate::SplineSynthesis) requires.
+    Splines,
+    /// Not at all, and the tile need not hold them either.
+    Any,
+}
+
+impl Resolution {
+    /// Fewest spacings that a correlation length must span.
+    const fn fewest_spacings(self) -> Option<f64> {
+        match self {
+            Self::Facets => Some(MIN_SPACINGS_PER_CORRELATION_LENGTH),
+            Self::Splines => Some(MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH),
+            Self::Any => None,
+        }
+    }
+}
+
+/// A generator of random periodic surfaces of any [`SurfaceRecipe`], as heights on a grid.
+///
+/// Heights depend on recipe, shape, spacing, seed and realisation, and not on the number of threads.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::{FieldSynthesis, Psd, Resolution, StudentSlopes};
+///
+/// // GGX slopes of alpha = 2 sigma / tau = 0.25, whose amplitude varies over 4 correlation lengths
+/// let recipe = StudentSlopes::new(Psd::gaussian(0.5, 4.0)?, 4.0)?.into();
+/// let synthesis = FieldSynthesis::new(recipe, [128, 128], [1.0, 1.0], Resolution::Facets)?;
+/// let surface = synthesis.draw(7, 0)?;
+/// assert_eq!(surface, synthesis.draw(7, 0)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct FieldSynthesis {
+    recipe: SurfaceRecipe,
+    drawer: Drawer,
+}
+
+/// What draws the surfaces of a recipe.
+#[derive(Clone, Debug)]
+enum Drawer {
+    Gaussian(Synthesis),
+    StudentSlopes(StudentSynthesis),
+}
+
+impl FieldSynthesis {
+    /// Plans surfaces of `recipe`.
+    ///
+    /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units per sample.
+    ///
+    /// # Errors
+    /// As [`Synthesis::new`], for the correlation lengths of the recipe.
+    pub fn new(
+        recipe: SurfaceRecipe,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        resolution: Resolution,
+    ) -> Result<Self, SynthesisError> {
+        let fewest = resolution.fewest_spacings();
+        let drawer = match &recipe {
+            SurfaceRecipe::Gaussian(psd) => {
+                Drawer::Gaussian(Synthesis::of_heights(psd.clone(), shape, spacing, fewest)?)
+            }
+            SurfaceRecipe::StudentSlopes(student) => {
+                Drawer::StudentSlopes(StudentSynthesis::new(student, shape, spacing, fewest)?)
+            }
+        };
+        Ok(Self { recipe, drawer })
+    }
+
+    /// What the surfaces are drawn by.
+    #[must_use]
+    pub const fn recipe(&self) -> &SurfaceRecipe {
+        &self.recipe
+    }
+
+    /// The waves of the heights, which have the shape and spacing of the surfaces.
+    const fn waves(&self) -> &Synthesis {
+        match &self.drawer {
+            Drawer::Gaussian(synthesis) => synthesis,
+            Drawer::StudentSlopes(student) => student.base(),
+        }
+    }
+
+    /// `[ny, nx]`.
+    #[must_use]
+    pub const fn shape(&self) -> [usize; 2] {
+        self.waves().shape()
+    }
+
+    /// `[dx, dy]`, length units per sample.
+    #[must_use]
+    pub const fn spacing(&self) -> [f64; 2] {
+        self.waves().spacing()
+    }
+
+    /// Bytes that a program holds at the peak of a [`FieldSynthesis::draw`].
+    #[must_use]
+    pub fn peak_bytes(&self) -> usize {
+        match &self.drawer {
+            Drawer::Gaussian(synthesis) => synthesis.peak_bytes(),
+            Drawer::StudentSlopes(student) => student.peak_bytes(),
+        }
+    }
+
+    /// Draws one periodic surface: heights of mean zero, shape `[ny, nx]`, in the unit of the recipe, provenance recorded.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn draw(&self, seed: u64, realisation: u64) -> Result<HeightField, SynthesisError> {
+        self.draw_into(seed, realisation, Vec::new())
+    }
+
+    /// Draws the same surface as [`FieldSynthesis::draw`], reusing the memory of `room` if it is large enough. Its contents do
+    /// not matter.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn draw_into(
+        &self,
+        seed: u64,
+        realisation: u64,
+        room: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError> {
+        let field = match &self.drawer {
+            Drawer::Gaussian(synthesis) => return synthesis.draw_into(seed, realisation, room),
+            Drawer::StudentSlopes(student) => student.draw_into(seed, realisation, room)?,
+        };
+        Ok(field.with_provenance(Some(Provenance {
+            recipe: self.recipe.clone(),
+            seed,
+            realisation,
+        })))
+    }
+}

@@ -1,0 +1,7 @@
+//! Numerics: special functions and interpolation for random surfaces.
+
+mod curve;
+mod special;
+
+pub(crate) use self::curve::Curve;
+pub(crate) use self::special::{exponential_integral, ln_normal_cdf};

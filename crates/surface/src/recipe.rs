@@ -1,0 +1,155 @@
+//! Surface recipe: what random surfaces are drawn by, but for grid, seed and number.
+
+mod student;
+
+use serde::{Deserialize, Serialize};
+
+pub(crate) use self::student::FLOOR;
+pub use self::student::StudentSlopes;
+use crate::Psd;
+
+/// What random surfaces are drawn by, but for grid, seed and number.
+///
+/// [`FieldSynthesis`](crate::FieldSynthesis) draws any; [`Synthesis`](crate::Synthesis) and
+/// [`SplineSynthesis`](crate::SplineSynthesis) draw Gaussian ones.
+///
+/// # Examples
+/// ```
+/// use asperity_surface::{Psd, SurfaceRecipe};
+///
+/// let recipe = SurfaceRecipe::from(Psd::gaussian(0.5, 2.0)?);
+/// assert_eq!(recipe.sigma(), 0.5);
+/// assert!(recipe.gaussian().is_some());
+/// # Ok::<(), asperity_surface::PsdError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+#[non_exhaustive]
+pub enum SurfaceRecipe {
+    /// Gaussian heights, and so Gaussian slopes, of a power spectral density.
+    Gaussian(Psd),
+    /// Slopes of Student's distribution of two degrees of freedom: GGX.
+    StudentSlopes(StudentSlopes),
+}
+
+impl From<Psd> for SurfaceRecipe {
+    fn from(psd: Psd) -> Self {
+        Self::Gaussian(psd)
+    }
+}
+
+impl From<StudentSlopes> for SurfaceRecipe {
+    fn from(student: StudentSlopes) -> Self {
+        Self::StudentSlopes(student)
+    }
+}
+
+impl SurfaceRecipe {
+    /// The power spectral density, if heights and slopes are Gaussian; `None` of all other surfaces.
+    ///
+    /// What holds for Gaussian slopes alone (models, control variates, analytic results) asks here.
+    #[must_use]
+    pub const fn gaussian(&self) -> Option<&Psd> {
+        match self {
+            Self::Gaussian(psd) => Some(psd),
+            Self::StudentSlopes(_) => None,
+        }
+    }
+
+    /// The power spectral density whose correlation lengths, axes and symmetries the surfaces have.
+    const fn underlying(&self) -> &Psd {
+        match self {
+            Self::Gaussian(psd) => psd,
+            Self::StudentSlopes(student) => student.base(),
+        }
+    }
+
+    /// Root mean square height, length units.
+    #[must_use]
+    pub fn sigma(&self) -> f64 {
+        match self {
+            Self::Gaussian(psd) => psd.sigma(),
+            Self::StudentSlopes(student) => student.sigma(),
+        }
+    }
+
+    /// 1/e correlation lengths along the two principal axes.
+    #[must_use]
+    pub fn correlation_lengths(&self) -> [f64; 2] {
+        self.underlying().correlation_lengths()
+    }
+
+    /// Lags along x and along y at which the autocorrelation is 1/e of its peak, length units.
+    #[must_use]
+    pub fn axis_correlation_lengths(&self) -> [f64; 2] {
+        self.underlying().axis_correlation_lengths()
+    }
+
+    /// The longest scale of the surfaces, length units: how long a correlation length a tile has to hold.
+    #[must_use]
+    pub fn longest_scale(&self) -> f64 {
+        let [first, second] = self.correlation_lengths();
+        match self {
+            Self::Gaussian(_) => first.max(second),
+            Self::StudentSlopes(student) => student.amplitude_ratio() * first.max(second),
+        }
+    }
+
+    /// As [`Psd::anisotropy`].
+    #[must_use]
+    pub fn anisotropy(&self) -> Option<[f64; 2]> {
+        self.underlying().anisotropy()
+    }
+
+    /// Whether the statistics do not depend on azimuth.
+    #[must_use]
+    pub fn is_isotropic(&self) -> bool {
+        self.underlying().is_isotropic()
+    }
+
+    /// Whether the statistics are the same on either side of the x axis, and so of the y axis.
+    #[must_use]
+    pub fn is_mirror_symmetric(&self) -> bool {
+        self.underlying().is_mirror_symmetric()
+    }
+
+    /// Covariance `[xx, xy, yy]` of the slopes of the continuous surface, dimensionless.
+    #[must_use]
+    pub fn slope_covariance(&self) -> [f64; 3] {
+        match self {
+            Self::Gaussian(psd) => psd.slope_covariance(),
+            Self::StudentSlopes(student) => student.slope_covariance(),
+        }
+    }
+
+    /// Largest root mean square second derivative along a line, per length unit; `None` where it is not known or not finite.
+    #[must_use]
+    pub fn curvature(&self) -> Option<f64> {
+        let curvature = match self {
+            Self::Gaussian(psd) => psd.curvature(),
+            Self::StudentSlopes(student) => student.curvature(),
+        };
+        curvature.is_finite().then_some(curvature)
+    }
+
+    /// The same with all lengths converted.
+    #[must_use]
+    pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
+        match self {
+            Self::Gaussian(psd) => Self::Gaussian(psd.converted(convert)),
+            Self::StudentSlopes(student) => Self::StudentSlopes(student.converted(convert)),
+        }
+    }
+}
+
+/// How a surface was generated: the requested statistics and the random stream.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// What it was drawn by.
+    #[serde(rename = "psd")]
+    pub recipe: SurfaceRecipe,
+    /// The seed.
+    pub seed: u64,
+    /// The realisation drawn from that seed, counted from zero.
+    pub realisation: u64,
+}
