@@ -53,7 +53,9 @@ pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
-pub use psd::{GaussianPsd, Psd, PsdError};
+pub use psd::{
+    GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable, SumPsd,
+};
 pub use recipe::{Provenance, StudentSlopes, SurfaceRecipe};
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
@@ -63,5 +65,5 @@ pub use spline::{SplineRoughness, SplineSurface};
 pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,
-    SynthesisError,
+    SynthesisError, UNRESOLVED_SLOPES,
 };

@@ -1,7 +1,9 @@
 //! Numerics: special functions and interpolation for random surfaces.
 
 mod curve;
+mod quadrature;
 mod special;
 
 pub(crate) use self::curve::Curve;
+pub(crate) use self::quadrature::{gauss_legendre, root};
 pub(crate) use self::special::{exponential_integral, ln_normal_cdf};

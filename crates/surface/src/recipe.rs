@@ -122,6 +122,21 @@ impl SurfaceRecipe {
         }
     }
 
+    /// Variance of slopes along x (`axis` 0) or y (1) that are differences of heights `lag` apart: `2 (C(0) - C(lag)) / lag^2`.
+    pub(crate) fn mesh_slope_variance(&self, axis: usize, lag: f64) -> f64 {
+        let psd = self.underlying();
+        let [x, y] = match axis {
+            0 => [lag, 0.0],
+            _ => [0.0, lag],
+        };
+        let drop = 1.0 - psd.autocorrelation(x, y) / psd.autocorrelation(0.0, 0.0);
+        // Of a surface that is not Gaussian, the same fraction of its slope variance
+        let [xx, _, yy] = self.slope_covariance();
+        let [base_x, _, base_y] = psd.slope_covariance();
+        let ratio = [xx / base_x, yy / base_y][axis.min(1)];
+        2.0 * psd.sigma() * psd.sigma() * drop / (lag * lag) * ratio
+    }
+
     /// Largest root mean square second derivative along a line, per length unit; `None` where it is not known or not finite.
     #[must_use]
     pub fn curvature(&self) -> Option<f64> {
@@ -130,6 +145,15 @@ impl SurfaceRecipe {
             Self::StudentSlopes(student) => student.curvature(),
         };
         curvature.is_finite().then_some(curvature)
+    }
+
+    /// Whether all numbers are in range, for what was read from a file.
+    #[must_use]
+    pub fn is_valid(&self) -> bool {
+        match self {
+            Self::Gaussian(psd) => psd.is_valid(),
+            Self::StudentSlopes(student) => student.is_valid(),
+        }
     }
 
     /// The same with all lengths converted.

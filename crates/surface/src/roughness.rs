@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
 use self::slopes::slope_moments;
-use crate::{Border, HeightField, LengthUnit};
+use crate::{Border, HeightField, LengthUnit, Psd};
 
 pub use self::slopes::{SteepestFacet, Triangle};
 
@@ -188,37 +188,46 @@ impl Realised {
     /// The mean over an area `A` of the square of a Gaussian field with autocorrelation `C` has
     /// variance `2 / A` times the integral of `C^2`. For heights that is `sigma^4 pi tau_x tau_y / A`.
     /// For slopes along an axis, whose autocorrelation is the second derivative of `C`, it is 3/4 of
-    /// that relative to the square of their variance, whatever the azimuth.
+    /// that relative to the square of their variance, whatever the azimuth. Of other spectra that of heights is an integral of `W^2`,
+    /// and that of slopes is not known.
     fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
-        let psd = field.provenance()?.recipe.gaussian()?;
-        let sigma = psd.sigma();
-        let [tau_x, tau_y] = psd.correlation_lengths();
-        let [length_x, length_y] = psd.axis_correlation_lengths();
+        let recipe = &field.provenance()?.recipe;
+        let sigma = recipe.sigma();
+        let [length_x, length_y] = recipe.axis_correlation_lengths();
         let [extent_x, extent_y] = field.extent();
         let [dx, dy] = field.spacing();
-        let deviation = (PI * (tau_x / extent_x) * (tau_y / extent_y)).sqrt();
+        let deviation = match recipe.gaussian() {
+            Some(Psd::Gaussian(_)) => {
+                let [tau_x, tau_y] = recipe.correlation_lengths();
+                Some((PI * (tau_x / extent_x) * (tau_y / extent_y)).sqrt())
+            }
+            Some(psd) => {
+                let area = psd.correlation_area();
+                area.map(|area| (area / (extent_x * extent_y)).sqrt())
+            }
+            None => None,
+        };
         let compared = |requested: f64, realised: Option<f64>, relative: Option<f64>| Compared {
             requested,
             realised,
             expected_deviation: relative.map(|r| r * requested),
         };
-        let mesh_slope_variance = |lag: f64, length: f64| {
-            -2.0 * sigma * sigma * (-(lag / length).powi(2)).exp_m1() / (lag * lag)
-        };
+        let is_closed = matches!(recipe.gaussian(), Some(Psd::Gaussian(_)));
         let slopes = |axis: usize, lag: f64, length: f64| {
+            let requested = match is_closed {
+                true => -2.0 * sigma * sigma * (-(lag / length).powi(2)).exp_m1() / (lag * lag),
+                false => recipe.mesh_slope_variance(axis, lag),
+            };
+            let relative = deviation.filter(|_| is_closed);
             compared(
-                mesh_slope_variance(lag, length),
+                requested,
                 Some(roughness.slope_variance[axis]),
-                Some(0.75_f64.sqrt() * deviation),
+                relative.map(|relative| 0.75_f64.sqrt() * relative),
             )
         };
         Some(Self {
-            sigma: compared(sigma, Some(roughness.sq), Some(deviation / 2.0)),
-            variance: compared(
-                sigma * sigma,
-                Some(roughness.sq * roughness.sq),
-                Some(deviation),
-            ),
+            sigma: compared(sigma, Some(roughness.sq), deviation.map(|d| d / 2.0)),
+            variance: compared(sigma * sigma, Some(roughness.sq * roughness.sq), deviation),
             tau_x: compared(length_x, roughness.tau_x, None),
             tau_y: compared(length_y, roughness.tau_y, None),
             slope_variance_x: slopes(0, dx, length_x),

@@ -39,6 +39,15 @@ mod transform;
 /// slope variance of the mesh is low by 3 %.
 pub const MIN_SPACINGS_PER_CORRELATION_LENGTH: f64 = 4.0;
 
+/// Fewest spacings that a wavelength must span, per spacing that a correlation length must: 8 of facets, whose slope variance is then
+/// low by 5 % for the shortest waves, and 5 of splines.
+///
+/// This is required of the waves that hold all but [`UNRESOLVED_SLOPES`] of the slope variance, where the spectrum is not Gaussian.
+const SPACINGS_PER_WAVE: f64 = 2.0;
+
+/// Fraction of the slope variance that waves may hold that the grid does not resolve.
+pub const UNRESOLVED_SLOPES: f64 = 0.03;
+
 /// Fewest correlation lengths a tile's side must span.
 ///
 /// At eight, the expected variance is low by `pi / 64` = 5 %, and the realised variance scatters by
@@ -62,6 +71,19 @@ pub enum SynthesisError {
         spacing: f64,
         /// Spacings in a correlation length.
         per_spacing: f64,
+        /// Largest spacing that resolves it, length units.
+        largest_spacing: f64,
+    },
+    /// The grid is too coarse for the waves that hold the slopes.
+    UnresolvedWaves {
+        /// `x` or `y`.
+        axis: char,
+        /// Wavelength along this axis below which waves hold [`UNRESOLVED_SLOPES`] of the slope variance, length units.
+        wavelength: f64,
+        /// Spacing along this axis, length units.
+        spacing: f64,
+        /// Fewest spacings that a wavelength must span.
+        fewest: f64,
         /// Largest spacing that resolves it, length units.
         largest_spacing: f64,
     },
@@ -115,6 +137,19 @@ impl SynthesisError {
             } => format!(
                 "the correlation length along {axis} is {length}{unit}, only {per_spacing:.2} spacings of {spacing}{unit}: \
                  take a spacing of at most {largest_spacing}{unit}, or insist"
+            ),
+            Self::UnresolvedWaves {
+                axis,
+                wavelength,
+                spacing,
+                fewest,
+                largest_spacing,
+            } => format!(
+                "waves shorter than {}{unit} along {axis} hold {} % of the slope variance, and a spacing of {spacing}{unit} resolves waves from {fewest} spacings on: \
+                 take a spacing of at most {}{unit}, or insist",
+                to_six_digits(*wavelength),
+                100.0 * UNRESOLVED_SLOPES,
+                to_six_digits(*largest_spacing),
             ),
             Self::TooSmallTile {
                 axis,
@@ -374,31 +409,54 @@ fn check_resolution(
     spacing: [f64; 2],
     fewest: f64,
 ) -> Result<(), SynthesisError> {
-    let lengths = psd.axis_correlation_lengths();
-    let extents = psd.correlation_extents();
-    for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
-        let (spacing, length) = (spacing[i], lengths[i]);
-        if length < fewest * spacing {
-            return Err(SynthesisError::Unresolved {
-                axis,
-                length,
-                spacing,
-                per_spacing: length / spacing,
-                largest_spacing: length / fewest,
-            });
-        }
-        let (side, length) = (n as f64 * spacing, extents[i]);
-        if side < MIN_CORRELATION_LENGTHS_PER_SIDE * length {
-            return Err(SynthesisError::TooSmallTile {
-                axis,
-                side,
-                length,
-                per_length: side / length,
-                fewest_samples: (MIN_CORRELATION_LENGTHS_PER_SIDE * length / spacing).ceil(),
-            });
+    for part in psd.parts() {
+        let lengths = part.axis_correlation_lengths();
+        let extents = part.correlation_extents();
+        let waves = part.wavelengths_holding(UNRESOLVED_SLOPES);
+        for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
+            let (spacing, length) = (spacing[i], lengths[i]);
+            if length < fewest * spacing {
+                return Err(SynthesisError::Unresolved {
+                    axis,
+                    length,
+                    spacing,
+                    per_spacing: length / spacing,
+                    largest_spacing: length / fewest,
+                });
+            }
+            let fewest_of_wave = SPACINGS_PER_WAVE * fewest;
+            if let Some([wave_x, wave_y]) = waves
+                && [wave_x, wave_y][i] < fewest_of_wave * spacing * (1.0 - 1e-9)
+            {
+                let wavelength = [wave_x, wave_y][i];
+                return Err(SynthesisError::UnresolvedWaves {
+                    axis,
+                    wavelength,
+                    spacing,
+                    fewest: fewest_of_wave,
+                    largest_spacing: wavelength / fewest_of_wave,
+                });
+            }
+            let (side, length) = (n as f64 * spacing, extents[i]);
+            if side < MIN_CORRELATION_LENGTHS_PER_SIDE * length {
+                return Err(SynthesisError::TooSmallTile {
+                    axis,
+                    side,
+                    length,
+                    per_length: side / length,
+                    fewest_samples: (MIN_CORRELATION_LENGTHS_PER_SIDE * length / spacing).ceil(),
+                });
+            }
         }
     }
     Ok(())
+}
+
+/// A length that was computed, to six digits, rounded down so that what is allowed is.
+fn to_six_digits(length: f64) -> f64 {
+    let scale = 10_f64.powi(5 - length.abs().log10().floor() as i32);
+    let rounded = (length * scale).floor() / scale;
+    if rounded.is_finite() { rounded } else { length }
 }
 
 /// An empty vector with room for `len`, or an error where `Vec::with_capacity` would abort.

@@ -280,7 +280,8 @@ fn provenance(path: &Path, header: &Header) -> Result<Option<Provenance>, ReadEr
         return Ok(None);
     };
     if let Some(text) = words(path, header, RECIPE)? {
-        let recipe: SurfaceRecipe = serde_json::from_str(&text).map_err(|_| {
+        let recipe = serde_json::from_str(&text).ok();
+        let recipe = recipe.filter(SurfaceRecipe::is_valid).ok_or_else(|| {
             malformed(
                 path,
                 "its attribute recipe is no description of random surfaces",

@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
+use super::axes::Axes;
+
 /// Gaussian autocorrelation `C = sigma^2 exp(-u^2 / tau_x^2 - v^2 / tau_y^2)`, where `(u, v)` are the
 /// coordinates of the lag in axes turned by `azimuth` from `(x, y)`.
 ///
@@ -28,7 +30,7 @@ impl GaussianPsd {
         self.prepared().at(kx, ky)
     }
 
-    pub(crate) fn prepared(&self) -> PreparedDensity {
+    pub(crate) fn prepared(&self) -> PreparedGaussian {
         let Self {
             sigma,
             tau_x,
@@ -37,7 +39,7 @@ impl GaussianPsd {
         } = *self;
         let (sin, cos) = azimuth.sin_cos();
         let (uu, vv) = (tau_x * tau_x / 4.0, tau_y * tau_y / 4.0);
-        PreparedDensity {
+        PreparedGaussian {
             peak: sigma * sigma * tau_x * tau_y / (4.0 * PI),
             xx: uu * cos * cos + vv * sin * sin,
             xy: (uu - vv) * 2.0 * sin * cos,
@@ -48,35 +50,17 @@ impl GaussianPsd {
     pub(crate) fn reach(&self, fraction: f64) -> [f64; 2] {
         // The contour of exponent E reaches k = 2 sqrt(E) / length along an axis, where length is
         // that at which the autocorrelation is 1/e along this axis: the two are polar to each other.
-        self.axis_correlation_lengths()
+        self.axes()
+            .axis_lengths()
             .map(|length| 2.0 * (-fraction.ln()).sqrt() / length)
+    }
+
+    pub(super) const fn axes(&self) -> Axes {
+        Axes::new(self.tau_x, self.tau_y, self.azimuth)
     }
 
     pub(super) const fn sigma(&self) -> f64 {
         self.sigma
-    }
-
-    pub(super) const fn correlation_lengths(&self) -> [f64; 2] {
-        [self.tau_x, self.tau_y]
-    }
-
-    pub(super) fn anisotropy(&self) -> Option<[f64; 2]> {
-        let Self {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        (!self.is_isotropic()).then(|| [tau_y / tau_x, azimuth])
-    }
-
-    pub(super) fn is_isotropic(&self) -> bool {
-        let [tau_x, tau_y] = self.correlation_lengths();
-        tau_x == tau_y
-    }
-
-    pub(super) fn is_mirror_symmetric(&self) -> bool {
-        self.is_isotropic() || (2.0 * self.azimuth).sin().abs() < 1e-9
     }
 
     pub(super) fn curvature(&self) -> f64 {
@@ -94,34 +78,6 @@ impl GaussianPsd {
         }
     }
 
-    pub(super) fn axis_correlation_lengths(&self) -> [f64; 2] {
-        let Self {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        [
-            (cos / tau_x).hypot(sin / tau_y).recip(),
-            (sin / tau_x).hypot(cos / tau_y).recip(),
-        ]
-    }
-
-    pub(super) fn correlation_extents(&self) -> [f64; 2] {
-        let Self {
-            tau_x,
-            tau_y,
-            azimuth,
-            ..
-        } = *self;
-        let (sin, cos) = azimuth.sin_cos();
-        [
-            (cos * tau_x).hypot(sin * tau_y),
-            (sin * tau_x).hypot(cos * tau_y),
-        ]
-    }
-
     pub(super) fn autocorrelation(&self, x: f64, y: f64) -> f64 {
         let Self {
             sigma,
@@ -133,11 +89,6 @@ impl GaussianPsd {
         let u = x * cos + y * sin;
         let v = y * cos - x * sin;
         sigma * sigma * (-(u / tau_x).powi(2) - (v / tau_y).powi(2)).exp()
-    }
-
-    pub(super) fn slope_variance(&self) -> [f64; 2] {
-        let [xx, _, yy] = self.slope_covariance();
-        [xx, yy]
     }
 
     pub(super) fn slope_covariance(&self) -> [f64; 3] {
@@ -160,15 +111,15 @@ impl GaussianPsd {
 
 /// `W(k) = peak exp(-(xx kx^2 + xy kx ky + yy ky^2))`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct PreparedDensity {
+pub(crate) struct PreparedGaussian {
     peak: f64,
     xx: f64,
     xy: f64,
     yy: f64,
 }
 
-impl PreparedDensity {
-    /// `W(kx, ky)`, as [`Psd::density`].
+impl PreparedGaussian {
+    /// `W(kx, ky)`, as [`Psd::density`](super::Psd::density).
     pub(crate) fn at(&self, kx: f64, ky: f64) -> f64 {
         self.peak * (-(self.xx * kx * kx + self.xy * kx * ky + self.yy * ky * ky)).exp()
     }

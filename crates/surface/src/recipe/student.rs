@@ -111,6 +111,10 @@ impl StudentSlopes {
         self.base.curvature() * Self::mean_square_amplitude().sqrt()
     }
 
+    pub(super) fn is_valid(&self) -> bool {
+        self.base.is_valid() && Self::new(self.base.clone(), self.amplitude_ratio).is_ok()
+    }
+
     pub(super) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         Self {
             base: self.base.converted(convert),

@@ -67,12 +67,12 @@ impl Filter {
             gains,
             factors: None,
         };
-        if filter.density.is_separable() {
+        if let Some(factor) = filter.density.factor_along_y() {
             let along_x = (0..columns).map(|ix| filter.amplitude(ix, 0)).collect();
             let along_y = (0..=ny / 2)
                 .map(|iy| {
                     let ky = wave_number(iy, ny, spacing[1]);
-                    filter.density.factor_along_y(ky).sqrt() * filter.gains[1][iy]
+                    factor(ky).sqrt() * filter.gains[1][iy]
                 })
                 .collect();
             filter.factors = Some([along_x, along_y]);
