@@ -214,7 +214,9 @@ pub(crate) fn write_surface(path: &Path, field: &HeightField) -> Result<Option<S
 /// Lengths of random surfaces are in `unit`.
 pub(crate) fn refuse_surface(unit: LengthUnit, error: SynthesisError) -> Failure {
     match error {
-        SynthesisError::Unresolved { .. } | SynthesisError::TooSmallTile { .. } => {
+        SynthesisError::Unresolved { .. }
+        | SynthesisError::UnresolvedWaves { .. }
+        | SynthesisError::TooSmallTile { .. } => {
             let sentence = error.in_unit(unit);
             Failure::usage(format!("{sentence} with --insist"))
         }

@@ -165,6 +165,20 @@ impl Psd {
         Self::Sum(SumPsd::new(self, other))
     }
 
+    /// The same with another root mean square height.
+    ///
+    /// # Errors
+    /// [`PsdError::BadParameter`] unless it is positive and finite.
+    pub fn with_sigma(self, sigma: f64) -> Result<Self, PsdError> {
+        positive("sigma", sigma)?;
+        Ok(match self {
+            Self::Gaussian(gaussian) => Self::Gaussian(GaussianPsd { sigma, ..gaussian }),
+            Self::Radial(radial) => Self::Radial(radial.with_sigma(sigma)),
+            Self::Plane(plane) => Self::Plane(plane.with_sigma(sigma)),
+            Self::Sum(sum) => Self::Sum(sum.with_sigma(sigma)?),
+        })
+    }
+
     /// The same stretched along a second axis, so that the correlation length along it is `tau_y`, and turned: `azimuth` in radians
     /// from +x to the first axis. Of a table over the plane, or of a sum, it is the same.
     ///

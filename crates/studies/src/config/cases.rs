@@ -35,7 +35,8 @@ impl VerifyConfig {
     /// Whether every ray comes from an azimuth of its own.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
-        let isotropic = self.surface.tau_y.is_none_or(|t| t == self.surface.tau);
+        let tau = self.surface.tau;
+        let isotropic = self.surface.tau_y.is_none_or(|t| Some(t) == tau);
         self.light
             .azimuth
             .map_or(isotropic, |a| a == Azimuth::Random)

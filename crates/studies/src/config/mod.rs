@@ -8,6 +8,7 @@ pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;
 pub(crate) mod surface;
+mod surface_recipe;
 pub(crate) mod sweep;
 pub(crate) mod sweep_case;
 pub(crate) mod trace;

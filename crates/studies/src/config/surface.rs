@@ -1,7 +1,7 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
 use asperity_simulate::Cells;
-use asperity_surface::{LengthUnit, Psd, SurfaceRecipe};
+use asperity_surface::{LengthUnit, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
@@ -44,11 +44,89 @@ impl CellsChoice {
     }
 }
 
+/// A power spectral density by its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SpectrumName {
+    /// Gaussian autocorrelation.
+    #[default]
+    Gaussian,
+    /// Exponential autocorrelation.
+    Exponential,
+    /// Matern's family.
+    Matern,
+    /// Self-affine.
+    PowerLaw,
+}
+
+impl SpectrumName {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Gaussian => "gaussian",
+            Self::Exponential => "exponential",
+            Self::Matern => "matern",
+            Self::PowerLaw => "power-law",
+        }
+    }
+
+    fn is_gaussian(&self) -> bool {
+        *self == Self::Gaussian
+    }
+}
+
+/// A distribution of slopes by its name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SlopesName {
+    /// Those of Gaussian heights.
+    #[default]
+    Gaussian,
+    /// Long tails.
+    Ggx,
+}
+
+impl SlopesName {
+    fn is_gaussian(&self) -> bool {
+        *self == Self::Gaussian
+    }
+}
+
 /// `[surface]`: the random surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceConfig {
-    /// 1/e correlation length, length units.
-    pub tau: Number,
+    /// Power spectral density.
+    #[serde(default, skip_serializing_if = "SpectrumName::is_gaussian")]
+    pub psd: SpectrumName,
+    /// Parameter of Matern's family.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nu: Option<Number>,
+    /// Hurst exponent of a power law.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hurst: Option<Number>,
+    /// Wavelength beyond which a power law is level, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roll_off: Option<Number>,
+    /// Wavelength of the shortest waves, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut_off: Option<Number>,
+    /// Root mean square height of a second scale that is added, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_sigma: Option<Number>,
+    /// Correlation length of the second scale, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_tau: Option<Number>,
+    /// Distribution of slopes.
+    #[serde(default, skip_serializing_if = "SlopesName::is_gaussian")]
+    pub slopes: SlopesName,
+    /// Roughness of GGX slopes; instead of `smoothness`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha: Option<Number>,
+    /// Correlation length of the amplitude of GGX slopes over that of the surface.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub amplitude_ratio: Option<Number>,
+    /// 1/e correlation length, length units; none where it follows from the spectrum.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tau: Option<Number>,
     /// The same along the second principal axis, if it differs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tau_y: Option<Number>,
@@ -77,45 +155,6 @@ pub struct SurfaceConfig {
 }
 
 impl SurfaceConfig {
-    /// The smoothness and what surfaces are drawn by, of a configuration without lists.
-    ///
-    /// # Errors
-    /// [`ConfigError`] if a value is missing or out of range.
-    pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        let tau = self.tau.0;
-        let (smoothness, sigma) = match (&self.smoothness, &self.sigma) {
-            (Some(smoothness), None) => {
-                let smoothness = smoothness.one("smoothness")?.0;
-                (smoothness, tau / smoothness)
-            }
-            (None, Some(sigma)) => {
-                let sigma = sigma.one("sigma")?.0;
-                (tau / sigma, sigma)
-            }
-            _ => {
-                return Err(ConfigError::Contradiction(
-                    "give either smoothness or sigma: smoothness = tau / sigma".into(),
-                ));
-            }
-        };
-        let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
-        let smoother = smoothness * ratio.max(1.0);
-        if smoother > MAX_SMOOTHNESS {
-            return Err(ConfigError::TooSmooth(smoother));
-        }
-        if !(smoothness.is_finite() && smoothness > 0.0) {
-            return Err(ConfigError::Contradiction(format!(
-                "smoothness is {smoothness}; tau / sigma must be positive and finite"
-            )));
-        }
-        let tau_y = self.tau_y.map_or(tau, |t| t.0);
-        let azimuth = self.azimuth.0.to_radians();
-        Ok((
-            smoothness,
-            Psd::anisotropic_gaussian(sigma, tau, tau_y, azimuth)?.into(),
-        ))
-    }
-
     /// What lies between heights: smooth cells unless others are named.
     #[must_use]
     pub const fn cells(&self) -> Cells {
@@ -123,24 +162,31 @@ impl SurfaceConfig {
     }
 
     /// `[dx, dy]`, length units: as given, or a quarter of the correlation length, the shorter of the two, where cells are smooth,
-    /// and a sixteenth where they are flat.
+    /// and a sixteenth where they are flat; less where that would not resolve the waves that hold the slopes.
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
-        let per_length = match self.cells() {
-            Cells::Smooth => 4.0,
-            Cells::Flat => 16.0,
+        if let Some(spacing) = self.spacing {
+            return spacing.xy().map(|d| d.0);
+        }
+        let (per_length, per_wave) = match self.cells() {
+            Cells::Smooth => (4.0, 5.0),
+            Cells::Flat => (16.0, 16.0),
         };
         let [shorter, _] = self.correlation_lengths();
-        let given = self.spacing.map(|spacing| spacing.xy().map(|d| d.0));
-        given.unwrap_or([shorter / per_length; 2])
+        let [wave_x, wave_y] = self.wavelengths();
+        [(shorter / per_length).min(wave_x.min(wave_y) / per_wave); 2]
     }
 
     /// Samples along x and y: as given, or an even number that spans at least 32 correlation lengths, the longer of the
-    /// two.
+    /// two, or 16 of the amplitude of GGX slopes.
     #[must_use]
     pub fn size(&self) -> [u64; 2] {
         let [_, longer] = self.correlation_lengths();
-        let spans = |d: f64| 2 * (0.5 * TILE * longer / d).ceil() as u64;
+        let tile = match (self.slopes, self.amplitude_ratio) {
+            (SlopesName::Gaussian, _) => TILE,
+            (SlopesName::Ggx, ratio) => 0.5 * TILE * ratio.map_or(8.0, |ratio| ratio.0),
+        };
+        let spans = |d: f64| 2 * (0.5 * tile * longer / d).ceil() as u64;
         let given = self.size.map(|size| size.xy().map(|n| n.0));
         given.unwrap_or_else(|| self.spacing().map(spans))
     }
@@ -160,20 +206,50 @@ impl SurfaceConfig {
     }
 
     /// How far the slope variance of facets of this spacing lies below that of the continuous surface, as a fraction:
-    /// `1 - (1 - exp(-x^2)) / x^2`, `x` being the spacing over the correlation length, the larger of both axes.
+    /// `1 - (1 - exp(-x^2)) / x^2` of a Gaussian spectrum, `x` being the spacing over the correlation length, the larger of both axes.
     #[must_use]
     pub fn facet_slope_deficit(&self, spacing: [f64; 2]) -> f64 {
         let [shorter, _] = self.correlation_lengths();
         let [dx, dy] = spacing;
+        if self.psd != SpectrumName::Gaussian
+            && let Ok(psd) = self.unit_psd().and_then(|psd| self.turned(psd))
+        {
+            let [along_x, along_y] = psd.slope_variance();
+            let deficit = |x: f64, y: f64, variance: f64| {
+                let drop = psd.autocorrelation(0.0, 0.0) - psd.autocorrelation(x, y);
+                1.0 - 2.0 * drop / ((x * x + y * y) * variance)
+            };
+            return deficit(dx, 0.0, along_x).max(deficit(0.0, dy, along_y));
+        }
         let x2 = (dx.max(dy) / shorter).powi(2);
         1.0 + (-x2).exp_m1() / x2
     }
 
-    /// The shorter and the longer of the two correlation lengths.
+    /// The shorter and the longer of the two correlation lengths; 1 where they make no sense, which is refused elsewhere.
     fn correlation_lengths(&self) -> [f64; 2] {
-        let tau = self.tau.0;
+        let given = self.tau.filter(|_| self.psd == SpectrumName::Gaussian);
+        let tau = match given {
+            Some(tau) => tau.0,
+            None => self
+                .unit_psd()
+                .map_or(1.0, |psd| psd.correlation_lengths()[0]),
+        };
         let tau_y = self.tau_y.map_or(tau, |t| t.0);
-        [tau.min(tau_y), tau.max(tau_y)]
+        let [shorter, longer] = [tau.min(tau_y), tau.max(tau_y)];
+        match self.second_tau {
+            Some(second) => [shorter.min(second.0), longer.max(second.0)],
+            None => [shorter, longer],
+        }
+    }
+
+    /// Wavelengths that the grid has to resolve in addition to the correlation length.
+    fn wavelengths(&self) -> [f64; 2] {
+        if self.psd == SpectrumName::Gaussian {
+            return [f64::INFINITY; 2];
+        }
+        let psd = self.unit_psd().and_then(|psd| self.turned(psd)).ok();
+        let waves = psd.and_then(|psd| psd.wavelengths_holding(UNRESOLVED_SLOPES));
+        waves.unwrap_or([f64::INFINITY; 2])
     }
 }
 

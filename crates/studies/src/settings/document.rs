@@ -14,7 +14,7 @@ use super::error::{Given, Place, SettingError};
 use super::file::File;
 use super::kind::Kind;
 use super::length::{Length, first_unit, in_unit};
-use super::setting::{Flag, Setting};
+use super::setting::{Flag, Setting, Unless};
 use super::value_text::read_text;
 
 /// The values of one run: defaults, then those of a file, then those of flags.
@@ -267,7 +267,13 @@ impl Document {
         let of_section = |other: &&&str| other.split('.').next() == Some(setting.section);
         let mut excluded_in_section = setting.excludes.iter().filter(of_section);
         let excluded = excluded_in_section.any(|other| self.is_given(other));
-        if setting.default_yields && excluded {
+        let overruled = setting
+            .default_unless
+            .is_some_and(|Unless { setting, is }| {
+                let other = self.entries.get(&setting);
+                other.is_some_and(|entry| entry.value.as_str().is_some_and(is))
+            });
+        if setting.default_yields && excluded || overruled {
             return None;
         }
         let text = setting.default_of(self.command)?;

@@ -43,10 +43,21 @@ pub struct Setting {
     pub otherwise: &'static str,
     /// Whether the default does not hold once a setting of the same section that excludes it is given.
     pub default_yields: bool,
+    /// Another setting with whose values its default does not hold.
+    pub default_unless: Option<Unless>,
     /// Settings that cannot be given together with it, as `section.key` or `section.*`; it clears those of a lower layer.
     pub excludes: &'static [&'static str],
     /// Settings of a lower layer that it clears.
     pub clears: &'static [&'static str],
+}
+
+/// Values of a setting with which the default of another does not hold.
+#[derive(Clone, Copy, Debug)]
+pub struct Unless {
+    /// The setting, as section and key.
+    pub setting: (&'static str, &'static str),
+    /// Whether its text is such a value.
+    pub is: fn(&str) -> bool,
 }
 
 /// The flag of a setting.
@@ -104,6 +115,7 @@ pub(super) const fn setting(
         default_in: &[],
         otherwise: "",
         default_yields: false,
+        default_unless: None,
         excludes: &[],
         clears: &[],
     }
@@ -125,6 +137,11 @@ impl Setting {
 
     pub(super) const fn default_yields(mut self) -> Self {
         self.default_yields = true;
+        self
+    }
+
+    pub(super) const fn default_unless(mut self, unless: Unless) -> Self {
+        self.default_unless = Some(unless);
         self
     }
 

@@ -135,6 +135,10 @@ impl PlanePsd {
         }
     }
 
+    pub(super) fn with_sigma(self, sigma: f64) -> Self {
+        Self { sigma, ..self }
+    }
+
     pub(super) const fn sigma(&self) -> f64 {
         self.sigma
     }

@@ -94,6 +94,10 @@ impl RadialPsd {
         }
     }
 
+    pub(super) fn with_sigma(self, sigma: f64) -> Self {
+        Self { sigma, ..self }
+    }
+
     pub(super) fn sigma(&self) -> f64 {
         self.sigma
     }

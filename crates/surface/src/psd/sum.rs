@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Psd;
 use super::axes::Axes;
+use super::error::PsdError;
 use crate::numerics::root;
 
 /// The sum of spectra: the surface is the sum of independent ones.
@@ -38,6 +39,19 @@ impl SumPsd {
             Some(_) => [sum.lag_along(1.0, 0.0), sum.lag_along(0.0, 1.0)],
         };
         sum
+    }
+
+    /// All parts scaled alike.
+    pub(super) fn with_sigma(self, sigma: f64) -> Result<Self, PsdError> {
+        let scale = sigma / self.root_sum(Psd::sigma);
+        let parts = self.parts.into_iter().map(|part| {
+            let own = part.sigma();
+            part.with_sigma(scale * own)
+        });
+        Ok(Self {
+            parts: parts.collect::<Result<_, _>>()?,
+            ..self
+        })
     }
 
     pub(super) fn parts(&self) -> &[Psd] {

@@ -194,4 +194,16 @@ pub(super) const CAMERA: Kind = Kind::Choice(&[
     choice("orthographic", "parallel lines of sight"),
 ]);
 
-pub(super) const PSD: Kind = Kind::Choice(&[choice("gaussian", "Gaussian autocorrelation")]);
+pub(super) const PSD: Kind = Kind::Choice(&[
+    choice("gaussian", "Gaussian autocorrelation"),
+    choice(
+        "exponential",
+        "Exponential autocorrelation, without waves shorter than cut_off",
+    ),
+    choice("matern", "Matern's family, between the two, by nu"),
+    choice("power-law", "Self-affine, by hurst, roll_off and cut_off"),
+]);
+pub(super) const SLOPES: Kind = Kind::Choice(&[
+    choice("gaussian", "Those of Gaussian heights"),
+    choice("ggx", "GGX, by alpha: long tails"),
+]);

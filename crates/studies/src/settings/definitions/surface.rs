@@ -1,12 +1,18 @@
 //! `[surface]`: random surfaces, and the cells of any.
 
-use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT};
+use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT, PSD, SLOPES};
 use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
-use crate::settings::setting::{Arity, Setting, setting};
+use crate::settings::setting::{Arity, Setting, Unless, setting};
 
 const SECTION: &str = "surface";
+
+/// Spectra whose correlation length follows from other lengths.
+const OWN_TAU: Unless = Unless {
+    setting: (SECTION, "psd"),
+    is: |psd| psd == "power-law",
+};
 
 pub(super) const SETTINGS: &[Setting] = &[
     setting(
@@ -18,6 +24,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .range(Range::Above(0.0))
     .default("16")
+    .default_unless(OWN_TAU)
     .default_in(&[(ATTENUATION, Some("0.5"))])
     .excludes(&["measured.*"]),
     setting(
@@ -43,7 +50,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
     .default_yields()
-    .excludes(&["surface.sigma", "measured.*"]),
+    .excludes(&["surface.sigma", "surface.alpha", "measured.*"]),
     setting(
         SECTION,
         "smoothness_y",
@@ -63,7 +70,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .range(Range::Above(0.0))
     .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
     .default_in(&[(ATTENUATION, Some("0.5"))])
-    .excludes(&["surface.smoothness", "measured.*"])
+    .excludes(&["surface.smoothness", "surface.alpha", "measured.*"])
     .clears(&["output.models_at_sigma"]),
     setting(
         SECTION,
@@ -124,7 +131,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05")), (TRACING, None)])
-    .otherwise("tau / 4 for smooth cells, tau / 16 for flat ones"),
+    .otherwise("tau / 4 for smooth cells, tau / 16 for flat ones; finer for short waves"),
     setting(
         SECTION,
         "cells",
@@ -150,5 +157,91 @@ pub(super) const SETTINGS: &[Setting] = &[
         "Draw surfaces even if the grid cannot resolve or hold them",
     )
     .default("false")
+    .excludes(&["measured.*"]),
+    setting(SECTION, "psd", PSD, RANDOM, "Power spectral density")
+        .otherwise("gaussian")
+        .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "nu",
+        Kind::Number,
+        RANDOM,
+        "Smoothness parameter of Matern's family: 0.5 is exponential",
+    )
+    .range(Range::AboveTo(0.0, 100.0))
+    .otherwise("none; --psd matern needs it")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "hurst",
+        Kind::Number,
+        RANDOM,
+        "Hurst exponent of a power law",
+    )
+    .range(Range::AboveTo(0.0, 1.0))
+    .otherwise("none; --psd power-law needs it")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "roll_off",
+        Kind::Length,
+        RANDOM,
+        "Wavelength beyond which a power law is level",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("none; --psd power-law needs it")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "cut_off",
+        Kind::Length,
+        RANDOM,
+        "Wavelength of the shortest waves of a spectrum",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("none; needed, but by matern with nu above 1")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "second_sigma",
+        Kind::Length,
+        RANDOM,
+        "Root mean square height of a second scale, Gaussian",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("no second scale")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "second_tau",
+        Kind::Length,
+        RANDOM,
+        "1/e correlation length of the second scale",
+    )
+    .range(Range::Above(0.0))
+    .otherwise("no second scale")
+    .excludes(&["measured.*"]),
+    setting(SECTION, "slopes", SLOPES, RANDOM, "Distribution of slopes")
+        .otherwise("gaussian")
+        .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "alpha",
+        Kind::Number,
+        RANDOM,
+        "Roughness of GGX slopes, in place of smoothness",
+    )
+    .range(Range::AboveTo(0.0, 10.0))
+    .otherwise("none; --slopes ggx needs it")
+    .excludes(&["surface.smoothness", "surface.sigma", "measured.*"]),
+    setting(
+        SECTION,
+        "amplitude_ratio",
+        Kind::Number,
+        RANDOM,
+        "Correlation length of the amplitude of GGX slopes, over tau",
+    )
+    .range(Range::FromTo(2.0, 100.0))
+    .otherwise("8")
     .excludes(&["measured.*"]),
 ];
