@@ -2,8 +2,10 @@
 
 mod centred;
 mod student;
+mod transformed;
 
 use self::student::StudentSynthesis;
+use self::transformed::TransformedSynthesis;
 use crate::synthesis::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
 use crate::synthesis::{MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis, SynthesisError};
 use crate::{HeightField, Provenance, SurfaceRecipe};
@@ -55,6 +57,7 @@ pub struct FieldSynthesis {
 #[derive(Clone, Debug)]
 enum Drawer {
     Gaussian(Synthesis),
+    Transformed(TransformedSynthesis),
     StudentSlopes(StudentSynthesis),
 }
 
@@ -64,7 +67,8 @@ impl FieldSynthesis {
     /// `shape`: `[ny, nx]`, at least `[2, 2]`. `spacing`: `[dx, dy]`, length units per sample.
     ///
     /// # Errors
-    /// As [`Synthesis::new`], for the correlation lengths of the recipe.
+    /// As [`Synthesis::new`], for the correlation lengths of the recipe; [`SynthesisError::Unreachable`] if transformed heights cannot
+    /// have the spectrum.
     pub fn new(
         recipe: SurfaceRecipe,
         shape: [usize; 2],
@@ -76,6 +80,9 @@ impl FieldSynthesis {
             SurfaceRecipe::Gaussian(psd) => {
                 Drawer::Gaussian(Synthesis::of_heights(psd.clone(), shape, spacing, fewest)?)
             }
+            SurfaceRecipe::Transformed(transformed) => Drawer::Transformed(
+                TransformedSynthesis::new(transformed, shape, spacing, fewest)?,
+            ),
             SurfaceRecipe::StudentSlopes(student) => {
                 Drawer::StudentSlopes(StudentSynthesis::new(student, shape, spacing, fewest)?)
             }
@@ -93,6 +100,7 @@ impl FieldSynthesis {
     const fn waves(&self) -> &Synthesis {
         match &self.drawer {
             Drawer::Gaussian(synthesis) => synthesis,
+            Drawer::Transformed(transformed) => transformed.waves(),
             Drawer::StudentSlopes(student) => student.base(),
         }
     }
@@ -114,7 +122,18 @@ impl FieldSynthesis {
     pub fn peak_bytes(&self) -> usize {
         match &self.drawer {
             Drawer::Gaussian(synthesis) => synthesis.peak_bytes(),
+            Drawer::Transformed(transformed) => transformed.peak_bytes(),
             Drawer::StudentSlopes(student) => student.peak_bytes(),
+        }
+    }
+
+    /// The largest difference of the autocorrelation reached from that requested, over the variance: above rounding where heights are
+    /// transformed and no Gaussian surface has the spectrum that would need.
+    #[must_use]
+    pub const fn unreached(&self) -> f64 {
+        match &self.drawer {
+            Drawer::Transformed(transformed) => transformed.unreached(),
+            Drawer::Gaussian(_) | Drawer::StudentSlopes(_) => 0.0,
         }
     }
 
@@ -139,6 +158,7 @@ impl FieldSynthesis {
     ) -> Result<HeightField, SynthesisError> {
         let field = match &self.drawer {
             Drawer::Gaussian(synthesis) => return synthesis.draw_into(seed, realisation, room),
+            Drawer::Transformed(transformed) => transformed.draw_into(seed, realisation, room)?,
             Drawer::StudentSlopes(student) => student.draw_into(seed, realisation, room)?,
         };
         Ok(field.with_provenance(Some(Provenance {

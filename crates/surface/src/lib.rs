@@ -56,10 +56,15 @@ pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{
     GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable, SumPsd,
 };
-pub use recipe::{Provenance, StudentSlopes, SurfaceRecipe};
+pub use recipe::{
+    Johnson, JohnsonError, JohnsonFamily, Provenance, StudentSlopes, SurfaceRecipe,
+    TransformedHeights,
+};
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
-pub use roughness::{Compared, Realised, Roughness, SteepestFacet, Triangle};
+pub use roughness::{
+    Compared, Gradients, Realised, Roughness, SteeperThan, SteepestFacet, Triangle,
+};
 pub use slope_moments::SlopeMoments;
 pub use spline::{SplineRoughness, SplineSurface};
 pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};

@@ -1,9 +1,13 @@
 //! Numerics: special functions and interpolation for random surfaces.
 
 mod curve;
+mod hermite;
+mod plane_fft;
 mod quadrature;
 mod special;
 
 pub(crate) use self::curve::Curve;
+pub(crate) use self::hermite::HermiteSeries;
+pub(crate) use self::plane_fft::transform_plane;
 pub(crate) use self::quadrature::{gauss_legendre, root};
 pub(crate) use self::special::{exponential_integral, ln_normal_cdf};

@@ -1,9 +1,13 @@
 //! Surface recipe: what random surfaces are drawn by, but for grid, seed and number.
 
+mod heights;
+mod johnson;
 mod student;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::heights::TransformedHeights;
+pub use self::johnson::{Johnson, JohnsonError, JohnsonFamily};
 pub(crate) use self::student::FLOOR;
 pub use self::student::StudentSlopes;
 use crate::Psd;
@@ -28,6 +32,8 @@ use crate::Psd;
 pub enum SurfaceRecipe {
     /// Gaussian heights, and so Gaussian slopes, of a power spectral density.
     Gaussian(Psd),
+    /// Heights of another distribution than the Gaussian.
+    Transformed(TransformedHeights),
     /// Slopes of Student's distribution of two degrees of freedom: GGX.
     StudentSlopes(StudentSlopes),
 }
@@ -35,6 +41,12 @@ pub enum SurfaceRecipe {
 impl From<Psd> for SurfaceRecipe {
     fn from(psd: Psd) -> Self {
         Self::Gaussian(psd)
+    }
+}
+
+impl From<TransformedHeights> for SurfaceRecipe {
+    fn from(transformed: TransformedHeights) -> Self {
+        Self::Transformed(transformed)
     }
 }
 
@@ -52,7 +64,16 @@ impl SurfaceRecipe {
     pub const fn gaussian(&self) -> Option<&Psd> {
         match self {
             Self::Gaussian(psd) => Some(psd),
-            Self::StudentSlopes(_) => None,
+            Self::Transformed(_) | Self::StudentSlopes(_) => None,
+        }
+    }
+
+    /// The distribution of the heights, if it was requested.
+    #[must_use]
+    pub const fn heights(&self) -> Option<&Johnson> {
+        match self {
+            Self::Transformed(transformed) => Some(transformed.heights()),
+            Self::Gaussian(_) | Self::StudentSlopes(_) => None,
         }
     }
 
@@ -60,6 +81,7 @@ impl SurfaceRecipe {
     const fn underlying(&self) -> &Psd {
         match self {
             Self::Gaussian(psd) => psd,
+            Self::Transformed(transformed) => transformed.psd(),
             Self::StudentSlopes(student) => student.base(),
         }
     }
@@ -69,6 +91,7 @@ impl SurfaceRecipe {
     pub fn sigma(&self) -> f64 {
         match self {
             Self::Gaussian(psd) => psd.sigma(),
+            Self::Transformed(transformed) => transformed.psd().sigma(),
             Self::StudentSlopes(student) => student.sigma(),
         }
     }
@@ -90,7 +113,7 @@ impl SurfaceRecipe {
     pub fn longest_scale(&self) -> f64 {
         let [first, second] = self.correlation_lengths();
         match self {
-            Self::Gaussian(_) => first.max(second),
+            Self::Gaussian(_) | Self::Transformed(_) => first.max(second),
             Self::StudentSlopes(student) => student.amplitude_ratio() * first.max(second),
         }
     }
@@ -118,6 +141,7 @@ impl SurfaceRecipe {
     pub fn slope_covariance(&self) -> [f64; 3] {
         match self {
             Self::Gaussian(psd) => psd.slope_covariance(),
+            Self::Transformed(transformed) => transformed.psd().slope_covariance(),
             Self::StudentSlopes(student) => student.slope_covariance(),
         }
     }
@@ -142,6 +166,7 @@ impl SurfaceRecipe {
     pub fn curvature(&self) -> Option<f64> {
         let curvature = match self {
             Self::Gaussian(psd) => psd.curvature(),
+            Self::Transformed(transformed) => transformed.psd().curvature(),
             Self::StudentSlopes(student) => student.curvature(),
         };
         curvature.is_finite().then_some(curvature)
@@ -152,6 +177,7 @@ impl SurfaceRecipe {
     pub fn is_valid(&self) -> bool {
         match self {
             Self::Gaussian(psd) => psd.is_valid(),
+            Self::Transformed(transformed) => transformed.is_valid(),
             Self::StudentSlopes(student) => student.is_valid(),
         }
     }
@@ -161,6 +187,7 @@ impl SurfaceRecipe {
     pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         match self {
             Self::Gaussian(psd) => Self::Gaussian(psd.converted(convert)),
+            Self::Transformed(transformed) => Self::Transformed(transformed.converted(convert)),
             Self::StudentSlopes(student) => Self::StudentSlopes(student.converted(convert)),
         }
     }

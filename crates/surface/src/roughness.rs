@@ -1,6 +1,7 @@
 //! Roughness of any surface, generated or measured.
 
 mod correlation;
+mod gradients;
 mod slopes;
 
 use std::f64::consts::{PI, SQRT_2};
@@ -10,8 +11,9 @@ use serde::Serialize;
 
 use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
 use self::slopes::slope_moments;
-use crate::{Border, HeightField, LengthUnit, Psd};
+use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
 
+pub use self::gradients::{Gradients, SteeperThan};
 pub use self::slopes::{SteepestFacet, Triangle};
 
 /// Parameters of a surface's roughness.
@@ -106,6 +108,15 @@ pub struct Realised {
     pub slope_variance_x: Compared,
     /// Variance of the mesh's slopes along y; as [`Realised::slope_variance_x`].
     pub slope_variance_y: Compared,
+    /// Skewness of the heights, where that was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skewness: Option<Compared>,
+    /// Kurtosis of the heights, where that was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kurtosis: Option<Compared>,
+    /// Distribution of the slopes, where that is what was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradients: Option<Gradients>,
 }
 
 /// One number, requested and realised.
@@ -232,6 +243,16 @@ impl Realised {
             tau_y: compared(length_y, roughness.tau_y, None),
             slope_variance_x: slopes(0, dx, length_x),
             slope_variance_y: slopes(1, dy, length_y),
+            skewness: recipe
+                .heights()
+                .map(|law| compared(law.skewness(), roughness.ssk, None)),
+            kurtosis: recipe
+                .heights()
+                .map(|law| compared(law.kurtosis(), roughness.sku, None)),
+            gradients: match recipe {
+                SurfaceRecipe::StudentSlopes(student) => Some(Gradients::of(field, student)),
+                _ => None,
+            },
         })
     }
 }

@@ -114,6 +114,11 @@ pub enum SynthesisError {
     },
     /// The grid or the heights drawn make no surface.
     HeightField(#[from] HeightFieldError),
+    /// No Gaussian surface turns into one of these heights and this spectrum.
+    Unreachable {
+        /// The largest difference of the autocorrelation reached from that requested, over the variance.
+        difference: f64,
+    },
 }
 
 impl fmt::Display for SynthesisError {
@@ -168,6 +173,10 @@ impl SynthesisError {
                 format!("{bytes} bytes of memory were refused; take fewer samples")
             }
             Self::HeightField(error) => error.to_string(),
+            Self::Unreachable { difference } => format!(
+                "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {:.3} of the variance; take a distribution nearer to the Gaussian, or insist",
+                difference
+            ),
         }
     }
 }
@@ -379,6 +388,27 @@ impl Synthesis {
         }
         numbers.resize(ny * nx, 0.0);
         Ok(numbers)
+    }
+
+    /// Power `W dk^2` of every wave vector of the FFT grid, rows of `nx` numbers, zero at `k = 0`.
+    pub(crate) fn powers(&self) -> Vec<f64> {
+        let [ny, nx] = self.shape;
+        let [dx, dy] = self.spacing;
+        let cell = TAU * TAU / ((nx as f64 * dx) * (ny as f64 * dy));
+        let row = |iy: usize| (0..nx).map(move |ix| cell * self.filter.density(ix, iy));
+        let mut powers: Vec<f64> = (0..ny).into_par_iter().flat_map_iter(row).collect();
+        powers[0] = 0.0;
+        powers
+    }
+
+    /// The same grid with waves of these powers, as [`Synthesis::powers`].
+    pub(crate) fn with_powers(mut self, powers: &[f64]) -> Self {
+        let [ny, nx] = self.shape;
+        let column = |ix: usize| (0..ny).map(move |iy| powers[iy * nx + ix].sqrt());
+        let columns = (0..=nx / 2).into_par_iter();
+        let amplitudes = columns.flat_map_iter(column).collect();
+        self.filter = self.filter.with_amplitudes(amplitudes);
+        self
     }
 
     /// The same with random numbers of another stream, so that both are independent for one seed.

@@ -5,7 +5,7 @@ use asperity_optics::{
     IncidenceError, LayerError, MaterialError, ParticipatingMediumError, PhaseFunctionError,
 };
 use asperity_simulate::TargetError;
-use asperity_surface::PsdError;
+use asperity_surface::{JohnsonError, PsdError};
 use asperity_tally::SpecError;
 use asperity_tracer::PathSettingsError;
 
@@ -38,6 +38,9 @@ pub enum ConfigError {
     /// The power spectral density is none.
     #[error(transparent)]
     Psd(#[from] PsdError),
+    /// No distribution of heights has the moments.
+    #[error(transparent)]
+    Heights(#[from] JohnsonError),
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),

@@ -115,6 +115,12 @@ pub struct SurfaceConfig {
     /// Correlation length of the second scale, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub second_tau: Option<Number>,
+    /// Skewness of the heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skewness: Option<Number>,
+    /// Kurtosis of the heights.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kurtosis: Option<Number>,
     /// Distribution of slopes.
     #[serde(default, skip_serializing_if = "SlopesName::is_gaussian")]
     pub slopes: SlopesName,

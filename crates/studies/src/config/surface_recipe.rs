@@ -1,6 +1,6 @@
 //! `[surface]`: what random surfaces are drawn by.
 
-use asperity_surface::{Psd, StudentSlopes, SurfaceRecipe};
+use asperity_surface::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
 use super::surface::{MAX_SMOOTHNESS, SlopesName, SpectrumName, SurfaceConfig};
 use crate::config::error::ConfigError;
@@ -59,11 +59,22 @@ impl SurfaceConfig {
             other => self.turned(other.with_sigma(sigma)?)?,
         };
         let Some(second) = self.second()? else {
-            return Ok((smoothness, psd.into()));
+            return Ok((smoothness, self.transformed(psd)?));
         };
         let sum = psd.plus(second);
         let [tau, _] = sum.correlation_lengths();
-        Ok((tau / sum.sigma(), sum.into()))
+        Ok((tau / sum.sigma(), self.transformed(sum)?))
+    }
+
+    /// Surfaces of a spectrum with the skewness and kurtosis requested, if any are.
+    fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, ConfigError> {
+        if self.skewness.is_none() && self.kurtosis.is_none() {
+            return Ok(psd.into());
+        }
+        let skewness = self.skewness.map_or(0.0, |skewness| skewness.0);
+        let lognormal = Johnson::lognormal_kurtosis(skewness);
+        let kurtosis = self.kurtosis.map_or(lognormal, |kurtosis| kurtosis.0);
+        Ok(TransformedHeights::new(psd, skewness, kurtosis)?.into())
     }
 
     /// The spectrum of root mean square height 1, along one axis.
@@ -123,6 +134,11 @@ impl SurfaceConfig {
         if self.second()?.is_some() {
             return refused(
                 "--slopes ggx has no second scale; leave out --second-sigma and --second-tau",
+            );
+        }
+        if self.skewness.is_some() || self.kurtosis.is_some() {
+            return refused(
+                "--slopes ggx decides the heights as well; leave out --skewness and --kurtosis",
             );
         }
         let unit = self.turned(self.unit_psd()?)?;

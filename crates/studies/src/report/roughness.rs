@@ -1,7 +1,10 @@
 //! Roughness parameters of a surface as text.
 
 use asperity_simulate::short;
-use asperity_surface::{Compared, LengthUnit, Roughness, SplineRoughness, SteepestFacet, Triangle};
+use asperity_surface::{
+    Compared, Gradients, LengthUnit, Roughness, SplineRoughness, SteeperThan, SteepestFacet,
+    Triangle,
+};
 
 use crate::output::{Column, Table};
 
@@ -206,14 +209,25 @@ pub fn realisation_table(r: &Roughness) -> String {
         unit => format!("{name} in {unit}"),
     };
     let row = |name, compared| Statistic { name, compared };
-    let rows = [
+    let mut rows = vec![
         row(length("sigma"), &realised.sigma),
         row(length("tau x"), &realised.tau_x),
         row(length("tau y"), &realised.tau_y),
         row("slope variance x".to_owned(), &realised.slope_variance_x),
         row("slope variance y".to_owned(), &realised.slope_variance_y),
     ];
-    Table::new()
+    let heights = [
+        ("skewness", &realised.skewness),
+        ("kurtosis", &realised.kurtosis),
+    ];
+    for (name, compared) in heights {
+        rows.extend(
+            compared
+                .as_ref()
+                .map(|compared| row(name.to_owned(), compared)),
+        );
+    }
+    let table = Table::new()
         .column(Column::new("statistic", "", |row: &Row<'_>| {
             row.name.clone()
         }))
@@ -231,5 +245,25 @@ pub fn realisation_table(r: &Roughness) -> String {
                 Some(format!("+- {}", short(scatter)))
             },
         ))
-        .text(rows)
+        .text(rows);
+    let gradients = realised.gradients.as_ref().map(gradient_table);
+    table + &gradients.unwrap_or_default()
+}
+
+/// Fractions of facets steeper than multiples of GGX's alpha.
+fn gradient_table(gradients: &Gradients) -> String {
+    let table = Table::new()
+        .column(Column::new(
+            "gradient over alpha",
+            "",
+            |row: &SteeperThan| row.gradient,
+        ))
+        .column(Column::new("steeper, GGX", "", |row: &SteeperThan| {
+            row.requested
+        }))
+        .column(Column::new("facets", "", |row: &SteeperThan| row.realised))
+        .text(gradients.steeper.clone());
+    let [x, y] = gradients.alpha.map(short);
+    let largest = short(gradients.largest_difference);
+    format!("{table}alpha {x} along x, {y} along y; fractions differ by at most {largest}\n")
 }

@@ -1,5 +1,7 @@
 //! Curve: a function of a standard normal number, tabulated.
 
+use rayon::prelude::*;
+
 /// A function tabulated at even steps between -[`RANGE`] and [`RANGE`], beyond which it is constant. Between them it is
 /// the cubic of the values and slopes at both ends.
 ///
@@ -15,6 +17,9 @@ const RANGE: f64 = 8.0;
 
 /// Nodes per unit.
 const PER_UNIT: f64 = 64.0;
+
+/// Numbers that a thread maps at a time.
+const CHUNK: usize = 1 << 14;
 
 impl Curve {
     /// Of a function that gives values alone; slopes are differences of neighbouring nodes of fourth order.
@@ -41,6 +46,15 @@ impl Curve {
         let rise = f1 - f0;
         let (square, cube) = (3.0 * rise - 2.0 * d0 - d1, d0 + d1 - 2.0 * rise);
         f0 + t * (d0 + t * (square + t * cube))
+    }
+
+    /// Replaces each of `values` by the curve at `scale` times it.
+    pub(crate) fn map(&self, values: &mut [f64], scale: f64) {
+        values.par_chunks_mut(CHUNK).for_each(|chunk| {
+            for value in chunk {
+                *value = self.at(scale * *value);
+            }
+        });
     }
 }
 

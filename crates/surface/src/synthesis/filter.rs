@@ -1,6 +1,7 @@
 //! The amplitudes of waves, from the power spectral density, and which of them are empty.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use super::noise::Side;
 use crate::Psd;
@@ -46,6 +47,8 @@ pub(super) struct Filter {
     gains: [Vec<f64>; 2],
     /// Amplitudes of the columns and factors of the rows, if they are products of the two.
     factors: Option<[Vec<f64>; 2]>,
+    /// Amplitudes of all waves of the half spectrum, by column, if they are of no density.
+    table: Option<Arc<[f64]>>,
 }
 
 impl Filter {
@@ -66,6 +69,7 @@ impl Filter {
             columns,
             gains,
             factors: None,
+            table: None,
         };
         if let Some(factor) = filter.density.factor_along_y() {
             let along_x = (0..columns).map(|ix| filter.amplitude(ix, 0)).collect();
@@ -80,6 +84,18 @@ impl Filter {
         filter
     }
 
+    /// The same grid with these amplitudes of all waves of the half spectrum, columns of `ny` numbers.
+    pub(super) fn with_amplitudes(self, amplitudes: Vec<f64>) -> Self {
+        let [ny, nx] = self.shape;
+        debug_assert_eq!(amplitudes.len(), ny * (nx / 2 + 1));
+        Self {
+            columns: nx / 2 + 1,
+            factors: None,
+            table: Some(amplitudes.into()),
+            ..self
+        }
+    }
+
     /// Columns of the half spectrum that are not empty.
     pub(super) const fn columns(&self) -> usize {
         self.columns
@@ -88,6 +104,12 @@ impl Filter {
     /// Rows of one side of column `ix` that are not empty, from that of the smallest `|ky|`.
     pub(super) fn rows(&self, ix: usize, side: Side) -> usize {
         let [ny, nx] = self.shape;
+        if self.table.is_some() {
+            return match side {
+                Side::Positive => ny / 2 + 1,
+                Side::Negative => (ny - 1) / 2,
+            };
+        }
         let kx = wave_number(ix, nx, self.spacing[0]);
         let Some(reach) = self.density.reach_along_y(kx, NEGLIGIBLE) else {
             return 0;
@@ -120,6 +142,9 @@ impl Filter {
     /// `sqrt(W dk^2)`, times the gains, of a column of the half spectrum.
     pub(super) fn amplitude(&self, ix: usize, iy: usize) -> f64 {
         let [ny, nx] = self.shape;
+        if let Some(table) = &self.table {
+            return table[ix * ny + iy];
+        }
         let [dx, dy] = self.spacing;
         let [along_x, along_y] = &self.gains;
         let of_height = TAU * (self.density(ix, iy) / ((nx as f64 * dx) * (ny as f64 * dy))).sqrt();

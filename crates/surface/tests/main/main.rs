@@ -4,3 +4,4 @@ mod roughness;
 mod spline;
 mod student_slopes;
 mod synthesis;
+mod transformed_heights;

@@ -221,6 +221,25 @@ pub(super) const SETTINGS: &[Setting] = &[
     .range(Range::Above(0.0))
     .otherwise("no second scale")
     .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "skewness",
+        Kind::Number,
+        RANDOM,
+        "Skewness of the heights",
+    )
+    .otherwise("0")
+    .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "kurtosis",
+        Kind::Number,
+        RANDOM,
+        "Kurtosis of the heights, 3 if Gaussian; above skewness^2 + 1",
+    )
+    .range(Range::AboveTo(1.0, 1e4))
+    .otherwise("that of a lognormal distribution of the skewness")
+    .excludes(&["measured.*"]),
     setting(SECTION, "slopes", SLOPES, RANDOM, "Distribution of slopes")
         .otherwise("gaussian")
         .excludes(&["measured.*"]),

@@ -1,0 +1,92 @@
+//! Draws surfaces of transformed heights: a rising function of a Gaussian surface.
+
+use rayon::prelude::*;
+
+use super::centred::centred;
+use crate::numerics::{Curve, HermiteSeries, transform_plane};
+use crate::synthesis::{Synthesis, SynthesisError};
+use crate::{HeightField, TransformedHeights};
+
+/// Largest difference of the autocorrelation reached from that requested, over the variance, that is not refused.
+const MOST_UNREACHED: f64 = 0.01;
+
+/// A generator of surfaces of transformed heights.
+#[derive(Clone, Debug)]
+pub(super) struct TransformedSynthesis {
+    /// Draws normal numbers of variance one.
+    waves: Synthesis,
+    /// The height by the normal number.
+    height: Curve,
+    unreached: f64,
+}
+
+impl TransformedSynthesis {
+    /// Finds the spectrum of the normal numbers: the autocorrelation of the heights on the tile, at each lag the correlation of
+    /// normal numbers that gives it, and of that the powers of waves, of which no negative ones are drawn.
+    pub(super) fn new(
+        transformed: &TransformedHeights,
+        shape: [usize; 2],
+        spacing: [f64; 2],
+        fewest: Option<f64>,
+    ) -> Result<Self, SynthesisError> {
+        let psd = transformed.psd();
+        let waves = Synthesis::of_heights(psd.clone(), shape, spacing, fewest)?;
+        let function = transformed.heights().standardised();
+        let series = HermiteSeries::of(&function);
+
+        let powers = waves.powers();
+        let variance: f64 = powers.iter().sum();
+        let requested = transform_plane(&powers, shape);
+        let requested: Vec<f64> = requested.iter().map(|c| c / variance).collect();
+        let of_normal: Vec<f64> = requested.par_iter().map(|c| series.inverse(*c)).collect();
+        let mut powers = transform_plane(&of_normal, shape);
+        drop(of_normal);
+        powers.iter_mut().for_each(|power| *power = power.max(0.0));
+        powers[0] = 0.0;
+        let sum: f64 = powers.iter().sum();
+        powers.iter_mut().for_each(|power| *power /= sum);
+
+        let reached = transform_plane(&powers, shape);
+        let off = |(rho, requested): (&f64, &f64)| (series.correlation(*rho) - requested).abs();
+        let differences = reached.par_iter().zip(&requested).map(off);
+        let unreached = differences.reduce(|| 0.0, f64::max);
+        if fewest.is_some() && unreached > MOST_UNREACHED {
+            return Err(SynthesisError::Unreachable {
+                difference: unreached,
+            });
+        }
+        let sigma = psd.sigma();
+        Ok(Self {
+            waves: waves.with_powers(&powers),
+            height: Curve::of(|z| sigma * function(z)),
+            unreached,
+        })
+    }
+
+    pub(super) const fn waves(&self) -> &Synthesis {
+        &self.waves
+    }
+
+    pub(super) const fn unreached(&self) -> f64 {
+        self.unreached
+    }
+
+    /// The amplitudes of the waves are there in addition to the heights.
+    pub(super) fn peak_bytes(&self) -> usize {
+        let [ny, nx] = self.waves.shape();
+        self.waves.peak_bytes() + ny * (nx / 2 + 1) * size_of::<f64>()
+    }
+
+    pub(super) fn draw_into(
+        &self,
+        seed: u64,
+        realisation: u64,
+        room: Vec<f64>,
+    ) -> Result<HeightField, SynthesisError> {
+        let field = self.waves.draw_into(seed, realisation, room)?;
+        let (nx, shape, spacing) = (field.nx(), field.shape(), field.spacing());
+        let mut heights = field.into_heights();
+        self.height.map(&mut heights, 1.0);
+        Ok(HeightField::new(centred(heights, nx), shape, spacing)?)
+    }
+}
