@@ -56,9 +56,9 @@ pub struct FieldSynthesis {
 /// What draws the surfaces of a recipe.
 #[derive(Clone, Debug)]
 enum Drawer {
-    Gaussian(Synthesis),
-    Transformed(TransformedSynthesis),
-    StudentSlopes(StudentSynthesis),
+    Gaussian(Box<Synthesis>),
+    Transformed(Box<TransformedSynthesis>),
+    StudentSlopes(Box<StudentSynthesis>),
 }
 
 impl FieldSynthesis {
@@ -78,13 +78,16 @@ impl FieldSynthesis {
         let fewest = resolution.fewest_spacings();
         let drawer = match &recipe {
             SurfaceRecipe::Gaussian(psd) => {
-                Drawer::Gaussian(Synthesis::of_heights(psd.clone(), shape, spacing, fewest)?)
+                let synthesis = Synthesis::of_heights(psd.clone(), shape, spacing, fewest)?;
+                Drawer::Gaussian(Box::new(synthesis))
             }
-            SurfaceRecipe::Transformed(transformed) => Drawer::Transformed(
-                TransformedSynthesis::new(transformed, shape, spacing, fewest)?,
-            ),
+            SurfaceRecipe::Transformed(transformed) => {
+                let drawer = TransformedSynthesis::new(transformed, shape, spacing, fewest)?;
+                Drawer::Transformed(Box::new(drawer))
+            }
             SurfaceRecipe::StudentSlopes(student) => {
-                Drawer::StudentSlopes(StudentSynthesis::new(student, shape, spacing, fewest)?)
+                let drawer = StudentSynthesis::new(student, shape, spacing, fewest)?;
+                Drawer::StudentSlopes(Box::new(drawer))
             }
         };
         Ok(Self { recipe, drawer })
@@ -97,7 +100,7 @@ impl FieldSynthesis {
     }
 
     /// The waves of the heights, which have the shape and spacing of the surfaces.
-    const fn waves(&self) -> &Synthesis {
+    fn waves(&self) -> &Synthesis {
         match &self.drawer {
             Drawer::Gaussian(synthesis) => synthesis,
             Drawer::Transformed(transformed) => transformed.waves(),
@@ -107,13 +110,13 @@ impl FieldSynthesis {
 
     /// `[ny, nx]`.
     #[must_use]
-    pub const fn shape(&self) -> [usize; 2] {
+    pub fn shape(&self) -> [usize; 2] {
         self.waves().shape()
     }
 
     /// `[dx, dy]`, length units per sample.
     #[must_use]
-    pub const fn spacing(&self) -> [f64; 2] {
+    pub fn spacing(&self) -> [f64; 2] {
         self.waves().spacing()
     }
 
@@ -130,7 +133,7 @@ impl FieldSynthesis {
     /// The largest difference of the autocorrelation reached from that requested, over the variance: above rounding where heights are
     /// transformed and no Gaussian surface has the spectrum that would need.
     #[must_use]
-    pub const fn unreached(&self) -> f64 {
+    pub fn unreached(&self) -> f64 {
         match &self.drawer {
             Drawer::Transformed(transformed) => transformed.unreached(),
             Drawer::Gaussian(_) | Drawer::StudentSlopes(_) => 0.0,

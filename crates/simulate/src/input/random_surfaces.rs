@@ -82,7 +82,7 @@ impl RandomSurfaces {
 
     /// Cells `[rows, columns]`; as many as samples, since the surfaces are periodic.
     #[must_use]
-    pub const fn shape(&self) -> [usize; 2] {
+    pub fn shape(&self) -> [usize; 2] {
         match self {
             Self::Flat(synthesis) => synthesis.shape(),
             Self::Smooth(synthesis) => synthesis.shape(),
@@ -92,7 +92,7 @@ impl RandomSurfaces {
 
     /// `[dx, dy]`, length units per cell.
     #[must_use]
-    pub const fn spacing(&self) -> [f64; 2] {
+    pub fn spacing(&self) -> [f64; 2] {
         match self {
             Self::Flat(synthesis) => synthesis.spacing(),
             Self::Smooth(synthesis) => synthesis.spacing(),

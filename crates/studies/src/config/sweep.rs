@@ -136,7 +136,10 @@ mod tests {
             assert_eq!(sweep.cases.len(), cases.len());
             for (swept, expected) in sweep.cases.iter().zip(&cases) {
                 assert_eq!(swept.case, *expected);
-                assert_eq!(swept.config.cases().unwrap(), [expected.clone()]);
+                assert_eq!(
+                    swept.config.cases().unwrap(),
+                    std::slice::from_ref(expected)
+                );
             }
         }
     }

@@ -40,10 +40,8 @@ impl RadialTable {
         if k.len() < 2 || k.len() != w.len() {
             return Err(PsdTableError::TooFew { rows: k.len() });
         }
-        let first = k[0];
-        if !(first > 0.0 && k.windows(2).all(|pair| pair[0] < pair[1]))
-            || !k[k.len() - 1].is_finite()
-        {
+        let is_ascending = k.windows(2).all(|pair| pair[0] < pair[1]);
+        if !(k[0] > 0.0 && is_ascending && k[k.len() - 1].is_finite()) {
             return Err(PsdTableError::NotAscending {
                 column: "wave_number",
             });

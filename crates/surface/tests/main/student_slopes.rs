@@ -6,7 +6,8 @@ use asperity_surface::{FieldSynthesis, Psd, Resolution, StudentSlopes, SurfaceRe
 const MEAN_SQUARE_AMPLITUDE: f64 = 6.337_874;
 
 fn recipe(amplitude_ratio: f64) -> StudentSlopes {
-    StudentSlopes::new(Psd::gaussian(0.5, 4.0).unwrap(), amplitude_ratio).unwrap()
+    let base = Psd::gaussian(0.5, 4.0).expect("lengths are positive");
+    StudentSlopes::new(base, amplitude_ratio).expect("the ratio is allowed")
 }
 
 /// Fractions of facets whose gradient exceeds multiples of alpha, over tiles of 16 amplitude lengths a side: each holds some

@@ -10,7 +10,7 @@ use asperity_surface::{
 fn means(synthesis: &FieldSynthesis, draws: u64) -> [[f64; 2]; 6] {
     let (mut sums, mut squares) = ([0.0; 6], [0.0; 6]);
     for realisation in 0..draws {
-        let field = synthesis.draw(5, realisation).unwrap();
+        let field = synthesis.draw(5, realisation).expect("heights are finite");
         let (nx, count) = (field.nx(), field.heights().len() as f64);
         let moment =
             |power: i32| field.heights().iter().map(|h| h.powi(power)).sum::<f64>() / count;
