@@ -126,7 +126,7 @@ pub struct SurfaceConfig {
     pub slopes: SlopesName,
     /// Roughness of GGX slopes; instead of `smoothness`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub alpha: Option<Number>,
+    pub ggx_alpha: Option<Number>,
     /// Correlation length of the amplitude of GGX slopes over that of the surface.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplitude_ratio: Option<Number>,

@@ -128,8 +128,8 @@ impl SurfaceConfig {
 
     /// Surfaces of GGX slopes.
     fn student(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
-        let Some(alpha) = self.alpha else {
-            return refused("--slopes ggx needs --alpha, in place of smoothness and sigma");
+        let Some(alpha) = self.ggx_alpha else {
+            return refused("--slopes ggx needs --ggx-alpha, in place of smoothness and sigma");
         };
         if self.second()?.is_some() {
             return refused(
@@ -176,10 +176,10 @@ impl SurfaceConfig {
                 ));
             }
         }
-        let of_ggx = self.alpha.is_some() || self.amplitude_ratio.is_some();
+        let of_ggx = self.ggx_alpha.is_some() || self.amplitude_ratio.is_some();
         match self.slopes {
             SlopesName::Gaussian if of_ggx => {
-                refused("--alpha and --amplitude-ratio are for --slopes ggx")
+                refused("--ggx-alpha and --amplitude-ratio are for --slopes ggx")
             }
             _ => Ok(()),
         }

@@ -200,10 +200,10 @@ pub(super) const PSD: Kind = Kind::Choice(&[
         "exponential",
         "Exponential autocorrelation, without waves shorter than cut_off",
     ),
-    choice("matern", "Matern's family, between the two, by nu"),
+    choice("matern", "Matern family, between the two, by nu"),
     choice("power-law", "Self-affine, by hurst, roll_off and cut_off"),
 ]);
 pub(super) const SLOPES: Kind = Kind::Choice(&[
     choice("gaussian", "Those of Gaussian heights"),
-    choice("ggx", "GGX, by alpha: long tails"),
+    choice("ggx", "GGX, by ggx_alpha: long tails"),
 ]);

@@ -50,7 +50,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
     .default_yields()
-    .excludes(&["surface.sigma", "surface.alpha", "measured.*"]),
+    .excludes(&["surface.sigma", "surface.ggx_alpha", "measured.*"]),
     setting(
         SECTION,
         "smoothness_y",
@@ -70,7 +70,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .range(Range::Above(0.0))
     .arity(Arity::ListIn(SWEEPS.and(ATTENUATION)))
     .default_in(&[(ATTENUATION, Some("0.5"))])
-    .excludes(&["surface.smoothness", "surface.alpha", "measured.*"])
+    .excludes(&["surface.smoothness", "surface.ggx_alpha", "measured.*"])
     .clears(&["output.models_at_sigma"]),
     setting(
         SECTION,
@@ -166,7 +166,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "nu",
         Kind::Number,
         RANDOM,
-        "Smoothness parameter of Matern's family: 0.5 is exponential",
+        "Parameter of the Matern family: 0.5 is exponential",
     )
     .range(Range::AboveTo(0.0, 100.0))
     .otherwise("none; --psd matern needs it")
@@ -245,7 +245,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         .excludes(&["measured.*"]),
     setting(
         SECTION,
-        "alpha",
+        "ggx_alpha",
         Kind::Number,
         RANDOM,
         "Roughness of GGX slopes, in place of smoothness",
