@@ -28,6 +28,7 @@ mod meshes;
 mod models;
 mod polarised;
 mod polarised_figures;
+mod random_surfaces;
 mod reference;
 mod refusals;
 mod render;

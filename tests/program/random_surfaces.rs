@@ -1,0 +1,94 @@
+//! Random surfaces that are not Gaussian: settings, refusals, and what is read back.
+
+use serde_json::Value;
+
+use crate::support::{json, refused, succeed, words};
+
+/// What `inspect` tells of the surface that `generate` writes with these flags.
+fn generated(folder: &std::path::Path, flags: &str) -> Value {
+    let line = format!("generate {flags} --size 128 --json -o a.exr");
+    let written = json(&succeed(folder, &words(&line)));
+    let read = json(&succeed(folder, &words("inspect a.exr --json")));
+    assert_eq!(
+        written["realised"]["sigma"]["requested"], read["realised"]["sigma"]["requested"],
+        "{flags}"
+    );
+    read["realised"].clone()
+}
+
+#[test]
+fn spectra_heights_and_slopes_are_drawn_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let requested = |realised: &Value, name: &str| realised[name]["requested"].as_f64().unwrap();
+    let gaussian = generated(folder, "--tau 12 --sigma 2");
+    let slopes = requested(&gaussian, "slope_variance_x");
+    for flags in [
+        "--tau 12 --sigma 2 --psd exponential --cut-off 9",
+        "--tau 12 --sigma 2 --psd matern --nu 1.5 --cut-off 9",
+    ] {
+        let found = generated(folder, flags);
+        assert!((requested(&found, "sigma") - 2.0).abs() < 1e-12, "{flags}");
+        assert!((requested(&found, "tau_x") - 12.0).abs() < 1e-9, "{flags}");
+        assert!(
+            requested(&found, "slope_variance_x") > 1.2 * slopes,
+            "{flags}"
+        );
+    }
+    let power = "--psd power-law --hurst 0.8 --roll-off 40 --cut-off 9 --sigma 2";
+    assert!(requested(&generated(folder, power), "tau_x") > 5.0);
+    let two = "--tau 12 --sigma 2 --second-sigma 1.5 --second-tau 4";
+    assert!((requested(&generated(folder, two), "sigma") - 2.5).abs() < 1e-12);
+    let skewed = generated(folder, "--tau 12 --sigma 2 --skewness -1 --kurtosis 5");
+    assert_eq!(requested(&skewed, "skewness"), -1.0);
+    assert_eq!(requested(&skewed, "kurtosis"), 5.0);
+    let ggx = generated(
+        folder,
+        "--tau 4 --slopes ggx --ggx-alpha 0.25 --amplitude-ratio 4",
+    );
+    assert!((ggx["gradients"]["alpha"][0].as_f64().unwrap() - 0.25).abs() < 1e-12);
+    assert!(ggx["gradients"]["largest_difference"].as_f64().unwrap() < 0.2);
+}
+
+#[test]
+fn combinations_that_make_no_sense_get_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flags, expected) in [
+        ("--psd exponential", "--psd exponential needs --cut-off"),
+        ("--psd matern --nu 0.8", "slopes have no finite variance"),
+        ("--hurst 0.8", "--hurst is for --psd power-law"),
+        (
+            "--psd power-law --hurst 0.8 --roll-off 40 --cut-off 9 --tau 3",
+            "leave out tau",
+        ),
+        ("--psd exponential --cut-off 4", "with --insist"),
+        (
+            "--second-tau 4",
+            "needs both --second-sigma and --second-tau",
+        ),
+        ("--skewness 1 --kurtosis 2", "the kurtosis must exceed"),
+        ("--slopes ggx", "needs --ggx-alpha"),
+        ("--ggx-alpha 0.3", "are for --slopes ggx"),
+        ("--slopes ggx --ggx-alpha 0.3 --smoothness 3", "excludes"),
+    ] {
+        let line = format!("generate {flags} -o a.exr");
+        let said = refused(folder.path(), &words(&line), 2);
+        assert!(said.contains(expected), "{flags}: {said}");
+    }
+}
+
+/// Slopes that are not Gaussian take the plain estimator, and refuse the other.
+#[test]
+fn slopes_that_are_not_gaussian_are_estimated_plainly() {
+    let folder = tempfile::tempdir().unwrap();
+    let flags = "verify --tau 4 --slopes ggx --ggx-alpha 0.3 --size 256 --realisations 2 --rays 2e3 --models smith --no-plots";
+    let line = format!("{flags} --json -o out");
+    let summary = json(&succeed(folder.path(), &words(&line)));
+    assert!(summary.to_string().contains("\"estimator\":\"plain\""));
+    let line = format!("{flags} --estimator controlled -o other");
+    let said = refused(folder.path(), &words(&line), 2);
+    assert!(
+        said.contains("knows random surfaces of Gaussian slopes alone"),
+        "{said}"
+    );
+}
