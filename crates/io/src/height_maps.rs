@@ -3,6 +3,7 @@
 
 mod exr;
 mod gsf;
+mod instruments;
 mod npy;
 mod png;
 mod samples;

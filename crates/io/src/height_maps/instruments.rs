@@ -1,0 +1,3 @@
+//! Files of measuring instruments, read only: one file per format.
+
+mod fields;
