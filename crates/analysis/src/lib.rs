@@ -4,7 +4,7 @@
 //!
 //! # Modules, from the bottom up
 //! - `numerics`: quadrature, special functions and hashing.
-//! - `microfacet`: Gaussian slopes, the distribution of facet normals, half vectors, sampling.
+//! - `microfacet`: Gaussian slopes and tables of slopes, the distribution of facet normals, half vectors, sampling.
 //! - `models`: one scattering model per file, and the registry of their names.
 //! - `integrals`: models integrated over bins, hemispheres and all slopes.
 //! - `layer`: a participating medium between flat faces.
@@ -71,6 +71,8 @@ pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
+pub use microfacet::slope_grid::{SlopeGrid, SlopeTableError};
+pub use microfacet::slope_table::SlopeTable;
 pub use microfacet::slopes::{SlopeCovariance, SlopeError};
 pub use models::heitz::Heitz;
 pub use models::heitz_polarised::HeitzPolarised;

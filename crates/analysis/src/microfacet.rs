@@ -1,4 +1,4 @@
-//! Gaussian facets: their slopes, the distribution of their normals, half vectors and single scattering.
+//! Facets, Gaussian or of a table: their slopes, the distribution of their normals, half vectors and single scattering.
 
 pub(crate) mod beckmann;
 pub(crate) mod bsdf;
@@ -7,5 +7,7 @@ pub(crate) mod lambda;
 pub(crate) mod mueller;
 mod normals;
 pub(crate) mod slope_frame;
+pub(crate) mod slope_grid;
+pub(crate) mod slope_table;
 pub(crate) mod slopes;
 mod visible_normals;
