@@ -71,6 +71,7 @@ pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
 pub use microfacet::half_vector::{Facet, reflecting_facet, refracting_facet};
+pub use microfacet::slope_distribution::SlopeDistribution;
 pub use microfacet::slope_grid::{SlopeGrid, SlopeTableError};
 pub use microfacet::slope_table::SlopeTable;
 pub use microfacet::slopes::{SlopeCovariance, SlopeError};

@@ -2,10 +2,12 @@
 
 pub(crate) mod beckmann;
 pub(crate) mod bsdf;
+mod facet_normals;
 pub(crate) mod half_vector;
 pub(crate) mod lambda;
 pub(crate) mod mueller;
 mod normals;
+pub(crate) mod slope_distribution;
 pub(crate) mod slope_frame;
 pub(crate) mod slope_grid;
 pub(crate) mod slope_table;

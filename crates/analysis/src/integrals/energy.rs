@@ -69,7 +69,7 @@ pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEn
 /// The flux fraction of one side, refracting with the index `refracted` if given.
 fn over_slopes(model: &dyn BsdfModel, wi: DVec3, refracted: Option<f64>) -> f64 {
     let edges = Edges::new(model, wi, refracted);
-    over_facing_normals(&model.slopes(), wi, &edges, |m| {
+    over_facing_normals(&model.slopes().covariance(), wi, &edges, |m| {
         per_normal(model, wi, m, refracted)
     })
 }

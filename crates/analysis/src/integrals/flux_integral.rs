@@ -50,7 +50,7 @@ impl<'a> Scattering<'a> {
         bsdf: &'a (dyn Fn(DVec3, DVec3) -> f64 + Sync),
     ) -> Self {
         Self {
-            slopes: model.slopes(),
+            slopes: model.slopes().covariance(),
             material: model.material(),
             kinks: model.kinks(),
             bsdf,

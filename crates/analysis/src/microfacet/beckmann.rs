@@ -12,6 +12,7 @@ use std::f64::consts::SQRT_2;
 use glam::DVec3;
 use rand::Rng;
 
+use crate::microfacet::facet_normals::FacetNormals;
 use crate::microfacet::lambda::smith_lambda;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::microfacet::{normals, visible_normals};
@@ -45,6 +46,17 @@ pub enum Masking {
     /// Beta function `B(1 + Lambda_i, 1 + Lambda_o)` on opposite sides, where a high point is seldom
     /// shadowed and often masked.
     HeightCorrelated,
+}
+
+impl Masking {
+    /// Joint shadowing and masking by Smith's Lambda of `wi` and of `wo`, of any distribution of slopes; see [`Beckmann::g2`].
+    pub(crate) fn g2(self, [lambda_i, lambda_o]: [f64; 2], is_reflected: bool) -> f64 {
+        match self {
+            Self::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
+            Self::HeightCorrelated if is_reflected => 1.0 / (1.0 + lambda_i + lambda_o),
+            Self::HeightCorrelated => beta_of_one_plus(lambda_i, lambda_o),
+        }
+    }
 }
 
 impl Beckmann {
@@ -108,12 +120,7 @@ impl Beckmann {
     /// Walter et al. 2007, Eq. 23; Heitz et al. 2016 for the height-correlated forms.
     #[must_use]
     pub fn g2(&self, wi: DVec3, wo: DVec3, masking: Masking) -> f64 {
-        let (lambda_i, lambda_o) = (self.lambda(wi), self.lambda(wo));
-        match masking {
-            Masking::Separable => 1.0 / ((1.0 + lambda_i) * (1.0 + lambda_o)),
-            Masking::HeightCorrelated if wo.z > 0.0 => 1.0 / (1.0 + lambda_i + lambda_o),
-            Masking::HeightCorrelated => beta_of_one_plus(lambda_i, lambda_o),
-        }
+        masking.g2([self.lambda(wi), self.lambda(wo)], wo.z > 0.0)
     }
 
     /// Probability that a point sees `w` if it faces `w` and the fraction `below` of the surface lies below
@@ -163,6 +170,12 @@ impl Beckmann {
     /// Heitz et al. 2016, Secs. 4 and 5, for the density; see `visible_normals.rs` for the sampling.
     pub fn sample_visible(&self, w: DVec3, rng: &mut impl Rng) -> DVec3 {
         visible_normals::sample_visible(&self.slopes, w, rng)
+    }
+}
+
+impl FacetNormals for Beckmann {
+    fn d(&self, m: DVec3) -> f64 {
+        self.d(m)
     }
 }
 

@@ -1,30 +1,22 @@
-//! Microfacet interface: single scattering by Gaussian facets of one material.
+//! Microfacet interface: single scattering by facets of one material.
 
 use asperity_optics::Material;
 use glam::DVec3;
 
 use crate::microfacet::beckmann::Beckmann;
+use crate::microfacet::facet_normals::FacetNormals;
 use crate::microfacet::half_vector::{Facet, scattering_facet};
-use crate::microfacet::slopes::SlopeCovariance;
 
 /// A distribution of facets and what they are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct MicrofacetInterface {
+pub(crate) struct MicrofacetInterface<D = Beckmann> {
     /// Distribution of the facet normals.
-    pub(crate) distribution: Beckmann,
+    pub(crate) distribution: D,
     /// Material of the facets.
     pub(crate) material: Material,
 }
 
-impl MicrofacetInterface {
-    /// Facets of these slopes and this material, neither of which is checked.
-    pub(crate) const fn new(slopes: SlopeCovariance, material: Material) -> Self {
-        Self {
-            distribution: Beckmann::new(slopes),
-            material,
-        }
-    }
-
+impl<D: FacetNormals> MicrofacetInterface<D> {
     /// The BSDF in 1/sr: [`Self::unshadowed_bsdf`] times `masking`, the fraction of the facets with the half
     /// vector as normal that are neither shadowed nor masked.
     ///

@@ -41,6 +41,7 @@ use rand::distr::Open01;
 use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::beckmann::{Beckmann, Masking};
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope,
@@ -84,7 +85,7 @@ impl Heitz {
     pub(crate) const ENTRY: ModelEntry = ModelEntry {
         info: &INFO,
         constructor: Constructor::RandomWalk(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material)?))
+            Ok(Box::new(Self::new(slopes.covariance(), material)?))
         }),
     };
 
@@ -110,8 +111,8 @@ impl ScatteringModel for Heitz {
         self.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.distribution.slopes()).into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

@@ -20,6 +20,7 @@ use asperity_tally::{Sides, Tally};
 use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::heitz::Heitz;
 use crate::models::heitz::light::Polarised;
@@ -46,7 +47,7 @@ impl HeitzPolarised {
     pub(crate) const ENTRY: ModelEntry = ModelEntry {
         info: &INFO,
         constructor: Constructor::RandomWalk(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material)?))
+            Ok(Box::new(Self::new(slopes.covariance(), material)?))
         }),
     };
 
@@ -68,7 +69,7 @@ impl ScatteringModel for HeitzPolarised {
         self.0.material()
     }
 
-    fn slopes(&self) -> SlopeCovariance {
+    fn slopes(&self) -> SlopeDistribution {
         self.0.slopes()
     }
 

@@ -6,8 +6,10 @@ use glam::DVec3;
 use rand_chacha::ChaCha8Rng;
 use serde::Serialize;
 
+use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::mueller::facet_mueller;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::{SlopeCovariance, SlopeError};
 use crate::models::kinks::Kinks;
 
@@ -49,8 +51,8 @@ pub trait ScatteringModel: Send + Sync {
     /// Material of the surface.
     fn material(&self) -> Material;
 
-    /// Covariance of the facet slopes.
-    fn slopes(&self) -> SlopeCovariance;
+    /// The slopes of the facets.
+    fn slopes(&self) -> SlopeDistribution;
 
     /// The density of single scattering, if it has a closed form.
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -182,13 +184,13 @@ pub(crate) struct ModelEntry {
     pub(crate) constructor: Constructor,
 }
 
-/// How a model is made for a surface of Gaussian slopes and a material.
+/// How a model is made for the slopes of a surface and a material.
 #[derive(Clone, Copy)]
 pub(crate) enum Constructor {
     /// It has a density at every direction.
-    ClosedForm(fn(SlopeCovariance, Material) -> Result<Box<dyn BsdfModel>, ModelError>),
+    ClosedForm(fn(&SlopeDistribution, Material) -> Result<Box<dyn BsdfModel>, ModelError>),
     /// It is evaluated by a random walk, at least for multiple scattering.
-    RandomWalk(fn(SlopeCovariance, Material) -> Result<Box<dyn ScatteringModel>, ModelError>),
+    RandomWalk(fn(&SlopeDistribution, Material) -> Result<Box<dyn ScatteringModel>, ModelError>),
 }
 
 /// The microfacet interface of a model.
@@ -199,6 +201,15 @@ pub(crate) fn valid_interface(
     slopes: SlopeCovariance,
     material: Material,
 ) -> Result<MicrofacetInterface, ModelError> {
+    check_material(material)?;
+    Ok(MicrofacetInterface {
+        distribution: Beckmann::new(slopes),
+        material,
+    })
+}
+
+/// Refuses invalid materials and indices that differ by less than 1e-5.
+pub(crate) fn check_material(material: Material) -> Result<(), ModelError> {
     match material {
         Material::Dielectric { eta } => {
             Material::dielectric(eta)?;
@@ -213,7 +224,7 @@ pub(crate) fn valid_interface(
         }
         _ => {}
     }
-    Ok(MicrofacetInterface::new(slopes, material))
+    Ok(())
 }
 
 /// The smoothness `tau / sigma` of isotropic slopes, for the model `name`, which is defined for these alone.

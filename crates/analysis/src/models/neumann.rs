@@ -29,6 +29,7 @@ use glam::DVec3;
 
 use crate::microfacet::beckmann::Masking;
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::{
@@ -76,13 +77,21 @@ impl CookTorranceNeumann {
     pub(crate) const ENTRY_GROOVES: ModelEntry = ModelEntry {
         info: &GROOVES,
         constructor: Constructor::ClosedForm(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material, Attenuation::Grooves)?))
+            Ok(Box::new(Self::new(
+                slopes.covariance(),
+                material,
+                Attenuation::Grooves,
+            )?))
         }),
     };
     pub(crate) const ENTRY_SMITH: ModelEntry = ModelEntry {
         info: &SMITH,
         constructor: Constructor::ClosedForm(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material, Attenuation::Smith)?))
+            Ok(Box::new(Self::new(
+                slopes.covariance(),
+                material,
+                Attenuation::Smith,
+            )?))
         }),
     };
 
@@ -114,8 +123,8 @@ impl ScatteringModel for CookTorranceNeumann {
         self.interface.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.interface.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.interface.distribution.slopes()).into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

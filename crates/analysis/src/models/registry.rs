@@ -4,7 +4,7 @@
 
 use asperity_optics::Material;
 
-use crate::microfacet::slopes::SlopeCovariance;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::models::heitz::Heitz;
 use crate::models::heitz_polarised::HeitzPolarised;
 use crate::models::model::{BsdfModel, Constructor, ModelEntry, ModelError, ScatteringModel};
@@ -60,7 +60,8 @@ const fn names<const N: usize>(closed_forms_alone: bool) -> [&'static str; N] {
     names
 }
 
-/// Creates the model of the given name for a surface of Gaussian `slopes` and `material`.
+/// Creates the model of the given name for a surface of these `slopes` and `material`. Models of Gaussian slopes take their
+/// covariance.
 ///
 /// # Errors
 /// [`ModelError::Unknown`] for a name that is not in [`MODEL_NAMES`]; otherwise as the model's own
@@ -86,12 +87,12 @@ const fn names<const N: usize>(closed_forms_alone: bool) -> [&'static str; N] {
 /// ```
 pub fn create_model(
     name: &str,
-    slopes: SlopeCovariance,
+    slopes: impl Into<SlopeDistribution>,
     material: Material,
 ) -> Result<Box<dyn ScatteringModel>, ModelError> {
     match constructor(name) {
-        Some(Constructor::ClosedForm(create)) => Ok(create(slopes, material)?),
-        Some(Constructor::RandomWalk(create)) => create(slopes, material),
+        Some(Constructor::ClosedForm(create)) => Ok(create(&slopes.into(), material)?),
+        Some(Constructor::RandomWalk(create)) => create(&slopes.into(), material),
         None => Err(unknown(name, MODEL_NAMES)),
     }
 }
@@ -103,11 +104,11 @@ pub fn create_model(
 /// constructor.
 pub fn closed_form(
     name: &str,
-    slopes: SlopeCovariance,
+    slopes: impl Into<SlopeDistribution>,
     material: Material,
 ) -> Result<Box<dyn BsdfModel>, ModelError> {
     match constructor(name) {
-        Some(Constructor::ClosedForm(create)) => create(slopes, material),
+        Some(Constructor::ClosedForm(create)) => create(&slopes.into(), material),
         _ => Err(unknown(name, CLOSED_FORMS)),
     }
 }
@@ -127,6 +128,7 @@ fn unknown(name: &str, known: &'static [&'static str]) -> ModelError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SlopeCovariance;
 
     fn refusal(name: &str, smoothness: f64, material: Material) -> String {
         let slopes = match SlopeCovariance::isotropic(smoothness) {

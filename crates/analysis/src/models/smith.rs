@@ -16,6 +16,7 @@ use glam::DVec3;
 
 use crate::microfacet::beckmann::Masking;
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
@@ -55,7 +56,7 @@ impl Smith {
         info: &CORRELATED,
         constructor: Constructor::ClosedForm(|slopes, material| {
             Ok(Box::new(Self::new(
-                slopes,
+                slopes.covariance(),
                 material,
                 Masking::HeightCorrelated,
             )?))
@@ -64,7 +65,11 @@ impl Smith {
     pub(crate) const ENTRY_SEPARABLE: ModelEntry = ModelEntry {
         info: &SEPARABLE,
         constructor: Constructor::ClosedForm(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material, Masking::Separable)?))
+            Ok(Box::new(Self::new(
+                slopes.covariance(),
+                material,
+                Masking::Separable,
+            )?))
         }),
     };
 
@@ -96,8 +101,8 @@ impl ScatteringModel for Smith {
         self.interface.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.interface.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.interface.distribution.slopes()).into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

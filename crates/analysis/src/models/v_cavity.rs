@@ -20,6 +20,7 @@ use asperity_tally::Sides;
 use glam::DVec3;
 
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::kinks::Kinks;
 use crate::models::model::{
@@ -48,7 +49,7 @@ impl VCavity {
     pub(crate) const ENTRY: ModelEntry = ModelEntry {
         info: &INFO,
         constructor: Constructor::ClosedForm(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material)?))
+            Ok(Box::new(Self::new(slopes.covariance(), material)?))
         }),
     };
 
@@ -105,8 +106,8 @@ impl ScatteringModel for VCavity {
         self.interface.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.interface.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.interface.distribution.slopes()).into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

@@ -16,6 +16,7 @@ use asperity_tally::Sides;
 use glam::DVec3;
 
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     BsdfModel, Constructor, ModelEntry, ModelError, ModelInfo, ScatteringModel, Scope,
@@ -47,7 +48,7 @@ impl XuSun {
     pub(crate) const ENTRY: ModelEntry = ModelEntry {
         info: &INFO,
         constructor: Constructor::ClosedForm(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material)?))
+            Ok(Box::new(Self::new(slopes.covariance(), material)?))
         }),
     };
 
@@ -92,8 +93,8 @@ impl ScatteringModel for XuSun {
         self.interface.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.interface.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.interface.distribution.slopes()).into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

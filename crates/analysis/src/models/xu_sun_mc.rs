@@ -54,6 +54,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use crate::microfacet::bsdf::MicrofacetInterface;
+use crate::microfacet::slope_distribution::SlopeDistribution;
 use crate::microfacet::slopes::SlopeCovariance;
 use crate::models::model::{
     Constructor, ModelEntry, ModelError, ModelInfo, RandomWalk, ScatteringModel, Scope,
@@ -114,13 +115,21 @@ impl XuSunMonteCarlo {
     pub(crate) const ENTRY: ModelEntry = ModelEntry {
         info: &XU_SUN,
         constructor: Constructor::RandomWalk(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material, RayVisibility::XuSun)?))
+            Ok(Box::new(Self::new(
+                slopes.covariance(),
+                material,
+                RayVisibility::XuSun,
+            )?))
         }),
     };
     pub(crate) const ENTRY_SMITH: ModelEntry = ModelEntry {
         info: &SMITH,
         constructor: Constructor::RandomWalk(|slopes, material| {
-            Ok(Box::new(Self::new(slopes, material, RayVisibility::Smith)?))
+            Ok(Box::new(Self::new(
+                slopes.covariance(),
+                material,
+                RayVisibility::Smith,
+            )?))
         }),
     };
 
@@ -228,8 +237,8 @@ impl ScatteringModel for XuSunMonteCarlo {
         self.interface.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        *self.interface.distribution.slopes()
+    fn slopes(&self) -> SlopeDistribution {
+        (*self.interface.distribution.slopes()).into()
     }
 
     fn random_walk(&self) -> Option<&dyn RandomWalk> {

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use asperity_analysis::{
     Beckmann, BsdfModel, ModelError, ModelInfo, ScatteringModel, Scope, SlopeCovariance,
-    bin_fluxes, control_variate, hemispherical_energy, reflecting_facet, refracting_facet,
-    sidak_z_threshold, unshadowed_fluxes, visible_fractions,
+    SlopeDistribution, bin_fluxes, control_variate, hemispherical_energy, reflecting_facet,
+    refracting_facet, sidak_z_threshold, unshadowed_fluxes, visible_fractions,
 };
 use asperity_optics::{Incidence, Material, azimuth, polar_angle, reflect, refract};
 use asperity_tally::{
@@ -68,8 +68,8 @@ impl ScatteringModel for Unmasked {
         self.material
     }
 
-    fn slopes(&self) -> SlopeCovariance {
-        self.slopes
+    fn slopes(&self) -> SlopeDistribution {
+        self.slopes.into()
     }
 
     fn density(&self) -> Option<&dyn BsdfModel> {

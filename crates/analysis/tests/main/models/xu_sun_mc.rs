@@ -4,8 +4,9 @@ use std::f64::consts::{LN_2, TAU};
 
 use asperity_analysis::{
     Beckmann, BsdfModel, Expectation, Masking, ModelError, ModelInfo, SamplingEffort,
-    ScatteringModel, Scope, SlopeCovariance, Smith, bin_fluxes, chi_squared_survival, closed_form,
-    create_model, expect, hemispherical_energy, xu_sun_visibility,
+    ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, Smith, bin_fluxes,
+    chi_squared_survival, closed_form, create_model, expect, hemispherical_energy,
+    xu_sun_visibility,
 };
 use asperity_optics::{Incidence, Material, dielectric, reflect, refract};
 use asperity_tally::{
@@ -111,7 +112,7 @@ impl ScatteringModel for Averaged {
     fn material(&self) -> Material {
         self.smith.material()
     }
-    fn slopes(&self) -> SlopeCovariance {
+    fn slopes(&self) -> SlopeDistribution {
         self.smith.slopes()
     }
     fn density(&self) -> Option<&dyn BsdfModel> {
@@ -126,7 +127,7 @@ impl BsdfModel for Averaged {
         if bare == 0.0 {
             return 0.0;
         }
-        let g1 = |w| Beckmann::new(self.slopes()).g1(w);
+        let g1 = |w| Beckmann::new(self.slopes().covariance()).g1(w);
         bare / (g1(wi) * g1(wo)) * self.mean_of_product(wi, wo)
     }
 }
