@@ -8,4 +8,6 @@ pub(crate) mod expectation;
 pub(crate) mod flux;
 mod flux_integral;
 mod lobe;
+mod slope_images;
+pub(crate) mod tabulated;
 pub(crate) mod unshadowed;

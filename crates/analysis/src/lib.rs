@@ -67,6 +67,7 @@ pub use integrals::deviation_bound::deviation_bound;
 pub use integrals::energy::{HemisphericalEnergy, hemispherical_energy};
 pub use integrals::expectation::{Expectation, SamplingEffort, expect};
 pub use integrals::flux::{bin_fluxes, flux_into, in_plane_flux};
+pub use integrals::tabulated::region_influence;
 pub use integrals::unshadowed::unshadowed_fluxes;
 pub use layer::{FlatLayer, FlatLayerError, LayerPaths, UnscatteredBeam};
 pub use microfacet::beckmann::{Beckmann, Masking};
@@ -82,6 +83,7 @@ pub use models::model::{BsdfModel, ModelError, ModelInfo, RandomWalk, Scattering
 pub use models::neumann::{Attenuation, CookTorranceNeumann};
 pub use models::registry::{CLOSED_FORMS, MODEL_NAMES, closed_form, create_model};
 pub use models::smith::Smith;
+pub use models::smith_slopes::SmithSlopes;
 pub use models::v_cavity::{VCavity, v_cavity_g1};
 pub use models::xu_sun::{XuSun, xu_sun_visibility};
 pub use models::xu_sun_mc::{RayVisibility, XuSunMonteCarlo};

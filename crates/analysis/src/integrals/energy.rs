@@ -10,6 +10,8 @@ use asperity_tally::Side;
 use glam::{DVec2, DVec3};
 use serde::Serialize;
 
+use crate::integrals::slope_images::FacetLight;
+use crate::integrals::tabulated::tabulated_energy;
 use crate::microfacet::half_vector::{outgoing_direction, reflecting_facet, refracting_facet};
 use crate::microfacet::slope_frame::SlopeFrame;
 use crate::microfacet::slopes::SlopeCovariance;
@@ -54,6 +56,17 @@ const ROWS: AllowedError = AllowedError {
 /// ```
 #[must_use]
 pub fn hemispherical_energy(model: &dyn BsdfModel, wi: DVec3) -> HemisphericalEnergy {
+    if let Some(table) = model.tabulated() {
+        let material = model.material();
+        let of_side = |side| match model.sides().includes(side) {
+            true => tabulated_energy(table, FacetLight { wi, material, side }),
+            false => 0.0,
+        };
+        return HemisphericalEnergy {
+            reflected: of_side(Side::Reflected),
+            transmitted: of_side(Side::Transmitted),
+        };
+    }
     let reflected = over_slopes(model, wi, None);
     let transmitted = model
         .material()

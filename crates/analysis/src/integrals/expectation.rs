@@ -10,6 +10,8 @@ use rayon::prelude::*;
 
 use crate::integrals::energy::hemispherical_energy;
 use crate::integrals::flux::{bin_fluxes_of, in_plane_fluxes};
+use crate::integrals::tabulated::TabulatedTally;
+use crate::microfacet::lambda_map::MapSize;
 use crate::models::model::{BsdfModel, RandomWalk, ScatteringModel, Scope};
 use crate::numerics::hash::fnv1a;
 
@@ -153,6 +155,10 @@ fn single_scattering(
     incidence: Incidence,
     spec: &TallySpec,
 ) -> TallyValues {
+    if let Some(table) = density.tabulated() {
+        let images = TabulatedTally::new(table, density.material(), incidence, spec);
+        return images.fluxes(table, MapSize::FINE);
+    }
     let wi = incidence.wi();
     let mut expected = TallyValues::zeros(*spec);
     let bins = bin_fluxes_of(density, wi, &spec.grid(), density.sides());

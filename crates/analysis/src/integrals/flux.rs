@@ -11,6 +11,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::integrals::flux_integral::{FluxIntegral, Scattering};
+use crate::integrals::slope_images::FacetLight;
+use crate::integrals::tabulated::{tabulated_bins, tabulated_flux};
 use crate::models::model::BsdfModel;
 
 /// Flux fractions that `model` sends into the bins of `grid`, in the order of the grid.
@@ -28,6 +30,9 @@ pub(crate) fn bin_fluxes_of(
     grid: &HemisphereGrid,
     sides: Sides,
 ) -> Vec<f64> {
+    if let Some(table) = model.tabulated() {
+        return tabulated_bins(table, model.material(), wi, grid, sides);
+    }
     let bsdf = |wi, wo| model.bsdf(wi, wo);
     fluxes_into_bins(&Scattering::of(model, &bsdf), wi, grid, sides)
 }
@@ -91,8 +96,16 @@ pub fn flux_into(
     theta: [f64; 2],
     phi: [f64; 2],
 ) -> f64 {
-    let bsdf = |wi, wo| model.bsdf(wi, wo);
     let theta = within_side(side, theta);
+    if let Some(table) = model.tabulated() {
+        let light = FacetLight {
+            wi,
+            material: model.material(),
+            side,
+        };
+        return tabulated_flux(table, light, theta, phi);
+    }
+    let bsdf = |wi, wo| model.bsdf(wi, wo);
     FluxIntegral::new(&Scattering::of(model, &bsdf), wi, side)
         .map_or(0.0, |mut range| range.over(theta, phi))
 }
@@ -110,14 +123,10 @@ pub fn in_plane_flux(
     side: Side,
     angles: [f64; 2],
 ) -> f64 {
-    let bsdf = |wi, wo| model.bsdf(wi, wo);
-    in_plane_flux_of(
-        &Scattering::of(model, &bsdf),
-        incidence,
-        half_width,
-        side,
-        angles,
-    )
+    let wi = incidence.wi();
+    over_slice(incidence, half_width, side, angles, |theta, phi| {
+        flux_into(model, wi, side, theta, phi)
+    })
 }
 
 /// [`in_plane_flux`] of any scattering.
@@ -126,7 +135,21 @@ pub(crate) fn in_plane_flux_of(
     incidence: Incidence,
     half_width: f64,
     side: Side,
+    angles: [f64; 2],
+) -> f64 {
+    over_slice(incidence, half_width, side, angles, |theta, phi| {
+        FluxIntegral::new(scattering, incidence.wi(), side)
+            .map_or(0.0, |mut range| range.over(theta, phi))
+    })
+}
+
+/// The sum of `over` both halves of the in-plane slice, as ranges of polar angle and azimuth.
+fn over_slice(
+    incidence: Incidence,
+    half_width: f64,
+    side: Side,
     [from, to]: [f64; 2],
+    over: impl Fn([f64; 2], [f64; 2]) -> f64,
 ) -> f64 {
     let slice = |azimuth: f64, [near, far]: [f64; 2]| {
         if far <= near {
@@ -136,9 +159,7 @@ pub(crate) fn in_plane_flux_of(
             Side::Reflected => [near, far],
             Side::Transmitted => [PI - far, PI - near],
         };
-        let phi = [azimuth - half_width, azimuth + half_width];
-        FluxIntegral::new(scattering, incidence.wi(), side)
-            .map_or(0.0, |mut range| range.over(theta, phi))
+        over(theta, [azimuth - half_width, azimuth + half_width])
     };
     let backward = incidence.phi();
     slice(backward + PI, [from.max(0.0), to.max(0.0)])

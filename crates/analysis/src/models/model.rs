@@ -10,6 +10,8 @@ use crate::microfacet::beckmann::Beckmann;
 use crate::microfacet::bsdf::MicrofacetInterface;
 use crate::microfacet::mueller::facet_mueller;
 use crate::microfacet::slope_distribution::SlopeDistribution;
+use crate::microfacet::slope_grid::SlopeTableError;
+use crate::microfacet::slope_table::SlopeTable;
 use crate::microfacet::slopes::{SlopeCovariance, SlopeError};
 use crate::models::kinks::Kinks;
 
@@ -128,6 +130,12 @@ pub trait BsdfModel: ScatteringModel {
         facet_mueller(self.material(), wi, wo, self.bsdf(wi, wo))
     }
 
+    /// The slope table that the density is of, with Smith's height-correlated masking: its fluxes are sums over the cells of the table.
+    /// `None` if quadrature serves the density.
+    fn tabulated(&self) -> Option<&SlopeTable> {
+        None
+    }
+
     /// Where the density has kinks; quadrature subdivides there.
     fn kinks(&self) -> Kinks {
         Kinks::None
@@ -158,6 +166,9 @@ pub enum ModelError {
     /// Invalid slopes.
     #[error(transparent)]
     Slopes(#[from] SlopeError),
+    /// An invalid table of slopes.
+    #[error(transparent)]
+    Table(#[from] SlopeTableError),
     /// Invalid material.
     #[error(transparent)]
     Material(#[from] MaterialError),
@@ -184,13 +195,16 @@ pub(crate) struct ModelEntry {
     pub(crate) constructor: Constructor,
 }
 
+/// Creates a model of one kind.
+type Create<M> = fn(&SlopeDistribution, Material) -> Result<Box<M>, ModelError>;
+
 /// How a model is made for the slopes of a surface and a material.
 #[derive(Clone, Copy)]
 pub(crate) enum Constructor {
     /// It has a density at every direction.
-    ClosedForm(fn(&SlopeDistribution, Material) -> Result<Box<dyn BsdfModel>, ModelError>),
+    ClosedForm(Create<dyn BsdfModel>),
     /// It is evaluated by a random walk, at least for multiple scattering.
-    RandomWalk(fn(&SlopeDistribution, Material) -> Result<Box<dyn ScatteringModel>, ModelError>),
+    RandomWalk(Create<dyn ScatteringModel>),
 }
 
 /// The microfacet interface of a model.

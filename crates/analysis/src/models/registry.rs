@@ -10,6 +10,7 @@ use crate::models::heitz_polarised::HeitzPolarised;
 use crate::models::model::{BsdfModel, Constructor, ModelEntry, ModelError, ScatteringModel};
 use crate::models::neumann::CookTorranceNeumann;
 use crate::models::smith::Smith;
+use crate::models::smith_slopes::SmithSlopes;
 use crate::models::v_cavity::VCavity;
 use crate::models::xu_sun::XuSun;
 use crate::models::xu_sun_mc::XuSunMonteCarlo;
@@ -21,6 +22,7 @@ const REGISTRY: &[ModelEntry] = &[
     XuSunMonteCarlo::ENTRY_SMITH,
     Smith::ENTRY_CORRELATED,
     Smith::ENTRY_SEPARABLE,
+    SmithSlopes::ENTRY,
     Heitz::ENTRY,
     HeitzPolarised::ENTRY,
     VCavity::ENTRY,

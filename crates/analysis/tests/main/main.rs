@@ -30,6 +30,7 @@ mod models {
     mod mueller;
     mod neumann;
     mod reference;
+    mod smith_slopes;
     mod v_cavity;
     mod xu_sun_mc;
 }

@@ -1,6 +1,6 @@
 //! Slope tables against closed forms of Gaussian and GGX slopes, and against sums over their cells.
 
-use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI, TAU};
 
 use asperity_optics::from_spherical;
 
@@ -71,7 +71,7 @@ fn a_table_of_gaussian_slopes_has_beckmanns_lambda() {
     let covariance = SlopeCovariance::new(0.35 * 0.35, 0.04, 0.0).unwrap();
     let beckmann = Beckmann::new(covariance);
     for theta in [0.3, 0.7, 1.2, 1.5, 2.0, 3.0] {
-        for phi in [0.0, 0.4, 1.570_796, 2.5, 4.0] {
+        for phi in [0.0, 0.4, FRAC_PI_2, 2.5, 4.0] {
             let w = from_spherical(theta, phi);
             let (found, expected) = (table.lambda(w), beckmann.lambda(w));
             let mu = (w.z / w.truncate().length()).abs();
@@ -188,7 +188,7 @@ fn skewed_slopes_shadow_differently_from_opposite_sides() {
         // Seen from below, the surface is upside down and turned about.
         assert_eq!(table.lambda(one), table.lambda(-one));
     }
-    let grazing = from_spherical(std::f64::consts::FRAC_PI_2, 0.0);
+    let grazing = from_spherical(FRAC_PI_2, 0.0);
     assert!(table.lambda(grazing) > 1e12);
     assert_eq!(table.lambda(DVec3::Z), 0.0);
     assert_eq!(table.lambda(DVec3::X), f64::INFINITY);
