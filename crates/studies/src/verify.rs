@@ -1,10 +1,12 @@
 //! Explicit surfaces against statistical models.
 
 pub(crate) mod error;
+#[cfg(test)]
+mod tests;
 
 use std::time::Instant;
 
-use asperity_analysis::sidak_level;
+use asperity_analysis::{ModelError, SmithSlopes, sidak_level};
 use asperity_io::ResultFolder;
 use asperity_simulate::{
     Case, Cells, Deadline, LayerBelow, Light, Lobe, Observer, Outcome, RandomSurfaces,
@@ -17,6 +19,7 @@ use serde_json::json;
 use self::error::VerifyError;
 use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::models::{Compared, ModelOutcome, compare_models};
+use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::VerifyConfig;
 use crate::config::lobes::BinnedLobe;
 use crate::config::sweep_case::SweepCase;
@@ -267,6 +270,32 @@ fn verify_with(
     })
 }
 
+/// The slopes of the surfaces that were traced, if a model is made of them and they are not known to be Gaussian.
+fn slope_tables(
+    config: &VerifyConfig,
+    case: &SweepCase,
+    outcome: &Outcome,
+) -> Result<Option<SlopeTables>, VerifyError> {
+    let is_requested = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
+    let SurfaceSource::Random(surfaces) = &outcome.case.surface else {
+        return Ok(None);
+    };
+    if !is_requested || case.recipe.gaussian().is_some() {
+        return Ok(None);
+    }
+    let samples = (0..outcome.surfaces.len() as u64)
+        .into_par_iter()
+        .map(|number| surfaces.slope_samples(outcome.seed, number))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(SimulateError::from)?;
+    let symmetry = match config.any_azimuth() {
+        true => SlopeSymmetry::Turned,
+        false => SlopeSymmetry::None,
+    };
+    let tables = SlopeTables::new(&samples, symmetry).map_err(ModelError::from)?;
+    Ok(Some(tables))
+}
+
 /// The comparison of one case with every model.
 fn judge(
     config: &VerifyConfig,
@@ -274,15 +303,21 @@ fn judge(
     outcome: Outcome,
 ) -> Result<CaseOutcome, VerifyError> {
     let free_azimuth = config.free_azimuth(&case);
+    let tables = slope_tables(config, &case, &outcome)?;
+    let mut surface = case.modelled();
+    if let (Some(tables), Ok(slopes)) = (&tables, &surface.slopes) {
+        surface.slopes = Ok(tables.distribution(slopes.covariance()));
+    }
     let compared = Compared {
         config: &config.compare,
         seed: config.run.seed,
         spec: outcome.statistics.spec(),
         incidence: case.incidence,
         free_azimuth,
-        surface: case.modelled(),
+        surface,
         outcome: &outcome,
         regions: None,
+        tables: tables.as_ref(),
     };
     let (models, tests) = compare_models(&compared)?;
     let level = sidak_level(config.compare.level, tests.max(1));

@@ -46,6 +46,7 @@ mod region_slopes;
 mod resampling;
 mod roughness;
 mod slope_moments;
+mod slope_samples;
 mod spline;
 mod synthesis;
 

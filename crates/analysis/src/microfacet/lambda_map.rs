@@ -25,8 +25,8 @@ impl MapSize {
     };
     /// For differences between nearly equal tables.
     pub(crate) const COARSE: Self = Self {
-        azimuths: 48,
-        thresholds: 48,
+        azimuths: 24,
+        thresholds: 32,
     };
 }
 

@@ -155,6 +155,16 @@ impl SlopeGrid {
         Some(of_axis(1)? * self.size()[0] + of_axis(0)?)
     }
 
+    /// How many of `slopes` are in each cell, along x within along y. Those outside are left out.
+    #[must_use]
+    pub fn weights(&self, slopes: impl IntoIterator<Item = [f64; 2]>) -> Vec<f64> {
+        let mut weights = vec![0.0; self.len()];
+        for cell in slopes.into_iter().filter_map(|slope| self.cell_of(slope)) {
+            weights[cell] += 1.0;
+        }
+        weights
+    }
+
     /// Lower and upper corner of the cell of number `cell`.
     #[must_use]
     pub(crate) fn corners(&self, cell: usize) -> [DVec2; 2] {

@@ -74,7 +74,7 @@ impl SlopeTable {
             .map(|s| [s[0] - mean[0], s[1] - mean[1]])
             .collect();
         let grid = SlopeGrid::covering(&level)?;
-        let weights = weights_of(&grid, &level);
+        let weights = grid.weights(level);
         Self::new(grid, &weights)
     }
 
@@ -200,16 +200,6 @@ impl SlopeTable {
         }
         sum.max(0.0)
     }
-}
-
-/// Weights of the cells of `grid`, one for each slope in them.
-#[must_use]
-pub(crate) fn weights_of(grid: &SlopeGrid, slopes: &[[f64; 2]]) -> Vec<f64> {
-    let mut weights = vec![0.0; grid.len()];
-    for cell in slopes.iter().filter_map(|&slope| grid.cell_of(slope)) {
-        weights[cell] += 1.0;
-    }
-    weights
 }
 
 fn sums_before(grid: &SlopeGrid, mass: &[f64]) -> Vec<[f64; 2]> {

@@ -131,6 +131,30 @@ impl RandomSurfaces {
         }
     }
 
+    /// Slopes of equal areas of one surface as light meets it: of its facets, or of places of its smooth cells.
+    ///
+    /// # Errors
+    /// As [`Synthesis::draw`].
+    pub fn slope_samples(
+        &self,
+        seed: u64,
+        realisation: u64,
+    ) -> Result<Vec<[f64; 2]>, SynthesisError> {
+        let whole = [1, 1];
+        let samples = match self {
+            Self::Flat(synthesis) => synthesis.draw(seed, realisation)?.slope_samples(whole),
+            Self::Smooth(synthesis) => synthesis.draw(seed, realisation)?.slope_samples(whole),
+            Self::Fields(fields) => {
+                let field = fields.synthesis.draw(seed, realisation)?;
+                match fields.cells {
+                    Cells::Flat => field.slope_samples(whole),
+                    Cells::Smooth => SplineSurface::through(&field).slope_samples(whole),
+                }
+            }
+        };
+        Ok(samples.concat())
+    }
+
     /// Heights of one surface, for a picture: those of its grid, or of one up to four times as fine where cells are smooth, of at
     /// most 512 samples per side.
     ///

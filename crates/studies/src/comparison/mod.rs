@@ -13,3 +13,4 @@ pub(crate) mod peak;
 mod ray_counts;
 pub(crate) mod region_shifts;
 pub(crate) mod side_difference;
+pub(crate) mod slope_tables;

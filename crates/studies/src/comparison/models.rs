@@ -15,8 +15,10 @@ use crate::comparison::error::CompareError;
 use crate::comparison::ray_counts::RayCounts;
 use crate::comparison::region_shifts::RegionShifts;
 use crate::comparison::side_difference::{SideDifference, side_differences};
+use crate::comparison::slope_tables::SlopeTables;
 use crate::config::CompareConfig;
 use crate::config::case_model::{CaseModel, ModelledSurface};
+use crate::config::error::ConfigError;
 
 /// Batches of a sampled model that is compared with a single surface.
 pub(crate) const BATCHES_WITHOUT_SURFACES: u64 = 16;
@@ -141,6 +143,8 @@ pub(crate) struct Compared<'a> {
     pub(crate) outcome: &'a Outcome,
     /// Slopes of the regions of a given surface, which take the place of surfaces.
     pub(crate) regions: Option<&'a RegionShifts>,
+    /// Slopes of surfaces or regions, where models are made for a table of them.
+    pub(crate) tables: Option<&'a SlopeTables>,
 }
 
 impl Compared<'_> {
@@ -162,7 +166,11 @@ impl Compared<'_> {
         };
         let expect = |model: &CaseModel| model.expect(self.incidence, self.spec, azimuth, effort);
         let expectation = expect(&model);
+        let is_tabulated = model
+            .density()
+            .is_some_and(|density| density.tabulated().is_some());
         let tallies = match (self.regions, &model) {
+            _ if is_tabulated => Cow::Owned(self.less_tabulated()?),
             // Models of layers between flat faces know of no slopes.
             (Some(regions), CaseModel::Surface(_)) => {
                 let derivatives = regions.derivatives(|slopes| {
@@ -191,6 +199,20 @@ impl Compared<'_> {
             total: total?,
             expectation,
             model,
+        })
+    }
+
+    /// The tallies of surfaces or regions less what their own tables of slopes explain.
+    fn less_tabulated(&self) -> Result<Vec<TallyValues>, CompareError> {
+        let tallies = &self.outcome.surfaces;
+        let Some(tables) = self.tables else {
+            return Ok(tallies.clone());
+        };
+        let adjusted = tables.adjusted(tallies, self.surface.material, self.incidence);
+        let adjusted = adjusted.map_err(ConfigError::from)?;
+        Ok(match self.regions {
+            Some(regions) => regions.stretched(tallies, adjusted),
+            None => adjusted,
         })
     }
 

@@ -124,7 +124,15 @@ impl RegionShifts {
             }
             left
         });
-        let mut adjusted: Vec<TallyValues> = less_explained.collect();
+        self.stretched(tallies, less_explained.collect())
+    }
+
+    /// `adjusted`, which have the mean of `tallies`, with their deviations from it stretched.
+    pub(crate) fn stretched(
+        &self,
+        tallies: &[TallyValues],
+        mut adjusted: Vec<TallyValues>,
+    ) -> Vec<TallyValues> {
         let Some(first) = tallies.first() else {
             return adjusted;
         };

@@ -2,7 +2,7 @@
 
 use asperity_analysis::{
     BsdfModel, Expectation, FlatLayer, LayerPaths, MODEL_NAMES, ModelError, SamplingEffort,
-    ScatteringModel, Scope, SlopeCovariance, SlopeError, create_model, expect,
+    ScatteringModel, Scope, SlopeCovariance, SlopeDistribution, SlopeError, create_model, expect,
 };
 use asperity_optics::{Incidence, Layer, Material};
 use asperity_tally::{Azimuth, Component, Sides, TallySpec};
@@ -10,21 +10,22 @@ use asperity_tally::{Azimuth, Component, Sides, TallySpec};
 use crate::config::error::ConfigError;
 
 /// What a model is made for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ModelledSurface {
     /// Its slopes, if they have a density.
-    pub(crate) slopes: Result<SlopeCovariance, SlopeError>,
+    pub(crate) slopes: Result<SlopeDistribution, SlopeError>,
     pub(crate) material: Material,
     /// What lies below, if there is anything.
     pub(crate) layer: Option<Layer>,
 }
 
 impl ModelledSurface {
-    /// The same with other slopes.
-    pub(crate) const fn with_slopes(self, slopes: SlopeCovariance) -> Self {
+    /// The same with Gaussian slopes of this covariance.
+    pub(crate) const fn with_slopes(&self, slopes: SlopeCovariance) -> Self {
         Self {
-            slopes: Ok(slopes),
-            ..self
+            slopes: Ok(SlopeDistribution::Gaussian(slopes)),
+            material: self.material,
+            layer: self.layer,
         }
     }
 }
@@ -57,7 +58,7 @@ impl CaseModel {
                 "the model {name} describes a medium below the surface, but there is none"
             )),
             _ => {
-                let slopes = surface.slopes.map_err(ModelError::from)?;
+                let slopes = surface.slopes.clone().map_err(ModelError::from)?;
                 Ok(Self::Surface(create_model(name, slopes, surface.material)?))
             }
         }

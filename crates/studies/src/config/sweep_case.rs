@@ -86,7 +86,7 @@ impl SweepCase {
     /// What models of the case are made for.
     pub(crate) fn modelled(&self) -> ModelledSurface {
         ModelledSurface {
-            slopes: slopes(&self.recipe),
+            slopes: slopes(&self.recipe).map(Into::into),
             material: self.material,
             layer: self.layer,
         }

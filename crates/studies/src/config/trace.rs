@@ -140,7 +140,7 @@ impl TraceConfig {
             return refused("they are made for unpolarised light; leave out stokes, or the models");
         }
         let any = ModelledSurface {
-            slopes: SlopeCovariance::isotropic(1.0),
+            slopes: SlopeCovariance::isotropic(1.0).map(Into::into),
             material,
             layer,
         };

@@ -271,7 +271,9 @@ fn model_points(
     model: &ModelOutcome,
     side: Side,
 ) -> Vec<Point> {
-    let Some(density) = model.model.density() else {
+    let density = model.model.density();
+    // A histogram of slopes has a jump at every cell, which bins average.
+    let Some(density) = density.filter(|density| density.tabulated().is_none()) else {
         let component = match model.model {
             CaseModel::Surface(_) => Component::All,
             CaseModel::Layer(_) => model.judged_component(),

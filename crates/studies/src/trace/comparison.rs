@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod tests;
 
-use asperity_analysis::{ModelError, sidak_level};
+use asperity_analysis::{ModelError, SlopeDistribution, SlopeTableError, SmithSlopes, sidak_level};
 use asperity_simulate::{
     Case, Effort, Estimator, Observer, Outcome, Settings, Shape, SimulateError, Simulation,
     SurfaceSource, short,
@@ -20,6 +20,7 @@ use crate::comparison::compared_case::ComparedCase;
 use crate::comparison::json::ComparisonJson;
 use crate::comparison::models::{Compared, ModelOutcome, compare_models};
 use crate::comparison::region_shifts::RegionShifts;
+use crate::comparison::slope_tables::{SlopeSymmetry, SlopeTables};
 use crate::config::CompareConfig;
 use crate::config::case_model::ModelledSurface;
 use crate::config::error::ConfigError;
@@ -52,6 +53,18 @@ pub struct TraceComparison {
 pub(super) struct Slopes {
     pub(super) plan: RegionPlan,
     pub(super) shifts: RegionShifts,
+    /// Slopes of any density, if a model is made of them.
+    pub(super) tables: Option<SlopeTables>,
+}
+
+impl Slopes {
+    fn distribution(&self) -> SlopeDistribution {
+        let covariance = self.shifts.covariance();
+        match &self.tables {
+            Some(tables) => tables.distribution(covariance),
+            None => covariance.into(),
+        }
+    }
 }
 
 /// A comparison, checked and ready to be run after the surface is traced.
@@ -97,6 +110,12 @@ impl PlannedComparison {
         let shifts = RegionShifts::new(&centred(field.border(), found), plan.widths())
             .map_err(ModelError::from)
             .map_err(ConfigError::from)?;
+        let tabulates = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
+        let tables = tabulates.then(|| tables(field, &case.surface, regions));
+        let tables = tables
+            .transpose()
+            .map_err(ModelError::from)
+            .map_err(ConfigError::from)?;
         let settings = Settings {
             regions: Some(plan.regions),
             estimator: Estimator::Plain,
@@ -107,7 +126,11 @@ impl PlannedComparison {
         Ok(Some(Self {
             config: config.compare.clone(),
             seed: config.run.seed,
-            slopes: Slopes { plan, shifts },
+            slopes: Slopes {
+                plan,
+                shifts,
+                tables,
+            },
             simulation: Simulation::new(std::slice::from_ref(case), &settings)?,
             case: case.clone(),
             settings,
@@ -148,12 +171,13 @@ impl PlannedComparison {
             incidence: self.case.light.incidence,
             free_azimuth: false,
             surface: ModelledSurface {
-                slopes: Ok(self.slopes.shifts.covariance()),
+                slopes: Ok(self.slopes.distribution()),
                 material: self.case.material,
                 layer: self.case.layer.map(|below| below.layer),
             },
             outcome: &outcome,
             regions: Some(&self.slopes.shifts),
+            tables: self.slopes.tables.as_ref(),
         };
         let (models, tests) = compare_models(&compared)?;
         observer.end();
@@ -184,6 +208,23 @@ fn slope_warnings(field: &HeightField, regions: &[RegionSlopes]) -> Vec<String> 
         ));
     }
     warnings
+}
+
+/// The slopes of the regions of a surface, as light meets it.
+fn tables(
+    field: &HeightField,
+    surface: &SurfaceSource,
+    regions: [usize; 2],
+) -> Result<SlopeTables, SlopeTableError> {
+    let samples = match surface {
+        SurfaceSource::Given(Shape::Smooth { top, .. }) => top.spline().slope_samples(regions),
+        _ => field.slope_samples(regions),
+    };
+    let symmetry = match field.border() {
+        Border::Mirrored => SlopeSymmetry::Mirrored,
+        Border::Periodic | Border::Open => SlopeSymmetry::None,
+    };
+    SlopeTables::new(&samples, symmetry)
 }
 
 /// The regions with second moments about the mean slope of the surface. Images of a mirrored tile have slopes of both signs: their
@@ -233,13 +274,20 @@ impl TraceComparison {
     /// As summary.json holds it.
     pub(super) fn to_json(&self) -> Value {
         let mut value = json!(ComparisonJson::of(self.compared()));
-        let Slopes { plan, shifts } = &self.slopes;
+        let Slopes {
+            plan,
+            shifts,
+            tables,
+        } = &self.slopes;
         let [xx, xy, yy] = shifts.elements();
         value["slopes"] = json!({
             "variance_x": xx,
             "covariance": xy,
             "variance_y": yy,
         });
+        if let Some(tables) = tables {
+            value["slopes"]["table_cells"] = json!(tables.size());
+        }
         value["regions"] = json!({
             "columns": plan.regions.columns,
             "rows": plan.regions.rows,

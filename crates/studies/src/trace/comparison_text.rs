@@ -35,11 +35,21 @@ pub(super) fn comparison_text(outcome: &TraceOutcome, comparison: &TraceComparis
 
 /// What models are made for, and where errors come from.
 fn slopes_line(comparison: &TraceComparison) -> String {
-    let Slopes { plan, shifts } = comparison.slopes();
+    let Slopes {
+        plan,
+        shifts,
+        tables,
+    } = comparison.slopes();
     let [xx, xy, yy] = shifts.elements().map(with_error);
     let [wide, deep] = plan.widths().map(|width| format!("{width:.1}"));
+    let of_table = tables.as_ref().map_or_else(String::new, |tables| {
+        let [nx, ny] = tables.size();
+        format!(
+            "; smith-slopes has their histogram, in {nx} x {ny} cells, and its errors include those of the histogram"
+        )
+    });
     format!(
-        "models have the slopes of this surface: variance {xx} along x, {yy} along y, covariance {xy}; errors are those of the ensemble that it may come from, by the scatter between {} x {} regions of {wide} x {deep} correlation lengths, increased by {:.0} % since neighbouring regions are correlated; {} rays fall on them",
+        "models have the slopes of this surface: variance {xx} along x, {yy} along y, covariance {xy}; errors are those of the ensemble that it may come from, by the scatter between {} x {} regions of {wide} x {deep} correlation lengths, increased by {:.0} % since neighbouring regions are correlated; {} rays fall on them{of_table}",
         plan.regions.columns,
         plan.regions.rows,
         100.0 * (shifts.stretch() - 1.0),

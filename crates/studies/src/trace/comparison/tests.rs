@@ -81,6 +81,54 @@ fn true_models_are_rejected_as_often_as_their_level_says() {
     }
 }
 
+/// Peaks and flat valleys: the exponential of a Gaussian surface, whose slopes are not Gaussian, and so gentle that hardly any is shadowed.
+fn log_normal(seed: u64) -> GivenSurface {
+    let mut surface = isotropic(8.0, seed);
+    let GivenShape::Field(field) = &surface.shape else {
+        panic!("a height field");
+    };
+    let heights = field.heights().iter().map(|h| 0.05 * (2.0 * h).exp());
+    surface.shape = GivenShape::Field(field.with_heights(heights.collect()).unwrap());
+    surface
+}
+
+/// As [`true_models_are_rejected_as_often_as_their_level_says`], of surfaces with any slopes: errors include those of the table of slopes.
+/// Smith's model of Gaussian slopes is right for one of them and wrong for the other.
+#[test]
+fn slopes_of_any_density_are_rejected_as_often_as_their_level_says() {
+    const SEEDS: u64 = 20;
+    let of_seed = |seed: u64| {
+        let surface = match seed % 2 {
+            0 => isotropic(SMOOTH, seed),
+            _ => log_normal(seed),
+        };
+        let cells = ["flat", "smooth"][seed as usize / 2 % 2];
+        let models = "models = [\"smith-slopes\", \"smith\"]";
+        let settings = format!("[surface]\ncells = \"{cells}\"\n{MIRROR}{models}");
+        p_values(&run(planned(surface, &settings)))
+    };
+    let p: Vec<Vec<f64>> = (0..SEEDS).map(of_seed).collect();
+    println!("{p:?}");
+    for level in [0.01, 0.05, 0.2, 0.5] {
+        let rejected = p.iter().filter(|p| p[0] < level).count() as f64;
+        let due = SEEDS as f64 * level;
+        println!("{rejected} below {level}, {due} due");
+        assert!(
+            rejected <= due + 4.0 * due.sqrt(),
+            "{rejected} below {level}"
+        );
+    }
+    let wrong = |first: usize| {
+        p.iter()
+            .skip(first)
+            .step_by(2)
+            .filter(|p| p[1] < 0.01)
+            .count()
+    };
+    println!("smith: {} of Gaussian, {} of others", wrong(0), wrong(1));
+    assert!(wrong(0) <= 2 && wrong(1) == 10);
+}
+
 /// Slope variances off by 20 %: light scattered once deviates by some 10 % in the ring of the steepest facets.
 #[test]
 fn models_of_other_slopes_are_rejected() {
@@ -90,7 +138,7 @@ fn models_of_other_slopes_are_rejected() {
             panic!("a height field");
         };
         let mut planned = planned(surface, &format!("{MIRROR}models = \"smith\""));
-        let Slopes { plan, shifts } = &mut planned.comparison.as_mut().unwrap().slopes;
+        let Slopes { plan, shifts, .. } = &mut planned.comparison.as_mut().unwrap().slopes;
         let mut regions = centred(field.border(), field.region_slopes([8, 8]));
         assert_eq!([plan.regions.columns, plan.regions.rows], [8, 8]);
         for region in &mut regions {

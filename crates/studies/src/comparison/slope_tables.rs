@@ -1,0 +1,171 @@
+//! Slope tables: slopes of any density of surfaces, or of the regions of one, for models made of them.
+//!
+//! The table that a model is made of is an estimate, from the very surfaces that it is compared with. What the slopes of
+//! each surface explain of its light is taken from its tally: the change of the model if that surface alone is left out of the table, times the
+//! number of the others. The mean stays as it is, since the changes sum up to zero, and what is left of the scatter is the error of the difference
+//! between light and model, with that of the table in it.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use asperity_analysis::{
+    ModelError, SlopeCovariance, SlopeDistribution, SlopeGrid, SlopeTable, SlopeTableError,
+    region_influence,
+};
+use asperity_optics::{Incidence, Material};
+use asperity_tally::{TallySpec, TallyValues};
+
+/// Azimuths that a slope is turned to where light comes from any.
+const TURNS: usize = 8;
+
+/// The golden angle, in turns: azimuths of one slope after another fill the circle evenly.
+const GOLDEN: f64 = 0.381_966_011_250_105;
+
+/// Slopes that count as much as those that are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SlopeSymmetry {
+    /// None but those.
+    None,
+    /// Images in both axes, as of mirrored tiles.
+    Mirrored,
+    /// The same at any azimuth, as light from any meets them.
+    Turned,
+}
+
+/// The slopes of surfaces, or of regions of one, in a table.
+#[derive(Clone, Debug)]
+pub(crate) struct SlopeTables {
+    table: Arc<SlopeTable>,
+    /// Weights of the cells of the table by each surface or region, whose sum is one.
+    weights: Vec<Vec<f64>>,
+}
+
+impl SlopeTables {
+    /// `samples`: slopes of equal areas of each surface or region.
+    ///
+    /// # Errors
+    /// [`SlopeTableError`] without slopes.
+    pub(crate) fn new(
+        samples: &[Vec<[f64; 2]>],
+        symmetry: SlopeSymmetry,
+    ) -> Result<Self, SlopeTableError> {
+        let level = level(samples);
+        let all: Vec<[f64; 2]> = level.iter().flat_map(|s| images(s, symmetry)).collect();
+        let grid = SlopeGrid::covering(&all)?;
+        drop(all);
+        let weights: Vec<Vec<f64>> = level
+            .iter()
+            .map(|samples| {
+                let mut weights = grid.weights(images(samples, symmetry));
+                let sum = weights.iter().sum::<f64>().max(1.0);
+                weights.iter_mut().for_each(|weight| *weight /= sum);
+                weights
+            })
+            .collect();
+        let mut mean = vec![0.0; grid.len()];
+        for weights in &weights {
+            mean.iter_mut().zip(weights).for_each(|(a, b)| *a += b);
+        }
+        let table = Arc::new(SlopeTable::new(grid, &mean)?);
+        Ok(Self { table, weights })
+    }
+
+    /// The slopes of all, with their `covariance`.
+    pub(crate) fn distribution(&self, covariance: SlopeCovariance) -> SlopeDistribution {
+        SlopeDistribution::Table {
+            table: Arc::clone(&self.table),
+            covariance,
+        }
+    }
+
+    /// Cells of the table along x and y.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        self.table.grid().size()
+    }
+
+    /// The tallies less what the slopes of each explain.
+    pub(crate) fn adjusted(
+        &self,
+        tallies: &[TallyValues],
+        material: Material,
+        incidence: Incidence,
+    ) -> Result<Vec<TallyValues>, ModelError> {
+        // One alone explains nothing of a scatter.
+        let ([first, _, ..], [_, _, ..]) = (tallies, self.weights.as_slice()) else {
+            return Ok(tallies.to_vec());
+        };
+        let spec: &TallySpec = first.spec();
+        let explained = region_influence(&self.table, &self.weights, material, incidence, spec)?;
+        let pairs = tallies.iter().zip(&explained);
+        Ok(pairs
+            .map(|(tally, explained)| tally.zip_map(explained, |value, part| value - part))
+            .collect())
+    }
+}
+
+/// Slopes less the mean of all.
+fn level(samples: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+    let count = samples.iter().map(Vec::len).sum::<usize>().max(1) as f64;
+    let mean = [0, 1].map(|k| samples.iter().flatten().map(|s| s[k]).sum::<f64>() / count);
+    let level = |s: &[f64; 2]| [s[0] - mean[0], s[1] - mean[1]];
+    let of_one = |samples: &Vec<[f64; 2]>| samples.iter().map(level).collect();
+    samples.iter().map(of_one).collect()
+}
+
+/// All slopes that these stand for.
+fn images(
+    samples: &[[f64; 2]],
+    symmetry: SlopeSymmetry,
+) -> impl Iterator<Item = [f64; 2]> + use<'_> {
+    let count = match symmetry {
+        SlopeSymmetry::None => 1,
+        SlopeSymmetry::Mirrored => 4,
+        SlopeSymmetry::Turned => TURNS,
+    };
+    samples.iter().enumerate().flat_map(move |(i, &[x, y])| {
+        (0..count).map(move |k| match symmetry {
+            SlopeSymmetry::None => [x, y],
+            SlopeSymmetry::Mirrored => {
+                [if k % 2 == 0 { x } else { -x }, if k < 2 { y } else { -y }]
+            }
+            SlopeSymmetry::Turned => {
+                let turn = (i as f64 * GOLDEN).fract() + k as f64 / TURNS as f64;
+                let (sin, cos) = (TAU * turn).sin_cos();
+                [cos * x - sin * y, sin * x + cos * y]
+            }
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn samples() -> Vec<Vec<[f64; 2]>> {
+        let one = |k: i32| {
+            let slope = |i: i32| {
+                let u = f64::from(i) / 100.0;
+                [0.1 * f64::from(k) + u * u, (7.0 * u).sin() * 0.3]
+            };
+            (0..100).map(slope).collect()
+        };
+        (0..4).map(one).collect()
+    }
+
+    #[test]
+    fn symmetries_keep_what_they_must() {
+        let of = |symmetry| {
+            let tables = SlopeTables::new(&samples(), symmetry).unwrap();
+            (tables.table.mean(), tables.table.second_moments())
+        };
+        // Means of the slopes are taken off; cells of a 32nd of the spread move means by less than a tenth of that.
+        let (mean, [xx, xy, yy]) = of(SlopeSymmetry::None);
+        assert!(mean.iter().all(|m| m.abs() < 3e-3), "{mean:?}");
+        let (_, mirrored) = of(SlopeSymmetry::Mirrored);
+        assert!(xy.abs() > 0.01 && mirrored[1].abs() < 1e-12);
+        assert!((mirrored[0] / xx - 1.0).abs() < 2e-3 && (mirrored[2] / yy - 1.0).abs() < 2e-3);
+        let (_, turned) = of(SlopeSymmetry::Turned);
+        assert!((turned[0] / turned[2] - 1.0).abs() < 2e-3 && turned[1].abs() < 1e-3 * xx);
+        assert!(((turned[0] + turned[2]) / (xx + yy) - 1.0).abs() < 2e-3);
+    }
+}
