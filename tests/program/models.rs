@@ -19,6 +19,7 @@ fn every_model_says_where_it_holds() {
         "xu-sun-mc-smith",
         "smith",
         "smith-separable",
+        "smith-slopes",
         "heitz",
         "heitz-polarised",
         "v-cavity",
@@ -29,7 +30,7 @@ fn every_model_says_where_it_holds() {
     ] {
         assert!(text.lines().any(|line| line == name), "{name} in {text}");
     }
-    assert_eq!(text.matches("\n  for ").count(), 12);
+    assert_eq!(text.matches("\n  for ").count(), 13);
 }
 
 #[test]

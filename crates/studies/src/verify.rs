@@ -292,7 +292,8 @@ fn slope_tables(
         true => SlopeSymmetry::Turned,
         false => SlopeSymmetry::None,
     };
-    let tables = SlopeTables::new(&samples, symmetry).map_err(ModelError::from)?;
+    let tables =
+        SlopeTables::new(&samples, symmetry, outcome.case.light.from).map_err(ModelError::from)?;
     Ok(Some(tables))
 }
 

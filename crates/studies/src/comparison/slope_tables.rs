@@ -14,6 +14,7 @@ use asperity_analysis::{
 };
 use asperity_optics::{Incidence, Material};
 use asperity_tally::{TallySpec, TallyValues};
+use asperity_tracer::HalfSpace;
 
 /// Azimuths that a slope is turned to where light comes from any.
 const TURNS: usize = 8;
@@ -41,15 +42,16 @@ pub(crate) struct SlopeTables {
 }
 
 impl SlopeTables {
-    /// `samples`: slopes of equal areas of each surface or region.
+    /// `samples`: slopes of equal areas of each surface or region. `from`: where light comes from; from below, the surface is upside down.
     ///
     /// # Errors
     /// [`SlopeTableError`] without slopes.
     pub(crate) fn new(
         samples: &[Vec<[f64; 2]>],
         symmetry: SlopeSymmetry,
+        from: HalfSpace,
     ) -> Result<Self, SlopeTableError> {
-        let level = level(samples);
+        let level = level(samples, from.sign());
         let all: Vec<[f64; 2]> = level.iter().flat_map(|s| images(s, symmetry)).collect();
         let grid = SlopeGrid::covering(&all)?;
         drop(all);
@@ -103,11 +105,11 @@ impl SlopeTables {
     }
 }
 
-/// Slopes less the mean of all.
-fn level(samples: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+/// Slopes less the mean of all, times `sign`.
+fn level(samples: &[Vec<[f64; 2]>], sign: f64) -> Vec<Vec<[f64; 2]>> {
     let count = samples.iter().map(Vec::len).sum::<usize>().max(1) as f64;
     let mean = [0, 1].map(|k| samples.iter().flatten().map(|s| s[k]).sum::<f64>() / count);
-    let level = |s: &[f64; 2]| [s[0] - mean[0], s[1] - mean[1]];
+    let level = |s: &[f64; 2]| [0, 1].map(|k| sign * (s[k] - mean[k]));
     let of_one = |samples: &Vec<[f64; 2]>| samples.iter().map(level).collect();
     samples.iter().map(of_one).collect()
 }
@@ -139,6 +141,8 @@ fn images(
 
 #[cfg(test)]
 mod tests {
+    use asperity_optics::from_spherical;
+
     use super::*;
 
     fn samples() -> Vec<Vec<[f64; 2]>> {
@@ -155,7 +159,7 @@ mod tests {
     #[test]
     fn symmetries_keep_what_they_must() {
         let of = |symmetry| {
-            let tables = SlopeTables::new(&samples(), symmetry).unwrap();
+            let tables = SlopeTables::new(&samples(), symmetry, HalfSpace::Above).unwrap();
             (tables.table.mean(), tables.table.second_moments())
         };
         // Means of the slopes are taken off; cells of a 32nd of the spread move means by less than a tenth of that.
@@ -167,5 +171,18 @@ mod tests {
         let (_, turned) = of(SlopeSymmetry::Turned);
         assert!((turned[0] / turned[2] - 1.0).abs() < 2e-3 && turned[1].abs() < 1e-3 * xx);
         assert!(((turned[0] + turned[2]) / (xx + yy) - 1.0).abs() < 2e-3);
+    }
+
+    /// Light from below that comes from an azimuth meets slopes of the other sign.
+    #[test]
+    fn surfaces_are_upside_down_from_below() {
+        let of = |from| {
+            let tables = SlopeTables::new(&samples(), SlopeSymmetry::None, from).unwrap();
+            tables.table
+        };
+        let (above, below) = (of(HalfSpace::Above), of(HalfSpace::Below));
+        let [w, opposite] = [0.0, std::f64::consts::PI].map(|phi| from_spherical(1.2, phi));
+        assert!((above.lambda(w) / below.lambda(opposite) - 1.0).abs() < 1e-9);
+        assert!((above.lambda(w) / below.lambda(w) - 1.0).abs() > 0.1);
     }
 }

@@ -111,7 +111,7 @@ impl PlannedComparison {
             .map_err(ModelError::from)
             .map_err(ConfigError::from)?;
         let tabulates = config.compare.models.iter().any(|m| m == SmithSlopes::NAME);
-        let tables = tabulates.then(|| tables(field, &case.surface, regions));
+        let tables = tabulates.then(|| tables(field, case, regions));
         let tables = tables
             .transpose()
             .map_err(ModelError::from)
@@ -213,10 +213,10 @@ fn slope_warnings(field: &HeightField, regions: &[RegionSlopes]) -> Vec<String> 
 /// The slopes of the regions of a surface, as light meets it.
 fn tables(
     field: &HeightField,
-    surface: &SurfaceSource,
+    case: &Case,
     regions: [usize; 2],
 ) -> Result<SlopeTables, SlopeTableError> {
-    let samples = match surface {
+    let samples = match &case.surface {
         SurfaceSource::Given(Shape::Smooth { top, .. }) => top.spline().slope_samples(regions),
         _ => field.slope_samples(regions),
     };
@@ -224,7 +224,7 @@ fn tables(
         Border::Mirrored => SlopeSymmetry::Mirrored,
         Border::Periodic | Border::Open => SlopeSymmetry::None,
     };
-    SlopeTables::new(&samples, symmetry)
+    SlopeTables::new(&samples, symmetry, case.light.from)
 }
 
 /// The regions with second moments about the mean slope of the surface. Images of a mirrored tile have slopes of both signs: their
