@@ -55,7 +55,8 @@ pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{
-    GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable, SumPsd,
+    EstimateError, GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable,
+    SumPsd,
 };
 pub use recipe::{
     Johnson, JohnsonError, JohnsonFamily, Provenance, StudentSlopes, SurfaceRecipe,

@@ -8,6 +8,6 @@ mod special;
 
 pub(crate) use self::curve::Curve;
 pub(crate) use self::hermite::HermiteSeries;
-pub(crate) use self::plane_fft::transform_plane;
+pub(crate) use self::plane_fft::{power_plane, transform_plane};
 pub(crate) use self::quadrature::{gauss_legendre, root};
 pub(crate) use self::special::{exponential_integral, ln_normal_cdf};

@@ -2,6 +2,7 @@
 
 mod axes;
 mod error;
+mod estimate;
 mod gaussian;
 mod matern;
 mod plane;
@@ -21,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use self::axes::Axes;
 use self::error::positive;
 pub use self::error::{PsdError, PsdTableError};
+pub use self::estimate::EstimateError;
 pub use self::gaussian::GaussianPsd;
 pub use self::plane::PlanePsd;
 pub(crate) use self::prepared::PreparedDensity;
@@ -332,6 +334,15 @@ impl Psd {
             Self::Gaussian(_) | Self::Sum(_) => None,
             Self::Radial(radial) => Some(radial.wavelengths_holding(fraction)),
             Self::Plane(plane) => Some(plane.wavelengths_holding(fraction)),
+        }
+    }
+
+    /// Spacing along x and y of the surface that it was measured on; `None` of all others.
+    #[must_use]
+    pub const fn sampled(&self) -> Option<[f64; 2]> {
+        match self {
+            Self::Plane(plane) => plane.sampled(),
+            _ => None,
         }
     }
 

@@ -445,7 +445,8 @@ fn check_resolution(
         let waves = part.wavelengths_holding(UNRESOLVED_SLOPES);
         for (i, (axis, n)) in [('x', nx), ('y', ny)].into_iter().enumerate() {
             let (spacing, length) = (spacing[i], lengths[i]);
-            if length < fewest * spacing {
+            let is_as_measured = part.sampled().is_some_and(|own| spacing <= own[i]);
+            if !is_as_measured && length < fewest * spacing {
                 return Err(SynthesisError::Unresolved {
                     axis,
                     length,
@@ -456,6 +457,7 @@ fn check_resolution(
             }
             let fewest_of_wave = SPACINGS_PER_WAVE * fewest;
             if let Some([wave_x, wave_y]) = waves
+                && !is_as_measured
                 && [wave_x, wave_y][i] < fewest_of_wave * spacing * (1.0 - 1e-9)
             {
                 let wavelength = [wave_x, wave_y][i];

@@ -6,7 +6,21 @@ use rustfft::{Fft, FftPlanner};
 
 /// The forward transform of real numbers that are the same at `r` and `-r`, rows of `nx`: real, and the same at `k` and `-k`. Not
 /// normalised; the inverse of such numbers is the same sum.
-pub(crate) fn transform_plane(numbers: &[f64], [ny, nx]: [usize; 2]) -> Vec<f64> {
+pub(crate) fn transform_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
+    of_transform(numbers, shape, |wave| wave.re)
+}
+
+/// Squared moduli of the forward transform of real numbers, rows of `nx`. Not normalised.
+pub(crate) fn power_plane(numbers: &[f64], shape: [usize; 2]) -> Vec<f64> {
+    of_transform(numbers, shape, |wave| wave.norm_sqr())
+}
+
+fn of_transform(
+    numbers: &[f64],
+    [ny, nx]: [usize; 2],
+    number: impl Fn(Complex<f64>) -> f64 + Sync,
+) -> Vec<f64> {
+    let number = &number;
     let complex = numbers.iter().map(|re| Complex { re: *re, im: 0.0 });
     let mut plane: Vec<Complex<f64>> = complex.collect();
     let mut planner = FftPlanner::new();
@@ -18,7 +32,7 @@ pub(crate) fn transform_plane(numbers: &[f64], [ny, nx]: [usize; 2]) -> Vec<f64>
     let turned = &turned;
     (0..ny)
         .into_par_iter()
-        .flat_map_iter(|iy| row(iy).map(|(ix, iy)| turned[ix * ny + iy].re))
+        .flat_map_iter(|iy| row(iy).map(move |(ix, iy)| number(turned[ix * ny + iy])))
         .collect()
 }
 

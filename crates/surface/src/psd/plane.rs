@@ -27,6 +27,9 @@ pub struct PlanePsd {
     density: Vec<f64>,
     /// Integral of the density over all wave vectors.
     total: f64,
+    /// Spacing along x and y of the surface that it was measured on, which resolves all that is known of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sampled: Option<[f64; 2]>,
 }
 
 /// Nodes and weights of the Gauss-Legendre rule of 3 points between 0 and 1.
@@ -53,6 +56,7 @@ impl PlanePsd {
             ky,
             density,
             total: 1.0,
+            sampled: None,
         };
         psd.check_table()?;
         psd.total = psd.integral(|_, _| 1.0);
@@ -68,6 +72,16 @@ impl PlanePsd {
         psd.axes = Axes::new(psd.lag_along(cos, sin), psd.lag_along(-sin, cos), azimuth);
         psd.along = [psd.lag_along(1.0, 0.0), psd.lag_along(0.0, 1.0)];
         Ok(psd)
+    }
+
+    /// The same, measured on a grid of this spacing along x and y.
+    pub(super) fn sampled_at(self, spacing: [f64; 2]) -> Self {
+        let sampled = Some(spacing);
+        Self { sampled, ..self }
+    }
+
+    pub(super) const fn sampled(&self) -> Option<[f64; 2]> {
+        self.sampled
     }
 
     fn check_table(&self) -> Result<(), PsdTableError> {
@@ -222,6 +236,7 @@ impl PlanePsd {
             ky: waves(&self.ky),
             density: self.density.clone(),
             total: self.total / (convert(1.0) * convert(1.0)),
+            sampled: self.sampled.map(|spacing| spacing.map(convert)),
         }
     }
 
@@ -234,7 +249,7 @@ impl PlanePsd {
 }
 
 /// The interval of ascending nodes in which `k` lies, and how far along it; `None` beyond them.
-fn place(nodes: &[f64], k: f64) -> Option<(usize, f64)> {
+pub(super) fn place(nodes: &[f64], k: f64) -> Option<(usize, f64)> {
     if !(k >= nodes[0] && k <= nodes[nodes.len() - 1]) {
         return None;
     }

@@ -28,7 +28,7 @@ pub const MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH: f64 = 2.5;
 ///
 /// // A correlation length of 4 spacings
 /// let psd = Psd::gaussian(1.0, 4.0)?;
-/// let splines = SplineSynthesis::new(psd, [64, 64], [1.0, 1.0], false)?;
+/// let splines = SplineSynthesis::new(psd.clone(), [64, 64], [1.0, 1.0], false)?;
 /// let spline = splines.draw(7, 0)?;
 ///
 /// let samples = Synthesis::new(psd, [64, 64], [1.0, 1.0], false)?.draw(7, 0)?;
