@@ -48,6 +48,7 @@ mod roughness;
 mod slope_moments;
 mod slope_samples;
 mod spline;
+mod structure;
 mod synthesis;
 
 pub use field_synthesis::{FieldSynthesis, Resolution};
@@ -69,6 +70,11 @@ pub use roughness::{
 };
 pub use slope_moments::SlopeMoments;
 pub use spline::{SplineRoughness, SplineSurface};
+pub use structure::{
+    Allowed, Arrangement, Cracks, GrooveProfile, Grooves, MAX_ADJUSTMENT, MAX_FEATURES,
+    MIN_SPACINGS_PER_WIDTH, Pyramids, Scratches, SphericalSegments, Structure, StructureError,
+    StructureStatistics, StructureSynthesis,
+};
 pub use synthesis::splines::{MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH, SplineSynthesis};
 pub use synthesis::{
     MAX_SAMPLES, MIN_CORRELATION_LENGTHS_PER_SIDE, MIN_SPACINGS_PER_CORRELATION_LENGTH, Synthesis,

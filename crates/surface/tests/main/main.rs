@@ -2,6 +2,7 @@
 
 mod roughness;
 mod spline;
+mod structures;
 mod student_slopes;
 mod synthesis;
 mod transformed_heights;
