@@ -19,5 +19,6 @@ mod polarised_paths;
 mod polarised_table;
 mod smooth;
 mod smooth_paths;
+mod structures;
 mod visibility;
 mod wavefront;
