@@ -35,6 +35,7 @@
 //! # }
 //! ```
 
+mod erosion;
 mod field_synthesis;
 mod form;
 mod height_field;
@@ -51,6 +52,7 @@ mod spline;
 mod structure;
 mod synthesis;
 
+pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};

@@ -1,0 +1,90 @@
+//! Erosion: processes that wear any surface.
+//!
+//! | process | file | what it does |
+//! |---|---|---|
+//! | isotropic etching | `etch` | removes all material within a depth of the surface: ridges stay sharp, valleys become round |
+//! | slipping | `slip` | moves material down slopes steeper than the angle of repose, until they are not |
+
+mod etch;
+mod neighbours;
+mod slip;
+
+use serde::{Deserialize, Serialize};
+
+use crate::{HeightField, HeightFieldError};
+
+pub use self::etch::{Etch, MAX_ETCH_SPACINGS};
+pub use self::slip::{MAX_SLIP_STEPS, Slip};
+
+/// A process that wears a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Erosion {
+    /// Isotropic etching.
+    Etch(Etch),
+    /// Slipping of material on steep slopes.
+    Slip(Slip),
+}
+
+/// Why a surface cannot be eroded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ErosionError {
+    /// The depth of etching is zero, negative or not finite.
+    #[error("the depth of etching is {0}; it must be positive and finite")]
+    BadDepth(f64),
+    /// The depth of etching spans too many spacings.
+    #[error(
+        "the depth of etching, {depth}, is more than {MAX_ETCH_SPACINGS} spacings; up to {most} is allowed on this grid"
+    )]
+    TooDeep {
+        /// The depth, length units.
+        depth: f64,
+        /// Largest depth on the grid, length units.
+        most: f64,
+    },
+    /// The slope of repose is negative or not finite.
+    #[error("the slope of repose is {0}; it must be 0 or more and finite")]
+    BadSlope(f64),
+    /// The number of steps is out of range.
+    #[error("the number of steps is {steps}; it must be from 1 to {MAX_SLIP_STEPS}")]
+    BadSteps {
+        /// The number of steps.
+        steps: u32,
+    },
+    /// A height is too large after the process.
+    #[error(transparent)]
+    HeightField(#[from] HeightFieldError),
+}
+
+impl Erosion {
+    /// The surface after the process; grid, unit, border and provenance stay.
+    ///
+    /// Beyond a periodic or mirrored border lies what it says; beyond an open one, nothing.
+    ///
+    /// # Errors
+    /// [`ErosionError`] if a parameter is out of range.
+    ///
+    /// # Examples
+    /// ```
+    /// use asperity_surface::{Erosion, Etch, HeightField};
+    ///
+    /// // A peak of height 5 on a plane
+    /// let mut heights = vec![0.0; 16 * 16];
+    /// heights[8 * 16 + 8] = 5.0;
+    /// let field = HeightField::new(heights, [16, 16], [1.0, 1.0])?;
+    /// let etched = Erosion::Etch(Etch { depth: 1.5 }).of(&field)?;
+    /// // The plane sinks by the depth, and acid from all sides has taken the peak.
+    /// assert_eq!(etched.height(0, 0), -1.5);
+    /// assert!(etched.height(8, 8) < 0.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of(&self, field: &HeightField) -> Result<HeightField, ErosionError> {
+        let heights = match self {
+            Self::Etch(etch) => etch.heights(field)?,
+            Self::Slip(slip) => slip.heights(field)?,
+        };
+        Ok(field.with_heights(heights)?)
+    }
+}
