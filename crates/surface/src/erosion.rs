@@ -5,16 +5,18 @@
 //! | isotropic etching | `etch` | removes all material within a depth of the surface: ridges stay sharp, valleys become round |
 //! | slipping | `slip` | moves material down slopes steeper than the angle of repose, until they are not |
 
+mod error;
 mod etch;
 mod neighbours;
 mod slip;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{HeightField, HeightFieldError};
+use crate::HeightField;
 
-pub use self::etch::{Etch, MAX_ETCH_SPACINGS};
-pub use self::slip::{MAX_SLIP_STEPS, Slip};
+pub use self::error::{ErosionError, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS};
+pub use self::etch::Etch;
+pub use self::slip::Slip;
 
 /// A process that wears a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,37 +27,6 @@ pub enum Erosion {
     Etch(Etch),
     /// Slipping of material on steep slopes.
     Slip(Slip),
-}
-
-/// Why a surface cannot be eroded.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ErosionError {
-    /// The depth of etching is zero, negative or not finite.
-    #[error("the depth of etching is {0}; it must be positive and finite")]
-    BadDepth(f64),
-    /// The depth of etching spans too many spacings.
-    #[error(
-        "the depth of etching, {depth}, is more than {MAX_ETCH_SPACINGS} spacings; up to {most} is allowed on this grid"
-    )]
-    TooDeep {
-        /// The depth, length units.
-        depth: f64,
-        /// Largest depth on the grid, length units.
-        most: f64,
-    },
-    /// The slope of repose is negative or not finite.
-    #[error("the slope of repose is {0}; it must be 0 or more and finite")]
-    BadSlope(f64),
-    /// The number of steps is out of range.
-    #[error("the number of steps is {steps}; it must be from 1 to {MAX_SLIP_STEPS}")]
-    BadSteps {
-        /// The number of steps.
-        steps: u32,
-    },
-    /// A height is too large after the process.
-    #[error(transparent)]
-    HeightField(#[from] HeightFieldError),
 }
 
 impl Erosion {

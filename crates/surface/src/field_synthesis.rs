@@ -1,9 +1,11 @@
 //! Field synthesis: draws random surfaces of any recipe as heights on a grid.
 
 mod centred;
+mod structured;
 mod student;
 mod transformed;
 
+use self::structured::StructuredSynthesis;
 use self::student::StudentSynthesis;
 use self::transformed::TransformedSynthesis;
 use crate::synthesis::splines::MIN_SPLINE_SPACINGS_PER_CORRELATION_LENGTH;
@@ -59,6 +61,7 @@ enum Drawer {
     Gaussian(Box<Synthesis>),
     Transformed(Box<TransformedSynthesis>),
     StudentSlopes(Box<StudentSynthesis>),
+    Structured(Box<StructuredSynthesis>),
 }
 
 impl FieldSynthesis {
@@ -89,6 +92,10 @@ impl FieldSynthesis {
                 let drawer = StudentSynthesis::new(student, shape, spacing, fewest)?;
                 Drawer::StudentSlopes(Box::new(drawer))
             }
+            SurfaceRecipe::Structured(surface) => {
+                let drawer = StructuredSynthesis::new(surface, shape, spacing, fewest)?;
+                Drawer::Structured(Box::new(drawer))
+            }
         };
         Ok(Self { recipe, drawer })
     }
@@ -99,25 +106,26 @@ impl FieldSynthesis {
         &self.recipe
     }
 
-    /// The waves of the heights, which have the shape and spacing of the surfaces.
-    fn waves(&self) -> &Synthesis {
-        match &self.drawer {
-            Drawer::Gaussian(synthesis) => synthesis,
-            Drawer::Transformed(transformed) => transformed.waves(),
-            Drawer::StudentSlopes(student) => student.base(),
-        }
-    }
-
     /// `[ny, nx]`.
     #[must_use]
     pub fn shape(&self) -> [usize; 2] {
-        self.waves().shape()
+        match &self.drawer {
+            Drawer::Gaussian(synthesis) => synthesis.shape(),
+            Drawer::Transformed(transformed) => transformed.waves().shape(),
+            Drawer::StudentSlopes(student) => student.base().shape(),
+            Drawer::Structured(structured) => structured.structure().shape(),
+        }
     }
 
     /// `[dx, dy]`, length units per sample.
     #[must_use]
     pub fn spacing(&self) -> [f64; 2] {
-        self.waves().spacing()
+        match &self.drawer {
+            Drawer::Gaussian(synthesis) => synthesis.spacing(),
+            Drawer::Transformed(transformed) => transformed.waves().spacing(),
+            Drawer::StudentSlopes(student) => student.base().spacing(),
+            Drawer::Structured(structured) => structured.structure().spacing(),
+        }
     }
 
     /// Bytes that a program holds at the peak of a [`FieldSynthesis::draw`].
@@ -127,6 +135,7 @@ impl FieldSynthesis {
             Drawer::Gaussian(synthesis) => synthesis.peak_bytes(),
             Drawer::Transformed(transformed) => transformed.peak_bytes(),
             Drawer::StudentSlopes(student) => student.peak_bytes(),
+            Drawer::Structured(structured) => structured.peak_bytes(),
         }
     }
 
@@ -136,7 +145,7 @@ impl FieldSynthesis {
     pub fn unreached(&self) -> f64 {
         match &self.drawer {
             Drawer::Transformed(transformed) => transformed.unreached(),
-            Drawer::Gaussian(_) | Drawer::StudentSlopes(_) => 0.0,
+            Drawer::Gaussian(_) | Drawer::StudentSlopes(_) | Drawer::Structured(_) => 0.0,
         }
     }
 
@@ -163,6 +172,7 @@ impl FieldSynthesis {
             Drawer::Gaussian(synthesis) => return synthesis.draw_into(seed, realisation, room),
             Drawer::Transformed(transformed) => transformed.draw_into(seed, realisation, room)?,
             Drawer::StudentSlopes(student) => student.draw_into(seed, realisation, room)?,
+            Drawer::Structured(structured) => structured.draw(seed, realisation)?,
         };
         Ok(field.with_provenance(Some(Provenance {
             recipe: self.recipe.clone(),

@@ -62,13 +62,14 @@ pub use psd::{
     SumPsd,
 };
 pub use recipe::{
-    Johnson, JohnsonError, JohnsonFamily, Provenance, StudentSlopes, SurfaceRecipe,
-    TransformedHeights,
+    Johnson, JohnsonError, JohnsonFamily, Provenance, StructuredSurface, StudentSlopes,
+    SurfaceRecipe, TransformedHeights,
 };
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{
-    Compared, Gradients, Realised, Roughness, SteeperThan, SteepestFacet, Triangle,
+    Compared, Gradients, Realised, RealisedStructure, Roughness, SteeperThan, SteepestFacet,
+    Triangle,
 };
 pub use slope_moments::SlopeMoments;
 pub use spline::{SplineRoughness, SplineSurface};

@@ -2,12 +2,14 @@
 
 mod heights;
 mod johnson;
+mod structured;
 mod student;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::heights::TransformedHeights;
 pub use self::johnson::{Johnson, JohnsonError, JohnsonFamily};
+pub use self::structured::StructuredSurface;
 pub(crate) use self::student::FLOOR;
 pub use self::student::StudentSlopes;
 use crate::Psd;
@@ -36,6 +38,8 @@ pub enum SurfaceRecipe {
     Transformed(TransformedHeights),
     /// Slopes of Student's distribution of two degrees of freedom: GGX.
     StudentSlopes(StudentSlopes),
+    /// A structure, with Gaussian roughness on top or without.
+    Structured(Box<StructuredSurface>),
 }
 
 impl From<Psd> for SurfaceRecipe {
@@ -56,6 +60,12 @@ impl From<StudentSlopes> for SurfaceRecipe {
     }
 }
 
+impl From<StructuredSurface> for SurfaceRecipe {
+    fn from(surface: StructuredSurface) -> Self {
+        Self::Structured(Box::new(surface))
+    }
+}
+
 impl SurfaceRecipe {
     /// The power spectral density, if heights and slopes are Gaussian; `None` of all other surfaces.
     ///
@@ -64,7 +74,7 @@ impl SurfaceRecipe {
     pub const fn gaussian(&self) -> Option<&Psd> {
         match self {
             Self::Gaussian(psd) => Some(psd),
-            Self::Transformed(_) | Self::StudentSlopes(_) => None,
+            Self::Transformed(_) | Self::StudentSlopes(_) | Self::Structured(_) => None,
         }
     }
 
@@ -73,16 +83,26 @@ impl SurfaceRecipe {
     pub const fn heights(&self) -> Option<&Johnson> {
         match self {
             Self::Transformed(transformed) => Some(transformed.heights()),
-            Self::Gaussian(_) | Self::StudentSlopes(_) => None,
+            Self::Gaussian(_) | Self::StudentSlopes(_) | Self::Structured(_) => None,
         }
     }
 
-    /// The power spectral density whose correlation lengths, axes and symmetries the surfaces have.
-    const fn underlying(&self) -> &Psd {
+    /// The structured surface; `None` of all other surfaces.
+    #[must_use]
+    pub fn structured(&self) -> Option<&StructuredSurface> {
         match self {
-            Self::Gaussian(psd) => psd,
-            Self::Transformed(transformed) => transformed.psd(),
-            Self::StudentSlopes(student) => student.base(),
+            Self::Structured(surface) => Some(surface),
+            Self::Gaussian(_) | Self::Transformed(_) | Self::StudentSlopes(_) => None,
+        }
+    }
+
+    /// What has the correlation lengths, axes and symmetries of the surfaces.
+    fn underlying(&self) -> Underlying<'_> {
+        match self {
+            Self::Gaussian(psd) => Underlying::Spectrum(psd),
+            Self::Transformed(transformed) => Underlying::Spectrum(transformed.psd()),
+            Self::StudentSlopes(student) => Underlying::Spectrum(student.base()),
+            Self::Structured(surface) => Underlying::Structure(surface),
         }
     }
 
@@ -93,19 +113,26 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => psd.sigma(),
             Self::Transformed(transformed) => transformed.psd().sigma(),
             Self::StudentSlopes(student) => student.sigma(),
+            Self::Structured(surface) => surface.sigma(),
         }
     }
 
-    /// 1/e correlation lengths along the two principal axes.
+    /// 1/e correlation lengths along the two principal axes; of structured surfaces half the width of a feature.
     #[must_use]
     pub fn correlation_lengths(&self) -> [f64; 2] {
-        self.underlying().correlation_lengths()
+        match self.underlying() {
+            Underlying::Spectrum(psd) => psd.correlation_lengths(),
+            Underlying::Structure(surface) => surface.correlation_lengths(),
+        }
     }
 
     /// Lags along x and along y at which the autocorrelation is 1/e of its peak, length units.
     #[must_use]
     pub fn axis_correlation_lengths(&self) -> [f64; 2] {
-        self.underlying().axis_correlation_lengths()
+        match self.underlying() {
+            Underlying::Spectrum(psd) => psd.axis_correlation_lengths(),
+            Underlying::Structure(surface) => surface.correlation_lengths(),
+        }
     }
 
     /// The longest scale of the surfaces, length units: how long a correlation length a tile has to hold.
@@ -113,27 +140,36 @@ impl SurfaceRecipe {
     pub fn longest_scale(&self) -> f64 {
         let [first, second] = self.correlation_lengths();
         match self {
-            Self::Gaussian(_) | Self::Transformed(_) => first.max(second),
+            Self::Gaussian(_) | Self::Transformed(_) | Self::Structured(_) => first.max(second),
             Self::StudentSlopes(student) => student.amplitude_ratio() * first.max(second),
         }
     }
 
-    /// As [`Psd::anisotropy`].
+    /// As [`Psd::anisotropy`]; `None` of structured surfaces, whose directions no ratio tells.
     #[must_use]
     pub fn anisotropy(&self) -> Option<[f64; 2]> {
-        self.underlying().anisotropy()
+        match self.underlying() {
+            Underlying::Spectrum(psd) => psd.anisotropy(),
+            Underlying::Structure(_) => None,
+        }
     }
 
     /// Whether the statistics do not depend on azimuth.
     #[must_use]
     pub fn is_isotropic(&self) -> bool {
-        self.underlying().is_isotropic()
+        match self.underlying() {
+            Underlying::Spectrum(psd) => psd.is_isotropic(),
+            Underlying::Structure(surface) => surface.is_isotropic(),
+        }
     }
 
     /// Whether the statistics are the same on either side of the x axis, and so of the y axis.
     #[must_use]
     pub fn is_mirror_symmetric(&self) -> bool {
-        self.underlying().is_mirror_symmetric()
+        match self.underlying() {
+            Underlying::Spectrum(psd) => psd.is_mirror_symmetric(),
+            Underlying::Structure(surface) => surface.is_mirror_symmetric(),
+        }
     }
 
     /// Covariance `[xx, xy, yy]` of the slopes of the continuous surface, dimensionless.
@@ -143,12 +179,17 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => psd.slope_covariance(),
             Self::Transformed(transformed) => transformed.psd().slope_covariance(),
             Self::StudentSlopes(student) => student.slope_covariance(),
+            Self::Structured(surface) => surface.slope_covariance(),
         }
     }
 
     /// Variance of slopes along x (`axis` 0) or y (1) that are differences of heights `lag` apart: `2 (C(0) - C(lag)) / lag^2`.
     pub(crate) fn mesh_slope_variance(&self, axis: usize, lag: f64) -> f64 {
-        let psd = self.underlying();
+        let psd = match self.underlying() {
+            Underlying::Spectrum(psd) => psd,
+            // Measured on a mesh
+            Underlying::Structure(surface) => return surface.slope_covariance()[2 * axis.min(1)],
+        };
         let [x, y] = match axis {
             0 => [lag, 0.0],
             _ => [0.0, lag],
@@ -168,6 +209,7 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => psd.curvature(),
             Self::Transformed(transformed) => transformed.psd().curvature(),
             Self::StudentSlopes(student) => student.curvature(),
+            Self::Structured(_) => return None,
         };
         curvature.is_finite().then_some(curvature)
     }
@@ -179,6 +221,7 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => psd.is_valid(),
             Self::Transformed(transformed) => transformed.is_valid(),
             Self::StudentSlopes(student) => student.is_valid(),
+            Self::Structured(surface) => surface.is_valid(),
         }
     }
 
@@ -189,8 +232,15 @@ impl SurfaceRecipe {
             Self::Gaussian(psd) => Self::Gaussian(psd.converted(convert)),
             Self::Transformed(transformed) => Self::Transformed(transformed.converted(convert)),
             Self::StudentSlopes(student) => Self::StudentSlopes(student.converted(convert)),
+            Self::Structured(surface) => surface.converted(convert).into(),
         }
     }
+}
+
+/// What has the correlation lengths, axes and symmetries of surfaces.
+enum Underlying<'a> {
+    Spectrum(&'a Psd),
+    Structure(&'a StructuredSurface),
 }
 
 /// How a surface was generated: the requested statistics and the random stream.

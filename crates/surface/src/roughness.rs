@@ -1,8 +1,10 @@
 //! Roughness of any surface, generated or measured.
 
+mod compared;
 mod correlation;
 mod gradients;
 mod slopes;
+mod structure;
 
 use std::f64::consts::{PI, SQRT_2};
 
@@ -13,8 +15,10 @@ use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
 use self::slopes::slope_moments;
 use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
 
+pub use self::compared::Compared;
 pub use self::gradients::{Gradients, SteeperThan};
 pub use self::slopes::{SteepestFacet, Triangle};
+pub use self::structure::RealisedStructure;
 
 /// Parameters of a surface's roughness.
 ///
@@ -87,6 +91,9 @@ pub struct Roughness {
     pub steepest: SteepestFacet,
     /// Requested and realised statistics, if the surface carries its provenance.
     pub realised: Option<Realised>,
+    /// The same of a structured surface, if it carries its provenance.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub realised_structure: Option<RealisedStructure>,
 }
 
 /// Requested and realised statistics of a generated surface.
@@ -117,17 +124,6 @@ pub struct Realised {
     /// Distribution of the slopes, where that is what was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gradients: Option<Gradients>,
-}
-
-/// One number, requested and realised.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Compared {
-    /// The requested value.
-    pub requested: f64,
-    /// What this surface has; `None` if it cannot be measured on it.
-    pub realised: Option<f64>,
-    /// Standard deviation expected of the realised value between realisations, where it is known.
-    pub expected_deviation: Option<f64>,
 }
 
 impl Roughness {
@@ -187,8 +183,11 @@ impl Roughness {
             equivalent_smoothness: (sdq > 0.0).then(|| 2.0 / sdq),
             steepest: slopes.steepest,
             realised: None,
+            realised_structure: None,
         };
         roughness.realised = Realised::of(field, &roughness);
+        roughness.realised_structure =
+            RealisedStructure::of(field, roughness.sz, roughness.sdq.powi(2));
         roughness
     }
 }
@@ -203,6 +202,10 @@ impl Realised {
     /// and that of slopes is not known.
     fn of(field: &HeightField, roughness: &Roughness) -> Option<Self> {
         let recipe = &field.provenance()?.recipe;
+        if recipe.structured().is_some() {
+            // It has statistics of its own
+            return None;
+        }
         let sigma = recipe.sigma();
         let [length_x, length_y] = recipe.axis_correlation_lengths();
         let [extent_x, extent_y] = field.extent();

@@ -22,6 +22,7 @@ mod error;
 mod expected;
 mod grid;
 mod grooves;
+mod limits;
 mod places;
 mod pyramids;
 mod random;
@@ -35,6 +36,7 @@ pub use self::cracks::Cracks;
 pub use self::error::{Allowed, StructureError};
 pub use self::expected::StructureStatistics;
 pub use self::grooves::{GrooveProfile, Grooves};
+pub use self::limits::{MAX_ADJUSTMENT, MAX_FEATURES, MIN_SPACINGS_PER_WIDTH};
 pub use self::places::Arrangement;
 pub use self::pyramids::Pyramids;
 pub use self::scratches::Scratches;
@@ -43,33 +45,13 @@ pub use self::segments::SphericalSegments;
 use self::cracks::PlannedCracks;
 use self::grid::Grid;
 use self::grooves::PlannedGrooves;
+use self::limits::{BYTES_PER_FEATURE, SPACINGS_PER_RADIUS};
 use self::pyramids::PlannedPyramids;
 use self::random::Streams;
 use self::scratches::PlannedScratches;
 use self::segments::PlannedSegments;
 use crate::height_field::check_grid;
 use crate::{HeightField, HeightFieldError};
-
-/// Largest change of a period, as a fraction of it, that lets whole numbers of periods fit a tile.
-pub const MAX_ADJUSTMENT: f64 = 0.1;
-
-/// Fewest spacings that the width of a feature must span.
-pub const MIN_SPACINGS_PER_WIDTH: f64 = 4.0;
-
-/// Largest number of features of one surface.
-pub const MAX_FEATURES: usize = 1 << 24;
-
-/// Largest density of features that overlap.
-const MAX_DENSITY: f64 = 20.0;
-
-/// Largest radius of curvature of an edge of a segment, in units of its width.
-const MAX_EDGE_RADIUS: f64 = 10.0;
-
-/// Longest feature, in sides of the tile.
-const MAX_TILES_PER_FEATURE: f64 = 100.0;
-
-/// Spacings that a radius of curvature must span for smooth cells to follow it.
-const SPACINGS_PER_RADIUS: f64 = 4.0;
 
 /// A structure with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -129,6 +111,54 @@ impl Structure {
             Self::Cracks(cracks) => cracks.depth,
             Self::Pyramids(pyramids) | Self::Inverted(pyramids) => pyramids.depth,
         }
+    }
+
+    /// Whether its statistics do not depend on azimuth.
+    #[must_use]
+    pub fn is_isotropic(&self) -> bool {
+        match self {
+            Self::Pits(segments) | Self::Caps(segments) => {
+                segments.arrangement != Arrangement::Lattice
+            }
+            Self::Cracks(_) => true,
+            Self::Grooves(_) | Self::Scratches(_) | Self::Pyramids(_) | Self::Inverted(_) => false,
+        }
+    }
+
+    /// Whether its statistics are the same on either side of the x axis, and so of the y axis.
+    #[must_use]
+    pub fn is_mirror_symmetric(&self) -> bool {
+        let along_an_axis = |azimuth: f64| (2.0 * azimuth).sin().abs() < 1e-9;
+        match self {
+            Self::Pits(_) | Self::Caps(_) | Self::Cracks(_) => true,
+            Self::Pyramids(_) | Self::Inverted(_) => true,
+            Self::Grooves(grooves) => {
+                grooves.profile != GrooveProfile::Blazed && along_an_axis(grooves.azimuth)
+            }
+            Self::Scratches(scratches) => along_an_axis(scratches.azimuth),
+        }
+    }
+
+    /// The same with all lengths converted.
+    #[must_use]
+    pub(crate) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
+        let mut converted = *self;
+        let lengths: Vec<&mut f64> = match &mut converted {
+            Self::Pits(s) | Self::Caps(s) => vec![&mut s.depth, &mut s.width, &mut s.edge_radius],
+            Self::Grooves(g) => vec![&mut g.depth, &mut g.width, &mut g.edge_radius],
+            Self::Scratches(s) => vec![
+                &mut s.depth,
+                &mut s.width,
+                &mut s.length,
+                &mut s.edge_radius,
+            ],
+            Self::Cracks(c) => vec![&mut c.depth, &mut c.width, &mut c.edge_radius],
+            Self::Pyramids(p) | Self::Inverted(p) => vec![&mut p.depth, &mut p.width],
+        };
+        for length in lengths {
+            *length = convert(*length);
+        }
+        converted
     }
 
     /// Checks all parameters.
@@ -250,6 +280,21 @@ impl StructureSynthesis {
     #[must_use]
     pub const fn spacing(&self) -> [f64; 2] {
         self.grid.spacing
+    }
+
+    /// Bytes that a program holds at the peak of a [`StructureSynthesis::draw`]: the heights, the features with their places in
+    /// buckets, and 8 MiB for the program itself.
+    #[must_use]
+    pub fn peak_bytes(&self) -> usize {
+        let [ny, nx] = self.grid.shape;
+        let features = match &self.planned {
+            Planned::Segments(planned) => planned.number(),
+            Planned::Grooves(planned) => planned.number(),
+            Planned::Scratches(planned) => planned.pieces(),
+            Planned::Cracks(planned) => planned.number(),
+            Planned::Pyramids(planned) => planned.number(),
+        };
+        ny * nx * size_of::<f64>() + features * BYTES_PER_FEATURE + (8 << 20)
     }
 
     /// What is expected of its surfaces, as far as closed forms are known.

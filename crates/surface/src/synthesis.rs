@@ -23,7 +23,9 @@ use rustfft::{Fft, FftPlanner};
 use self::filter::{Filter, Numbers};
 use self::noise::{Noise, Stream};
 use crate::height_field::check_grid;
-use crate::{HeightField, HeightFieldError, LengthUnit, Provenance, Psd, SurfaceRecipe};
+use crate::{
+    HeightField, HeightFieldError, LengthUnit, Provenance, Psd, StructureError, SurfaceRecipe,
+};
 
 mod direct;
 mod filter;
@@ -112,6 +114,8 @@ pub enum SynthesisError {
         /// Requested bytes.
         bytes: usize,
     },
+    /// The structure cannot be made.
+    Structure(#[from] StructureError),
     /// The grid or the heights drawn make no surface.
     HeightField(#[from] HeightFieldError),
     /// No Gaussian surface turns into one of these heights and this spectrum.
@@ -131,6 +135,7 @@ impl SynthesisError {
     /// The sentence, with lengths in `unit`.
     #[must_use]
     pub fn in_unit(&self, unit: LengthUnit) -> String {
+        let length_unit = unit;
         let unit = unit.suffix();
         match self {
             Self::Unresolved {
@@ -172,6 +177,7 @@ impl SynthesisError {
             Self::OutOfMemory { bytes } => {
                 format!("{bytes} bytes of memory were refused; take fewer samples")
             }
+            Self::Structure(error) => error.in_unit(length_unit),
             Self::HeightField(error) => error.to_string(),
             Self::Unreachable { difference } => format!(
                 "no Gaussian surface turns into heights of this distribution and spectrum: the autocorrelation would differ by up to {:.3} of the variance; take a distribution nearer to the Gaussian, or insist",

@@ -12,12 +12,9 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::ErosionError;
+use super::error::{ErosionError, MAX_ETCH_SPACINGS};
 use super::neighbours::beside;
 use crate::HeightField;
-
-/// Largest depth of etching in spacings, the finer of both axes: the work grows with its square.
-pub const MAX_ETCH_SPACINGS: f64 = 64.0;
 
 /// Isotropic etching.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -9,12 +9,9 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::ErosionError;
+use super::error::{ErosionError, MAX_SLIP_STEPS};
 use super::neighbours::beside;
 use crate::HeightField;
-
-/// Most steps of slipping.
-pub const MAX_SLIP_STEPS: u32 = 100_000;
 
 /// Fraction of the excess that moves between two neighbours in a step. With eight neighbours, up to 1/8 no sample falls below all that it
 /// gives to.
@@ -37,7 +34,7 @@ const NEIGHBOURS: [[i64; 2]; 8] = [
 pub struct Slip {
     /// Slope of repose, the tangent of its angle: 0 or more.
     pub slope: f64,
-    /// Number of steps, from 1 to [`MAX_SLIP_STEPS`].
+    /// Number of steps, from 1 to [`MAX_SLIP_STEPS`](crate::MAX_SLIP_STEPS).
     pub steps: u32,
 }
 

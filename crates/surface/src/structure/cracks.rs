@@ -16,6 +16,7 @@ use super::corner::VGroove;
 use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
+use super::limits;
 use super::random::Streams;
 
 /// Parameters of cracks.
@@ -52,7 +53,7 @@ impl Cracks {
     pub(super) fn planned(&self, grid: &Grid) -> Result<PlannedCracks, StructureError> {
         let per_area = (0.5 * self.density / self.width).powi(2);
         let features = (per_area * grid.area()).round().max(1.0);
-        if features > super::MAX_FEATURES as f64 {
+        if features > limits::MAX_FEATURES as f64 {
             return Err(StructureError::TooManyFeatures { features });
         }
         Ok(PlannedCracks {
@@ -67,6 +68,11 @@ impl Cracks {
 }
 
 impl PlannedCracks {
+    /// Number of nuclei.
+    pub(super) const fn number(&self) -> usize {
+        self.nuclei
+    }
+
     pub(super) fn depths(&self, grid: &Grid, streams: &Streams) -> Vec<f64> {
         let lengths = grid.lengths();
         let nuclei: Vec<Nucleus> = (0..self.nuclei)

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::limits;
 use crate::{HeightFieldError, LengthUnit};
 
 /// Why a structured surface cannot be made.
@@ -50,7 +51,7 @@ pub enum StructureError {
     ObliqueRandomGrooves,
     /// Pyramids lie on a lattice or at random, with overlap.
     NoSeparatePyramids,
-    /// More features than [`MAX_FEATURES`](super::MAX_FEATURES).
+    /// More features than [`MAX_FEATURES`](crate::MAX_FEATURES).
     TooManyFeatures {
         /// Number of features.
         features: f64,
@@ -133,7 +134,7 @@ impl StructureError {
             } => format!(
                 "a feature is {width}{unit} wide, less than {} spacings of {spacing}{unit}: take a \
                  spacing of at most {largest_spacing}{unit}, or insist",
-                super::MIN_SPACINGS_PER_WIDTH
+                limits::MIN_SPACINGS_PER_WIDTH
             ),
             Self::NoWholePeriods {
                 axis,
@@ -150,7 +151,7 @@ impl StructureError {
                     "the tile is {side}{unit} long along {axis} and holds {:.2} periods of {period:.6}{unit}; \
                      a whole number would change the period by more than {} %: take a side of {sides}",
                     side / period,
-                    100.0 * super::MAX_ADJUSTMENT
+                    100.0 * limits::MAX_ADJUSTMENT
                 )
             }
             Self::NoNearbyGrooves {
@@ -159,7 +160,7 @@ impl StructureError {
             } if nearest_period.is_finite() => format!(
                 "no grooves of period {period}{unit} in this direction repeat with the tile; the nearest \
                  that do, of period {nearest_period:.6}{unit}, are off by more than {} %: take a larger tile",
-                100.0 * super::MAX_ADJUSTMENT
+                100.0 * limits::MAX_ADJUSTMENT
             ),
             Self::NoNearbyGrooves { period, .. } => {
                 format!("grooves of period {period}{unit} do not fit the tile: take a larger tile")
@@ -175,7 +176,7 @@ impl StructureError {
             Self::TooManyFeatures { features } => format!(
                 "the surface would have {features:.3e} features; up to {} are allowed: take a lower \
                  density, wider features or a smaller tile",
-                super::MAX_FEATURES
+                limits::MAX_FEATURES
             ),
             Self::Crowded { placed, requested } => format!(
                 "only {placed} of {requested} features found a place without overlap: take a lower \

@@ -15,6 +15,7 @@ use super::corner::Corner;
 use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
+use super::limits;
 use super::random::Streams;
 
 /// The shape of a groove.
@@ -120,14 +121,14 @@ impl Grooves {
             // Names the sides that fit
             super::places::whole_periods(['x', 'y'][i], lengths[i], width)?;
         }
-        if off > super::MAX_ADJUSTMENT || whole == [0.0; 2] {
+        if off > limits::MAX_ADJUSTMENT || whole == [0.0; 2] {
             return Err(StructureError::NoNearbyGrooves {
                 period: width,
                 nearest_period: found[0].hypot(found[1]).recip(),
             });
         }
         let features = whole[0].abs().max(whole[1].abs());
-        if features > super::MAX_FEATURES as f64 {
+        if features > limits::MAX_FEATURES as f64 {
             return Err(StructureError::TooManyFeatures { features });
         }
         let periods = whole.map(|n| n as i64);
@@ -162,7 +163,7 @@ impl PlannedGrooves {
     }
 
     /// Number of different grooves of the tile.
-    fn number(&self) -> usize {
+    pub(super) fn number(&self) -> usize {
         if self.grooves.randomness == 0.0 {
             return 1;
         }

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::StructureError;
+use super::limits;
 use super::random::Streams;
 
 /// How places of features are chosen.
@@ -86,7 +87,7 @@ impl Lattice {
 pub(super) fn whole_periods(axis: char, side: f64, period: f64) -> Result<usize, StructureError> {
     let periods = side / period;
     let whole = periods.round().max(1.0);
-    if (periods / whole - 1.0).abs() > super::MAX_ADJUSTMENT {
+    if (periods / whole - 1.0).abs() > limits::MAX_ADJUSTMENT {
         let nearest = [periods.floor() * period, periods.ceil() * period];
         return Err(StructureError::NoWholePeriods {
             axis,
@@ -95,7 +96,7 @@ pub(super) fn whole_periods(axis: char, side: f64, period: f64) -> Result<usize,
             nearest,
         });
     }
-    if whole > super::MAX_FEATURES as f64 {
+    if whole > limits::MAX_FEATURES as f64 {
         return Err(StructureError::TooManyFeatures { features: whole });
     }
     Ok(whole as usize)

@@ -15,6 +15,7 @@ use super::buckets::Footprint;
 use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
+use super::limits;
 use super::places::{Arrangement, Lattice};
 use super::random::Streams;
 use super::stamps::{Layout, Stamp, greatest_depths, random_coverage};
@@ -58,7 +59,7 @@ impl Pyramids {
         let check = Check(structure);
         check.that("width", self.width, Allowed::Positive)?;
         check.that("depth", self.depth, Allowed::Positive)?;
-        check.that("density", self.density, Allowed::Up(super::MAX_DENSITY))?;
+        check.that("density", self.density, Allowed::Up(limits::MAX_DENSITY))?;
         check.that("randomness", self.randomness, Allowed::FromBelow(0.0, 1.0))?;
         match self.arrangement {
             Arrangement::Lattice | Arrangement::Random => Ok(()),
@@ -101,6 +102,11 @@ impl PlannedPyramids {
             })
             .collect();
         Ok(greatest_depths(grid, width, &stamps))
+    }
+
+    /// Number of pyramids.
+    pub(super) const fn number(&self) -> usize {
+        self.layout.len()
     }
 
     pub(super) fn pitches(&self, grid: &Grid) -> Option<[f64; 2]> {

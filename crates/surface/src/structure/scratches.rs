@@ -12,6 +12,7 @@ use super::corner::VGroove;
 use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
+use super::limits;
 use super::random::Streams;
 use super::stamps::{Stamp, greatest_depths, random_coverage};
 
@@ -49,7 +50,7 @@ impl Scratches {
         check.that("width", self.width, Allowed::Positive)?;
         check.that("depth", self.depth, Allowed::Positive)?;
         check.that("length", self.length, Allowed::Positive)?;
-        check.that("density", self.density, Allowed::Up(super::MAX_DENSITY))?;
+        check.that("density", self.density, Allowed::Up(limits::MAX_DENSITY))?;
         check.that("azimuth", self.azimuth, Allowed::Finite)?;
         check.that("spread", self.spread, Allowed::FromTo(0.0, PI))?;
         check.that("randomness", self.randomness, Allowed::FromBelow(0.0, 1.0))?;
@@ -72,10 +73,10 @@ impl Scratches {
         // A scratch across the tile has as many pieces as the tile is long in widths
         let [x, y] = grid.lengths();
         let pieces = features * (1.0 + length / width.max(grid.coarser_spacing()));
-        if features > super::MAX_FEATURES as f64 || pieces > 16.0 * super::MAX_FEATURES as f64 {
+        if features > limits::MAX_FEATURES as f64 || pieces > 16.0 * limits::MAX_FEATURES as f64 {
             return Err(StructureError::TooManyFeatures { features });
         }
-        let most = super::MAX_TILES_PER_FEATURE * x.min(y);
+        let most = limits::MAX_TILES_PER_FEATURE * x.min(y);
         Check("scratches").that("length", length, Allowed::Up(most))?;
         Ok(PlannedScratches {
             scratches: *self,
@@ -85,6 +86,13 @@ impl Scratches {
 }
 
 impl PlannedScratches {
+    /// Number of scratches, each as often as it is long in widths.
+    pub(super) fn pieces(&self) -> usize {
+        let Scratches { width, length, .. } = self.scratches;
+        let per_scratch = (1.0 + 0.25 * length / width).min(limits::MAX_FEATURES as f64);
+        (self.number as f64 * per_scratch) as usize
+    }
+
     pub(super) fn depths(&self, grid: &Grid, streams: &Streams) -> Vec<f64> {
         let scratches = &self.scratches;
         let stamps: Vec<Scratch> = (0..self.number)

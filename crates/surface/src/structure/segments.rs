@@ -16,6 +16,7 @@ use super::buckets::Footprint;
 use super::error::{Allowed, Check, StructureError};
 use super::expected::StructureStatistics;
 use super::grid::Grid;
+use super::limits;
 use super::places::{Arrangement, Lattice};
 use super::random::Streams;
 use super::stamps::{Layout, Stamp, greatest_depths, random_coverage};
@@ -51,11 +52,11 @@ impl SphericalSegments {
         check.that("width", self.width, Allowed::Positive)?;
         check.that("depth", self.depth, Allowed::Up(0.5 * self.width))?;
         let most = match self.arrangement {
-            Arrangement::Lattice | Arrangement::Random => super::MAX_DENSITY,
+            Arrangement::Lattice | Arrangement::Random => limits::MAX_DENSITY,
             Arrangement::Separate => 0.5,
         };
         check.that("density", self.density, Allowed::Up(most))?;
-        let edge = Allowed::FromTo(0.0, super::MAX_EDGE_RADIUS * self.width);
+        let edge = Allowed::FromTo(0.0, limits::MAX_EDGE_RADIUS * self.width);
         check.that("edge radius", self.edge_radius, edge)?;
         check.that("randomness", self.randomness, Allowed::FromBelow(0.0, 1.0))
     }
@@ -119,6 +120,11 @@ impl PlannedSegments {
         } else {
             0.0
         }
+    }
+
+    /// Number of segments.
+    pub(super) const fn number(&self) -> usize {
+        self.layout.len()
     }
 
     pub(super) fn pitches(&self, grid: &Grid) -> Option<[f64; 2]> {

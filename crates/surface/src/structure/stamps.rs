@@ -3,6 +3,7 @@
 use super::buckets::{Buckets, Footprint};
 use super::error::StructureError;
 use super::grid::Grid;
+use super::limits;
 use super::places::{Arrangement, Lattice, separate};
 use super::random::Streams;
 
@@ -54,7 +55,7 @@ impl Layout {
         lattice: impl Fn(f64) -> Result<Lattice, StructureError>,
     ) -> Result<Self, StructureError> {
         let whole = number.round().max(1.0);
-        if whole > super::MAX_FEATURES as f64 {
+        if whole > limits::MAX_FEATURES as f64 {
             return Err(StructureError::TooManyFeatures { features: whole });
         }
         Ok(match arrangement {
