@@ -68,8 +68,8 @@ pub use recipe::{
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};
 pub use roughness::{
-    Compared, Gradients, Realised, RealisedStructure, Roughness, SteeperThan, SteepestFacet,
-    Triangle,
+    Compared, Expectation, Gradients, Realised, RealisedStructure, Roughness, SteeperThan,
+    SteepestFacet, Triangle,
 };
 pub use slope_moments::SlopeMoments;
 pub use spline::{SplineRoughness, SplineSurface};

@@ -1,6 +1,5 @@
 //! Roughness of any surface, generated or measured.
 
-mod compared;
 mod correlation;
 mod gradients;
 mod slopes;
@@ -15,10 +14,9 @@ use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
 use self::slopes::slope_moments;
 use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
 
-pub use self::compared::Compared;
 pub use self::gradients::{Gradients, SteeperThan};
 pub use self::slopes::{SteepestFacet, Triangle};
-pub use self::structure::RealisedStructure;
+pub use self::structure::{Expectation, RealisedStructure};
 
 /// Parameters of a surface's roughness.
 ///
@@ -124,6 +122,17 @@ pub struct Realised {
     /// Distribution of the slopes, where that is what was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gradients: Option<Gradients>,
+}
+
+/// One number, requested and realised.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Compared {
+    /// The requested value.
+    pub requested: f64,
+    /// What this surface has; `None` if it cannot be measured on it.
+    pub realised: Option<f64>,
+    /// Standard deviation expected of the realised value between realisations, where it is known.
+    pub expected_deviation: Option<f64>,
 }
 
 impl Roughness {

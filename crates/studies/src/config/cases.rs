@@ -35,8 +35,7 @@ impl VerifyConfig {
     /// Whether every ray comes from an azimuth of its own.
     #[must_use]
     pub fn any_azimuth(&self) -> bool {
-        let tau = self.surface.tau;
-        let isotropic = self.surface.tau_y.is_none_or(|t| Some(t) == tau);
+        let isotropic = self.surface.is_isotropic();
         self.light
             .azimuth
             .map_or(isotropic, |a| a == Azimuth::Random)

@@ -5,7 +5,7 @@ use asperity_optics::{
     IncidenceError, LayerError, MaterialError, ParticipatingMediumError, PhaseFunctionError,
 };
 use asperity_simulate::TargetError;
-use asperity_surface::{JohnsonError, PsdError};
+use asperity_surface::{JohnsonError, LengthUnit, PsdError, StructureError};
 use asperity_tally::SpecError;
 use asperity_tracer::PathSettingsError;
 
@@ -41,6 +41,38 @@ pub enum ConfigError {
     /// No distribution of heights has the moments.
     #[error(transparent)]
     Heights(#[from] JohnsonError),
+    /// The structure cannot be made.
+    #[error("{}", structure_sentence(.error, *.unit))]
+    Structure {
+        /// Why.
+        error: StructureError,
+        /// The unit of lengths.
+        unit: LengthUnit,
+    },
+    /// A setting of structures, without a structure.
+    #[error("{setting} is that of a structure: name one by --structure, or leave it out")]
+    NoStructure {
+        /// The key.
+        setting: &'static str,
+    },
+    /// A spectrum of roughness on top of a structure, without its height.
+    #[error(
+        "roughness on top of a structure needs --sigma; without it leave out its spectrum, heights and slopes"
+    )]
+    NoRoughness,
+    /// Roughness on top of a structure that is not Gaussian.
+    #[error(
+        "roughness on top of a structure is Gaussian; leave out --slopes, --skewness and --kurtosis"
+    )]
+    OtherRoughness,
+    /// A setting that this structure does not have.
+    #[error("{structure} have no {setting}; leave it out")]
+    UnusedByStructure {
+        /// The key.
+        setting: &'static str,
+        /// The name of the structure.
+        structure: &'static str,
+    },
     /// The in-plane slice is out of range.
     #[error(transparent)]
     TallySpec(#[from] SpecError),
@@ -62,4 +94,13 @@ pub enum ConfigError {
     /// A layer is out of range.
     #[error(transparent)]
     Layer(#[from] LayerError),
+}
+
+/// Why a structure cannot be made, with the flag that draws it all the same.
+fn structure_sentence(error: &StructureError, unit: LengthUnit) -> String {
+    let sentence = error.in_unit(unit);
+    match error {
+        StructureError::Unresolved { .. } => format!("{sentence} with --insist"),
+        _ => sentence,
+    }
 }

@@ -7,6 +7,8 @@ pub(crate) mod error;
 pub(crate) mod lobes;
 pub(crate) mod measured;
 pub(crate) mod medium;
+pub(crate) mod structure;
+pub(crate) mod structure_recipe;
 pub(crate) mod surface;
 mod surface_recipe;
 pub(crate) mod sweep;

@@ -5,6 +5,7 @@ use asperity_surface::{LengthUnit, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
 use crate::config::error::ConfigError;
+use crate::config::structure::StructureConfig;
 use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
 
 /// Correlation lengths along the side of a tile whose size is not given.
@@ -144,6 +145,9 @@ pub struct SurfaceConfig {
     /// Root mean square height, one or several; instead of `smoothness`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sigma: Option<OneOrMany<Number>>,
+    /// The structure, if there is one; `sigma`, `tau` and `tau_y` are then those of Gaussian roughness on top.
+    #[serde(flatten)]
+    pub structure: StructureConfig,
     /// Samples along x and y; those of a tile of 32 correlation lengths by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<PerAxis<Count>>,
@@ -161,9 +165,27 @@ pub struct SurfaceConfig {
 }
 
 impl SurfaceConfig {
-    /// What lies between heights: smooth cells unless others are named.
+    /// Whether the surfaces have no direction.
     #[must_use]
-    pub const fn cells(&self) -> Cells {
+    pub fn is_isotropic(&self) -> bool {
+        let spectrum = self.tau_y.is_none_or(|tau_y| Some(tau_y) == self.tau);
+        match self.structure.structure(self.azimuth.0.to_radians()) {
+            Some(structure) => structure.is_isotropic() && (spectrum || self.sigma.is_none()),
+            None => spectrum,
+        }
+    }
+
+    /// What lies between heights, unless named: smooth cells, but flat ones where a structure has edges.
+    #[must_use]
+    pub fn cells(&self) -> Cells {
+        let is_structured = self.structure.structure.is_some();
+        if is_structured && self.cells == CellsChoice::default() {
+            let synthesis = self.structure_synthesis();
+            return match synthesis.is_ok_and(|synthesis| synthesis.suits_smooth_cells()) {
+                true => Cells::Smooth,
+                false => Cells::Flat,
+            };
+        }
         self.cells.of_random()
     }
 
@@ -173,6 +195,9 @@ impl SurfaceConfig {
     pub fn spacing(&self) -> [f64; 2] {
         if let Some(spacing) = self.spacing {
             return spacing.xy().map(|d| d.0);
+        }
+        if self.structure.structure.is_some() {
+            return [self.structure.spacing(); 2];
         }
         let (per_length, per_wave) = match self.cells() {
             Cells::Smooth => (4.0, 5.0),
@@ -188,11 +213,15 @@ impl SurfaceConfig {
     #[must_use]
     pub fn size(&self) -> [u64; 2] {
         let [_, longer] = self.correlation_lengths();
-        let tile = match (self.slopes, self.amplitude_ratio) {
+        let lengths = match (self.slopes, self.amplitude_ratio) {
             (SlopesName::Gaussian, _) => TILE,
             (SlopesName::Ggx, ratio) => 0.5 * TILE * ratio.map_or(8.0, |ratio| ratio.0),
         };
-        let spans = |d: f64| 2 * (0.5 * tile * longer / d).ceil() as u64;
+        let tile = match self.structure.structure {
+            Some(_) => self.structure.tile(),
+            None => lengths * longer,
+        };
+        let spans = |d: f64| 2 * (0.5 * tile / d).ceil() as u64;
         let given = self.size.map(|size| size.xy().map(|n| n.0));
         given.unwrap_or_else(|| self.spacing().map(spans))
     }

@@ -24,6 +24,10 @@ impl SurfaceConfig {
     /// [`ConfigError`] if a value is missing or out of range.
     pub fn recipe(&self) -> Result<(f64, SurfaceRecipe), ConfigError> {
         self.check_choices()?;
+        self.structure.check()?;
+        if self.structure.structure.is_some() {
+            return self.structured();
+        }
         if self.slopes == SlopesName::Ggx {
             return self.student();
         }

@@ -158,6 +158,9 @@ fn cells_line(outcome: &VerifyOutcome, case: &CaseOutcome) -> String {
     if case.cells() == Some(Cells::Smooth) {
         return "cells are smooth, with the slope variance of the continuous surface".to_owned();
     }
+    if case.case.recipe.structured().is_some() {
+        return "cells are flat, cut where edges of the structure pass between samples".to_owned();
+    }
     let [dx, dy] = case.spacing();
     let finer = if outcome.config.run.refine { 0.5 } else { 1.0 };
     let surface = &outcome.config.surface;

@@ -14,4 +14,5 @@ pub(crate) mod fluxes;
 pub(crate) mod polarised;
 pub(crate) mod polarised_figures;
 pub(crate) mod roughness;
+mod structure;
 pub(crate) mod summary;

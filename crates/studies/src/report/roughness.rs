@@ -6,6 +6,7 @@ use asperity_surface::{
     Triangle,
 };
 
+use super::structure::structure_table;
 use crate::output::{Column, Table};
 
 /// A parameter with its value and convention.
@@ -201,6 +202,9 @@ struct Statistic<'a> {
 #[must_use]
 pub fn realisation_table(r: &Roughness) -> String {
     type Row<'a> = Statistic<'a>;
+    if let Some(structure) = &r.realised_structure {
+        return structure_table(structure, r.unit);
+    }
     let Some(realised) = &r.realised else {
         return String::new();
     };

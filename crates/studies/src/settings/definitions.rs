@@ -14,6 +14,7 @@ mod output;
 mod program;
 mod render;
 mod run;
+mod structure;
 mod surface;
 
 use super::command::{Command, Commands};

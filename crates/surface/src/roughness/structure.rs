@@ -1,48 +1,48 @@
-//! Requested and realised statistics of a structured surface.
+//! Expected and realised statistics of a structured surface.
 
 use serde::Serialize;
 
-use super::compared::Compared;
 use crate::{HeightField, Structure, StructureSynthesis};
 
-/// Requested and realised statistics of a structured surface. Requested is what is expected of the continuous surface, `None` where
-/// that is not known in closed form.
+/// Expected and realised statistics of a structured surface.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RealisedStructure {
-    /// Highest to lowest point, length units.
+    /// Highest to lowest point, length units; without roughness on top.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub depth: Option<Compared>,
-    /// Fraction of the mean plane that features cover; samples off the plane are counted, if there is no roughness on top.
+    pub depth: Option<Expectation>,
+    /// Fraction of the samples that features cover; of structures in or on a plane, without roughness on top.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub coverage: Option<Compared>,
+    pub coverage: Option<Expectation>,
     /// Mean of the squared gradient over both axes together, of the facets.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub mean_square_slope: Option<Compared>,
+    pub mean_square_slope: Expectation,
     /// Period of grooves, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub period: Option<Compared>,
+    pub period: Option<Expectation>,
     /// Angle from +x to the direction along grooves, degrees.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub azimuth_degrees: Option<Compared>,
-    /// Distances between columns and rows of a lattice, length units.
+    pub azimuth_degrees: Option<Expectation>,
+    /// Distances between columns and rows of a lattice as they fit the tile, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pitches: Option<[f64; 2]>,
 }
 
+/// One number, as expected and as realised.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Expectation {
+    /// What is expected of the continuous surface, on average over realisations; `None` if it is not known in closed form.
+    pub expected: Option<f64>,
+    /// What this surface has.
+    pub realised: f64,
+}
+
 impl RealisedStructure {
-    /// Compares the height from the lowest to the highest point and the mean square slope of `field` with its provenance; `None`
-    /// of other surfaces.
+    /// Of a `field` with this height from the lowest to the highest point and this mean square slope; `None` of other surfaces.
     pub(super) fn of(field: &HeightField, height: f64, square_slope: f64) -> Option<Self> {
         let surface = field.provenance()?.recipe.structured()?;
         let structure = *surface.structure();
         let synthesis =
             StructureSynthesis::new(structure, field.shape(), field.spacing(), true).ok()?;
-        let expected = synthesis.expected();
-        let compared = |requested: f64, realised: f64| Compared {
-            requested,
-            realised: Some(realised),
-            expected_deviation: None,
-        };
+        let of_structure = synthesis.expected();
         let is_bare = surface.roughness().is_none();
         let added = surface.roughness().map_or(0.0, |psd| {
             let [xx, _, yy] = psd.slope_covariance();
@@ -52,20 +52,26 @@ impl RealisedStructure {
             (Structure::Grooves(grooves), Some(found)) => Some((grooves, found)),
             _ => None,
         };
-        let slope = |slope: f64| compared(slope + added, square_slope);
+        let adjusted = |requested: f64, realised: f64| Expectation {
+            expected: Some(requested),
+            realised,
+        };
         Some(Self {
-            depth: expected
-                .depth
-                .filter(|_| is_bare)
-                .map(|depth| compared(depth, height)),
-            coverage: expected
-                .coverage
-                .filter(|_| is_bare)
-                .map(|coverage| compared(coverage, coverage_of(field, &structure))),
-            mean_square_slope: expected.mean_square_slope.map(slope),
-            period: grooves.map(|(grooves, [period, _])| compared(grooves.width, period)),
+            depth: is_bare.then_some(Expectation {
+                expected: of_structure.depth,
+                realised: height,
+            }),
+            coverage: (is_bare && grooves.is_none()).then(|| Expectation {
+                expected: of_structure.coverage,
+                realised: coverage_of(field, &structure),
+            }),
+            mean_square_slope: Expectation {
+                expected: of_structure.mean_square_slope.map(|slope| slope + added),
+                realised: square_slope,
+            },
+            period: grooves.map(|(grooves, [period, _])| adjusted(grooves.width, period)),
             azimuth_degrees: grooves.map(|(grooves, [_, azimuth])| {
-                compared(grooves.azimuth.to_degrees(), azimuth.to_degrees())
+                adjusted(grooves.azimuth.to_degrees(), azimuth.to_degrees())
             }),
             pitches: synthesis.pitches(),
         })

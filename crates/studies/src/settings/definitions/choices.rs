@@ -17,12 +17,36 @@ pub(super) const DRAWN_BORDER: Kind = Kind::Choice(&[
 ]);
 
 pub(super) const CELLS: Kind = Kind::Choice(&[
-    choice("auto", "smooth for random surfaces, flat for given ones"),
+    choice(
+        "auto",
+        "smooth for random surfaces without edges, flat for others and for given ones",
+    ),
     choice("flat", "two triangles per cell"),
     choice(
         "smooth",
         "bicubic B-splines, continuous in slope and curvature",
     ),
+]);
+
+pub(super) const STRUCTURE: Kind = Kind::Choice(&[
+    choice("pits", "spherical pits"),
+    choice("caps", "spherical caps, such as microlenses"),
+    choice("v-grooves", "grooves with two flanks of the same angle"),
+    choice("sine-grooves", "grooves with a sine for a profile"),
+    choice("blazed-grooves", "grooves with facets at right angles"),
+    choice("scratches", "straight V scratches, as on brushed metal"),
+    choice("cracks", "V cracks along a random Voronoi network"),
+    choice("pyramids", "square pyramids"),
+    choice(
+        "inverted-pyramids",
+        "square pyramids pressed into the plane",
+    ),
+]);
+
+pub(super) const ARRANGEMENT: Kind = Kind::Choice(&[
+    choice("lattice", "hexagonal, of pyramids square"),
+    choice("random", "each independent of the others; they overlap"),
+    choice("separate", "at random without overlap; not of pyramids"),
 ]);
 
 pub(super) const UNIT: Kind = Kind::Choice(&[

@@ -1,6 +1,9 @@
 //! `[surface]`: random surfaces, and the cells of any.
 
 use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT, PSD, SLOPES};
+use super::structure::{
+    DENSITY, DEPTH, EDGE_RADIUS, LENGTH, PLACES, RANDOMNESS, SPREAD, STRUCTURE_KIND, WIDTH,
+};
 use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
 use crate::settings::range::Range;
@@ -50,7 +53,12 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
     .default_yields()
-    .excludes(&["surface.sigma", "surface.ggx_alpha", "measured.*"]),
+    .excludes(&[
+        "surface.sigma",
+        "surface.ggx_alpha",
+        "surface.structure",
+        "measured.*",
+    ]),
     setting(
         SECTION,
         "smoothness_y",
@@ -72,12 +80,21 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(ATTENUATION, Some("0.5"))])
     .excludes(&["surface.smoothness", "surface.ggx_alpha", "measured.*"])
     .clears(&["output.models_at_sigma"]),
+    STRUCTURE_KIND,
+    DEPTH,
+    WIDTH,
+    LENGTH,
+    DENSITY,
+    EDGE_RADIUS,
+    RANDOMNESS,
+    PLACES,
+    SPREAD,
     setting(
         SECTION,
         "azimuth",
         Kind::Number,
         RANDOM.and(MODEL),
-        "Angle from +x to the first principal axis",
+        "Angle from +x to the first principal axis, or along grooves and scratches",
     )
     .unit(DEGREES)
     .default("0")
@@ -106,7 +123,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         (ATTENUATION, None),
         (TRACING, None),
     ])
-    .otherwise("a tile of 32 correlation lengths, or of length")
+    .otherwise("a tile of 32 correlation lengths, of length, or of 16 widths or more")
     .excludes(&["surface.length", "measured.*"]),
     setting(
         SECTION,
@@ -131,7 +148,9 @@ pub(super) const SETTINGS: &[Setting] = &[
     .arity(Arity::PerAxis)
     .default("1")
     .default_in(&[(ATTENUATION, Some("0.05")), (TRACING, None)])
-    .otherwise("tau / 4 for smooth cells, tau / 16 for flat ones; finer for short waves"),
+    .otherwise(
+        "tau / 4 for smooth cells, tau / 16 for flat ones, finer for short waves; of structures width / 16, of scratches and cracks / 8",
+    ),
     setting(
         SECTION,
         "cells",

@@ -1,0 +1,271 @@
+//! Structures of `[surface]`: pits, caps, grooves, scratches, cracks and pyramids.
+
+use asperity_surface::{
+    Arrangement, Cracks, GrooveProfile, Grooves, Pyramids, Scratches, SphericalSegments, Structure,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::config::error::ConfigError;
+use crate::config::values::Number;
+
+/// Width of features where it is not given, length units.
+const WIDTH: f64 = 16.0;
+
+/// Side of a tile in widths of features where its size is not given.
+const TILE: f64 = 16.0;
+
+/// Name of a structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StructureKind {
+    /// Spherical pits.
+    Pits,
+    /// Spherical caps.
+    Caps,
+    /// V grooves.
+    VGrooves,
+    /// Sine grooves.
+    SineGrooves,
+    /// Blazed grooves.
+    BlazedGrooves,
+    /// Scratches.
+    Scratches,
+    /// Cracks.
+    Cracks,
+    /// Upright pyramids.
+    Pyramids,
+    /// Inverted pyramids.
+    InvertedPyramids,
+}
+
+/// The settings that structures have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Parameter {
+    Length,
+    Density,
+    EdgeRadius,
+    Randomness,
+    Arrangement,
+    Spread,
+}
+
+impl StructureKind {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Pits => "pits",
+            Self::Caps => "caps",
+            Self::VGrooves => "v-grooves",
+            Self::SineGrooves => "sine-grooves",
+            Self::BlazedGrooves => "blazed-grooves",
+            Self::Scratches => "scratches",
+            Self::Cracks => "cracks",
+            Self::Pyramids => "pyramids",
+            Self::InvertedPyramids => "inverted-pyramids",
+        }
+    }
+
+    /// The settings that it has, beside depth and width.
+    const fn parameters(self) -> &'static [Parameter] {
+        use Parameter::{Arrangement, Density, EdgeRadius, Length, Randomness, Spread};
+        match self {
+            Self::Pits | Self::Caps => &[Density, EdgeRadius, Randomness, Arrangement],
+            Self::VGrooves | Self::BlazedGrooves => &[EdgeRadius, Randomness],
+            Self::SineGrooves => &[Randomness],
+            Self::Scratches => &[Length, Density, EdgeRadius, Randomness, Spread],
+            Self::Cracks => &[Density, EdgeRadius],
+            Self::Pyramids | Self::InvertedPyramids => &[Density, Randomness, Arrangement],
+        }
+    }
+}
+
+/// The structure of `[surface]`, if it has one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StructureConfig {
+    /// Its name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<StructureKind>,
+    /// Depth of features, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth: Option<Number>,
+    /// Width of features, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<Number>,
+    /// Length of scratches, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub length: Option<Number>,
+    /// Area of all features over that of the tile.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub density: Option<Number>,
+    /// Radius of curvature of edges, length units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub edge_radius: Option<Number>,
+    /// Half the range of sizes, as a fraction of their mean.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub randomness: Option<Number>,
+    /// Where features lie.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub arrangement: Option<Arrangement>,
+    /// Standard deviation of the directions of scratches, degrees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spread: Option<Number>,
+}
+
+impl StructureConfig {
+    /// Refuses settings that the structure does not have, or all if there is none.
+    ///
+    /// # Errors
+    /// [`ConfigError::UnusedByStructure`] and [`ConfigError::NoStructure`].
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let given = [
+            (Parameter::Length, "length", self.length.is_some()),
+            (Parameter::Density, "density", self.density.is_some()),
+            (
+                Parameter::EdgeRadius,
+                "edge_radius",
+                self.edge_radius.is_some(),
+            ),
+            (
+                Parameter::Randomness,
+                "randomness",
+                self.randomness.is_some(),
+            ),
+            (
+                Parameter::Arrangement,
+                "arrangement",
+                self.arrangement.is_some(),
+            ),
+            (Parameter::Spread, "spread", self.spread.is_some()),
+        ];
+        let Some(kind) = self.structure else {
+            let sizes = [
+                ("depth", self.depth.is_some()),
+                ("width", self.width.is_some()),
+            ];
+            let all = sizes
+                .into_iter()
+                .chain(given.map(|(_, name, is)| (name, is)));
+            return match all.into_iter().find(|(_, is_given)| *is_given) {
+                Some((setting, _)) => Err(ConfigError::NoStructure { setting }),
+                None => Ok(()),
+            };
+        };
+        let unused = given
+            .into_iter()
+            .find(|(parameter, _, is_given)| *is_given && !kind.parameters().contains(parameter));
+        match unused {
+            Some((_, setting, _)) => Err(ConfigError::UnusedByStructure {
+                setting,
+                structure: kind.name(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The structure with its parameters, unchecked; `azimuth` in radians. `None` if there is none.
+    #[must_use]
+    pub fn structure(&self, azimuth: f64) -> Option<Structure> {
+        let kind = self.structure?;
+        let or = |value: Option<Number>, otherwise: f64| value.map_or(otherwise, |v| v.0);
+        let width = self.width();
+        let depth = |otherwise| or(self.depth, otherwise);
+        let density = |otherwise| or(self.density, otherwise);
+        let edge_radius = or(self.edge_radius, 0.0);
+        let randomness = or(self.randomness, 0.0);
+        let arrangement = |otherwise| self.arrangement.unwrap_or(otherwise);
+        let segments = |otherwise| {
+            let arrangement = arrangement(otherwise);
+            SphericalSegments {
+                depth: depth(0.25 * width),
+                width,
+                density: density(match arrangement {
+                    // Touching
+                    Arrangement::Lattice => std::f64::consts::PI / (2.0 * 3_f64.sqrt()),
+                    Arrangement::Random => 0.5,
+                    Arrangement::Separate => 0.3,
+                }),
+                edge_radius,
+                randomness,
+                arrangement,
+            }
+        };
+        let grooves = |profile| {
+            Structure::Grooves(Grooves {
+                profile,
+                depth: depth(0.25 * width),
+                width,
+                azimuth,
+                edge_radius,
+                randomness,
+            })
+        };
+        let pyramids = |otherwise| {
+            let arrangement = arrangement(otherwise);
+            Pyramids {
+                depth: depth(Pyramids::crystal_height(width)),
+                width,
+                density: density(match arrangement {
+                    Arrangement::Lattice => 1.0,
+                    Arrangement::Random | Arrangement::Separate => 5.0,
+                }),
+                randomness,
+                arrangement,
+            }
+        };
+        Some(match kind {
+            StructureKind::Pits => Structure::Pits(segments(Arrangement::Random)),
+            StructureKind::Caps => Structure::Caps(segments(Arrangement::Lattice)),
+            StructureKind::VGrooves => grooves(GrooveProfile::V),
+            StructureKind::SineGrooves => grooves(GrooveProfile::Sine),
+            StructureKind::BlazedGrooves => grooves(GrooveProfile::Blazed),
+            StructureKind::Scratches => Structure::Scratches(Scratches {
+                depth: depth(0.25 * width),
+                width,
+                length: self.scratch_length(),
+                density: density(0.5),
+                azimuth,
+                spread: or(self.spread, 5.0).to_radians(),
+                edge_radius,
+                randomness,
+            }),
+            StructureKind::Cracks => Structure::Cracks(Cracks {
+                depth: depth(0.25 * width),
+                width,
+                density: density(0.3),
+                edge_radius,
+            }),
+            StructureKind::Pyramids => Structure::Pyramids(pyramids(Arrangement::Random)),
+            StructureKind::InvertedPyramids => Structure::Inverted(pyramids(Arrangement::Lattice)),
+        })
+    }
+
+    /// Length units per sample where that is not given: a sixteenth of the width, an eighth of that of long features.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        match self.structure {
+            Some(StructureKind::Scratches | StructureKind::Cracks) => self.width() / 8.0,
+            _ => self.width() / 16.0,
+        }
+    }
+
+    /// Side of the tile where its size is not given, length units: 16 widths, the length of scratches, or ten cells between cracks.
+    #[must_use]
+    pub fn tile(&self) -> f64 {
+        let side = TILE * self.width();
+        match self.structure {
+            Some(StructureKind::Scratches) => side.max(self.scratch_length()),
+            Some(StructureKind::Cracks) => {
+                let density = self.density.map_or(0.3, |d| d.0);
+                side.max(10.0 * 2.0 * self.width() / density)
+            }
+            _ => side,
+        }
+    }
+
+    fn width(&self) -> f64 {
+        self.width.map_or(WIDTH, |width| width.0)
+    }
+
+    fn scratch_length(&self) -> f64 {
+        self.length.map_or(20.0 * self.width(), |length| length.0)
+    }
+}
