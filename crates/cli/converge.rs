@@ -15,7 +15,8 @@ use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
-    let config: ConvergeConfig = document.read().map_err(Failure::usage)?;
+    let mut config: ConvergeConfig = document.read().map_err(Failure::usage)?;
+    config.surface.read_files().map_err(Failure::failed)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced; the folder is made when there are results.
     config.check().map_err(|error| match error {

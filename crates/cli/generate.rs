@@ -37,7 +37,8 @@ struct Run {
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
-    let settings: Settings = document.read().map_err(Failure::usage)?;
+    let mut settings: Settings = document.read().map_err(Failure::usage)?;
+    settings.surface.read_files().map_err(Failure::failed)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     let path = results.required();
     let surface = &settings.surface;

@@ -22,6 +22,7 @@ pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> 
     if let Some(surface) = &surface {
         config = settings_for(document, surface)?;
     }
+    config.surface.read_files().map_err(Failure::failed)?;
     let sample = surface
         .map(|surface| {
             Sample::of(

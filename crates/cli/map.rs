@@ -13,7 +13,8 @@ use crate::progress::Progress;
 
 pub(crate) fn run(document: &Document, common: &Common) -> Result<End, Failure> {
     document.check_required().map_err(Failure::usage)?;
-    let config: MapConfig = document.read().map_err(Failure::usage)?;
+    let mut config: MapConfig = document.read().map_err(Failure::usage)?;
+    config.surface.read_files().map_err(Failure::failed)?;
     let results = Results::of(document).map_err(Failure::usage)?;
     // Everything is checked before a ray is traced.
     config

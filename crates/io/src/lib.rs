@@ -36,6 +36,7 @@ mod formats;
 mod height_maps;
 mod limits;
 mod meshes;
+mod number_table;
 mod pictures;
 mod surface_format;
 mod text_lines;
@@ -53,5 +54,6 @@ pub use files::{
 pub use formats::{HeightMapFormat, MeshFormat};
 pub use height_maps::{read_height_map, write_array, write_height_map};
 pub use meshes::{MeshData, MeshView, read_mesh, write_mesh};
+pub use number_table::{NumberTable, read_number_table};
 pub use pictures::{Picture, PictureFormat, write_picture};
 pub use surface_format::SurfaceFormat;

@@ -40,8 +40,9 @@ pub use config::medium::{BottomKind, BottomShape, MediumConfig, PhaseKind};
 pub use config::trace::{CellsConfig, TraceConfig};
 pub use config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis, Seconds};
 pub use config::{
-    Azimuth, CompareConfig, Incident, LightConfig, MaterialConfig, MaterialKind, OutputConfig,
-    RunConfig, SurfaceConfig, VerifyConfig,
+    Azimuth, CompareConfig, HeightsChoice, Incident, LightConfig, MaterialConfig, MaterialKind,
+    OutputConfig, RunConfig, SpectrumChoice, SurfaceConfig, SurfaceFileError, SurfaceFiles,
+    VerifyConfig,
 };
 pub use converge::{
     ConvergeConfig, ConvergeError, ConvergeOutcome, ConvergeWork, ConvergedCase, ConvergenceConfig,

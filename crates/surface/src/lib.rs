@@ -62,8 +62,8 @@ pub use psd::{
     SumPsd,
 };
 pub use recipe::{
-    Johnson, JohnsonError, JohnsonFamily, Provenance, StructuredSurface, StudentSlopes,
-    SurfaceRecipe, TransformedHeights,
+    HeightDistribution, HeightTable, HeightTableError, Johnson, JohnsonError, JohnsonFamily,
+    Provenance, StructuredSurface, StudentSlopes, SurfaceRecipe, TransformedHeights,
 };
 pub use region_slopes::RegionSlopes;
 pub use resampling::{CoarseningError, RefinementError};

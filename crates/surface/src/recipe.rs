@@ -1,5 +1,7 @@
 //! Surface recipe: what random surfaces are drawn by, but for grid, seed and number.
 
+mod height_distribution;
+mod height_table;
 mod heights;
 mod johnson;
 mod structured;
@@ -7,6 +9,8 @@ mod student;
 
 use serde::{Deserialize, Serialize};
 
+pub use self::height_distribution::HeightDistribution;
+pub use self::height_table::{HeightTable, HeightTableError};
 pub use self::heights::TransformedHeights;
 pub use self::johnson::{Johnson, JohnsonError, JohnsonFamily};
 pub use self::structured::StructuredSurface;
@@ -80,7 +84,7 @@ impl SurfaceRecipe {
 
     /// The distribution of the heights, if it was requested.
     #[must_use]
-    pub const fn heights(&self) -> Option<&Johnson> {
+    pub const fn heights(&self) -> Option<&HeightDistribution> {
         match self {
             Self::Transformed(transformed) => Some(transformed.heights()),
             Self::Gaussian(_) | Self::StudentSlopes(_) | Self::Structured(_) => None,

@@ -10,6 +10,7 @@ pub(crate) mod medium;
 pub(crate) mod structure;
 pub(crate) mod structure_recipe;
 pub(crate) mod surface;
+mod surface_files;
 mod surface_recipe;
 pub(crate) mod sweep;
 pub(crate) mod sweep_case;
@@ -26,6 +27,9 @@ use serde::{Deserialize, Serialize};
 use crate::config::error::ConfigError;
 use crate::config::medium::{BottomKind, MediumConfig};
 pub use crate::config::surface::SurfaceConfig;
+pub use crate::config::surface_files::{
+    HeightsChoice, SpectrumChoice, SurfaceFileError, SurfaceFiles,
+};
 use crate::config::values::{Count, Number, OneOrMany, OrAuto, Seconds};
 use crate::settings::{Command, Document, defaults};
 

@@ -69,6 +69,9 @@ impl SurfaceConfig {
 
     /// Whether heights or slopes are not Gaussian.
     fn has_heights(&self) -> bool {
-        self.skewness.is_some() || self.kurtosis.is_some() || self.slopes != SlopesName::Gaussian
+        self.skewness.is_some()
+            || self.kurtosis.is_some()
+            || self.heights.is_some()
+            || self.slopes != SlopesName::Gaussian
     }
 }

@@ -1,9 +1,10 @@
 //! `[surface]`: the random surfaces, and the cells of any.
 
 use asperity_simulate::Cells;
-use asperity_surface::{LengthUnit, UNRESOLVED_SLOPES};
+use asperity_surface::{LengthUnit, Psd, UNRESOLVED_SLOPES};
 use serde::{Deserialize, Serialize};
 
+use super::surface_files::{HeightsChoice, SpectrumChoice, SurfaceFiles};
 use crate::config::error::ConfigError;
 use crate::config::structure::StructureConfig;
 use crate::config::values::{Auto, Count, Number, OneOrMany, OrAuto, PerAxis};
@@ -69,10 +70,6 @@ impl SpectrumName {
             Self::PowerLaw => "power-law",
         }
     }
-
-    fn is_gaussian(&self) -> bool {
-        *self == Self::Gaussian
-    }
 }
 
 /// A distribution of slopes by its name.
@@ -96,8 +93,18 @@ impl SlopesName {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceConfig {
     /// Power spectral density.
-    #[serde(default, skip_serializing_if = "SpectrumName::is_gaussian")]
-    pub psd: SpectrumName,
+    #[serde(default, skip_serializing_if = "SpectrumChoice::is_gaussian")]
+    pub psd: SpectrumChoice,
+    /// Distribution of heights, if it is named.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heights: Option<HeightsChoice>,
+    /// What was read of files.
+    #[serde(
+        default,
+        skip_deserializing,
+        skip_serializing_if = "SurfaceFiles::is_empty"
+    )]
+    pub files: SurfaceFiles,
     /// Parameter of Matern's family.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nu: Option<Number>,
@@ -198,6 +205,9 @@ impl SurfaceConfig {
         }
         if self.structure.structure.is_some() {
             return [self.structure.spacing(); 2];
+        }
+        if let Some(spacing) = self.files.psd.as_ref().and_then(Psd::sampled) {
+            return spacing;
         }
         let (per_length, per_wave) = match self.cells() {
             Cells::Smooth => (4.0, 5.0),

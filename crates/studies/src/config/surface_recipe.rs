@@ -3,6 +3,7 @@
 use asperity_surface::{Johnson, Psd, StudentSlopes, SurfaceRecipe, TransformedHeights};
 
 use super::surface::{MAX_SMOOTHNESS, SlopesName, SpectrumName, SurfaceConfig};
+use super::surface_files::SpectrumChoice;
 use crate::config::error::ConfigError;
 
 /// Correlation length of the amplitude of GGX slopes over that of the surface, unless given.
@@ -42,6 +43,7 @@ impl SurfaceConfig {
                 let sigma = sigma.one("sigma")?.0;
                 (tau / sigma, sigma)
             }
+            (None, None) if let Some(psd) = &self.files.psd => (tau / psd.sigma(), psd.sigma()),
             _ => return refused("give either smoothness or sigma: smoothness = tau / sigma"),
         };
         let ratio = self.tau_y.map_or(1.0, |tau_y| tau_y.0 / tau);
@@ -72,7 +74,14 @@ impl SurfaceConfig {
 
     /// Surfaces of a spectrum with the skewness and kurtosis requested, if any are.
     fn transformed(&self, psd: Psd) -> Result<SurfaceRecipe, ConfigError> {
-        if self.skewness.is_none() && self.kurtosis.is_none() {
+        let has_moments = self.skewness.is_some() || self.kurtosis.is_some();
+        if let Some(heights) = &self.files.heights {
+            return match has_moments {
+                true => refused("give either heights or skewness and kurtosis"),
+                false => Ok(TransformedHeights::of(psd, heights.clone()).into()),
+            };
+        }
+        if !has_moments {
             return Ok(psd.into());
         }
         let skewness = self.skewness.map_or(0.0, |skewness| skewness.0);
@@ -89,7 +98,16 @@ impl SurfaceConfig {
             None => refused("tau is missing"),
         };
         let cut_off = number(self.cut_off);
-        Ok(match self.psd {
+        let SpectrumChoice::Named(name) = self.psd else {
+            return match &self.files.psd {
+                Some(_) if self.tau.is_some() || self.tau_y.is_some() => refused(
+                    "the correlation length of a spectrum from a file is its own; leave out tau and tau_y",
+                ),
+                Some(psd) => Ok(psd.clone().with_sigma(1.0)?),
+                None => refused("the file of the spectrum has not been read"),
+            };
+        };
+        Ok(match name {
             SpectrumName::Gaussian => Psd::gaussian(1.0, tau()?)?,
             SpectrumName::Exponential => {
                 let cut_off = needed(cut_off, "cut-off", "--psd exponential")?;
@@ -171,7 +189,7 @@ impl SurfaceConfig {
             ),
         ];
         for (flag, given, psds) in taken {
-            if given && !psds.contains(&self.psd) {
+            if given && !psds.iter().any(|psd| self.psd == *psd) {
                 let names: Vec<&str> = psds.iter().map(|psd| psd.name()).collect();
                 let psd = self.psd.name();
                 return refused(format!(

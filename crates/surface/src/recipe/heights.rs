@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::height_distribution::HeightDistribution;
 use super::johnson::{Johnson, JohnsonError};
 use crate::Psd;
 
@@ -17,7 +18,7 @@ pub struct TransformedHeights {
     /// The requested spectrum of the heights.
     psd: Psd,
     /// The distribution of the heights over sigma.
-    heights: Johnson,
+    heights: HeightDistribution,
 }
 
 impl TransformedHeights {
@@ -26,8 +27,14 @@ impl TransformedHeights {
     /// # Errors
     /// [`JohnsonError`] if no distribution of Johnson's system has them.
     pub fn new(psd: Psd, skewness: f64, kurtosis: f64) -> Result<Self, JohnsonError> {
-        let heights = Johnson::of_moments(skewness, kurtosis)?;
-        Ok(Self { psd, heights })
+        Ok(Self::of(psd, Johnson::of_moments(skewness, kurtosis)?))
+    }
+
+    /// Heights of the spectrum `psd` and a distribution.
+    #[must_use]
+    pub fn of(psd: Psd, heights: impl Into<HeightDistribution>) -> Self {
+        let heights = heights.into();
+        Self { psd, heights }
     }
 
     /// The requested spectrum of the heights.
@@ -38,14 +45,14 @@ impl TransformedHeights {
 
     /// The distribution of the heights, of mean zero and variance one.
     #[must_use]
-    pub const fn heights(&self) -> &Johnson {
+    pub const fn heights(&self) -> &HeightDistribution {
         &self.heights
     }
 
     pub(super) fn converted(&self, convert: &dyn Fn(f64) -> f64) -> Self {
         Self {
             psd: self.psd.converted(convert),
-            heights: self.heights,
+            heights: self.heights.clone(),
         }
     }
 

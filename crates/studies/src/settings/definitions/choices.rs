@@ -218,7 +218,9 @@ pub(super) const CAMERA: Kind = Kind::Choice(&[
     choice("orthographic", "parallel lines of sight"),
 ]);
 
-pub(super) const PSD: Kind = Kind::Choice(&[
+pub(super) const HEIGHTS: Kind =
+    Kind::ChoiceOrFile(&[choice("gaussian", "Gaussian, or by skewness and kurtosis")]);
+pub(super) const PSD: Kind = Kind::ChoiceOrFile(&[
     choice("gaussian", "Gaussian autocorrelation"),
     choice(
         "exponential",

@@ -1,6 +1,6 @@
 //! `[surface]`: random surfaces, and the cells of any.
 
-use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT, PSD, SLOPES};
+use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT, HEIGHTS, PSD, SLOPES};
 use super::structure::{
     DENSITY, DEPTH, EDGE_RADIUS, LENGTH, PLACES, RANDOMNESS, SPREAD, STRUCTURE_KIND, WIDTH,
 };
@@ -11,10 +11,16 @@ use crate::settings::setting::{Arity, Setting, Unless, setting};
 
 const SECTION: &str = "surface";
 
-/// Spectra whose correlation length follows from other lengths.
+/// Spectra whose correlation length follows from other lengths, or is that of a file.
 const OWN_TAU: Unless = Unless {
     setting: (SECTION, "psd"),
-    is: |psd| psd == "power-law",
+    is: |psd| !["gaussian", "exponential", "matern"].contains(&psd),
+};
+
+/// Spectra whose root mean square height is that of a file.
+const OWN_SIGMA: Unless = Unless {
+    setting: (SECTION, "psd"),
+    is: |psd| !PSD.choices().iter().any(|choice| choice.name == psd),
 };
 
 pub(super) const SETTINGS: &[Setting] = &[
@@ -53,6 +59,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     .default_in(&[(MODEL, None)])
     .otherwise("none; models of rough surfaces need it")
     .default_yields()
+    .default_unless(OWN_SIGMA)
     .excludes(&[
         "surface.sigma",
         "surface.ggx_alpha",
@@ -177,7 +184,13 @@ pub(super) const SETTINGS: &[Setting] = &[
     )
     .default("false")
     .excludes(&["measured.*"]),
-    setting(SECTION, "psd", PSD, RANDOM, "Power spectral density")
+    setting(
+        SECTION,
+        "psd",
+        PSD,
+        RANDOM,
+        "Power spectral density: by name, FILE.csv, or like:FILE, that of a height map",
+    )
         .otherwise("gaussian")
         .excludes(&["measured.*"]),
     setting(
@@ -240,6 +253,15 @@ pub(super) const SETTINGS: &[Setting] = &[
     .range(Range::Above(0.0))
     .otherwise("no second scale")
     .excludes(&["measured.*"]),
+    setting(
+        SECTION,
+        "heights",
+        HEIGHTS,
+        RANDOM,
+        "Distribution of heights: FILE.csv, or like:FILE, that of a height map",
+    )
+    .otherwise("gaussian, or by skewness and kurtosis")
+    .excludes(&["surface.skewness", "surface.kurtosis", "measured.*"]),
     setting(
         SECTION,
         "skewness",

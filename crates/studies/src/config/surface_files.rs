@@ -1,0 +1,349 @@
+//! `[surface]`: spectra and distributions of heights that come from files.
+
+use std::path::{Path, PathBuf};
+
+use asperity_analysis::fnv1a;
+use asperity_io::{NumberTable, ReadError, read_height_map, read_number_table};
+use asperity_surface::{
+    Border, EstimateError, HeightField, HeightTable, HeightTableError, LengthUnit, MissingError,
+    MissingPolicy, Psd, PsdError, RadialTable,
+};
+use serde::{Deserialize, Serialize};
+
+use super::surface::{SpectrumName, SurfaceConfig};
+
+/// What the name of a height map begins with that surfaces are to be like.
+const LIKE: &str = "like:";
+
+/// A power spectral density by its name, or by a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum SpectrumChoice {
+    /// By its name.
+    Named(SpectrumName),
+    /// A table, or `like:` and a height map.
+    File(PathBuf),
+}
+
+impl Default for SpectrumChoice {
+    fn default() -> Self {
+        Self::Named(SpectrumName::Gaussian)
+    }
+}
+
+impl PartialEq<SpectrumName> for SpectrumChoice {
+    fn eq(&self, name: &SpectrumName) -> bool {
+        matches!(self, Self::Named(own) if own == name)
+    }
+}
+
+impl SpectrumChoice {
+    pub(super) fn is_gaussian(&self) -> bool {
+        *self == SpectrumName::Gaussian
+    }
+
+    fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Named(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
+
+    /// Its name in messages.
+    pub(super) fn name(&self) -> String {
+        match self {
+            Self::Named(name) => name.name().to_owned(),
+            Self::File(path) => format!("that of {}", path.display()),
+        }
+    }
+}
+
+/// A distribution of heights: that of the spectrum, or that of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum HeightsChoice {
+    /// By its name.
+    Named(HeightsName),
+    /// A table, or `like:` and a height map.
+    File(PathBuf),
+}
+
+/// A distribution of heights by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeightsName {
+    /// Gaussian, or by skewness and kurtosis.
+    Gaussian,
+}
+
+impl HeightsChoice {
+    fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Named(_) => None,
+            Self::File(path) => Some(path),
+        }
+    }
+}
+
+/// What was read of the files that a surface names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct SurfaceFiles {
+    /// The spectrum.
+    #[serde(skip)]
+    pub(super) psd: Option<Psd>,
+    /// The distribution of heights.
+    #[serde(skip)]
+    pub(super) heights: Option<HeightTable>,
+    /// Tells apart what was read, so that no run resumes with another file of the same name.
+    hashes: Vec<String>,
+}
+
+impl SurfaceFiles {
+    pub(super) const fn is_empty(&self) -> bool {
+        self.hashes.is_empty()
+    }
+}
+
+/// Why a file does not give a spectrum or a distribution of heights.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SurfaceFileError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// A name that is no file either.
+    #[error(
+        "{setting} is {name}, which is neither a file nor one of {names}; a table ends in .csv, a height map is like:FILE"
+    )]
+    Unknown {
+        /// The flag.
+        setting: &'static str,
+        /// What was given.
+        name: String,
+        /// The names allowed.
+        names: &'static str,
+    },
+    /// A table has other columns.
+    #[error("{}: {setting} needs the columns {expected}, but the table has {found}", path.display())]
+    Columns {
+        /// The file.
+        path: PathBuf,
+        /// The flag.
+        setting: &'static str,
+        /// What is needed.
+        expected: &'static str,
+        /// What there is.
+        found: String,
+    },
+    /// A wave vector of a table is missing or there twice.
+    #[error("{}: the rows kx, ky are not those of a grid, each pair once and in order of ky, then kx", path.display())]
+    NoGrid {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The numbers make no spectrum.
+    #[error("{}: {error}", path.display())]
+    Psd {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: PsdError,
+    },
+    /// A height map has no spectrum.
+    #[error("{}: {error}", path.display())]
+    Estimate {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: EstimateError,
+    },
+    /// The numbers make no distribution.
+    #[error("{}: {error}", path.display())]
+    Heights {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: HeightTableError,
+    },
+    /// Missing points cannot be filled.
+    #[error("{}: {error}", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        error: MissingError,
+    },
+}
+
+impl SurfaceConfig {
+    /// Reads the files that `psd` and `heights` name, if they do. A surface without a unit takes that of a height map; tables are in the unit
+    /// of the surface.
+    ///
+    /// # Errors
+    /// [`SurfaceFileError`].
+    pub fn read_files(&mut self) -> Result<(), SurfaceFileError> {
+        if let Some(path) = self.psd.file().map(Path::to_owned) {
+            let psd = match like(&path) {
+                Some(map) => {
+                    let field = self.read_map(map)?;
+                    let path = map.to_owned();
+                    Psd::like(field).map_err(|error| SurfaceFileError::Estimate { path, error })?
+                }
+                None => {
+                    let names = "gaussian, exponential, matern and power-law";
+                    let table = read_table("--psd", names, &path)?;
+                    psd_of(&table)?
+                }
+            };
+            self.files.hashes.push(hash_of(&psd));
+            self.files.psd = Some(psd);
+        }
+        let heights = self.heights.as_ref().and_then(HeightsChoice::file);
+        if let Some(path) = heights.map(Path::to_owned) {
+            let heights = match like(&path) {
+                Some(map) => {
+                    let field = self.read_map(map)?;
+                    let path = map.to_owned();
+                    HeightTable::like(&field)
+                        .map_err(|error| SurfaceFileError::Heights { path, error })?
+                }
+                None => {
+                    let table = read_table("--heights", "gaussian", &path)?;
+                    heights_of(&table)?
+                }
+            };
+            self.files.hashes.push(hash_of(&heights));
+            self.files.heights = Some(heights);
+        }
+        Ok(())
+    }
+
+    /// A height map in the unit of the surface, its missing points filled, without form.
+    fn read_map(&mut self, path: &Path) -> Result<HeightField, SurfaceFileError> {
+        let mut raw = read_height_map(path)?;
+        if self.unit == LengthUnit::Arbitrary {
+            self.unit = raw.unit;
+        } else if raw.unit == LengthUnit::Arbitrary {
+            raw.unit = self.unit;
+        }
+        let failed = |error| SurfaceFileError::Missing {
+            path: path.to_owned(),
+            error,
+        };
+        let raw = raw
+            .in_unit(self.unit)
+            .map_err(|error| failed(error.into()))?;
+        let field = raw
+            .into_height_field(MissingPolicy::Fill, Border::Open)
+            .map_err(failed)?;
+        let form = match field.border() {
+            Border::Periodic => asperity_surface::Form::Mean,
+            Border::Mirrored | Border::Open => asperity_surface::Form::Plane,
+        };
+        form.remove(field)
+            .map_err(|error| SurfaceFileError::Estimate {
+                path: path.to_owned(),
+                error: error.into(),
+            })
+    }
+}
+
+fn hash_of(read: &impl Serialize) -> String {
+    let text = serde_json::to_vec(read).unwrap_or_default();
+    format!("{:016x}", fnv1a(text))
+}
+
+/// The height map of `like:FILE`.
+fn like(path: &Path) -> Option<&Path> {
+    path.to_str()?.strip_prefix(LIKE).map(Path::new)
+}
+
+fn read_table(
+    setting: &'static str,
+    names: &'static str,
+    path: &Path,
+) -> Result<NumberTable, SurfaceFileError> {
+    match read_number_table(path) {
+        Err(ReadError::NotFound { .. }) if path.extension().is_none() => {
+            Err(SurfaceFileError::Unknown {
+                setting,
+                name: path.display().to_string(),
+                names,
+            })
+        }
+        table => Ok(table?),
+    }
+}
+
+/// A radial table, or one over the plane of wave vectors.
+fn psd_of(table: &NumberTable) -> Result<Psd, SurfaceFileError> {
+    let failed = |error: PsdError| SurfaceFileError::Psd {
+        path: table.path().to_owned(),
+        error,
+    };
+    let column = |name| table.column(name).map(<[f64]>::to_vec);
+    let density = column("density");
+    if let (Some(k), Some(density)) = (column("wave_number"), density.clone()) {
+        let table = RadialTable::new(k, density).map_err(|error| failed(error.into()))?;
+        return Psd::of_radial_table(table, None).map_err(failed);
+    }
+    let (Some(kx), Some(ky), Some(density)) = (column("kx"), column("ky"), density) else {
+        return Err(wrong_columns(
+            table,
+            "--psd",
+            "wave_number and density, or kx, ky and density",
+        ));
+    };
+    let columns = ky.iter().take_while(|k| **k == ky[0]).count();
+    let is_grid = columns > 0
+        && kx.len().is_multiple_of(columns)
+        && kx.chunks(columns).all(|row| row == &kx[..columns])
+        && ky
+            .chunks(columns)
+            .all(|row| row.iter().all(|k| *k == row[0]));
+    if !is_grid {
+        return Err(SurfaceFileError::NoGrid {
+            path: table.path().to_owned(),
+        });
+    }
+    let rows = ky.iter().step_by(columns).copied().collect();
+    Psd::of_plane_table(kx[..columns].to_vec(), rows, density, None).map_err(failed)
+}
+
+/// Cumulative probabilities, or densities.
+fn heights_of(table: &NumberTable) -> Result<HeightTable, SurfaceFileError> {
+    let distribution = match (
+        table.column("height"),
+        table.column("probability"),
+        table.column("density"),
+    ) {
+        (Some(heights), Some(probabilities), _) => {
+            HeightTable::of_probabilities(heights, probabilities)
+        }
+        (Some(heights), None, Some(densities)) => HeightTable::of_densities(heights, densities),
+        _ => {
+            return Err(wrong_columns(
+                table,
+                "--heights",
+                "height and probability, or height and density",
+            ));
+        }
+    };
+    distribution.map_err(|error| SurfaceFileError::Heights {
+        path: table.path().to_owned(),
+        error,
+    })
+}
+
+fn wrong_columns(
+    table: &NumberTable,
+    setting: &'static str,
+    expected: &'static str,
+) -> SurfaceFileError {
+    SurfaceFileError::Columns {
+        path: table.path().to_owned(),
+        setting,
+        expected,
+        found: table.names().join(", "),
+    }
+}
