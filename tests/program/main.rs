@@ -36,6 +36,7 @@ mod results;
 mod settings;
 mod smooth_meshes;
 mod stopping;
+mod structures;
 mod support;
 mod tools;
 mod verbose;

@@ -92,7 +92,7 @@ pub struct StructureConfig {
     pub width: Option<Number>,
     /// Length of scratches, length units.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub length: Option<Number>,
+    pub scratch_length: Option<Number>,
     /// Area of all features over that of the tile.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<Number>,
@@ -117,7 +117,11 @@ impl StructureConfig {
     /// [`ConfigError::UnusedByStructure`] and [`ConfigError::NoStructure`].
     pub fn check(&self) -> Result<(), ConfigError> {
         let given = [
-            (Parameter::Length, "length", self.length.is_some()),
+            (
+                Parameter::Length,
+                "scratch_length",
+                self.scratch_length.is_some(),
+            ),
             (Parameter::Density, "density", self.density.is_some()),
             (
                 Parameter::EdgeRadius,
@@ -266,6 +270,7 @@ impl StructureConfig {
     }
 
     fn scratch_length(&self) -> f64 {
-        self.length.map_or(20.0 * self.width(), |length| length.0)
+        self.scratch_length
+            .map_or(20.0 * self.width(), |length| length.0)
     }
 }

@@ -16,7 +16,7 @@ const fn of_structure(key: &'static str, kind: Kind, help: &'static str) -> Sett
 pub(super) const STRUCTURE_KIND: Setting = of_structure(
     "structure",
     STRUCTURE,
-    "Structured surfaces; sigma and tau then are those of roughness on top",
+    "Structure; sigma and tau are then those of roughness on top",
 )
 .otherwise("none: Gaussian surfaces")
 .excludes(&["surface.smoothness", "measured.*"]);
@@ -24,7 +24,7 @@ pub(super) const STRUCTURE_KIND: Setting = of_structure(
 pub(super) const DEPTH: Setting = of_structure(
     "depth",
     Kind::Length,
-    "Mean depth of pits, grooves, scratches and cracks; height of caps and pyramids",
+    "Mean depth of features; height of caps and pyramids",
 )
 .range(Range::Above(0.0))
 .otherwise("width / 4; of pyramids width / sqrt 2: facets at 54.74 degrees");
@@ -37,14 +37,15 @@ pub(super) const WIDTH: Setting = of_structure(
 .range(Range::Above(0.0))
 .otherwise("16");
 
-pub(super) const LENGTH: Setting = of_structure("length", Kind::Length, "Mean length of scratches")
-    .range(Range::Above(0.0))
-    .otherwise("20 widths");
+pub(super) const SCRATCH_LENGTH: Setting =
+    of_structure("scratch_length", Kind::Length, "Mean length of scratches")
+        .range(Range::Above(0.0))
+        .otherwise("20 widths");
 
 pub(super) const DENSITY: Setting = of_structure(
     "density",
     Kind::Number,
-    "Area of all features over that of the tile, overlaps counted each time",
+    "Area of features over that of the tile, overlaps counted twice",
 )
 .range(Range::AboveTo(0.0, 20.0))
 .otherwise(
@@ -55,7 +56,7 @@ pub(super) const DENSITY: Setting = of_structure(
 pub(super) const EDGE_RADIUS: Setting = of_structure(
     "edge_radius",
     Kind::Length,
-    "Radius of curvature of edges, of all structures but pyramids and sine grooves",
+    "Radius of curvature of edges; not of pyramids and sine grooves",
 )
 .range(Range::AtLeast(0.0))
 .otherwise("0");
@@ -63,7 +64,7 @@ pub(super) const EDGE_RADIUS: Setting = of_structure(
 pub(super) const RANDOMNESS: Setting = of_structure(
     "randomness",
     Kind::Number,
-    "Sizes are uniform within 1 +- this, as fractions of their mean; not of cracks",
+    "Sizes are uniform within 1 +- this, in means; not of cracks",
 )
 .range(Range::FromBelow(0.0, 1.0))
 .otherwise("0");

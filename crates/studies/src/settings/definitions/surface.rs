@@ -2,7 +2,7 @@
 
 use super::choices::{CELLS, DRAWN_BORDER, DRAWN_UNIT, HEIGHTS, PSD, SLOPES};
 use super::structure::{
-    DENSITY, DEPTH, EDGE_RADIUS, LENGTH, PLACES, RANDOMNESS, SPREAD, STRUCTURE_KIND, WIDTH,
+    DENSITY, DEPTH, EDGE_RADIUS, PLACES, RANDOMNESS, SCRATCH_LENGTH, SPREAD, STRUCTURE_KIND, WIDTH,
 };
 use super::{ATTENUATION, DEGREES, GENERATE, GIVEN, MODEL, RANDOM, SWEEPS, TRACING};
 use crate::settings::kind::Kind;
@@ -90,7 +90,7 @@ pub(super) const SETTINGS: &[Setting] = &[
     STRUCTURE_KIND,
     DEPTH,
     WIDTH,
-    LENGTH,
+    SCRATCH_LENGTH,
     DENSITY,
     EDGE_RADIUS,
     RANDOMNESS,
@@ -101,7 +101,7 @@ pub(super) const SETTINGS: &[Setting] = &[
         "azimuth",
         Kind::Number,
         RANDOM.and(MODEL),
-        "Angle from +x to the first principal axis, or along grooves and scratches",
+        "Angle from +x to the first principal axis, grooves, scratches",
     )
     .unit(DEGREES)
     .default("0")

@@ -1,0 +1,110 @@
+//! Structured surfaces: settings, refusals, and what is read back.
+
+use serde_json::Value;
+
+use crate::support::{json, refused, succeed, words};
+
+/// What `inspect` tells of the surface that `generate` writes with these flags.
+fn generated(folder: &std::path::Path, flags: &str) -> Value {
+    let line = format!("generate {flags} --size 128 --json -o a.exr");
+    let written = json(&succeed(folder, &words(&line)));
+    let read = json(&succeed(folder, &words("inspect a.exr --json")));
+    let of = |value: &Value| value["realised_structure"].clone();
+    assert_eq!(
+        of(&written)["mean_square_slope"]["expected"],
+        of(&read)["mean_square_slope"]["expected"],
+        "{flags}"
+    );
+    of(&read)
+}
+
+/// Each setting changes what is drawn; statistics expected of the structure come back from the file.
+#[test]
+fn settings_of_structures_are_drawn_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let of = |flags: &str, name: &str| {
+        let found = generated(folder, flags);
+        ["expected", "realised"].map(|part| found[name][part].as_f64())
+    };
+    // 2 depth / width = 3/4
+    let grooves = "--structure v-grooves --depth 6 --width 16";
+    assert_eq!(
+        of(grooves, "mean_square_slope"),
+        [Some(0.5625), Some(0.5625)]
+    );
+    assert_eq!(of(grooves, "depth"), [Some(6.0), Some(6.0)]);
+    let [_, rounded] = of(&format!("{grooves} --edge-radius 3"), "mean_square_slope");
+    assert!(rounded.unwrap() < 0.5);
+    let [_, azimuth] = of(&format!("{grooves} --azimuth 90"), "azimuth_degrees");
+    assert!((azimuth.unwrap() - 90.0).abs() < 1e-9);
+    // Heights of sigma / tau = 1/8 add 4 / 64
+    let [with, _] = of(&format!("{grooves} --sigma 1 --tau 8"), "mean_square_slope");
+    assert!((with.unwrap() - 0.625).abs() < 1e-12);
+    let pits = "--structure pits --width 12 --depth 3 --arrangement separate --density 0.2";
+    let [expected, realised] = of(pits, "coverage").map(Option::unwrap);
+    // 128^2 0.2 / (36 pi) is 28.97, which becomes 29
+    assert!((expected - 29.0 * 36.0 * std::f64::consts::PI / 16384.0).abs() < 1e-12);
+    assert!((realised / expected - 1.0).abs() < 0.05);
+    let scratches = "--structure scratches --width 6 --depth 1 --scratch-length 50";
+    let [along, _] = of(scratches, "coverage").map(Option::unwrap);
+    let [less, _] = of(&format!("{scratches} --density 0.1"), "coverage").map(Option::unwrap);
+    assert!(less < 0.3 * along);
+    let heights = |flags: &str| {
+        generated(folder, flags);
+        std::fs::read(folder.join("a.exr")).unwrap()
+    };
+    let spread = heights(&format!("{scratches} --spread 40"));
+    assert!(spread != heights(scratches));
+    let pyramids = "--structure inverted-pyramids --randomness";
+    assert!(heights(&format!("{pyramids} 0.5")) != heights(&format!("{pyramids} 0.1")));
+}
+
+#[test]
+fn structures_that_cannot_be_drawn_get_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    for (flags, expected) in [
+        ("--structure sponge", "must be pits, caps,"),
+        ("--depth 3", "name one by --structure"),
+        (
+            "--structure v-grooves --density 0.5",
+            "v-grooves have no density",
+        ),
+        (
+            "--structure cracks --randomness 0.5",
+            "cracks have no randomness",
+        ),
+        ("--structure pits --depth 9", "above 0, up to 8"),
+        ("--structure pits --smoothness 3", "excludes"),
+        ("--structure pits --tau-y 3", "needs --sigma"),
+        (
+            "--structure pits --sigma 1 --slopes ggx",
+            "leave out --slopes",
+        ),
+        ("--structure v-grooves --width 100", "take a side of 200"),
+        ("--structure caps --width 3", "with --insist"),
+    ] {
+        let line = format!("generate {flags} --size 256 -o a.exr");
+        let said = refused(folder.path(), &words(&line), 2);
+        assert!(said.contains(expected), "{flags}: {said}");
+    }
+}
+
+/// V grooves of mirrors at 45 degrees send vertical light back after two reflections, in every surface of the run.
+#[test]
+fn structures_are_traced_in_verify_and_gonio() {
+    let folder = tempfile::tempdir().unwrap();
+    let grooves =
+        "--structure v-grooves --depth 8 --material mirror --realisations 2 --rays 2e3 --no-plots";
+    let line = format!("verify {grooves} --theta 0 --models none --json -o out");
+    let summary = json(&succeed(folder.path(), &words(&line)));
+    assert_eq!(summary["work"]["estimator"], "plain");
+    assert_eq!(summary["paths"][0]["events"], "RR");
+    assert!((summary["paths"][0]["mean"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+    let line = "gonio --structure sine-grooves --width 16 --spacing 0.5 --realisations 2 --rays 2e3 --directions 2x2 --no-plots --json -o bsdf";
+    let summary = json(&succeed(folder.path(), &words(line))).to_string();
+    assert!(
+        summary.contains("\"structure\":\"sine-grooves\""),
+        "{summary}"
+    );
+}
