@@ -39,6 +39,7 @@ mod erosion;
 mod field_synthesis;
 mod form;
 mod height_field;
+mod iso25178;
 mod missing;
 mod numerics;
 mod psd;
@@ -56,6 +57,7 @@ pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS
 pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
+pub use iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
 pub use psd::{
     EstimateError, GaussianPsd, PlanePsd, Psd, PsdError, PsdTableError, RadialPsd, RadialTable,

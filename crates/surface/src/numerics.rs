@@ -1,12 +1,14 @@
 //! Numerics: special functions and interpolation for random surfaces.
 
 mod curve;
+mod half_plane;
 mod hermite;
 mod plane_fft;
 mod quadrature;
 mod special;
 
 pub(crate) use self::curve::Curve;
+pub(crate) use self::half_plane::HalfPlane;
 pub(crate) use self::hermite::HermiteSeries;
 pub(crate) use self::plane_fft::{power_plane, transform_plane};
 pub(crate) use self::quadrature::{gauss_legendre, root};

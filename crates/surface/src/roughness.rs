@@ -10,7 +10,8 @@ use std::f64::consts::{PI, SQRT_2};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use self::correlation::{Axis, axis_autocorrelation, one_over_e_lag};
+use self::correlation::one_over_e_lag;
+pub(crate) use self::correlation::{Axis, axis_autocorrelation};
 use self::slopes::slope_moments;
 use crate::{Border, HeightField, LengthUnit, Psd, SurfaceRecipe};
 
