@@ -20,7 +20,7 @@ pub use self::spatial::SpatialParameters;
 /// Functional, hybrid and spatial parameters of a surface.
 ///
 /// Height parameters and Sdq are those of [`Roughness`](crate::Roughness). Lengths are in the unit of the surface. No form is
-/// removed and nothing is filtered: see [`Form`](crate::Form).
+/// removed and nothing is filtered: see [`Form`](crate::Form) and [`GaussianFilter`](crate::GaussianFilter).
 ///
 /// # Examples
 /// ```

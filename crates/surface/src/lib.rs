@@ -38,6 +38,7 @@
 mod erosion;
 mod field_synthesis;
 mod form;
+mod gaussian_filter;
 mod height_field;
 mod iso25178;
 mod missing;
@@ -56,6 +57,7 @@ mod synthesis;
 pub use erosion::{Erosion, ErosionError, Etch, MAX_ETCH_SPACINGS, MAX_SLIP_STEPS, Slip};
 pub use field_synthesis::{FieldSynthesis, Resolution};
 pub use form::{Form, FormError};
+pub use gaussian_filter::{FilterError, GaussianFilter};
 pub use height_field::{Border, HeightField, HeightFieldError, LengthUnit, check_grid};
 pub use iso25178::{FunctionalParameters, Iso25178, SpatialParameters};
 pub use missing::{MissingError, MissingPolicy, RawHeightMap};
